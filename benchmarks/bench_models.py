@@ -35,14 +35,14 @@ PROVIDERS = str(Path(__file__).parents[1] / "tests" / "providers")
 class Prompt(DoubleModel):
     """Answers at once."""
 
-    def says(self, messages: list[Any]) -> str:
+    def reply_to(self, messages: list[Any]) -> str:
         return '{"option": "replan", "why": "as it was asked to"}'
 
 
 class Holding(DoubleModel):
     """Holds the interpreter's lock of its process, again and again."""
 
-    def says(self, messages: list[Any]) -> str:
+    def reply_to(self, messages: list[Any]) -> str:
         for _ in range(20):
             ctypes.PyDLL(None).usleep(int(1e6 * HELD_S))
         return ""
@@ -115,9 +115,9 @@ class Noting(Holding):
 
     file: str
 
-    def says(self, messages: list[Any]) -> str:
+    def reply_to(self, messages: list[Any]) -> str:
         Path(self.file).touch()
-        return super().says(messages)
+        return super().reply_to(messages)
 
 
 def main() -> None:

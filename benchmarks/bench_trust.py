@@ -67,7 +67,7 @@ class Scripted(DoubleModel):
         """Calls, and tokens at four characters to one, in and out."""
         return self._spent
 
-    def says(self, messages: list[BaseMessage]) -> str | AIMessage:
+    def reply_to(self, messages: list[BaseMessage]) -> str | AIMessage:
         count = self._count(messages)
         if self._released.is_set() and self._script is not hangs:
             raise RuntimeError("no one waits any more")

@@ -136,7 +136,7 @@ def test_a_model_is_given_no_tool_that_it_could_use_by_itself() -> None:
     model, reported = ScriptedModel([AIMessage("", tool_calls=[call("abort")])]), ReplyCollector()
     DecisionAgent(model, tools=[look]).ask(QUESTION._replace(tools=("look",)), reported)
     assert reported.wait()["option"] == "abort"
-    offered = model.heard[0][1]["tools"]
+    offered = model.received[0][1]["tools"]
     assert not [each for each in offered if isinstance(each, BaseTool)]
     assert offered[0]["function"]["name"] == "look"
 

@@ -35,15 +35,15 @@ QUESTION = Question(
 
 
 class ReplyCollector:
-    """Collects what an answerer tells, from any thread."""
+    """Collects what an answerer answers, from any thread."""
 
     def __init__(self) -> None:
         self.all: list[Mapping[str, Any]] = []
         self._changed = threading.Condition()
 
-    def __call__(self, said: Mapping[str, Any]) -> None:
+    def __call__(self, answer: Mapping[str, Any]) -> None:
         with self._changed:
-            self.all.append(said)
+            self.all.append(answer)
             self._changed.notify_all()
 
     def wait(self, within_s: float = 10.0) -> Mapping[str, Any]:
@@ -53,31 +53,31 @@ class ReplyCollector:
             return self.all[0]
 
 
-def answer_fault(said: Any) -> str:
-    """Why something told is no answer as `Answerer` has it; empty if it is one."""
-    if not isinstance(said, Mapping):
-        return f"an answer is a mapping, not {cut_repr(said, 80)}"
-    kinds = [kind for kind in ("option", "absent", "failed") if kind in said]
+def answer_fault(answer: Any) -> str:
+    """Why something is no answer as `Answerer` has it; empty if it is one."""
+    if not isinstance(answer, Mapping):
+        return f"an answer is a mapping, not {cut_repr(answer, 80)}"
+    kinds = [kind for kind in ("option", "absent", "failed") if kind in answer]
     if len(kinds) != 1:
         return f"an answer has one of option, absent, failed; this has {', '.join(kinds) or 'none'}"
-    if not isinstance(said[kinds[0]], str):
-        return f"'{kinds[0]}' is text, not {cut_repr(said[kinds[0]], 80)}"
+    if not isinstance(answer[kinds[0]], str):
+        return f"'{kinds[0]}' is text, not {cut_repr(answer[kinds[0]], 80)}"
     known = {"option": {"option", "parameters", "why", "usage", "looked"}}.get(kinds[0], {kinds[0], "usage", "looked"})
-    if unknown := sorted(map(str, set(said) - known)):
+    if unknown := sorted(map(str, set(answer) - known)):
         return f"an answer with '{kinds[0]}' has no '{unknown[0]}'"
-    if not isinstance(said.get("parameters", {}), Mapping) or not isinstance(said.get("why", ""), str):
+    if not isinstance(answer.get("parameters", {}), Mapping) or not isinstance(answer.get("why", ""), str):
         return "'parameters' is a mapping and 'why' is text"
     try:
-        json.dumps(said, allow_nan=False, ensure_ascii=False).encode()
+        json.dumps(answer, allow_nan=False, ensure_ascii=False).encode()
     except (TypeError, ValueError, RecursionError) as error:
         return f"an answer can be written as JSON in UTF-8: {error}"
-    return _looked_fault(said.get("looked", [])) or _usage_fault(said.get("usage"))
+    return _looked_fault(answer.get("looked", [])) or _usage_fault(answer.get("usage"))
 
 
 def _looked_fault(looked: Any) -> str:
     notes = looked if isinstance(looked, list) else [looked]
     wrong = [note for note in notes if not isinstance(note, Mapping) or set(note) != {"tool", "arguments", "said"}]
-    return f"'looked' is a list of what has tool, arguments and said, not {cut_repr(wrong[0], 60)}" if wrong else ""
+    return f"each of 'looked' has `tool`, `arguments` and `said`, not {cut_repr(wrong[0], 60)}" if wrong else ""
 
 
 def _usage_fault(usage: Any) -> str:
@@ -93,20 +93,20 @@ def check_answerer(make: Callable[[], Answerer], question: Question = QUESTION, 
     """Hold an answerer to the contract of `Answerer`.
 
     Args:
-        make: Gives a fresh answerer, one that does answer the question, be it by saying that it is absent.
+        make: Gives a fresh answerer, one that does answer the question, be it by the reason of its absence.
         question: What it is asked; must be one that it knows.
         within_s: How long an answer may take.
 
     Raises:
-        AssertionError: A promise is broken; the text says which.
+        AssertionError: A promise is broken; the text names it.
     """
     answerer = make()
     first, second = ReplyCollector(), ReplyCollector()
     at_once("withdraw", lambda: answerer.withdraw(question.number))
     at_once("ask", lambda: answerer.ask(question, first))
     at_once("ask", lambda: answerer.ask(question._replace(number=question.number + 1), second))
-    for told in (first, second):
-        fault = answer_fault(told.wait(within_s))
+    for reply in (first, second):
+        fault = answer_fault(reply.wait(within_s))
         assert not fault, fault
     at_once("withdraw", lambda: answerer.withdraw(question.number))
     at_once("withdraw", lambda: answerer.withdraw(question.number))
@@ -115,8 +115,8 @@ def check_answerer(make: Callable[[], Answerer], question: Question = QUESTION, 
     at_once("withdraw", lambda: answerer.withdraw(question.number + 2))
     answerer.ask(question._replace(number=question.number + 3), last := ReplyCollector())
     last.wait(within_s)
-    for told in (first, second, third, last):
-        assert len(told.all) <= 1, f"a question is answered once, not {len(told.all)} times: {told.all}"
+    for reply in (first, second, third, last):
+        assert len(reply.all) <= 1, f"a question is answered once, not {len(reply.all)} times: {reply.all}"
     stop = getattr(answerer, "stop", None)
     if stop is not None:
         stop()
@@ -129,7 +129,7 @@ def at_once(what: str, act: Callable[[], object], within_s: float = AT_ONCE_S) -
     def attempt() -> None:
         try:
             act()
-        except BaseException as error:  # noqa: BLE001 - told below, where it can be seen
+        except BaseException as error:  # noqa: BLE001 - reported below, where it can be seen
             raised.append(error)
 
     thread = threading.Thread(target=attempt, daemon=True)

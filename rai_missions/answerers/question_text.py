@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """What a person is shown and asked, in words: a question, its options, and the parameters of the one chosen.
 
-Rule: a typed word is turned into what the JSON Schema says or refused with what would be right; whether the whole is
-valid is judged elsewhere.
+Rule: a typed word is turned into what the JSON Schema asks for or refused with what would be right; whether the whole
+is valid is judged elsewhere.
 """
 
 from __future__ import annotations
@@ -52,10 +52,10 @@ class Blank(NamedTuple):
 
     def prompt(self) -> str:
         """`speed (number, m/s; empty for 1.0): `."""
-        kind = " or ".join(map(_said, self.schema["enum"])) if "enum" in self.schema else _kind(self.schema)
+        kind = " or ".join(map(_shown, self.schema["enum"])) if "enum" in self.schema else _kind(self.schema)
         about = str(self.schema.get("description", ""))
         if "default" in self.schema:
-            empty = f"empty for {_said(self.schema['default'])}"
+            empty = f"empty for {_shown(self.schema['default'])}"
         else:
             empty = "" if self.required else "empty to leave it out"
         inside = ", ".join(part for part in (kind, about) if part)
@@ -66,7 +66,7 @@ class Blank(NamedTuple):
 
         Raises:
             KeyError: The line is empty and the parameter stays out.
-            ValueError: It is nothing of this kind; the text says what would be.
+            ValueError: It is nothing of this kind; the text states what would be.
         """
         if not typed.strip():
             if "default" in self.schema:
@@ -93,15 +93,15 @@ def _kind(schema: Mapping[str, Any]) -> str:
     return kind if isinstance(kind, str) else ""
 
 
-def _said(value: Any) -> str:
+def _shown(value: Any) -> str:
     return value if isinstance(value, str) else json.dumps(value, ensure_ascii=False)
 
 
 def _one_of(typed: str, values: Sequence[Any]) -> Any:
     for value in values:
-        if typed == _said(value):
+        if typed == _shown(value):
             return value
-    raise ValueError(f"'{cut(typed, 60)}' is none of {', '.join(map(_said, values))}")
+    raise ValueError(f"'{cut(typed, 60)}' is none of {', '.join(map(_shown, values))}")
 
 
 def _converted(typed: str, kind: str) -> Any:

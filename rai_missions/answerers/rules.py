@@ -76,10 +76,10 @@ class RulesAnswerer:
 
 def _compiled(state: str, index: int, row: tuple[Guard | None, str], keys: Mapping[str, Key]) -> AnswerRule:
     guard, option = row
-    said = f"rule {index + 1} of '{state}'"
+    name = f"rule {index + 1} of '{state}'"
     if guard is None:
-        return AnswerRule(None, option, f"{said}: always")
-    return AnswerRule(guard.compile(Site(f"/rules/{state}/{index}", keys, state)), option, f"{said}: {guard.words()}")
+        return AnswerRule(None, option, f"{name}: always")
+    return AnswerRule(guard.compile(Site(f"/rules/{state}/{index}", keys, state)), option, f"{name}: {guard.words()}")
 
 
 def _chosen(rows: Sequence[AnswerRule], question: Question, view: View) -> AnswerRule | None:

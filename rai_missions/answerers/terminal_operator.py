@@ -61,7 +61,7 @@ class OperatorAgent:
         pending = Pending(question, answer)
         fd = self._terminal()
         if fd is None:
-            pending.tell({"absent": "no terminal"})
+            pending.reply({"absent": "no terminal"})
             return
         with self._lock:
             self._open[question.number] = pending
@@ -90,7 +90,7 @@ class OperatorAgent:
     def _serve(self, pending: Pending, reader: LineReader) -> None:
         reply = self._reply(pending, reader) if pending.open else None
         if reply is not None:
-            pending.tell(reply)
+            pending.reply(reply)
         self.withdraw(pending.question.number)
 
     def _reply(self, pending: Pending, reader: LineReader) -> dict[str, Any] | None:
@@ -153,5 +153,5 @@ class OperatorAgent:
     def _write_last(self, why: str) -> None:
         try:
             self._write(f"\n({why})\n")
-        except Exception:  # noqa: BLE001 - no one is there to be told
+        except Exception:  # noqa: BLE001 - no one looks at the screen any more
             return

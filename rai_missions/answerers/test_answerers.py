@@ -11,13 +11,13 @@ from rai_missions.engine.decision import Question
 
 __all__ = ("ChatteringAnswerer", "LateAnswerer", "RaisingAnswerer", "SilentAnswerer")
 
-Tell = Callable[[Mapping[str, Any]], None]
+OnAnswer = Callable[[Mapping[str, Any]], None]
 
 
 class SilentAnswerer:
     """Takes every question and never answers."""
 
-    def ask(self, question: Question, answer: Tell) -> None:
+    def ask(self, question: Question, answer: OnAnswer) -> None:
         pass
 
     def withdraw(self, number: int) -> None:
@@ -27,7 +27,7 @@ class SilentAnswerer:
 class RaisingAnswerer:
     """Raises when it is asked, and when a question is withdrawn."""
 
-    def ask(self, question: Question, answer: Tell) -> None:
+    def ask(self, question: Question, answer: OnAnswer) -> None:
         raise RuntimeError("no answerer here")
 
     def withdraw(self, number: int) -> None:
@@ -35,32 +35,32 @@ class RaisingAnswerer:
 
 
 class ChatteringAnswerer:
-    """Answers one question several times, whatever is said.
+    """Answers one question several times, whatever is asked.
 
     Args:
-        sayings: What it tells, one after the other, for each question; also what is no answer at all.
+        answers: What it answers, one after the other, for each question; also what is no answer at all.
     """
 
-    def __init__(self, sayings: Iterable[Any]) -> None:
-        self._sayings = tuple(sayings)
+    def __init__(self, answers: Iterable[Any]) -> None:
+        self._answers = tuple(answers)
 
-    def ask(self, question: Question, answer: Tell) -> None:
-        for saying in self._sayings:
-            answer(saying)
+    def ask(self, question: Question, answer: OnAnswer) -> None:
+        for each in self._answers:
+            answer(each)
 
     def withdraw(self, number: int) -> None:
         pass
 
 
 class LateAnswerer:
-    """Answers when the test says so, withdrawn or not."""
+    """Answers when the test asks it to, withdrawn or not."""
 
     def __init__(self) -> None:
-        self._open: dict[int, Tell] = {}
+        self._open: dict[int, OnAnswer] = {}
         self._asked = threading.Condition()
         self.withdrawn: list[int] = []
 
-    def ask(self, question: Question, answer: Tell) -> None:
+    def ask(self, question: Question, answer: OnAnswer) -> None:
         with self._asked:
             self._open[question.number] = answer
             self._asked.notify_all()
@@ -68,7 +68,7 @@ class LateAnswerer:
     def withdraw(self, number: int) -> None:
         self.withdrawn.append(number)
 
-    def answer(self, number: int, said: Mapping[str, Any], *, within_s: float = 5.0) -> None:
+    def answer(self, number: int, reply: Mapping[str, Any], *, within_s: float = 5.0) -> None:
         """Answer a question once it was asked; several times, if called several times.
 
         Raises:
@@ -76,5 +76,5 @@ class LateAnswerer:
         """
         with self._asked:
             assert self._asked.wait_for(lambda: number in self._open, within_s), f"question {number} was not asked"
-            tell = self._open[number]
-        tell(said)
+            on_answer = self._open[number]
+        on_answer(reply)

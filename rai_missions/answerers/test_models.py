@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Chat models that say what a test wants, and chat models that do what models must be survived doing.
+"""Chat models that answer what a test wants, and chat models that do what models must be survived doing.
 
 They are langchain's own kind, so that whatever asks them is tried as it is used.
 """
@@ -45,14 +45,14 @@ class DoubleModel(BaseChatModel):
     `DoubleModel(profile={"tool_calling": False, "structured_output": False})` takes plain text alone.
     """
 
-    _heard: list[tuple[list[BaseMessage], dict[str, Any]]] = PrivateAttr(default_factory=list)
+    _received: list[tuple[list[BaseMessage], dict[str, Any]]] = PrivateAttr(default_factory=list)
 
     @property
-    def heard(self) -> list[tuple[list[BaseMessage], dict[str, Any]]]:
+    def received(self) -> list[tuple[list[BaseMessage], dict[str, Any]]]:
         """The messages of each call so far, and what was bound to it: `tools`, `response_format`."""
-        return list(self._heard)
+        return list(self._received)
 
-    def says(self, messages: list[BaseMessage]) -> str | AIMessage:
+    def reply_to(self, messages: list[BaseMessage]) -> str | AIMessage:
         """What the model answers."""
         raise NotImplementedError
 
@@ -63,9 +63,9 @@ class DoubleModel(BaseChatModel):
     def _generate(
         self, messages: list[BaseMessage], stop: list[str] | None = None, run_manager: Any = None, **bound: Any
     ) -> ChatResult:
-        self._heard.append((messages, bound))
-        said = self.says(messages)
-        message = AIMessage(said) if isinstance(said, str) else said
+        self._received.append((messages, bound))
+        reply = self.reply_to(messages)
+        message = AIMessage(reply) if isinstance(reply, str) else reply
         return ChatResult(generations=[ChatGeneration(message=message)])
 
     def bind_tools(
@@ -86,10 +86,10 @@ class DoubleModel(BaseChatModel):
 
 
 class ScriptedModel(DoubleModel):
-    """Says what is written, in order; asked once more, it raises.
+    """Answers what is written, in order; asked once more, it raises.
 
     Args:
-        answers: What it says.
+        answers: What it answers.
     """
 
     _script: Iterator[Answer] = PrivateAttr()
@@ -98,7 +98,7 @@ class ScriptedModel(DoubleModel):
         super().__init__(**words)
         self._script = iter(answers)
 
-    def says(self, messages: list[BaseMessage]) -> str | AIMessage:
+    def reply_to(self, messages: list[BaseMessage]) -> str | AIMessage:
         answer = next(self._script, None)
         if answer is None:
             raise RuntimeError("the script is over")
@@ -108,7 +108,7 @@ class ScriptedModel(DoubleModel):
 
 
 class HangingModel(DoubleModel):
-    """Never answers, until the test releases it; then it says what it was given."""
+    """Never answers, until the test releases it; then it answers what it was given."""
 
     answer: str = "abort"
     _released: threading.Event = PrivateAttr(default_factory=threading.Event)
@@ -122,7 +122,7 @@ class HangingModel(DoubleModel):
     def release(self) -> None:
         self._released.set()
 
-    def says(self, messages: list[BaseMessage]) -> str:
+    def reply_to(self, messages: list[BaseMessage]) -> str:
         self._hangs.set()
         self._released.wait()
         return self.answer
@@ -141,14 +141,14 @@ class RaisingModel(DoubleModel):
         super().__init__(**words)
         self._error = error or RuntimeError("the model is overloaded")
 
-    def says(self, messages: list[BaseMessage]) -> str:
+    def reply_to(self, messages: list[BaseMessage]) -> str:
         raise self._error
 
 
 class SilentModel(DoubleModel):
     """Answers nothing."""
 
-    def says(self, messages: list[BaseMessage]) -> str:
+    def reply_to(self, messages: list[BaseMessage]) -> str:
         return ""
 
 
@@ -158,7 +158,7 @@ class WordyModel(DoubleModel):
     length: int = 1_000_000
     last: str = '{"option": "abort"}'
 
-    def says(self, messages: list[BaseMessage]) -> str:
+    def reply_to(self, messages: list[BaseMessage]) -> str:
         return "word " * (self.length // 5) + self.last
 
 
@@ -179,7 +179,7 @@ class BabblingModel(DoubleModel):
     def _stream(
         self, messages: list[BaseMessage], stop: list[str] | None = None, run_manager: Any = None, **bound: Any
     ) -> Iterator[ChatGenerationChunk]:
-        self._heard.append((messages, bound))
+        self._received.append((messages, bound))
         try:
             while True:
                 yield ChatGenerationChunk(message=AIMessageChunk(content=self.word))
@@ -194,7 +194,7 @@ class ToolFloodModel(DoubleModel):
     at_once: int = 1_000
     """Calls in each message."""
 
-    def says(self, messages: list[BaseMessage]) -> AIMessage:
+    def reply_to(self, messages: list[BaseMessage]) -> AIMessage:
         return AIMessage("", tool_calls=[call(self.tool, str(number)) for number in range(self.at_once)])
 
 
@@ -212,5 +212,5 @@ class LyingModel(DoubleModel):
 
     _lies: Iterator[str] = PrivateAttr(default_factory=lambda: itertools.cycle(LIES))
 
-    def says(self, messages: list[BaseMessage]) -> str:
+    def reply_to(self, messages: list[BaseMessage]) -> str:
         return next(self._lies)

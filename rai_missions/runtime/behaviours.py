@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The live behaviours of a run: ticked every `tick_s` of the run's clock, and heard of when they end."""
+"""The live behaviours of a run: ticked every `tick_s` of the run's clock, and reported when they end."""
 
 from __future__ import annotations
 

@@ -32,7 +32,7 @@ class Clock(Protocol):
         """
 
     def taken(self, mailbox: Mailbox, *, paced: bool) -> None:
-        """Told of each event that a run has taken: a time that moves only in `wait` must not stand still for good.
+        """Called with each event that a run has taken: a time that moves only in `wait` must move here too.
 
         Args:
             mailbox: Where it was taken from.
@@ -53,13 +53,13 @@ class WallClock:
         mailbox.wait(None if until == math.inf else max(0.0, until - self.now()))
 
     def taken(self, mailbox: Mailbox, *, paced: bool) -> None:
-        """It goes on by itself."""
+        """It passes by itself."""
 
 
 class ContinuedClock:
     """Another clock's time, counted on from an instant: that of a run which was cut short.
 
-    It stands at this instant until the run begins to look, by `begin` or by waiting: to connect to a robot costs a run
+    It stays at this instant until the run begins to look, by `begin` or by waiting: to connect to a robot costs a run
     that is resumed none of its time.
 
     Args:
@@ -110,7 +110,7 @@ class SimulatedClock:
     """Time that moves only when nothing waits to be dealt with, or when what was dealt with never ends.
 
     A mission that asks its rules again and again has an answer to each question in the instant in which it asks. On the
-    wall that takes time as well; so time goes on by a step of the world, or by `ALONE_S` without one, once more was
+    wall that takes time as well; so time passes by a step of the world, or by `ALONE_S` without one, once more was
     taken than had come and `MOST_AT_ONCE` that this had caused.
 
     Args:
@@ -170,7 +170,7 @@ class SimulatedClock:
 
 
 LATE_S = 0.25
-"""Simulated time that falls so far behind its pace does not make up for it: whoever thinks would lose that time."""
+"""Simulated time so far behind its pace does not make up for it: a model or a person who thinks would lose it."""
 
 
 class Pace(NamedTuple):
@@ -243,7 +243,7 @@ class PublishedClock:
         return self._at + max(0.0, time.monotonic() - self._received_at - self._silence_s)
 
     def wait(self, mailbox: Mailbox, until: float, *, paced: bool) -> None:
-        """Return when the mailbox holds something, or when it is told that an instant has come."""
+        """Return when the mailbox holds something, or when the simulation has reached an instant."""
         while mailbox.empty:
             with self._lock:
                 now = self._now()
@@ -257,4 +257,4 @@ class PublishedClock:
             self._waiting = None
 
     def taken(self, mailbox: Mailbox, *, paced: bool) -> None:
-        """It goes on by itself."""
+        """It passes by itself."""

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Has control handed over where the actuators are, and says there that the run goes on.
+"""Has control handed over where the actuators are, and reports there that the run is alive.
 
-Rule: who holds control is what the robot says. Where it says so on a source of its own, no reply of a service counts.
+Rule: who holds control is what the robot reports. Where that has a source of its own, no reply of a service counts.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ class Handovers:
     """What a run has to do with control.
 
     Args:
-        robot: The profile; without one whoever shall have control has it at once.
+        robot: The profile; without one control changes at once.
         connector: How the robot is reached.
         scheduler: When the run reports that it is alive, and where acknowledgements go.
         on_lost: Receives who does not get control that was asked for, and whether that was refused; from any thread.
@@ -40,11 +40,11 @@ class Handovers:
         self._robot, self._connector = robot, connector
         self._scheduler, self._lost = scheduler, on_lost
         self.letting_go: bool | None = None
-        """True while an emergency stop waits for control to be with nobody; None where it never had to."""
+        """True while an emergency stop waits for control to be with `nobody`; None where it never had to."""
 
     def open(self) -> None:
-        """Say that the run goes on, for as long as its scheduler is run."""
-        self._say_alive()
+        """Report that the run is alive, for as long as its scheduler is run."""
+        self._report_alive()
 
     def hand_over(self, to: str, by: str) -> None:
         """Have control handed over; the acknowledgement comes back as an event."""
@@ -62,7 +62,7 @@ class Handovers:
         """The emergency stop has taken control from everybody: so it shall be where the actuators are.
 
         Args:
-            done: Told when it is, or cannot be; from any thread. `letting_go` is false by then.
+            done: Called when it is, or cannot be; from any thread. `letting_go` is false by then.
         """
         entry = self._robot.control.get("nobody") if self._robot is not None else None
         if entry is None or self._connector is None or self.letting_go is not None:
@@ -74,7 +74,7 @@ class Handovers:
             done()
 
         self._call(self._connector, entry, "nobody", "mission", over)
-        # A connector that breaks its promise, and never says that nobody answered, holds up no stop.
+        # A connector that breaks its promise, and never reports that no answer came, holds up no stop.
         self._scheduler.call_at(self._scheduler.now() + 2 * ANSWERED_S, over)
 
     def _call(self, connector: Connector, entry: ServiceEntry, to: str, by: str, done: Callable[[], None]) -> None:
@@ -97,12 +97,12 @@ class Handovers:
     def _acknowledged(self, to: str, by: str) -> None:
         self._scheduler.post(Event(to, self._scheduler.now(), {"by": by}, "control"))
 
-    def _say_alive(self) -> None:
+    def _report_alive(self) -> None:
         entry = self._robot.alive if self._robot is not None else None
         if entry is None or self._connector is None:
             return
         try:
             self._connector.publish(entry.topic, entry.type, {})
         except Exception:
-            log.exception("nobody hears that the run goes on")
-        self._scheduler.call_at(self._scheduler.now() + entry.every_s, self._say_alive)
+            log.exception("the actuators' side cannot be reported to that the run is alive")
+        self._scheduler.call_at(self._scheduler.now() + entry.every_s, self._report_alive)

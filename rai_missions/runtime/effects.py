@@ -36,7 +36,7 @@ from rai_missions.profile.profile import endpoints
 from rai_missions.redaction import cut, cut_repr, logger
 from rai_missions.runtime.behaviours import Behaviours
 from rai_missions.runtime.control_handover import Handovers
-from rai_missions.runtime.goals import Goals, outcome_of, told
+from rai_missions.runtime.goals import Goals, journaled, outcome_of
 from rai_missions.runtime.lifecycle import Control
 from rai_missions.runtime.observers import RobotListener
 from rai_missions.runtime.readings import SourceState
@@ -48,7 +48,7 @@ __all__ = ("MISSION_LINE", "EffectExecutor")
 log = logger(__name__)
 
 MISSION_LINE = "mission_line"
-"""Field of a log record whose text stands in the step as well."""
+"""Field of a log record whose text is in the step as well."""
 LONGEST_ANSWER = 1_000_000
 """Characters; a journal keeps every answer."""
 
@@ -74,7 +74,7 @@ class EffectExecutor:
         self._robot, self._connector, self._answerers = robot, connector, answerers
         self._scheduler, self._control = scheduler, control
         self.rivalry = Rivalry(robot, connector, scheduler.wake)
-        self._goals = Goals(run, robot, connector, tell=self._event)
+        self._goals = Goals(run, robot, connector, on_event=self._event)
         self._open: dict[int, str] = {}
         self.handovers = Handovers(robot, connector, scheduler, self._lose_handover)
         self._behaviours = Behaviours(mission.behaviours(), scheduler)
@@ -83,12 +83,12 @@ class EffectExecutor:
             StartGoal: self._start, CancelGoal: self._cancel, CallService: self._call,
             PublishMessage: self._publish, Ask: self._ask, Withdraw: self._withdraw, Handover: self._request_control,
             StartBehaviour: self._behaviours.start, StopBehaviour: self._behaviours.stop,
-            SayAloud: self._say, LogLine: lambda effect: log.info("%s", effect.text, extra={MISSION_LINE: True}),
+            SayAloud: self._speak, LogLine: lambda effect: log.info("%s", effect.text, extra={MISSION_LINE: True}),
         }  # fmt: skip
 
     @property
     def holder(self) -> str | None:
-        """Who holds control, as the robot says it; empty if it has yet to, None if it never will."""
+        """Who holds control, as the robot reports it; empty if it has yet to, None if it never will."""
         return self._senses.holder
 
     def source(self, key: str) -> SourceState:
@@ -97,7 +97,7 @@ class EffectExecutor:
 
     @property
     def thinking(self) -> bool:
-        """Somebody is asked who has not answered at once: a model or a person, who needs real time."""
+        """A question has no answer yet: a model or a person thinks, who needs real time."""
         return bool(self._open)
 
     def open(self) -> None:
@@ -110,7 +110,7 @@ class EffectExecutor:
         connector: object = self._connector
         if self._robot is not None and isinstance(connector, SupportsPreconnect):
             for mode, name, type_name in endpoints(self._robot):
-                with suppress(MissionError):  # told when it is used
+                with suppress(MissionError):  # reported when it is used
                     connector.expect(mode, name, type_name)
 
     def close(self) -> None:
@@ -155,28 +155,28 @@ class EffectExecutor:
             self._event("behaviour", "behaviour", effect.number, {"status": "failure", "why": why})
 
     def stop_everything(self) -> None:
-        """The run breaks off: end every goal that may still run, heard of or not."""
+        """The run breaks off: end every goal that may still run, also those that were never accepted."""
         self.perform(self._goals.cut_off())
 
-    def take_up(self, under: InFlight, awaited: frozenset[int], wanted: frozenset[str], *, anew: bool) -> None:
-        """Go on with what an earlier process had under way, but for questions.
+    def resume(self, under: InFlight, awaited: frozenset[int], wanted: frozenset[str], *, fresh: bool) -> None:
+        """Continue with what an earlier process had under way, but for questions.
 
-        What nobody can tell the fate of, and may not be done twice, the mission hears of by the event `uncertain`.
+        If it is not known whether an effect happened, and it may not be repeated, the event `uncertain` is raised.
 
         Args:
             under: What its journal leaves open.
             awaited: The numbers that the mission still waits for.
             wanted: Who must have control for what the mission waits with.
-            anew: The surroundings know of nothing that was done: a simulated world that starts again.
+            fresh: The surroundings know of nothing that was done: a simulated world that starts again.
         """
         for number, effect in under.open.items():
             if number in awaited and not isinstance(effect, Ask):
-                self._guarded(effect, partial(self._go_on, effect, under, anew=anew))
+                self._guarded(effect, partial(self._continue, effect, under, fresh=fresh))
                 if number in under.canceled and isinstance(effect, StartGoal):
                     self.perform((CancelGoal(number, effect.action),))
         for unsure in under.unconfirmed:
             if isinstance(unsure, PublishMessage):
-                self._guarded(unsure, partial(self._publish_again, unsure, anew=anew))
+                self._guarded(unsure, partial(self._publish_again, unsure, fresh=fresh))
             elif isinstance(unsure, SayAloud):
                 self.perform((unsure,))
         if under.handover is not None and under.handover.to in wanted:
@@ -191,13 +191,13 @@ class EffectExecutor:
         """
         self.perform(tuple(Ask(each) for each in questions if isinstance(under.open.get(each.number), Ask)))
 
-    def _go_on(self, effect: Effect, under: InFlight, *, anew: bool) -> None:
-        if anew:
+    def _continue(self, effect: Effect, under: InFlight, *, fresh: bool) -> None:
+        if fresh:
             self._perform[type(effect)](effect)
         elif isinstance(effect, StartGoal):
-            self._senses.begin_action(effect.action, anew=False)
+            self._senses.continue_action(effect.action)
             known = effect.number in under.accepted or effect.number in under.canceled
-            if not self._goals.take_up(effect, accepted=known):
+            if not self._goals.resume(effect, accepted=known):
                 self._doubt("action", effect.action, effect.number, "rejected")
         elif isinstance(effect, CallService) and not self._may_repeat(effect):
             self._doubt("call", effect.service, effect.number, "failed")
@@ -208,8 +208,8 @@ class EffectExecutor:
         entry = self._robot.services.get(effect.service) if self._robot is not None else None
         return entry is None or entry.repeat
 
-    def _publish_again(self, effect: PublishMessage, *, anew: bool) -> None:
-        if anew or not self.is_doubtful(effect):
+    def _publish_again(self, effect: PublishMessage, *, fresh: bool) -> None:
+        if fresh or not self.is_doubtful(effect):
             self._publish(effect)
         else:
             self._event("doubt", "uncertain", 0, {"what": "publish", "name": effect.topic})
@@ -220,13 +220,13 @@ class EffectExecutor:
         return entry is not None and not entry.repeat
 
     def _doubt(self, what: str, name: str, number: int, outcome: str) -> None:
-        """Nobody can say whether it was done."""
+        """It is not known whether it was done."""
         self._event("doubt", "uncertain", 0, {"what": what, "name": name})
-        why = f"the run was killed, and nobody can say whether '{name}' was done"
+        why = f"the run was killed, and it is not known whether '{name}' was done"
         self._event("result", outcome, number, {"why": why})
 
     def answered(self, number: int) -> None:
-        """A question has its answer, from whomever: nobody else need think about it."""
+        """A question has its answer: no one else need think about it."""
         if number in self._open:
             self._withdraw(Withdraw(number))
 
@@ -251,7 +251,7 @@ class EffectExecutor:
 
         def answered(reply: Reply) -> None:
             outcome, why = outcome_of(entry, reply)
-            self._event("result", outcome, effect.number, {**told(reply.data), **({"why": why} if why else {})})
+            self._event("result", outcome, effect.number, {**journaled(reply.data), **({"why": why} if why else {})})
 
         request = entry.request_of(effect.request)
         call = partial(
@@ -262,14 +262,14 @@ class EffectExecutor:
     def _publish(self, effect: PublishMessage) -> None:
         entry = self._robot.topics.get(effect.topic) if self._robot is not None else None
         if entry is None or self._connector is None:
-            log.warning("nobody has a topic '%s'; its message is lost", effect.topic)
+            log.warning("no robot has a topic '%s'; its message is lost", effect.topic)
             return
         self._connector.publish(entry.topic, entry.type, entry.message_of(effect.message))
 
-    def _say(self, effect: SayAloud) -> None:
+    def _speak(self, effect: SayAloud) -> None:
         if self._robot is not None and "say" in self._robot.topics:
             self._publish(PublishMessage("say", {"data": effect.text}))
-        log.info("says: %s", effect.text, extra={MISSION_LINE: True})
+        log.info("speaks: %s", effect.text, extra={MISSION_LINE: True})
 
     # -- questions and control ------------------------------------------------------------------------------------
 
@@ -279,15 +279,15 @@ class EffectExecutor:
 
         def answer(data: Mapping[str, Any]) -> None:
             late = {} if self._open.pop(question.number, None) is not None else {"late": True}
-            self._event("proposal", question.asked, question.number, {**_said(data), **late})
+            self._event("proposal", question.asked, question.number, {**_answer_of(data), **late})
 
         self._open[question.number] = question.asked
         if answerer is None:
-            answer({"absent": f"nobody called '{question.asked}' is here"})
+            answer({"absent": f"there is no answerer '{question.asked}'"})
             return
         try:
             answerer.ask(question.apart(), answer)
-        except Exception as error:  # whoever answers is not trusted to behave
+        except Exception as error:  # an answerer is not trusted to behave
             log.exception("'%s' failed to take question %d", question.asked, question.number)
             answer({"failed": f"{type(error).__name__}: {in_words(error)}"})
 
@@ -322,13 +322,13 @@ class EffectExecutor:
         self._scheduler.call_soon(lose)
 
 
-def _said(data: Any) -> Mapping[str, Any]:
-    """What somebody answers, as a journal can hold it; what is no answer has failed."""
+def _answer_of(data: Any) -> Mapping[str, Any]:
+    """An answer as a journal can hold it; what is no answer has failed."""
     try:
-        said = plain(data)
-        if isinstance(said, Mapping) and len(str(said)) <= LONGEST_ANSWER:
-            return said
-        why = "it is too long" if isinstance(said, Mapping) else f"{cut_repr(data, 60)} is no answer"
-    except Exception as error:  # noqa: BLE001 - whoever answers is not trusted to behave
+        answer = plain(data)
+        if isinstance(answer, Mapping) and len(str(answer)) <= LONGEST_ANSWER:
+            return answer
+        why = "it is too long" if isinstance(answer, Mapping) else f"{cut_repr(data, 60)} is no answer"
+    except Exception as error:  # noqa: BLE001 - an answerer is not trusted to behave
         why = cut(error, 300)
-    return {"failed": f"said what is no answer: {why}"}
+    return {"failed": f"the reply is no answer: {why}"}

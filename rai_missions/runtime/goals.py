@@ -19,7 +19,7 @@ from rai_missions.event import EventKind
 from rai_missions.profile import ActionEntry, Robot, ServiceEntry, plain
 from rai_missions.redaction import cut, logger
 
-__all__ = ("Goals", "outcome_of", "told")
+__all__ = ("Goals", "journaled", "outcome_of")
 
 log = logger(__name__)
 
@@ -32,7 +32,7 @@ WATCHED: Mapping[str, EventKind] = {
     "stray": "stray",
     "over": "over",
 }
-"""What a connector reports of a goal next to its course → the kind of the event that tells the mission."""
+"""What a connector reports of a goal next to its course → the kind of the event that it becomes."""
 BAD_REPLIES = ("failed", "timed_out", "unavailable")
 
 
@@ -43,14 +43,14 @@ class Goals:
         run: The run's identity.
         robot: The profile; without one every start is rejected.
         connector: How the robot is reached.
-        tell: Takes kind, name, number and data of an event.
+        on_event: Called with kind, name, number and data of an event.
     """
 
     def __init__(
         self, run: str, robot: Robot | None, connector: Connector | None,
-        *, tell: Callable[[EventKind, str, int, Mapping[str, Any]], None],
+        *, on_event: Callable[[EventKind, str, int, Mapping[str, Any]], None],
     ) -> None:  # fmt: skip
-        self._run, self._robot, self._connector, self._tell = run, robot, connector, tell
+        self._run, self._robot, self._connector, self._on_event = run, robot, connector, on_event
         self._ids: dict[int, str] = {}
         self._composed: dict[str, CancelGoal] = {}
         """Action → its last start: that it has ended is known to guards alone."""
@@ -89,16 +89,16 @@ class Goals:
         goal_id, report = self._sent(entry, effect)
         self._connector.send_goal(entry.action, entry.type, goal, goal_id=goal_id, on_report=report)
 
-    def take_up(self, effect: StartGoal, *, accepted: bool) -> bool:
+    def resume(self, effect: StartGoal, *, accepted: bool) -> bool:
         """Continue with a goal that an earlier process was to send.
 
         Args:
             effect: Its start.
-            accepted: Its server is known to have accepted it. That a connector took it to be sent says nothing: it may
+            accepted: Its server is known to have accepted it. That a connector took it proves nothing: it may
                 have been waiting for the server.
 
         Returns:
-            Whether its fate is known or will be told; False where no one can say, and the robot was told to end it.
+            Whether its fate is known or will be reported; where it cannot be, the robot was ordered to end it.
         """
         entry = self._entry(effect.action)
         if entry is None or self._connector is None:
@@ -120,11 +120,11 @@ class Goals:
     def _find(self, entry: ActionEntry, effect: StartGoal, *, accepted: bool) -> None:
         """Ask its server; one never accepted, or that may be sent twice, is sent if the server knows nothing of it."""
         assert self._connector is not None and entry.action is not None
-        goal_id, told_of = self._sent(entry, effect)
+        goal_id, on_report = self._sent(entry, effect)
 
-        def report(said: Report) -> None:
-            if said.status != "lost" or (accepted and not entry.repeat):
-                told_of(said)
+        def report(received: Report) -> None:
+            if received.status != "lost" or (accepted and not entry.repeat):
+                on_report(received)
             elif effect.number in self._unwanted:
                 self._end(effect.number, "canceled", {})
             else:
@@ -198,7 +198,7 @@ class Goals:
         return self._robot.actions.get(action) if self._robot is not None else None
 
     def _sent(self, entry: ActionEntry, effect: StartGoal) -> tuple[str, Callable[[Report], None]]:
-        """A goal's id, and whom its server tells."""
+        """A goal's id, and what its reports go to."""
         self._entries[effect.number] = entry
         goal_id = self._ids[effect.number] = self.goal_id(effect.number, effect.owner)
         return goal_id, lambda report: self._reported(effect, goal_id, report)
@@ -223,7 +223,7 @@ class Goals:
 
     def _accepted(self, effect: StartGoal, data: Mapping[str, Any]) -> None:
         """A server has taken a goal; once the run is over, there is no state that could cancel it."""
-        self._tell("accepted", "accepted", effect.number, data)
+        self._on_event("accepted", "accepted", effect.number, data)
         if self._is_closed:
             with suppress(Exception):  # a connector is not trusted to behave
                 self.cancel(CancelGoal(effect.number, effect.action))
@@ -234,7 +234,7 @@ class Goals:
         try:
             outcome, why = outcome_of(entry.cancel, reply)
             if outcome == "failed":
-                self._tell("refused", action, number, {"why": why} if why else {})
+                self._on_event("refused", action, number, {"why": why} if why else {})
             elif outcome == "succeeded" and number not in self._starting:
                 self._end(number, "canceled", {})
         finally:
@@ -243,28 +243,28 @@ class Goals:
     def _reported(self, effect: StartGoal, goal_id: str, report: Report) -> None:
         number = effect.number
         if report.goal_id != goal_id:
-            log.warning("goal %d: what was said of the goal '%s' is not said of it", number, report.goal_id)
+            log.warning("goal %d: a report of the goal '%s' is not one of it", number, report.goal_id)
         elif report.status == "accepted":
-            self._accepted(effect, told(report.data))
+            self._accepted(effect, journaled(report.data))
         elif report.status == "feedback":
-            self._tell("feedback", "feedback", number, told(report.data))
+            self._on_event("feedback", "feedback", number, journaled(report.data))
         elif report.status in ENDS:
             outcome = "failed" if report.status == "lost" else report.status
             why = {"why": in_words(report.why)} if report.why else {}
             if report.status == "lost" and report.may_run:
-                self._tell("lost", effect.action, number, why)
+                self._on_event("lost", effect.action, number, why)
             self._end(number, outcome, {**self._result_of(number, report), **why})
         elif report.status in WATCHED:
             why = {"why": in_words(report.why)} if report.why else {}
-            self._tell(WATCHED[report.status], effect.action, number, {"owner": effect.owner, **why})
+            self._on_event(WATCHED[report.status], effect.action, number, {"owner": effect.owner, **why})
         else:
-            log.warning("goal %d: its server says '%s', which is no end and no progress", number, report.status)
+            log.warning("goal %d: its server reports '%s', which is no end and no progress", number, report.status)
 
     def _result_of(self, number: int, report: Report) -> Mapping[str, Any]:
         entry = self._entries.pop(number, None)
         try:
             return entry.result_of(report.data) if entry is not None else {}
-        except Exception as error:  # noqa: BLE001 - whatever a server tells, its goal has ended
+        except Exception as error:  # noqa: BLE001 - whatever a server reports, its goal has ended
             return {"why": f"its result was not understood: {cut(error, 250)}"}
 
     def _end(self, number: int, outcome: str, data: Mapping[str, Any]) -> None:
@@ -274,22 +274,22 @@ class Goals:
         for action, cancel in list(self._composed.items()):
             if cancel.number == number:
                 del self._composed[action]
-        self._tell("result", outcome, number, data)
+        self._on_event("result", outcome, number, data)
 
 
 def outcome_of(entry: ServiceEntry, reply: Reply) -> tuple[str, str]:
-    """How a call ended by what its service says of replies, and why it did not succeed; another word is a failure."""
+    """How a call ended by what its profile makes of replies, and why it did not succeed; another word is a failure."""
     try:
         good, why = entry.succeeded(reply.outcome, reply.data), reply.why or reply.data.get("message", "")
         outcome = "succeeded" if good else reply.outcome if reply.outcome in BAD_REPLIES else "failed"
-    except Exception as error:  # noqa: BLE001 - whatever a server tells, it has answered
+    except Exception as error:  # noqa: BLE001 - whatever a server reports, it has answered
         return "failed", f"its reply was not understood: {cut(error, 250)}"
     return outcome, in_words(reply.why if good else why)
 
 
-def told(data: Mapping[str, Any]) -> Mapping[str, Any]:
+def journaled(data: Mapping[str, Any]) -> Mapping[str, Any]:
     """What came back, as a journal can hold it; what it cannot is named instead."""
     try:
         return dict(plain(data))
-    except Exception as error:  # noqa: BLE001 - whatever a server tells, it has answered
-        return {"why": f"what it said was not understood: {cut(error, 250)}"}
+    except Exception as error:  # noqa: BLE001 - whatever a server reports, it has answered
+        return {"why": f"its data was not understood: {cut(error, 250)}"}

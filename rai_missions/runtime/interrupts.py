@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What Ctrl-C does to a run in a program that has not said what it does: the run ends in order, then the program.
+"""What Ctrl-C does to a run in a program without a handler of its own: the run ends in order, then the program.
 
 Rule: an exception in the midst of a step would leave the journal without what was done; so the interrupt is a command.
 """

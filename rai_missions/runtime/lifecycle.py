@@ -103,7 +103,7 @@ class Control:
         if to not in HOLDERS:
             raise UsageError(f"nobody called '{to}' can hold control; there is: {', '.join(HOLDERS)}")
         if self.holder == "nobody" and not is_operator(by):
-            return "control is with nobody since the stop; only the operator can lift it"
+            return "control is with 'nobody' since the stop; only the operator can lift it"
         if self.kept and not is_operator(by) and to != "nobody":
             return "the operator has control and has not given it back"
         return ""

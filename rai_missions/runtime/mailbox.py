@@ -28,7 +28,7 @@ class Mailbox:
     """Events on their way to the runner, from any thread, in the order in which they came; urgent ones overtake.
 
     Args:
-        clean: Takes out of an event's data what nobody may read later, as it is taken.
+        clean: Takes out of an event's data secrets, as it is taken.
         now: The run's clock. With it each event gets the instant at which it enters here, in the order in which they
             enter: once the mailbox is seen empty, no event comes that is older than the clock's time before.
         on_urgent: Called for each urgent event, once it is here, on the thread that brings it.
@@ -45,7 +45,7 @@ class Mailbox:
         self._urgent: deque[Event] = deque()
         self._front: deque[Event] = deque()
         self._late: dict[str, Event] = {}
-        """Key → the newest of what the robot said of it while far too much waited; taken once nothing else waits."""
+        """Key → its newest value of those that came while far too much waited; taken once nothing else waits."""
 
     def drop_if(self, is_overdue: Callable[[Event], bool]) -> None:
         """From now on, drop an event that comes to be taken and has waited too long.
@@ -56,7 +56,7 @@ class Mailbox:
         self._drops.append(is_overdue)
 
     def post(self, event: Event) -> None:
-        """Put it behind what waits; of what the robot says of a key while far too much does, the newest is kept."""
+        """Put it behind what waits; of what the robot reports of a key while far too much does, the newest is kept."""
         with self._entrance:
             self._enter(event if self._now is None else event._replace(at=self._now()))
 
@@ -69,7 +69,7 @@ class Mailbox:
         else:
             self._late[event.name] = event
             if self._queue.empty():
-                self.wake()  # all was taken meanwhile, and whoever waits knows nothing of it
+                self.wake()  # all was taken meanwhile, and the thread that waits was not woken
 
     def post_urgent(self, event: Event) -> None:
         """It is taken next, whatever waits."""

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Listens to the robot as its profile says, and turns messages into blackboard writes and events.
+"""Listens to the robot as its profile states, and turns messages into blackboard writes and events.
 
 Rule: what it receives it passes on with its stamp; what it cannot understand is kept as such, and logged once a source.
 """
@@ -25,7 +25,7 @@ __all__ = ("RobotListener",)
 
 log = logger(__name__)
 
-Hear = Callable[[Message], None]
+OnMessage = Callable[[Message], None]
 Poll = tuple[str, str, float, str]
 """Service, type, seconds between two questions, and the request as text."""
 
@@ -34,7 +34,7 @@ class RobotListener:
     """The ears and eyes of a run.
 
     Args:
-        robot: The profile; without one nothing is heard.
+        robot: The profile; without one nothing is received.
         connector: How the robot is reached.
         scheduler: When services are asked, and where events go.
         keys: The mission's, to whose types a reading is held before it counts as understood.
@@ -54,9 +54,9 @@ class RobotListener:
         self._before: dict[str, bool | None] = {}
         self._under_way: set[str] = set()
         """Actions that were begun and whose end was not asked for."""
-        self._polls: dict[Poll, tuple[Mapping[str, Any], list[Hear]]] = {}
+        self._polls: dict[Poll, tuple[Mapping[str, Any], list[OnMessage]]] = {}
         self.holder = None if robot is None or robot.holder is None else ""
-        """Who holds control, as the robot says it; empty if it has yet to, None if it never will."""
+        """Who holds control, as the robot reports it; empty if it has yet to, None if it never will."""
 
     def source(self, key: str) -> SourceState:
         """What is known of the source of a robot key."""
@@ -74,23 +74,22 @@ class RobotListener:
             if not event.posted:
                 self._listen(event, self._event_of(name, event))
         if self._robot.holder is not None:
-            self._listen(self._robot.holder, self._hear_holder(self._robot.holder))
-        for poll, (request, hears) in self._polls.items():
-            self._poll(poll, request, hears)
+            self._listen(self._robot.holder, self._holder_of(self._robot.holder))
+        for poll, (request, readers) in self._polls.items():
+            self._poll(poll, request, readers)
 
     def begin(self) -> None:
-        """The mission starts: what was so before is no news to it yet, so an event that lasts happens anew."""
+        """The mission starts: what was so before is no news to it yet, so an event that lasts happens again."""
         self._before.clear()
 
-    def begin_action(self, action: str, *, anew: bool = True) -> None:
-        """An action is about to begin: what is so now is no news during it, unless another process had begun it.
-
-        Args:
-            action: Its name.
-            anew: It begins now; else it goes on.
-        """
-        if self._robot is not None and anew:
+    def begin_action(self, action: str) -> None:
+        """An action is about to begin: what is so now is no news during it."""
+        if self._robot is not None:
             self._before |= {name: True for name, event in self._robot.events.items() if event.during == action}
+        self.continue_action(action)
+
+    def continue_action(self, action: str) -> None:
+        """An action that another process has begun continues."""
         self._under_way.add(action)
 
     def end_action(self, action: str) -> None:
@@ -98,7 +97,7 @@ class RobotListener:
         self._under_way.discard(action)
 
     def close(self) -> None:
-        """Hear nothing more."""
+        """Receive nothing more."""
         self._open = False
         while self._closes:
             try:
@@ -106,15 +105,15 @@ class RobotListener:
             except Exception:
                 log.exception("a subscription could not be closed")
 
-    def _listen(self, source: Source | EventSource, hear: Hear) -> None:
+    def _listen(self, source: Source | EventSource, on_message: OnMessage) -> None:
         assert self._connector is not None
         if source.topic is not None:
-            self._closes.append(self._connector.subscribe(source.topic, source.type, hear))
+            self._closes.append(self._connector.subscribe(source.topic, source.type, on_message))
         elif source.service is not None and source.every_s is not None:
             poll = (source.service, source.type, source.every_s, json.dumps(source.request, sort_keys=True))
-            self._polls.setdefault(poll, (source.request, []))[1].append(hear)
+            self._polls.setdefault(poll, (source.request, []))[1].append(on_message)
 
-    def _poll(self, poll: Poll, request: Mapping[str, Any], hears: list[Hear]) -> None:
+    def _poll(self, poll: Poll, request: Mapping[str, Any], readers: list[OnMessage]) -> None:
         """Ask a service now, and again when the time has come; one question for all who want its answer."""
         if not self._open or self._connector is None:
             return
@@ -124,26 +123,26 @@ class RobotListener:
                 message = Message(
                     service, reply.data, self._scheduler.now() - max(0.0, reply.age_s or 0.0), reply.age_s
                 )
-                for hear in hears:
-                    hear(message)
+                for read in readers:
+                    read(message)
 
         service, type_name, every_s, _ = poll
         try:
             self._connector.call(service, type_name, request, on_reply=answered, timeout_s=every_s)
-        except Exception as error:  # noqa: BLE001 - a connector's fault is a robot not heard, never the run's end
+        except Exception as error:  # noqa: BLE001 - a connector's fault is a robot that reports nothing, never the run's end
             self._puzzle(service, error)
-        self._scheduler.call_at(self._scheduler.now() + every_s, lambda: self._poll(poll, request, hears))
+        self._scheduler.call_at(self._scheduler.now() + every_s, lambda: self._poll(poll, request, readers))
 
-    def _write_of(self, key: str, source: Source) -> Hear:
+    def _write_of(self, key: str, source: Source) -> OnMessage:
         readings = self._readings[key]
 
-        def hear(message: Message) -> None:
+        def read(message: Message) -> None:
             now = self._scheduler.now()
             try:
                 if readings.receive(message.age_s, kept=message.kept):
-                    self._tell_offset(key, readings)
+                    self._report_offset(key, readings)
                 value = source.value(message.data, now)
-            except Exception as error:  # noqa: BLE001 - whatever a robot sends, the run goes on without it
+            except Exception as error:  # noqa: BLE001 - whatever a robot sends, the run continues without it
                 readings.misread(str(error))
                 self._puzzle(key, error)
                 return
@@ -158,9 +157,9 @@ class RobotListener:
                 readings.understood(now - stamp)
             self._scheduler.post(Event(key, now, {"value": value, "stamp": stamp}, "write"))
 
-        return hear
+        return read
 
-    def _tell_offset(self, key: str, readings: Readings) -> None:
+    def _report_offset(self, key: str, readings: Readings) -> None:
         """A source's stamps are off: its readings are stale too early, or as old as their receipt."""
         offset_s = readings.offset_s
         if offset_s is not None:
@@ -168,8 +167,8 @@ class RobotListener:
             log.warning("%s", sentence)
             self._note(sentence)
 
-    def _event_of(self, name: str, source: EventSource) -> Hear:
-        def hear(received: Message) -> None:
+    def _event_of(self, name: str, source: EventSource) -> OnMessage:
+        def read(received: Message) -> None:
             message = received.data
             if source.during is not None and source.during not in self._under_way:
                 return
@@ -181,28 +180,28 @@ class RobotListener:
                 self._before[name] = fires
                 if happens:
                     self._scheduler.post(Event(name, self._scheduler.now(), source.payload(message)))
-            except Exception as error:  # noqa: BLE001 - whatever a robot sends, the run goes on without it
+            except Exception as error:  # noqa: BLE001 - whatever a robot sends, the run continues without it
                 self._puzzle(name, error)
 
-        return hear
+        return read
 
-    def _hear_holder(self, source: Source) -> Hear:
-        def hear(message: Message) -> None:
+    def _holder_of(self, source: Source) -> OnMessage:
+        def read(message: Message) -> None:
             try:
                 holder = source.value(message.data)
                 if not isinstance(holder, str):
                     raise ConnectorError(f"{cut_repr(holder, 60)} is given where the name of who holds control belongs")
-            except Exception as error:  # noqa: BLE001 - whatever a robot sends, the run goes on without it
+            except Exception as error:  # noqa: BLE001 - whatever a robot sends, the run continues without it
                 self._puzzle("holder", error)
                 return
             if holder != self.holder:
                 self.holder = holder
                 self._scheduler.post(Event(holder, self._scheduler.now(), {"by": "robot"}, "control"))
 
-        return hear
+        return read
 
     def _miss(self, name: str, source: Source | EventSource, message: Mapping[str, Any]) -> None:
-        """What was sought is not in a message: it has no place there, which is told once, or was left open."""
+        """What was sought is not in a message: it has no place there, which is logged once, or was left open."""
         if name not in self._puzzled and (why := absent_field(source, message)):
             self._puzzled.add(name)
             log.warning("'%s': %s", name, why)
@@ -210,13 +209,13 @@ class RobotListener:
     def _puzzle(self, name: str, error: Exception) -> None:
         if name not in self._puzzled:
             self._puzzled.add(name)
-            log.warning("'%s' was not understood and counts as not heard: %s", name, error)
+            log.warning("'%s' was not understood and counts as not received: %s", name, error)
 
 
 def _stamp(message: Message, now: float) -> float:
     """When a reading that is received now was so, on the run's clock.
 
-    Its age says it, whatever clock the connector counts by; a connector that gives none gives an instant of the run's.
+    Its age decides, whatever clock the connector counts by; a connector that gives none gives an instant of the run's.
     """
     if message.age_s is not None and math.isfinite(message.age_s):
         return now - max(0.0, message.age_s)

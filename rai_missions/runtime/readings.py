@@ -50,7 +50,7 @@ class Readings:
 
         Args:
             age_s: Receipt minus its own stamp, seconds; None for one without a stamp.
-            kept: It was published before this process listened, and says nothing of its sender's clock.
+            kept: It was published before this process listened, and proves nothing of its sender's clock.
 
         Returns:
             Whether the source's stamps are off, for the first time.

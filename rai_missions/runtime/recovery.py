@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """How a process continues with a run that another was killed in: what was under way first, then what is so now.
 
-Rule: no one is asked, and nothing is decided, on what the robot said before the process died.
+Rule: no one is asked, and nothing is decided, on what the robot reported before the process died.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ __all__ = ("ResyncWindow", "resume_effects")
 def resume_effects(resumed: Resumption, performer: EffectExecutor, scribe: BufferedWriter) -> None:
     """Continue with what was under way, and write down what was done again; raises what the journal raises."""
     chart, under = resumed.chart, resumed.under
-    performer.take_up(under, chart.awaited, chart.wanted, anew=resumed.fresh)
+    performer.resume(under, chart.awaited, chart.wanted, fresh=resumed.fresh)
     for seq, effects in under.unsure.items():
         if resumed.fresh or (chart.outcome is not None and not any(isinstance(each, StartGoal) for each in effects)):
             scribe.settle(seq, "performed" if resumed.fresh else "in doubt")
@@ -37,7 +37,7 @@ class ResyncWindow:
     Whatever else arrives waits, each event with the instant of its arrival.
 
     Args:
-        chart: Where the run stood.
+        chart: How far the run had come.
         now: The instant on the run's clock from which it continues.
     """
 
@@ -51,7 +51,7 @@ class ResyncWindow:
             if waits and now < stale_at(self._keys[name], entry) < math.inf
         }
         self._known, self._start, self._patience_s = known.keys(), now, chart.mission.ready_s
-        self.heard: dict[str, tuple[object, float]] = {}
+        self.received: dict[str, tuple[object, float]] = {}
         """Key → its first value and stamp."""
         self.rest: list[Event] = []
         """Whatever else has happened meanwhile, in the order of its arrival."""
@@ -65,11 +65,11 @@ class ResyncWindow:
 
     def take(self, event: Event) -> None:
         """Something has come."""
-        value, is_first = event.data.get("value"), event.name in self._known and event.name not in self.heard
+        value, is_first = event.data.get("value"), event.name in self._known and event.name not in self.received
         if event.kind != "write" or not is_first or fits(self._keys[event.name], value):
             self.rest.append(event)
             return
-        self.heard[event.name] = (value, min(float(event.data.get("stamp", event.at)), event.at))
+        self.received[event.name] = (value, min(float(event.data.get("stamp", event.at)), event.at))
         self._missing.pop(event.name, None)
 
     def event(self, present: float) -> Event:
@@ -78,5 +78,5 @@ class ResyncWindow:
         Args:
             present: Now: nothing that the run asks for while it catches up is carried out before.
         """
-        heard = {name: list(each) for name, each in self.heard.items()}
-        return Event("take_up", self._start, {"heard": heard, "present": present}, "command")
+        received = {name: list(each) for name, each in self.received.items()}
+        return Event("take_up", self._start, {"heard": received, "present": present}, "command")

@@ -52,7 +52,7 @@ class Commands(Protocol):
     def kill(self, by: str = "operator") -> None: ...
 
     def control(self, to: str, by: str = "operator") -> str:
-        """Ask for control to go to somebody; returns why not, or empty."""
+        """Ask for control to change its holder; returns why it may not, or empty."""
 
     def answer(
         self, number: int, option: str, parameters: Mapping[str, Any] | None = None, by: str = "operator"

@@ -44,7 +44,7 @@ class Rivalry:
         servers = {(entry.action, entry.type) for entry in entries if entry is not None and entry.action is not None}
         self._asked += len(servers)
         for action, type_name in sorted(servers):
-            connector.survey(action, type_name, within_s=within_s, on_result=self._told)
+            connector.survey(action, type_name, within_s=within_s, on_result=self._receive)
 
     @property
     def is_known(self) -> bool:
@@ -56,7 +56,7 @@ class Rivalry:
         """The actions that more than one server serves, a sentence each."""
         return tuple(each for each in self._found if each)
 
-    def _told(self, contest: str) -> None:
+    def _receive(self, contest: str) -> None:
         with self._lock:
             self._found.append(contest)
         if self.is_known:

@@ -60,7 +60,7 @@ class Runner(RunCommands):
         answerers: Who answers questions, by the names in `ask`.
         clock: The run's time; the wall's by default.
         journal: Where the run is written; nowhere by default.
-        begin: What it begins with, or where a run stood that was cut short, whose time the clock must not be behind.
+        begin: What it begins with, or how far a run that was cut short had come; the clock must not be behind its time.
         observer: Who follows it.
 
     Raises:
@@ -123,7 +123,7 @@ class Runner(RunCommands):
 
         Raises:
             ConnectorError: The robot cannot be reached.
-            UsageError: The robot did not say what the mission needs to know before it starts; the names stand in it.
+            UsageError: The robot did not report what the mission needs to know before it starts; the error names it.
             KeyboardInterrupt: Ctrl-C was pressed, and the run has ended: the first cancels it, the second kills it.
         """
         with interruptible(self):
@@ -139,7 +139,7 @@ class Runner(RunCommands):
                 self._clock.begin()
             self._performer.open()
             if self._resumed is not None:
-                self._take_up(self._resumed)
+                self._resume(self._resumed)
             if self._chart.mode == "ready":
                 self._get_ready()
             if self._chart.mode == "ready" and self._chart.outcome is None:
@@ -165,37 +165,37 @@ class Runner(RunCommands):
         except Exception:
             log.exception("the connector could not be stopped")
 
-    def _take_up(self, resumed: Resumption) -> None:
-        """Go on where a run was cut short, with what it had under way."""
+    def _resume(self, resumed: Resumption) -> None:
+        """Continue where a run was cut short, with what it had under way."""
         if resumed.last is not None:
-            self._tell_status(resumed.last)
+            self._report_status(resumed.last)
         self._lifecycle.control.kept = self._chart.taken
         self._scribe.resume(resumed.at)
         if self._mailbox.urgent:
             resumed.under.stop()
         resume_effects(resumed, self._performer, self._scribe)
         if self._chart.outcome is None:
-            self._hear_again()
+            self._resync()
         self._performer.ask_again(resumed.under, self._chart.questions)
 
-    def _hear_again(self) -> None:
+    def _resync(self) -> None:
         """Receive again what the robot had reported, before anything else happens; what arrives meanwhile waits."""
-        hearing = ResyncWindow(self._chart, self._clock.now())
-        while self._clock.now() < hearing.until:
+        window = ResyncWindow(self._chart, self._clock.now())
+        while self._clock.now() < window.until:
             self._scheduler.run_due()
             event = self._mailbox.take()
             if event is None:
-                self._clock.wait(self._mailbox, min(hearing.until, self._scheduler.due), paced=False)
+                self._clock.wait(self._mailbox, min(window.until, self._scheduler.due), paced=False)
             elif event.kind == "command" and event.name == "kill":
                 self._kill(event)
                 break
             else:
-                hearing.take(event)
-        self._step(lambda: self._chart.send(hearing.event(self._clock.now())))
-        self._mailbox.put_back(hearing.rest)
+                window.take(event)
+        self._step(lambda: self._chart.send(window.event(self._clock.now())))
+        self._mailbox.put_back(window.rest)
 
     def _get_ready(self) -> None:
-        """Hear every robot key once before the start."""
+        """Receive every robot key once before the start."""
         chart = self._chart
         for key, value in self._arguments.items():
             if key not in chart.view.board or chart.view.board[key].value != value:
@@ -206,7 +206,7 @@ class Runner(RunCommands):
         if self._unheard and chart.outcome is None:
             missed = {name: self._performer.source(name) for name in self._unheard}
             sentence = refused(missed, self.mission.blackboard, self.mission.ready_s)
-            raise UsageError(f"{sentence} Its profile says: {self._about}" if self._about else sentence)
+            raise UsageError(f"{sentence} Its profile notes: {self._about}" if self._about else sentence)
         until += SURVEYED_S
         self._loop(lambda: chart.outcome is not None or rivalry.is_known or self._clock.now() >= until, until)
         if rivalry.contests and chart.outcome is None:
@@ -217,7 +217,7 @@ class Runner(RunCommands):
 
     @property
     def _unheard(self) -> tuple[str, ...]:
-        """What the robot has yet to say."""
+        """What the robot has yet to report."""
         return (*self._chart.unheard, *(() if self._performer.holder != "" else ("who holds control",)))
 
     def _loop(self, done: Callable[[], bool], until: float = math.inf) -> None:
@@ -272,12 +272,12 @@ class Runner(RunCommands):
             return
         if self._mailbox.urgent:  # nothing is begun any more by what waited for the disk
             self._performer.leave(step.effects, "an emergency stop came before it")
-            self._tell(step)
+            self._report(step)
             return
         self._lifecycle.control.follow(self._chart.holder, taken=self._chart.taken)  # an effect may ask for it
         self._performer.perform(step.effects)
         lost = raised_by(lambda: self._scribe.confirm(step))
-        self._tell(step)
+        self._report(step)
         if lost is not None:
             self._lose_journal(lost)
 
@@ -286,7 +286,7 @@ class Runner(RunCommands):
         since = self._chart.at
         step = self._chart.send(event)
         self._performer.perform(step.effects)
-        self._tell(step)
+        self._report(step)
         self._write(step, since)
 
     def _stop_at_once(self) -> None:
@@ -296,7 +296,7 @@ class Runner(RunCommands):
             self._performer.handovers.let_go(self._scheduler.wake)
 
     def _break_off(self, error: BaseException) -> None:
-        """The run cannot go on, whatever the reason: nothing that it started may go on without it."""
+        """The run cannot continue, whatever the reason: nothing that it started may continue without it."""
         self._performer.stop_everything()
         sentence = f"the run breaks off: {type(error).__name__}: {self._redaction.known(str(error))}"
         if not isinstance(error, UsageError):
@@ -306,15 +306,15 @@ class Runner(RunCommands):
         except (ConnectorError, UsageError) as silent:
             log.error("nor can that be written down: %s", self._redaction.known(str(silent)))
         except Exception:
-            log.exception("the journal cannot say why the run breaks off")
+            log.exception("that the run breaks off cannot be written into its journal")
 
-    def _tell(self, step: Step) -> None:
+    def _report(self, step: Step) -> None:
         self._decisions += step.question is not None
-        self._tell_status(step)
+        self._report_status(step)
         if self._observer.on_step is not None:
             self._observe(self._observer.on_step, step, "on_step")
 
-    def _tell_status(self, step: Step) -> None:
+    def _report_status(self, step: Step) -> None:
         chart = self._chart
         if chart.loose_goals != self._loose:
             self._loose = chart.loose_goals
@@ -338,13 +338,13 @@ class Runner(RunCommands):
             self._observe(self._observer.on_status, status, "on_status")
 
     def _observe(self, observer: Callable[[T], None], what: T, name: str) -> None:
-        """Whoever looks on cannot harm the run; the first thing that an observer raises is logged."""
+        """An observer cannot harm the run; the first thing that each raises is logged."""
         try:
             observer(what)
         except Exception:
             if name not in self._puzzled:
                 self._puzzled.add(name)
-                log.exception("%s raised; the run goes on", name)
+                log.exception("%s raised; the run continues", name)
 
     # -- the journal ----------------------------------------------------------------------------------------------
 
@@ -372,13 +372,13 @@ class Runner(RunCommands):
             self._step(lambda: self._chart.send(Tick(self._settled())), quiet=False)
 
     def _lose_journal(self, error: Exception) -> None:
-        """What cannot be written down does not go on."""
+        """What cannot be written down does not continue."""
         log.critical("the journal cannot be written, the mission is killed: %s", error)
         self._scribe.give_up()
         by = self._redaction.known(f"the journal: {error}")
         step = self._chart.send(Event("kill", self._clock.now(), {"by": by}, "command"))
         self._performer.perform(step.effects)
-        self._tell(step)
+        self._report(step)
 
     def _result(self, began: float) -> Result:
         chart = self._chart

@@ -134,7 +134,7 @@ class RunView:
         return self._chart.paused_at
 
     def still_since(self, state: str) -> float | None:
-        """Since when the time of a state stands still, in seconds on the run's clock; None while it runs."""
+        """Since when the time of a state does not pass, in seconds on the run's clock; None while it runs."""
         return self._chart.still_since(state)
 
     # -- what guards see ------------------------------------------------------------------------------------------

@@ -65,7 +65,7 @@ def test_a_model_is_asked_first_and_rules_after_it() -> None:
     mission = Mission.model_validate(ASKING)
     assert run(mission, robot(), model=ScriptedModel(['{"option": "right"}'])).outcome == "failed"
     assert run(mission, robot(rules={"asks": [{"answer": "left"}]})).outcome == "aborted"
-    assert run(mission, robot()).outcome == "failed", "with nobody there, the fallback"
+    assert run(mission, robot()).outcome == "failed", "without an answerer, the fallback"
 
 
 def test_a_mission_with_a_fault_is_refused_before_anything_moves(tmp_path: Path) -> None:

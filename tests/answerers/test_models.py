@@ -40,7 +40,7 @@ def refusal(act: Callable[[], object]) -> str:
 @pytest.mark.parametrize("spec", ["gpt-4o", "openai:", ":gpt-4o", "", " : "])
 def test_a_name_of_another_form_is_sent_the_form(spec: str) -> None:
     assert refusal(lambda: open_model(spec)) == (
-        f"'{spec}' names no model: say PROVIDER:NAME, such as openai:gpt-4o, or local"
+        f"'{spec}' names no model: write PROVIDER:NAME, such as openai:gpt-4o, or local"
     )
 
 
@@ -140,7 +140,7 @@ def test_a_missing_file_is_reported(tmp_path: Path) -> None:
     )
 
 
-@pytest.mark.parametrize("name", ["x" * 5000, "a\0b", "~nobody_of_that_name/model.gguf"])
+@pytest.mark.parametrize("name", ["x" * 5000, "a\0b", "~no_one_of_that_name/model.gguf"])
 def test_a_name_that_no_file_can_have_is_reported(name: str) -> None:
     assert name in refusal(lambda: open_model(f"local:{name}"))
 
@@ -228,7 +228,7 @@ def test_a_proxy_of_the_environment_is_not_asked_for_what_is_here(
 ) -> None:
     for name in ("HTTP_PROXY", "HTTPS_PROXY", "ALL_PROXY"):
         monkeypatch.setenv(name, "http://127.0.0.1:9")
-    assert open_model("local").invoke("Say hi").content
+    assert open_model("local").invoke("Greet me").content
 
 
 @pytest.mark.local_model

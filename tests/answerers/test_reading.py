@@ -11,14 +11,14 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 from langchain_core.messages import AIMessage
 
-from rai_missions.answerers.model.parse_reply import LONGEST, ParsedReply, callable_name, read, said_of
+from rai_missions.answerers.model.parse_reply import LONGEST, ParsedReply, callable_name, read, reply_of
 from rai_missions.engine.decision import Offer
 from rai_missions.testing import QUESTION, answer_fault, call
 from tests.answerers.messages import ANY_CALL, OFFERED, TEXTS
 
 
-def said(text: str) -> ParsedReply:
-    return read(said_of(AIMessage(text)), QUESTION)
+def read_text(text: str) -> ParsedReply:
+    return read(reply_of(AIMessage(text)), QUESTION)
 
 
 def wish(option: str, why: str = "", /, **parameters: Any) -> dict[str, Any]:
@@ -33,23 +33,23 @@ def wish(option: str, why: str = "", /, **parameters: Any) -> dict[str, Any]:
 @example('{"option": "abort", "why": "\\ud800"}', [])
 @example('{"option": "abort", "parameters": {"x": 1e999}}', [])
 def test_whatever_a_message_holds_one_thing_is_read_from_it(text: str, calls: list[Any]) -> None:
-    reading = read(said_of(AIMessage(text, tool_calls=calls)), QUESTION)
+    reading = read(reply_of(AIMessage(text, tool_calls=calls)), QUESTION)
     filled = [part for part in reading if part]
     assert len(filled) == 1, reading
-    if reading.wish is not None:
-        assert not answer_fault(reading.wish)
+    if reading.choice is not None:
+        assert not answer_fault(reading.choice)
 
 
 @given(TEXTS)
 def test_a_wish_is_in_the_text_word_by_word(text: str) -> None:
-    reading = said(text)
-    if reading.wish is not None:
-        assert json.dumps(reading.wish["option"]) in text or reading.wish["option"] == text.strip()
+    reading = read_text(text)
+    if reading.choice is not None:
+        assert json.dumps(reading.choice["option"]) in text or reading.choice["option"] == text.strip()
 
 
 @given(st.lists(ANY_CALL, min_size=2, max_size=5))
 def test_of_several_calls_with_an_option_none_is_taken(calls: list[Any]) -> None:
-    reading = read(said_of(AIMessage("", tool_calls=calls)), QUESTION)
+    reading = read(reply_of(AIMessage("", tool_calls=calls)), QUESTION)
     if any(each["name"] in OFFERED for each in calls):
         assert reading.failed == f"answered with {len(calls)} calls; one was asked for"
 
@@ -60,10 +60,10 @@ def test_an_answer_that_is_nested_too_deeply_is_none(depth: int) -> None:
     for _ in range(depth):
         nested = {"x": nested}
     called = read(
-        said_of(AIMessage.model_construct(content="", tool_calls=[{**call("abort"), "args": nested}])), QUESTION
+        reply_of(AIMessage.model_construct(content="", tool_calls=[{**call("abort"), "args": nested}])), QUESTION
     )
-    written = said('{"option": "abort", "parameters": ' + '{"x": ' * depth + "1" + "}" * (depth + 1))
-    assert bool(called.wish) == bool(written.wish) == (depth < 30)
+    written = read_text('{"option": "abort", "parameters": ' + '{"x": ' * depth + "1" + "}" * (depth + 1))
+    assert bool(called.choice) == bool(written.choice) == (depth < 30)
 
 
 # ── Examples ────────────────────────────────────────────────────────────────────────────────────────────────────
@@ -86,7 +86,7 @@ def test_an_answer_that_is_nested_too_deeply_is_none(depth: int) -> None:
     ],
 )
 def test_one_object_or_one_name_is_a_wish(text: str, expected: dict[str, Any]) -> None:
-    assert said(text).wish == expected
+    assert read_text(text).choice == expected
 
 
 @pytest.mark.parametrize(
@@ -114,32 +114,32 @@ def test_one_object_or_one_name_is_a_wish(text: str, expected: dict[str, Any]) -
     ],
 )
 def test_anything_looser_is_reported_as_what_it_is(text: str, why: str) -> None:
-    reading = said(text)
+    reading = read_text(text)
     assert reading.failed.startswith(why)
-    assert reading.wish is None
+    assert reading.choice is None
 
 
 def test_a_call_of_an_option_is_a_wish_with_its_reason_apart() -> None:
     message = AIMessage("", tool_calls=[call("signal", times=2, why="a deer")])
-    assert read(said_of(message), QUESTION).wish == wish("signal", "a deer", times=2)
+    assert read(reply_of(message), QUESTION).choice == wish("signal", "a deer", times=2)
 
 
 def test_a_parameter_called_why_stays_a_parameter() -> None:
     asks_why = Offer("report", parameters={"type": "object", "properties": {"why": {"type": "string"}}})
     question = QUESTION._replace(options=(asks_why,))
     message = AIMessage("", tool_calls=[call("report", why="rain")])
-    assert read(said_of(message), question).wish == wish("report", why="rain")
+    assert read(reply_of(message), question).choice == wish("report", why="rain")
 
 
 def test_a_call_of_something_else_is_a_call_of_a_tool() -> None:
-    assert read(said_of(AIMessage("", tool_calls=[call("look", at="crate")])), QUESTION).calls == (
+    assert read(reply_of(AIMessage("", tool_calls=[call("look", at="crate")])), QUESTION).calls == (
         call("look", at="crate"),
     )
 
 
 def test_a_call_that_is_not_json_is_reported() -> None:
     broken = {"name": "abort", "args": "{", "id": "1", "error": None, "type": "invalid_tool_call"}
-    reading = read(said_of(AIMessage("", invalid_tool_calls=[broken])), QUESTION)
+    reading = read(reply_of(AIMessage("", invalid_tool_calls=[broken])), QUESTION)
     assert reading.failed == "answered with 1 call whose arguments are not JSON"
 
 
@@ -148,17 +148,17 @@ def test_a_call_that_is_not_json_is_reported() -> None:
 def test_arguments_that_are_not_json_or_too_long_are_refused(name: str, argument: object) -> None:
     message = AIMessage("").model_copy(update={"tool_calls": [{**call(name), "args": {"x": argument}}]})
     assert (
-        read(said_of(message), QUESTION).failed == "answered with a call whose arguments are not JSON, or are too long"
+        read(reply_of(message), QUESTION).failed == "answered with a call whose arguments are not JSON, or are too long"
     )
 
 
 def test_an_option_of_an_included_mission_has_a_name_that_can_be_called() -> None:
     question = QUESTION._replace(options=(Offer("dock/back_off"),))
     assert callable_name("dock/back_off") == "dock__back_off"
-    assert read(said_of(AIMessage("", tool_calls=[call("dock__back_off")])), question).wish == wish("dock/back_off")
+    assert read(reply_of(AIMessage("", tool_calls=[call("dock__back_off")])), question).choice == wish("dock/back_off")
 
 
 def test_a_text_is_cleaned_before_it_is_cut() -> None:
     text = "x" * 100 + " my-secret-value-that-is-long"
-    reading = read(said_of(AIMessage(text)), QUESTION, lambda text: text.replace("my-secret-value-that-is-long", "*"))
+    reading = read(reply_of(AIMessage(text)), QUESTION, lambda text: text.replace("my-secret-value-that-is-long", "*"))
     assert "my-secret" not in reading.failed

@@ -105,7 +105,7 @@ class HostileModel(DoubleModel):
         """Anyone who hangs comes back, with an answer."""
         self._released.set()
 
-    def says(self, messages: list[BaseMessage]) -> str | AIMessage:
+    def reply_to(self, messages: list[BaseMessage]) -> str | AIMessage:
         self._count()
         deed = self._random.choice(DEEDS) if self._random.random() < self._malice else names_an_option
         self._done[deed.__name__] += 1
@@ -126,7 +126,7 @@ class HostileModel(DoubleModel):
             self._count()
             while True:
                 yield _chunk(self._random.choice(["and then ", '{"option": "cross"}', ""]))
-        reported = self.says(messages)
+        reported = self.reply_to(messages)
         text = reported if isinstance(reported, str) else reported.text
         for start in range(0, len(text), max(1, len(text) // 7)):
             yield _chunk(text[start : start + max(1, len(text) // 7)])

@@ -52,7 +52,7 @@ class Always(HostileModel):
 
     said: str
 
-    def says(self, messages: list[Any]) -> str:
+    def reply_to(self, messages: list[Any]) -> str:
         return self.said
 
 

@@ -98,7 +98,7 @@ def test_a_request_that_the_rules_refuse_reports_why(rig: Rig) -> None:
     assert reply.data == {"success": False, "message": "the operator has control and has not given it back"}
     assert rig.ask("agent", "operator").data["success"]
     assert rig.ask("nobody", "autonomy").data["success"], "anyone who sees danger may take control from everybody"
-    assert rig.ask("agent", "agent").data["message"].startswith("control is with nobody since the stop")
+    assert rig.ask("agent", "agent").data["message"].startswith("control is with 'nobody' since the stop")
 
 
 @pytest.mark.parametrize("text", ['{"to": "agent"}', "agent", '{"to": "agent", "by": "agent"}'])

@@ -184,7 +184,7 @@ def test_an_operator_who_fell_silent_leaves_no_one_and_only_the_operator_lifts_i
     happened = [Request(0.0, "operator", "operator"), Request(0.5, "agent", "agent"), Request(2.0, "agent", "agent")]
     happened.append(Request(3.0, "agent", "operator"))
     answers = [each.why for each in deeds(given_, happened) if isinstance(each, Answer)]
-    lifts = "control is with nobody since the stop; only the operator can lift it"
+    lifts = "control is with 'nobody' since the stop; only the operator can lift it"
     assert answers == ["", "the operator has control and has not given it back", lifts, ""]
 
 

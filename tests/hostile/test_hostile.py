@@ -285,7 +285,7 @@ class AnyModel(DoubleModel):
     api_key: SecretStr = SecretStr(SECRET)
     script: list[Any]
 
-    def says(self, messages: list[Any]) -> Any:
+    def reply_to(self, messages: list[Any]) -> Any:
         reported = self.script.pop(0) if self.script else "no more"
         if isinstance(reported, Exception):
             raise reported
@@ -296,7 +296,7 @@ class AnyModel(DoubleModel):
 
 RAISED = st.sampled_from([RuntimeError(f"401: {SECRET}"), ValueError("no"), NotImplementedError(), RecursionError()])
 OPTION = st.sampled_from([CROSS, '{"option": "finish"}', '{"option": "leave"}', '{"option": "done"}'])
-SAID = TEXTS | TEXTS.map(lambda text: f"KEY {text}") | OPTION | ANY_CALL | RAISED
+TALK = TEXTS | TEXTS.map(lambda text: f"KEY {text}") | OPTION | ANY_CALL | RAISED
 PROFILES = st.sampled_from(
     [
         {},
@@ -308,7 +308,11 @@ PROFILES = st.sampled_from(
 
 @settings(max_examples=60)
 @given(
-    st.lists(SAID, max_size=6), PROFILES, st.booleans(), st.booleans(), st.sampled_from(["succeeded", "failed", "lost"])
+    st.lists(TALK, max_size=6),
+    PROFILES,
+    st.booleans(),
+    st.booleans(),
+    st.sampled_from(["succeeded", "failed", "lost"]),
 )
 def test_whatever_a_model_reports_facts_decide_the_run_ends_and_no_key_leaks(
     tmp_path_factory: pytest.TempPathFactory,

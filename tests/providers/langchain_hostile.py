@@ -48,14 +48,14 @@ class ChatHostile(DoubleModel):
         if deed == "opens_late":
             time.sleep(float(model.partition(":")[2]))
 
-    def says(self, messages: list[BaseMessage]) -> str | AIMessage:
+    def reply_to(self, messages: list[BaseMessage]) -> str | AIMessage:
         deed, _, words = self.model.partition(":")
         done: str | AIMessage = DEEDS[deed](messages, words)
         return done
 
 
 def answers(messages: list[BaseMessage], words: str) -> str:
-    return json.dumps({"option": words or "stay", "why": "as it was told to"})
+    return json.dumps({"option": words or "stay", "why": "as it was asked to"})
 
 
 def repeats(messages: list[BaseMessage], words: str) -> str:
@@ -167,7 +167,7 @@ def exits_politely(messages: list[BaseMessage], words: str) -> str:
     raise SystemExit(1)
 
 
-def tells_its_start(messages: list[BaseMessage], words: str) -> str:
+def reports_its_start(messages: list[BaseMessage], words: str) -> str:
     """What others may read of this process, as far as it is named in the words."""
     with open("/proc/self/environ", "rb") as variables, open("/proc/self/cmdline", "rb") as arguments:
         found = variables.read() + arguments.read()
@@ -229,7 +229,7 @@ DEEDS: dict[str, Callable[[list[BaseMessage], str], Any]] = {
     deed.__name__: deed
     for deed in (
         answers, repeats, hangs, holds, holds_once, exits, crashes, grows, grows_elsewhere, threads, spins, pools,
-        ignores, leaves_children, kills_its_guard, stops_its_guard, looks, raises, exits_politely, tells_its_start,
+        ignores, leaves_children, kills_its_guard, stops_its_guard, looks, raises, exits_politely, reports_its_start,
         writes_noise, floods, forges,
     )
 }  # fmt: skip

@@ -41,7 +41,7 @@ def driving(**drive: Any) -> tuple[Goals, SlowRobot, list[str]]:
     robot, reported = SlowRobot(), list[str]()
     profile = {**ROBOT, "actions": {"drive": {**ROBOT["actions"]["drive"], **drive}}}
     goals = Goals(
-        "run", Robot.model_validate(profile), robot, tell=lambda kind, name, number, data: reported.append(name)
+        "run", Robot.model_validate(profile), robot, on_event=lambda kind, name, number, data: reported.append(name)
     )
     goals.start(StartGoal(1, "driving", "drive", {}))
     robot.answered["/drive"](DONE)

@@ -168,7 +168,7 @@ def test_a_connector_that_raises_at_a_poll_is_a_robot_not_received(caplog: pytes
     rig = Rig(MOVING, connector=Connector(call=fails), robot=profile)
     rig.stage.play({5.0: rig.runner.kill})
     assert rig.run().duration_s == 5.0
-    assert len([record for record in caplog.records if "/state" in record.message]) == 1, "told once, not ten times"
+    assert len([record for record in caplog.records if "/state" in record.message]) == 1, "logged once, not ten times"
 
 
 @pytest.mark.parametrize(

@@ -165,7 +165,7 @@ def test_a_kill_leaves_control_with_no_one() -> None:
     assert rig.runner.view.holder == "nobody"
     assert (
         rig.runner.control("agent", by="agent")
-        == "control is with nobody since the stop; only the operator can lift it"
+        == "control is with 'nobody' since the stop; only the operator can lift it"
     )
     assert rig.runner.control("operator") == ""
 

@@ -25,15 +25,15 @@ class Ear(NamedTuple):
     senses: RobotListener
     connector: LocalConnector
     mailbox: Mailbox
-    heard: list[str]
+    received: list[str]
 
-    def hear(self, *words: str) -> list[str]:
+    def receive(self, *words: str) -> list[str]:
         """What has happened by the time that the robot has reported all this."""
         for word in words:
             self.connector.publish("/state", TYPE, {"data": word})
         while (event := self.mailbox.take()) is not None:
-            self.heard.append(event.name)
-        return self.heard
+            self.received.append(event.name)
+        return self.received
 
 
 @pytest.fixture
@@ -51,38 +51,38 @@ def ear() -> Iterator[Ear]:
 
 def test_it_happens_while_the_action_is_under_way(ear: Ear) -> None:
     ear.senses.begin_action("drive")
-    assert ear.hear("DRIVING", "STOPPED", "STOPPED") == ["stuck"]
-    assert ear.hear("DRIVING", "STOPPED") == ["stuck", "stuck"]
+    assert ear.receive("DRIVING", "STOPPED", "STOPPED") == ["stuck"]
+    assert ear.receive("DRIVING", "STOPPED") == ["stuck", "stuck"]
 
 
 def test_it_does_not_happen_before_the_action_nor_after_its_end_was_asked_for(ear: Ear) -> None:
-    assert ear.hear("DRIVING", "STOPPED") == []
+    assert ear.receive("DRIVING", "STOPPED") == []
     ear.senses.begin_action("drive")
-    ear.hear("DRIVING")
+    ear.receive("DRIVING")
     ear.senses.end_action("drive")
-    assert ear.hear("STOPPED", "DRIVING", "STOPPED") == []
+    assert ear.receive("STOPPED", "DRIVING", "STOPPED") == []
 
 
 def test_what_was_so_before_the_action_is_no_news_until_it_was_otherwise(ear: Ear) -> None:
     ear.senses.begin_action("drive")
     ear.senses.end_action("drive")
-    ear.hear("STOPPED")
+    ear.receive("STOPPED")
     ear.senses.begin_action("drive")
-    assert ear.hear("STOPPED", "STOPPED") == [], "a stop that is still heard"
-    assert ear.hear("DRIVING", "STOPPED") == ["stuck"]
+    assert ear.receive("STOPPED", "STOPPED") == [], "a stop that is still received"
+    assert ear.receive("DRIVING", "STOPPED") == ["stuck"]
 
 
 def test_a_run_that_continues_receives_what_happened_while_no_one_listened(ear: Ear) -> None:
-    ear.senses.begin_action("drive", anew=False)
-    assert ear.hear("STOPPED", "STOPPED") == ["stuck"]
+    ear.senses.continue_action("drive")
+    assert ear.receive("STOPPED", "STOPPED") == ["stuck"]
 
 
 def test_another_action_changes_nothing(ear: Ear) -> None:
     ear.senses.begin_action("drive")
-    ear.hear("DRIVING")
+    ear.receive("DRIVING")
     ear.senses.begin_action("turn")
     ear.senses.end_action("turn")
-    assert ear.hear("STOPPED") == ["stuck"]
+    assert ear.receive("STOPPED") == ["stuck"]
 
 
 def test_an_action_that_is_not_there_is_a_fault() -> None:

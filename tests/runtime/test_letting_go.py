@@ -82,7 +82,7 @@ def test_a_goal_that_may_have_arrived_is_canceled_and_one_that_cannot_have_is_no
         "run",
         Robot.model_validate(ROBOT),
         connector,
-        tell=lambda kind, name, number, data: reported.append((number, name)),
+        on_event=lambda kind, name, number, data: reported.append((number, name)),
     )
     with pytest.raises(RuntimeError):
         goals.start(StartGoal(1, "moving", "move", {}))

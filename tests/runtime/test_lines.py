@@ -60,14 +60,14 @@ def test_who_wants_every_step_sees_every_step() -> None:
 def test_what_a_robot_reports_is_shown_as_it_was_reported_and_never_as_markup(message: str) -> None:
     mission = Mission.model_validate(
         {
-            "name": "m", "blackboard": {"said": {"type": "string", "source": "robot"}}, "initial": "a",
+            "name": "m", "blackboard": {"spoken": {"type": "string", "source": "robot"}}, "initial": "a",
             "states": {"a": {"final": "aborted"}},
         }
     )  # fmt: skip
     out, chart = io.StringIO(), Chart(mission)
     screen = Screen(mission, out)
     screen.watch(by_hand(chart).view)
-    chart.write("said", message, 0.0)
+    chart.write("spoken", message, 0.0)
     foot = Console(file=out, width=200)
     foot.print(screen._foot(0.0))
     assert message.replace("\x1b", " ").strip() in out.getvalue()

@@ -209,7 +209,7 @@ def test_a_robot_key_never_received_refuses_the_start_and_nothing_is_performed()
     with pytest.raises(UsageError, match=r"the robot has not reported within 2 s: battery; is it running\?"):
         rig.run()
     assert rig.move.goals == [] and rig.stage.at == pytest.approx(2.0, abs=0.11)
-    assert "battery" in rig.book.notes[0], "the journal says why there was no run"
+    assert "battery" in rig.book.notes[0], "the journal has why there was no run"
 
 
 def test_a_run_starts_as_soon_as_all_is_received() -> None:
@@ -304,7 +304,7 @@ def test_a_stale_reading_counts_as_unknown() -> None:
             2.0: lambda: rig.publish("/battery", percentage=0.7, header={"stamp": {"sec": 0, "nanosec": 500_000_000}}),
         }
     )
-    assert rig.run().duration_s == pytest.approx(2.9, abs=0.11), "2 s after the newest stamp, whenever it was heard"
+    assert rig.run().duration_s == pytest.approx(2.9, abs=0.11), "2 s after the newest stamp, whenever it was received"
 
 
 def test_effects_are_performed_only_after_their_transition_is_written() -> None:

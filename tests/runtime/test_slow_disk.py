@@ -138,7 +138,7 @@ def test_a_deadline_that_passed_while_the_disk_hung_has_passed_and_what_came_bef
     running: Running, after_due_s: float, outcome: str
 ) -> None:
     """The run's time continues; each thing has the time at which it came."""
-    book, wall, asked = MemoryJournal(hangs_at="again"), Told(), threading.Event()
+    book, wall, asked = MemoryJournal(hangs_at="again"), PinnedClock(), threading.Event()
     rig = Rig(ASKING, journal=book, clock=wall, answerers={"operator": ReplyingAnswerer(lambda question: asked.set())})
     results = running(rig)
     assert asked.wait(PATIENCE_S)
@@ -153,7 +153,7 @@ def test_a_deadline_that_passed_while_the_disk_hung_has_passed_and_what_came_bef
     assert results[0].outcome == outcome
 
 
-class Told(WallClock):
+class PinnedClock(WallClock):
     """Real time, but on the thread that made it what that thread reports, once it states something."""
 
     def __init__(self) -> None:
@@ -226,7 +226,7 @@ def test_a_disk_that_becomes_read_only_stops_the_robot(tmp_path: Path) -> None:
     assert result.outcome == "aborted" and "attempt to write a readonly database" in result.why
     assert rig.move.canceled == rig.move.goals != []
     with read(tmp_path / "run.journal") as record:
-        assert [step.event.name for step in record.steps()][-1] == "accepted", "what was written stands there"
+        assert [step.event.name for step in record.steps()][-1] == "accepted", "what was written is there"
 
 
 def test_a_journal_is_closed_although_its_disk_hangs_and_stays_this_process_own(tmp_path: Path) -> None:

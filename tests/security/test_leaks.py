@@ -103,7 +103,7 @@ class Loose(DoubleModel):
     default_headers: Mapping[str, str] = {"Authorization": f"Bearer {OF_MODEL['header']}"}
     asked: int = 0
 
-    def says(self, messages: list[Any]) -> Any:
+    def reply_to(self, messages: list[Any]) -> Any:
         self.asked += 1
         if self.asked == 1:
             raise RuntimeError(f"401, no such key: {ALL}")

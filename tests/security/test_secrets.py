@@ -35,7 +35,7 @@ class Holding(DoubleModel):
     key: SecretStr = SecretStr(BY_TYPE)
     script: list[Any]
 
-    def says(self, messages: list[Any]) -> Any:
+    def reply_to(self, messages: list[Any]) -> Any:
         reported = self.script.pop(0) if self.script else "no more"
         if isinstance(reported, Exception):
             raise reported

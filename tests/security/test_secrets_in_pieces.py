@@ -135,7 +135,7 @@ class Loose(DoubleModel):
     theirs: str
     _deeds: list[Any] = PrivateAttr(default_factory=list)
 
-    def says(self, messages: list[Any]) -> Any:
+    def reply_to(self, messages: list[Any]) -> Any:
         if not self._deeds:
             self._deeds.extend(deeds(f"{self.key.get_secret_value()}", self.theirs))
         reported = self._deeds.pop(0) if len(self._deeds) > 1 else self._deeds[0]

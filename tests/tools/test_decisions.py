@@ -77,8 +77,8 @@ def mission(*tools: str) -> Mission:
     return Mission.model_validate(asked)
 
 
-def heard(model: ScriptedModel) -> list[ToolMessage]:
-    return [message for message in model.heard[-1][0] if isinstance(message, ToolMessage)]
+def received(model: ScriptedModel) -> list[ToolMessage]:
+    return [message for message in model.received[-1][0] if isinstance(message, ToolMessage)]
 
 
 def test_what_a_model_looked_up_in_a_run_is_in_its_journal(tmp_path: Path) -> None:
@@ -91,7 +91,7 @@ def test_what_a_model_looked_up_in_a_run_is_in_its_journal(tmp_path: Path) -> No
     ):
         result = run.runner.run()
     assert result.outcome == "aborted", result.why
-    (reported,) = heard(model)
+    (reported,) = received(model)
     assert '<facts>\n"left is free"\n</facts>' in reported.content
     (answer,) = [step.event.data for step in read(path).steps() if step.event.kind == "proposal"]
     (note,) = answer["looked"]
@@ -112,7 +112,7 @@ def test_what_a_robot_reports_widens_nothing(tmp_path: Path) -> None:
     with Replying(connector, "/robot/sign", "std_msgs/msg/String", lambda: {"data": ORDER}), prepare(setting) as run:
         result = run.runner.run()
     assert (result.outcome, connector.written) == ("failed", 0), "'fly' is no option: the fallback"
-    first, second, third, fourth = [str(message.content) for message in heard(model)]
+    first, second, third, fourth = [str(message.content) for message in received(model)]
     assert first.count("</facts>") == 1
     assert "refused: no tool 'publish_message' here; there is: receive_message" in second
     assert "'/robot/secret' must never be touched" in third
@@ -134,7 +134,7 @@ def test_a_flood_of_calls_stops_at_the_budget(budget: int, at_once: int) -> None
     assert answer_fault(reported) == ""
     assert "failed" in reported
     assert reported["usage"]["calls"] <= budget
-    assert len(reported.get("looked", ())) + len(model.heard) == reported["usage"]["calls"]
+    assert len(reported.get("looked", ())) + len(model.received) == reported["usage"]["calls"]
 
 
 def test_a_tool_that_acts_is_refused_where_an_agent_is_made(local: Tried) -> None:
@@ -179,7 +179,7 @@ def test_a_picture_is_shown_to_a_model_that_takes_pictures_and_to_no_other(local
         reported = results.wait(PATIENCE_S)
     agent.stop()
     assert reported["option"] == "abort"
-    messages = model.heard[-1][0]
+    messages = model.received[-1][0]
     kinds = [
         block.get("type")
         for message in messages
@@ -187,5 +187,5 @@ def test_a_picture_is_shown_to_a_model_that_takes_pictures_and_to_no_other(local
         for block in message.content
     ]
     assert ("image" in kinds) == (images == "yes")
-    assert "newest picture of /camera" in str(heard(model)[0].content)
+    assert "newest picture of /camera" in str(received(model)[0].content)
     assert "base64" not in json.dumps(reported)

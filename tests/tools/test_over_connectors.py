@@ -38,10 +38,10 @@ def needs(tried: Tried, mode: Any) -> None:
 
 
 def test_the_newest_message_comes_with_its_age_and_its_field(tried: Tried) -> None:
-    with Replying(tried.connector, "/tools/said", STRING, lambda: {"data": "x"}):
+    with Replying(tried.connector, "/tools/text", STRING, lambda: {"data": "x"}):
         look = tried.box().looking
-        reported = look.receive_message("/tools/said", type_name=STRING, timeout_s=PATIENCE_S, max_age_s=20.0)
-        part = look.receive_message("/tools/said", field="data", timeout_s=PATIENCE_S)
+        reported = look.receive_message("/tools/text", type_name=STRING, timeout_s=PATIENCE_S, max_age_s=20.0)
+        part = look.receive_message("/tools/text", field="data", timeout_s=PATIENCE_S)
     assert (reported.data["message"]["data"], part.data["message"]) == ("x", "x")
     assert 0 <= reported.data["age_s"] <= 20
     assert part.data["type"] == STRING, "found out from the robot, or from who listened before"
@@ -56,8 +56,8 @@ def test_what_no_one_reports_is_unknown_and_not_an_error(tried: Tried) -> None:
 
 def test_what_is_published_is_received(tried: Tried) -> None:
     received: Inbox[Message] = Inbox(PATIENCE_S)
-    close = tried.connector.subscribe("/tools/heard", STRING, received)
-    tried.box().acting.publish_message("/tools/heard", {"data": "hello"}, timeout_s=PATIENCE_S)
+    close = tried.connector.subscribe("/tools/received", STRING, received)
+    tried.box().acting.publish_message("/tools/received", {"data": "hello"}, timeout_s=PATIENCE_S)
     (message,) = received.wait(bool, "it was published")
     assert message.data["data"] == "hello"
     close()
@@ -107,7 +107,7 @@ def test_a_service_that_raises_has_failed(tried: Tried) -> None:
 
 
 def test_a_service_that_is_not_there_has_done_nothing(tried: Tried) -> None:
-    reported = tried.box().acting.call_service("/tools/nobody", type_name=TRIGGER, timeout_s=1.0)
+    reported = tried.box().acting.call_service("/tools/no_one", type_name=TRIGGER, timeout_s=1.0)
     assert reported.data["outcome"] in ("unavailable", "timed_out")
     assert reported.data["done"] is False
 

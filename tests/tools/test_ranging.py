@@ -262,7 +262,7 @@ SEEN = {
 }
 
 
-def saying(tried: Tried, topic: str, message: Any, at: float, frame: str = "camera") -> Replying:
+def sends(tried: Tried, topic: str, message: Any, at: float, frame: str = "camera") -> Replying:
     header = {"stamp": at, "frame_id": frame}
     return Replying(tried.connector, topic, "", lambda: {"header": header, **message})
 
@@ -270,8 +270,8 @@ def saying(tried: Tried, topic: str, message: Any, at: float, frame: str = "came
 def test_the_tool_reports_each_object_and_what_is_unknown(local: Tried) -> None:
     box, now = local.box(), local.now()
     with (
-        saying(local, "/seen", SEEN, now), saying(local, "/info", INFO, now),
-        saying(local, "/depth", depth_image(SCENE, "16UC1"), now),
+        sends(local, "/seen", SEEN, now), sends(local, "/info", INFO, now),
+        sends(local, "/depth", depth_image(SCENE, "16UC1"), now),
     ):  # fmt: skip
         ask = box.measuring.get_distance_to_objects
         wanted = {"depth_topic": "/depth", "camera_info_topic": "/info", "timeout_s": PATIENCE_S, "max_age_s": None}
@@ -289,8 +289,8 @@ def test_a_lidars_cloud_is_brought_to_the_camera_by_its_transform(local: Tried) 
     points = [to_camera.inverse().point(point) for point in scene_cloud(SCENE)]
     static = {"transforms": [stamped("camera", "lidar", to_camera, 0.0)]}
     with (
-        saying(local, "/seen", SEEN, now), saying(local, "/info", INFO, now),
-        saying(local, "/cloud", cloud(points, len(points), 1), now, "lidar"), saying(local, "/tf_static", static, now),
+        sends(local, "/seen", SEEN, now), sends(local, "/info", INFO, now),
+        sends(local, "/cloud", cloud(points, len(points), 1), now, "lidar"), sends(local, "/tf_static", static, now),
     ):  # fmt: skip
         reported = box.measuring.get_distance_to_objects(
             "/seen", cloud_topic="/cloud", camera_info_topic="/info", timeout_s=PATIENCE_S, max_age_s=None
@@ -306,8 +306,8 @@ def test_a_lidars_cloud_is_brought_to_the_camera_by_its_transform(local: Tried) 
 def test_what_does_not_fit_in_time_is_unknown(local: Tried, late_s: float, old_s: float, why: str) -> None:
     now = local.now()
     with (
-        saying(local, "/seen", SEEN, now - old_s), saying(local, "/info", INFO, now),
-        saying(local, "/depth", depth_image(SCENE, "16UC1"), now - old_s - late_s),
+        sends(local, "/seen", SEEN, now - old_s), sends(local, "/info", INFO, now),
+        sends(local, "/depth", depth_image(SCENE, "16UC1"), now - old_s - late_s),
     ):  # fmt: skip
         reported = local.box().measuring.get_distance_to_objects(
             "/seen", depth_topic="/depth", camera_info_topic="/info", timeout_s=0.5, max_age_s=2.0 if old_s else None

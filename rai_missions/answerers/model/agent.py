@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A chat model as anyone who is asked: it may wish for an option, and that is all.
+"""A chat model as an answerer: it may choose an option, and that is all.
 
 Rule: whatever the model does – raise, hang, babble, flood – its question is answered once, in time, and the next one
 is taken.
@@ -16,7 +16,7 @@ from typing import Any, Literal, get_args
 from langchain_core.language_models import BaseChatModel
 from langchain_core.tools import BaseTool
 
-from rai_missions.answerers.model.chat import Absent, Chat, Ended, Raised, Spent, ThreadChat
+from rai_missions.answerers.model.chat import Absent, BudgetExceeded, Chat, Ended, Raised, ThreadChat
 from rai_missions.answerers.model.conversation import ModelConfig, ModelConversation
 from rai_missions.answerers.model.output_modes import Mode
 from rai_missions.answerers.model.parse_reply import ParsedReply
@@ -43,7 +43,7 @@ class DecisionAgent:
         identity: Who the model is, as an embodied being; shown with each question.
         tools: What it may look things up with, where a question names it; each is marked as one that only looks.
         mode: How it is asked: by a JSON Schema, by one function an option, in plain text; `auto` finds out.
-        images: Whether it is shown pictures; `auto`: if its profile says that it takes them.
+        images: Whether it is shown pictures; `auto`: if its profile lists them.
         at_once: How many questions may be in work; one that hangs counts until it comes back.
         longest_s: Wall time for one question, where neither it nor its budget sets one.
 
@@ -77,7 +77,7 @@ class DecisionAgent:
         own = isinstance(model, BaseChatModel)
         self._redaction = Redaction(secrets_of(model) if own else ())
         self._chat: Chat = ThreadChat(model) if isinstance(model, BaseChatModel) else model
-        self._manner = ModelConfig(
+        self._config = ModelConfig(
             self._chat,
             mode,
             {tool.name: tool for tool in tools},
@@ -116,19 +116,21 @@ class DecisionAgent:
     def ask(self, question: Question, answer: Callable[[Mapping[str, Any]], None]) -> None:
         """Think about a question on a thread of its own."""
         pending = Pending(question, answer, longest_s=self._longest_s)
-        thought = ModelConversation(pending, self._manner, frozenset(self._unfit))
+        conversation = ModelConversation(pending, self._config, frozenset(self._unfit))
         # Python cannot end a thread that hangs in a model: a daemon does not hold up the program's end.
-        thread = threading.Thread(target=self._work, args=(thought,), name=f"question {question.number}", daemon=True)
+        thread = threading.Thread(
+            target=self._work, args=(conversation,), name=f"question {question.number}", daemon=True
+        )
         with self._lock:
             busy = len(self._threads)
             if busy < self._at_once:
                 self._threads.add(thread)
                 self._pending[question.number] = pending
         if busy >= self._at_once:
-            pending.tell({"absent": f"the model has not come back from {busy} earlier questions"})
+            pending.reply({"absent": f"the model has not come back from {busy} earlier questions"})
             return
         self._deadlines.start()
-        pending.when_closed(self._deadlines.after(pending.left_s, partial(self._give_up, thought)))
+        pending.when_closed(self._deadlines.after(pending.left_s, partial(self._give_up, conversation)))
         thread.start()
 
     def withdraw(self, number: int) -> None:
@@ -138,39 +140,39 @@ class DecisionAgent:
         if pending is not None:
             pending.close()
 
-    def _work(self, thought: ModelConversation) -> None:
-        pending = thought.pending
+    def _work(self, conversation: ModelConversation) -> None:
+        pending = conversation.pending
         try:
-            said = self._answer(thought)
+            answer = self._answer(conversation)
         except BaseException as error:  # noqa: BLE001 - a thread that dies would count as one that hangs, for ever
-            said = {"failed": f"the answer could not be taken in: {type(error).__name__}"}
+            answer = {"failed": f"the answer could not be read: {type(error).__name__}"}
         with self._lock:
             self._threads.discard(threading.current_thread())
             if self._pending.get(pending.question.number) is pending:
                 del self._pending[pending.question.number]
-        pending.tell(said)
+        pending.reply(answer)
 
-    def _answer(self, thought: ModelConversation) -> dict[str, Any]:
+    def _answer(self, conversation: ModelConversation) -> dict[str, Any]:
         try:
-            reading = thought.think()
+            reply = conversation.think()
         except Absent as absent:
-            return self._told(thought, {"absent": cut(absent, LONGEST_WHY)})
-        except (Spent, Ended) as ended:
-            reading = ParsedReply(failed=str(ended))
+            return self._journaled(conversation, {"absent": cut(absent, LONGEST_WHY)})
+        except (BudgetExceeded, Ended) as ended:
+            reply = ParsedReply(failed=str(ended))
         except Raised as error:
-            reading = ParsedReply(failed=f"the model raised {error.kind}: {first_line(error.what)}")
+            reply = ParsedReply(failed=f"the model raised {error.kind}: {first_line(error.what)}")
         except BaseException as error:  # noqa: BLE001 - even an exit that a package asks for is only a failed answer
-            reading = ParsedReply(failed=f"the model raised {type(error).__name__}: {first_line(error)}")
-        if reading.wish:
-            self._unfit.update(thought.unfit)
-            return self._told(thought, reading.wish)
-        return self._told(thought, {"failed": cut(reading.failed, LONGEST_WHY)})
+            reply = ParsedReply(failed=f"the model raised {type(error).__name__}: {first_line(error)}")
+        if reply.choice:
+            self._unfit.update(conversation.unfit)
+            return self._journaled(conversation, reply.choice)
+        return self._journaled(conversation, {"failed": cut(reply.failed, LONGEST_WHY)})
 
-    def _give_up(self, thought: ModelConversation) -> None:
-        pending = thought.pending
-        pending.tell(self._told(thought, {"failed": f"no answer within {pending.taken_s:.1f} s"}))
+    def _give_up(self, conversation: ModelConversation) -> None:
+        pending = conversation.pending
+        pending.reply(self._journaled(conversation, {"failed": f"no answer within {pending.taken_s:.1f} s"}))
 
-    def _told(self, thought: ModelConversation, said: Mapping[str, Any]) -> dict[str, Any]:
-        looked = {"looked": list(thought.looked)} if thought.looked else {}
-        cleaned: dict[str, Any] = self._redaction.json({**said, **looked, "usage": thought.usage()})
+    def _journaled(self, conversation: ModelConversation, answer: Mapping[str, Any]) -> dict[str, Any]:
+        looked = {"looked": list(conversation.looked)} if conversation.looked else {}
+        cleaned: dict[str, Any] = self._redaction.json({**answer, **looked, "usage": conversation.usage()})
         return cleaned

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """What a decision needs of a chat model, wherever the model lives: on a thread of this process, or in one of its own.
 
-Rule: whatever a model raises comes out as `Raised`; of what it says, no more than is read.
+Rule: whatever a model raises comes out as `Raised`; of its replies, no more than is read.
 """
 
 from __future__ import annotations
@@ -14,17 +14,17 @@ from langchain_core.language_models import BaseChatModel
 from langchain_core.messages import AIMessage, BaseMessage
 
 from rai_missions.answerers.model.output_modes import AnswerForm, Mode, bound, calls_tools, fills_schemas, takes_images
-from rai_missions.answerers.model.parse_reply import LONGEST, Said, said_of
+from rai_missions.answerers.model.parse_reply import LONGEST, ModelReply, reply_of
 from rai_missions.answerers.model.pending import Pending
 
-__all__ = ("Abilities", "Absent", "Chat", "Conversation", "Ended", "Raised", "Spent", "ThreadChat", "name_of")
+__all__ = ("Abilities", "Absent", "BudgetExceeded", "Chat", "Conversation", "Ended", "Raised", "ThreadChat", "name_of")
 
 UNFIT = frozenset({400, 415, 422, 500, 501})
 """HTTP statuses by which servers refuse a form of answer that they do not know; the next mode may do."""
 
 
-class Spent(BaseException):
-    """The budget is spent, or the answer is waited for no longer; the text says which.
+class BudgetExceeded(BaseException):
+    """The budget is spent, or the answer is waited for no longer; the text names it.
 
     No `Exception`, so that nothing on the way out of a provider's package logs it or takes it for a fault.
     """
@@ -36,7 +36,7 @@ class Raised(Exception):
     Args:
         kind: The exception's type.
         what: The exception, or its text.
-        unfit: It says that the model cannot be asked in this way, rather than that it failed.
+        unfit: The model cannot be asked in this way, rather than that it failed.
     """
 
     def __init__(self, kind: str, what: object, *, unfit: bool) -> None:
@@ -45,17 +45,17 @@ class Raised(Exception):
 
     @classmethod
     def by(cls, error: BaseException) -> Raised:
-        """What an exception says."""
+        """What an exception is to whatever asked."""
         unfit = isinstance(error, NotImplementedError) or getattr(error, "status_code", None) in UNFIT
         return cls(type(error).__name__, error, unfit=unfit)
 
 
 class Absent(Exception):
-    """There is no model to be asked; the text says why."""
+    """There is no model to be asked; the text states why."""
 
 
 class Ended(Exception):
-    """The model's process ended while it was asked; the text says how."""
+    """The model's process ended while it was asked; the text states how."""
 
 
 class Abilities(NamedTuple):
@@ -66,7 +66,7 @@ class Abilities(NamedTuple):
     tools: bool
     """It can be bound to tools."""
     images: bool
-    """It says that it takes pictures."""
+    """It is known to take pictures."""
     name: str
     """What it is called."""
 
@@ -77,15 +77,15 @@ class Abilities(NamedTuple):
 
 
 class Conversation(Protocol):
-    """One question put to a model, with what it looks up on the way; it remembers what the model said."""
+    """One question put to a model, with what it looks up on the way; it remembers the model's replies."""
 
-    def say(self, messages: Sequence[BaseMessage]) -> Said | None:
+    def ask(self, messages: Sequence[BaseMessage]) -> ModelReply | None:
         """The model's answer to these messages; None where it gave none.
 
         Raises:
             Raised: The model raised.
             Ended: Its process ended.
-            Spent: The answer is waited for no longer, or it is longer than what is read.
+            BudgetExceeded: The answer is waited for no longer, or it is longer than what is read.
         """
 
 
@@ -105,7 +105,7 @@ class Chat(Protocol):
         Raises:
             Absent: It cannot be opened.
             Ended: Its process ended.
-            Spent: The question was closed before it was known.
+            BudgetExceeded: The question was closed before it was known.
         """
 
     def converse(self, mode: Mode, form: AnswerForm, pending: Pending) -> Conversation:
@@ -136,7 +136,7 @@ class ThreadChat:
 
     def converse(self, mode: Mode, form: AnswerForm, pending: Pending) -> Conversation:
         try:
-            return Talk(self._model, mode, form, lambda: pending.open)
+            return ThreadConversation(self._model, mode, form, lambda: pending.open)
         except Exception as error:
             raise Raised.by(error) from error
 
@@ -144,7 +144,7 @@ class ThreadChat:
         """Nothing is held."""
 
 
-class Talk:
+class ThreadConversation:
     """A conversation with a model in this process.
 
     Args:
@@ -159,32 +159,32 @@ class Talk:
         self._is_open = is_open
         self._messages: list[BaseMessage] = []
 
-    def say(self, messages: Sequence[BaseMessage]) -> Said | None:
+    def ask(self, messages: Sequence[BaseMessage]) -> ModelReply | None:
         self._messages += messages
         try:
             answer = self._chain.invoke(list(self._messages), config={"callbacks": [StreamWatch(self._is_open)]})
-        except Spent:
+        except BudgetExceeded:
             raise
         except BaseException as error:  # even an exit that a model asks for is only a failed answer
             raise Raised.by(error) from error
         if not isinstance(answer, AIMessage):
             return None
         self._messages.append(answer)
-        return said_of(answer)
+        return reply_of(answer)
 
 
 class StreamWatch(BaseCallbackHandler):
-    """Ends a stream that is waited for no longer, or that says too much."""
+    """Ends a stream that is waited for no longer, or that is too long."""
 
     def __init__(self, is_open: Callable[[], bool]) -> None:
-        self.is_open, self.heard = is_open, 0
+        self.is_open, self.length = is_open, 0
 
     def on_llm_new_token(self, token: Any, **_: Any) -> None:
-        self.heard += len(token) if isinstance(token, str) else 1
+        self.length += len(token) if isinstance(token, str) else 1
         if not self.is_open():
-            raise Spent("nobody waits for the answer any more")
-        if self.heard > LONGEST:
-            raise Spent(f"answered with more than {LONGEST} characters")
+            raise BudgetExceeded("the answer is waited for no longer")
+        if self.length > LONGEST:
+            raise BudgetExceeded(f"answered with more than {LONGEST} characters")
 
 
 def name_of(model: BaseChatModel) -> str:

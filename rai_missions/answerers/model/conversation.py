@@ -12,12 +12,12 @@ from typing import Any, NamedTuple
 from langchain_core.messages import BaseMessage
 from langchain_core.tools import BaseTool
 
-from rai_missions.answerers.model.chat import Abilities, Chat, Conversation, Raised, Spent
+from rai_missions.answerers.model.chat import Abilities, BudgetExceeded, Chat, Conversation, Raised
 from rai_missions.answerers.model.output_modes import Mode, form_of, modes_of
-from rai_missions.answerers.model.parse_reply import ParsedReply, Said, read
+from rai_missions.answerers.model.parse_reply import ModelReply, ParsedReply, read
 from rai_missions.answerers.model.pending import Pending
 from rai_missions.answerers.model.prompt import messages_of
-from rai_missions.answerers.model.tool_calls import Looked, look_up, shown
+from rai_missions.answerers.model.tool_calls import ToolLookup, look_up, shown
 from rai_missions.embodiment.identity import Identity
 from rai_missions.redaction import cut
 
@@ -36,7 +36,7 @@ class ModelConfig(NamedTuple):
     """The read-only tools there are, by name."""
     identity: Identity | None
     images: str
-    """Whether it is shown pictures: `yes`, `no`, or `auto`: if it says that it takes them."""
+    """Whether it is shown pictures: `yes`, `no`, or `auto`: if it is known to take them."""
     clean: Callable[[str], str]
     """Takes secrets out of a text."""
 
@@ -46,13 +46,13 @@ class ModelConversation:
 
     Args:
         pending: The question, and whether its answer is still waited for.
-        manner: Who thinks, and how it is asked.
+        config: Who thinks, and how it is asked.
         without: The modes that its server is known to refuse.
     """
 
-    def __init__(self, pending: Pending, manner: ModelConfig, without: Collection[Mode] = ()) -> None:
-        self.pending, self.manner, self.without = pending, manner, without
-        self.tools = {name: manner.tools[name] for name in pending.question.tools if name in manner.tools}
+    def __init__(self, pending: Pending, config: ModelConfig, without: Collection[Mode] = ()) -> None:
+        self.pending, self.config, self.without = pending, config, without
+        self.tools = {name: config.tools[name] for name in pending.question.tools if name in config.tools}
         self.calls = self.tokens_in = self.tokens_out = 0
         self.model_name = ""
         self.looked: list[Mapping[str, str]] = []
@@ -61,17 +61,17 @@ class ModelConversation:
         """The modes that the model's server refused."""
 
     def think(self) -> ParsedReply:
-        """A wish, or why there is none.
+        """A choice, or why there is none.
 
         Raises:
-            Spent: The budget is spent, or the answer is waited for no longer.
+            BudgetExceeded: The budget is spent, or the answer is waited for no longer.
             Raised: What the model or its provider's package raised, where no other mode is left.
             Absent: The model cannot be opened.
             Ended: Its process ended.
         """
-        able = self.manner.chat.abilities(self.pending)
+        able = self.config.chat.abilities(self.pending)
         *firsts, last = self._modes(able)
-        shows = self.manner.images == "yes" or (self.manner.images == "auto" and able.images)
+        shows = self.config.images == "yes" or (self.config.images == "auto" and able.images)
         for mode in firsts:
             try:
                 reading, called = self._converse(mode, images=shows)
@@ -80,13 +80,13 @@ class ModelConversation:
                     raise
                 self.unfit.append(mode)
             else:
-                if reading.wish or called or mode != "tools":
+                if reading.choice or called or mode != "tools":
                     return reading
         return self._converse(last, images=shows)[0]
 
     def _modes(self, able: Abilities) -> tuple[Mode, ...]:
         modes = modes_of(
-            schemas=able.schemas, tools=able.tools, wanted=self.manner.mode, uses_tools=bool(self.tools)
+            schemas=able.schemas, tools=able.tools, wanted=self.config.mode, uses_tools=bool(self.tools)
         )  # fmt: skip
         return tuple(mode for mode in modes if mode not in self.without) or modes
 
@@ -94,40 +94,42 @@ class ModelConversation:
         """The reading of the last message in a mode, and whether the model called anything on the way."""
         question, called = self.pending.question, False
         tools = self.tools if mode == "tools" else {}
-        conversation = self.manner.chat.converse(mode, form_of(question, tools), self.pending)
-        messages = messages_of(question, self.manner.identity, mode=mode, images=images, tools=tuple(tools))
+        conversation = self.config.chat.converse(mode, form_of(question, tools), self.pending)
+        messages = messages_of(question, self.config.identity, mode=mode, images=images, tools=tuple(tools))
         while True:
-            said = self._say(conversation, messages)
-            if said is None:
+            answer = self._ask(conversation, messages)
+            if answer is None:
                 return ParsedReply(failed="answered nothing"), called
-            reading = read(said, question, self.manner.clean)
-            called = called or bool(said.calls or said.broken)
+            reading = read(answer, question, self.config.clean)
+            called = called or bool(answer.calls or answer.broken)
             if not reading.calls:
                 return reading, called
             left = question.budget.calls - self.calls
             if len(reading.calls) >= left:
-                raise Spent(f"asked for {len(reading.calls)} calls of tools; {max(0, left - 1)} of the budget are left")
+                raise BudgetExceeded(
+                    f"asked for {len(reading.calls)} calls of tools; {max(0, left - 1)} of the budget are left"
+                )
             looks = [self._look_up(call) for call in reading.calls]
             messages = [*(look.message for look in looks), *(shown(looks) if images else [])]
 
-    def _say(self, conversation: Conversation, messages: Sequence[BaseMessage]) -> Said | None:
+    def _ask(self, conversation: Conversation, messages: Sequence[BaseMessage]) -> ModelReply | None:
         self._afford()
         self.calls += 1
-        said = conversation.say(messages)
-        if said is not None:
-            self.tokens_in += said.tokens_in
-            self.tokens_out += said.tokens_out
-            self.model_name = said.model or self.model_name
-        return said
+        reply = conversation.ask(messages)
+        if reply is not None:
+            self.tokens_in += reply.tokens_in
+            self.tokens_out += reply.tokens_out
+            self.model_name = reply.model or self.model_name
+        return reply
 
     def _afford(self) -> None:
         budget = self.pending.question.budget
         if not self.pending.open:
-            raise Spent("nobody waits for the answer any more")
+            raise BudgetExceeded("the answer is waited for no longer")
         if self.calls >= budget.calls:
-            raise Spent(f"the budget of {budget.calls} calls is spent")
+            raise BudgetExceeded(f"the budget of {budget.calls} calls is spent")
         if self.tokens_in + self.tokens_out >= budget.tokens:
-            raise Spent(f"the budget of {budget.tokens} tokens is spent")
+            raise BudgetExceeded(f"the budget of {budget.tokens} tokens is spent")
 
     def usage(self) -> dict[str, Any]:
         """What was used so far."""
@@ -136,14 +138,14 @@ class ModelConversation:
             "tokens_in": self.tokens_in,
             "tokens_out": self.tokens_out,
             "seconds": round(self.pending.taken_s, 3),
-            "model": cut(self.model_name or self.manner.chat.name, LONGEST_NAME),
+            "model": cut(self.model_name or self.config.chat.name, LONGEST_NAME),
         }
 
-    def _look_up(self, call: Mapping[str, Any]) -> Looked:
-        """What a tool says; one that is not here costs nothing."""
+    def _look_up(self, call: Mapping[str, Any]) -> ToolLookup:
+        """What a tool returns; one that is not here costs nothing."""
         if cut(call["name"], LONGEST_NAME) in self.tools:
             self._afford()
             self.calls += 1
-        looked = look_up(self.tools, call, self.manner.clean)
+        looked = look_up(self.tools, call, self.config.clean)
         self.looked.append(looked.note)
         return looked

@@ -19,17 +19,17 @@ __all__ = ("main",)
 
 def main(file: str, threads: int, window: int, longest: int) -> int:
     """Serve `file` with so many threads, a window and a longest answer of so many tokens each."""
-    told = os.fdopen(os.dup(1), "w")
-    os.dup2(2, 1)  # what native code prints must not mix with what is told
+    report = os.fdopen(os.dup(1), "w")
+    os.dup2(2, 1)  # what native code prints must not mix with the report
     os.environ["OMP_WAIT_POLICY"] = "PASSIVE"  # read when the native code is loaded
     try:
         server = served(file, threads, window, longest)
-        says = {"url": server.listening_address}
-    except Exception as error:  # noqa: BLE001 - whatever it is, it is told
-        says = {"fault": str(error)}
-    with told:
-        told.write(json.dumps(says) + "\n")
-    if "url" in says:
+        result = {"url": server.listening_address}
+    except Exception as error:  # noqa: BLE001 - whatever it is, it is reported
+        result = {"fault": str(error)}
+    with report:
+        report.write(json.dumps(result) + "\n")
+    if "url" in result:
         sys.stdin.buffer.read()
     return 0
 

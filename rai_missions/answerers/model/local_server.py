@@ -81,12 +81,12 @@ class ModelServer:
         if not line:
             why = "its process ended" if ready else f"it was not ready after {start_s:g} s"
             raise UsageError(f"{self.file} could not be served: {why}")
-        told: dict[str, str] = json.loads(line)
-        if "url" not in told:
+        report: dict[str, str] = json.loads(line)
+        if "url" not in report:
             raise UsageError(
-                f"{self.file} cannot be loaded ({told['fault']}); is it whole, and of a kind that llama.cpp knows?"
+                f"{self.file} cannot be loaded ({report['fault']}); is it whole, and of a kind that llama.cpp knows?"
             )
-        return told["url"]
+        return report["url"]
 
     @property
     def alive(self) -> bool:

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """What a chat model can do, found out without asking it: structured output, calls of tools, pictures.
 
-Rule: what a model's class and profile say is believed until a call shows otherwise; then the next mode is tried. A
+Rule: a model's class and profile are believed until a call shows otherwise; then the next mode is tried. A
 provider's package is given schemas of its own, for it may cut out of them what its server does not know; never a tool.
 """
 
@@ -45,7 +45,7 @@ class AnswerForm(NamedTuple):
     """What an answer may be, as data."""
 
     schema: Mapping[str, Any]
-    """The JSON Schema of a wish for one of the options."""
+    """The JSON Schema of a choice of one of the options."""
     tools: Sequence[Mapping[str, Any]] = ()
     """The read-only tools and the options, as functions that every provider's package understands."""
 
@@ -80,8 +80,8 @@ def modes_of(*, schemas: bool, tools: bool, wanted: str, uses_tools: bool) -> tu
 
 def calls_tools(model: BaseChatModel) -> bool:
     """Whether tools can be bound to a model, by its profile, else by its class."""
-    said = _profile(model).get("tool_calling")
-    return bool(said) if said is not None else type(model).bind_tools is not BaseChatModel.bind_tools
+    known = _profile(model).get("tool_calling")
+    return bool(known) if known is not None else type(model).bind_tools is not BaseChatModel.bind_tools
 
 
 def fills_schemas(model: BaseChatModel) -> bool:
@@ -93,7 +93,7 @@ def fills_schemas(model: BaseChatModel) -> bool:
 
 
 def takes_images(model: BaseChatModel) -> bool:
-    """Whether a model's profile says that it takes pictures; a model without a profile is not sent any."""
+    """Whether a model takes pictures by its profile; a model without a profile is not sent any."""
     return bool(_profile(model).get("image_inputs"))
 
 
@@ -115,7 +115,7 @@ def bound(model: BaseChatModel, mode: Mode, form: AnswerForm) -> Bound:
 
 
 def _unparsed(chain: Runnable[Any, Any]) -> Bound:
-    """The model at the head of a chain that would parse what it says, or raise on it.
+    """The model at the head of a chain that would parse its reply, or raise on it.
 
     The chain that keeps the raw answer is of no use: its pool of threads holds up the program's end where one hangs.
     """

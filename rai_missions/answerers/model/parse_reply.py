@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a model's message says: a wish for one option, calls of tools, or nothing that can be read.
+"""What is in a model's message: the choice of one option, calls of tools, or nothing that can be read.
 
-Rule: nothing is guessed. A wish is one call of an option, one JSON object, or one option's name and nothing else.
+Rule: nothing is guessed. A choice is one call of an option, one JSON object, or one option's name and nothing else.
 """
 
 from __future__ import annotations
@@ -18,7 +18,16 @@ if TYPE_CHECKING:
     from langchain_core.messages import AIMessage
 
 __all__ = (
-    "CALLS", "LONGEST", "ParsedReply", "Said", "callable_name", "plain", "read", "said_of", "too_long", "too_many",
+    "CALLS",
+    "LONGEST",
+    "ModelReply",
+    "ParsedReply",
+    "callable_name",
+    "plain",
+    "read",
+    "reply_of",
+    "too_long",
+    "too_many",
 )  # fmt: skip
 
 LONGEST = 20_000
@@ -35,7 +44,7 @@ THOUGHT = re.compile(r"<think>.*?</think>", re.DOTALL)
 """Thinking aloud is no part of the answer; some models send it along as text."""
 
 
-class Said(NamedTuple):
+class ModelReply(NamedTuple):
     """What a model answered, as far as it is read: plain data."""
 
     text: str
@@ -49,12 +58,12 @@ class Said(NamedTuple):
     """What the provider calls the model that answered."""
 
 
-def said_of(message: AIMessage) -> Said:
+def reply_of(message: AIMessage) -> ModelReply:
     """A message of langchain's as what is read of it."""
     used: Mapping[str, Any] = message.usage_metadata or {}
     about = message.response_metadata or {}
     name = about.get("model_name") or about.get("model")
-    return Said(
+    return ModelReply(
         message.text,
         list(message.tool_calls or ()),
         len(message.invalid_tool_calls or ()),
@@ -69,9 +78,9 @@ def _count(tokens: Any) -> int:
 
 
 class ParsedReply(NamedTuple):
-    """What a message says; one of the three is filled."""
+    """What is in a message; one of the three is filled."""
 
-    wish: Mapping[str, Any] | None = None
+    choice: Mapping[str, Any] | None = None
     """`option`, `parameters`, `why`."""
     calls: tuple[Mapping[str, Any], ...] = ()
     """Calls of tools that are no options, as langchain has them: `name`, `args`, `id`."""
@@ -83,17 +92,17 @@ def callable_name(option: str) -> str:
     return f"{option.replace('/', '__'):.{LONGEST_FUNCTION}}"
 
 
-def read(said: Said, question: Question, clean: Callable[[str], str] = str) -> ParsedReply:
+def read(reply: ModelReply, question: Question, clean: Callable[[str], str] = str) -> ParsedReply:
     """Read a model's message as an answer to a question.
 
     Args:
-        said: What the model answered.
+        reply: What the model answered.
         question: What it was asked.
         clean: Takes secrets out of a text; done before a text is cut, so that no half of one is left.
     """
-    if len(said.text) > LONGEST:
-        return ParsedReply(failed=too_long(len(said.text)))
-    calls, broken = said.calls, said.broken
+    if len(reply.text) > LONGEST:
+        return ParsedReply(failed=too_long(len(reply.text)))
+    calls, broken = reply.calls, reply.broken
     offers = {callable_name(offer.name): offer for offer in question.options}
     options = [call for call in calls if call["name"] in offers]
     if options and len(calls) + broken > 1:
@@ -104,7 +113,7 @@ def read(said: Said, question: Question, clean: Callable[[str], str] = str) -> P
         return _asked_for(calls)
     if broken:
         return ParsedReply(failed=f"answered with {broken} call{'s' * (broken > 1)} whose arguments are not JSON")
-    return _said(clean(said.text), {offer.name for offer in question.options}, clean)
+    return _of_text(clean(reply.text), {offer.name for offer in question.options}, clean)
 
 
 def too_long(characters: int) -> str:
@@ -133,15 +142,15 @@ def _called(offer: Offer, arguments: Any, clean: Callable[[str], str]) -> Parsed
         return ParsedReply(failed=UNREADABLE)
     properties = (offer.parameters or {}).get("properties", {})
     why = given.pop("why", "") if "why" not in properties else ""
-    return _wish(offer.name, given, why, clean)
+    return _choice(offer.name, given, why, clean)
 
 
-def _said(text: str, offered: Collection[str], clean: Callable[[str], str]) -> ParsedReply:
+def _of_text(text: str, offered: Collection[str], clean: Callable[[str], str]) -> ParsedReply:
     text = THOUGHT.sub("", text).strip()
     if not text:
         return ParsedReply(failed="answered nothing")
     if text in offered:
-        return _wish(text, {}, "", clean)
+        return _choice(text, {}, "", clean)
     found = _objects(text)
     if found is None:
         return ParsedReply(failed=f"answered with JSON that is broken: {cut_repr(text, 120)}")
@@ -153,21 +162,21 @@ def _said(text: str, offered: Collection[str], clean: Callable[[str], str]) -> P
     unknown = sorted(given.keys() - {"option", "parameters", "why"})
     if unknown:
         return ParsedReply(
-            failed=f"answered with {cut_repr(unknown[0], 60)}, which was not asked for; say option, parameters, why"
+            failed=f"answered with {cut_repr(unknown[0], 60)}, which was not asked for; give option, parameters, why"
         )
     parameters = given.get("parameters")
-    return _wish(given["option"], {} if parameters is None else parameters, given.get("why", ""), clean)
+    return _choice(given["option"], {} if parameters is None else parameters, given.get("why", ""), clean)
 
 
-def _wish(option: Any, parameters: Any, why: Any, clean: Callable[[str], str]) -> ParsedReply:
+def _choice(option: Any, parameters: Any, why: Any, clean: Callable[[str], str]) -> ParsedReply:
     if not isinstance(option, str):
         return ParsedReply(failed=f"'option' is the name of one option, not {cut_repr(option, 60)}")
     if len(option) > LONGEST_NAME:
         return ParsedReply(failed=f"'option' is the name of one option, not {len(option)} characters")
     if not isinstance(parameters, dict):
         return ParsedReply(failed=f"'parameters' is an object, not {cut_repr(parameters, 60)}")
-    said = why if isinstance(why, str) else ""
-    return ParsedReply({"option": option, "parameters": parameters, "why": cut(clean(said), LONGEST_WHY)})
+    reason = why if isinstance(why, str) else ""
+    return ParsedReply({"option": option, "parameters": parameters, "why": cut(clean(reason), LONGEST_WHY)})
 
 
 def plain(value: Any) -> Any:
@@ -193,9 +202,9 @@ def _depth(value: Any) -> int:
 
 
 def _objects(text: str) -> list[dict[str, Any]] | None:
-    """The JSON objects that stand side by side in a text; None where a brace begins something else.
+    """The JSON objects that follow each other in a text; None where a brace begins something else.
 
-    What stands inside half an object is no answer: it may be an example.
+    What is inside half an object is no answer: it may be an example.
     """
     found: list[dict[str, Any]] = []
     start = text.find("{")
@@ -222,7 +231,7 @@ def _loaded(text: str, start: int) -> tuple[Any, int]:
 
 def _unambiguous(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
     if len({name for name, _ in pairs}) != len(pairs):
-        raise ValueError("a name is said twice")
+        raise ValueError("a name is there twice")
     return dict(pairs)
 
 

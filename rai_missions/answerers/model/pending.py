@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A question in work: its answer is told once, in time, or not at all.
+"""A question in work: it is answered once, in time, or not at all.
 
 Rule: the first to close it wins; whatever comes later is dropped here and goes nowhere.
 """
@@ -17,7 +17,7 @@ from rai_missions.engine.decision import Question
 __all__ = ("GRACE_S", "Pending")
 
 GRACE_S = 0.5
-"""How much longer than its question the work on it may last: the run's clock is the first to say that time is over."""
+"""How much longer than its question the work on it may last: the run's clock decides first that time is over."""
 
 
 class Pending:
@@ -25,8 +25,8 @@ class Pending:
 
     Args:
         question: As it was asked.
-        answer: Told at most once.
-        longest_s: Wall time after which it is given up, where neither the question nor its budget says earlier.
+        answer: Called at most once.
+        longest_s: Wall time after which it is given up, where neither the question nor its budget is shorter.
     """
 
     def __init__(
@@ -39,7 +39,7 @@ class Pending:
         asked_s = question.until - question.at
         self.ends = self.began + min(self.budget_s, asked_s + GRACE_S if asked_s > 0 else math.inf)
         """On `time.monotonic`."""
-        self._answer = answer
+        self._on_answer = answer
         self._lock = threading.Lock()
         self._open = True
         self._closers: list[Callable[[], object]] = []
@@ -68,7 +68,7 @@ class Pending:
         do()
 
     def close(self) -> bool:
-        """Whether this call closed it; from now on it tells nothing."""
+        """Whether this call closed it; from now on it answers nothing."""
         with self._lock:
             was, self._open = self._open, False
             closers, self._closers = self._closers, []
@@ -76,9 +76,9 @@ class Pending:
             do()
         return was
 
-    def tell(self, said: Mapping[str, Any]) -> bool:
+    def reply(self, answer: Mapping[str, Any]) -> bool:
         """Answer, unless it is closed; whether the answer went out."""
         if not self.close():
             return False
-        self._answer(said)
+        self._on_answer(answer)
         return True

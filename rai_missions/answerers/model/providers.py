@@ -39,7 +39,7 @@ KEYS = {
     "openai": "OPENAI_API_KEY",
     "xai": "XAI_API_KEY",
 }
-"""Where a provider's package looks for its key, so that a missing one is told by its name."""
+"""Where a provider's package looks for its key, so that a missing one is reported by its name."""
 NO_PROVIDERS = {"classic", "community", "core", "experimental", "protocol", "tests", "text_splitters"}
 """Packages named like a provider's that hold no chat model of their own."""
 
@@ -98,7 +98,7 @@ def _parts(spec: str) -> tuple[str, str]:
     """The provider, and what it calls the model."""
     provider, _, name = (part.strip() for part in spec.partition(":"))
     if provider != "local" and not (provider and name):
-        raise UsageError(f"'{spec}' names no model: say PROVIDER:NAME, such as openai:gpt-4o, or local")
+        raise UsageError(f"'{spec}' names no model: write PROVIDER:NAME, such as openai:gpt-4o, or local")
     return provider, name
 
 

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """A read-only tool used while a model thinks: its answer as data, its picture where pictures are shown, a note of it.
 
-Rule: what a tool says is data, marked as such, and nothing that it says or raises ends the thought.
+Rule: what a tool returns is data, marked as such, and nothing that it returns or raises ends the conversation.
 """
 
 from __future__ import annotations
@@ -17,17 +17,17 @@ from rai_missions.answerers.model.prompt import quoted
 from rai_missions.redaction import cut
 from rai_missions.tools.result import outline
 
-__all__ = ("Looked", "is_read_only", "look_up", "shown")
+__all__ = ("ToolLookup", "is_read_only", "look_up", "shown")
 
 LONGEST_NAME, LONGEST_ID, LONGEST_NOTE = 100, 200, 500
 
 
-class Looked(NamedTuple):
+class ToolLookup(NamedTuple):
     """What came of one call."""
 
     message: ToolMessage
     note: Mapping[str, str]
-    """For the journal, next to the answer: `tool`, `arguments` as JSON, and the beginning of what it `said`."""
+    """For the journal, next to the answer: `tool`, `arguments` as JSON, and the beginning of its result as `said`."""
     pictures: tuple[Mapping[str, Any], ...] = ()
     """Content blocks."""
 
@@ -37,7 +37,7 @@ def is_read_only(tool: BaseTool) -> bool:
     return (tool.metadata or {}).get("read_only") is True
 
 
-def look_up(tools: Mapping[str, BaseTool], call: Mapping[str, Any], clean: Callable[[str], str]) -> Looked:
+def look_up(tools: Mapping[str, BaseTool], call: Mapping[str, Any], clean: Callable[[str], str]) -> ToolLookup:
     """Run a tool, if there is one of that name.
 
     Args:
@@ -53,17 +53,17 @@ def look_up(tools: Mapping[str, BaseTool], call: Mapping[str, Any], clean: Calla
     else:
         try:
             made = tool.invoke({"type": "tool_call", "name": name, "args": dict(call["args"]), "id": number})
-            said, pictures = _parts(made)
-            text = clean(said) if _marks_data(tool) else quoted(clean(said))
+            result, pictures = _parts(made)
+            text = clean(result) if _marks_data(tool) else quoted(clean(result))
             status = made.status if isinstance(made, ToolMessage) else "success"
-        except Exception as error:  # noqa: BLE001 - the model is told, and may choose without it
+        except Exception as error:  # noqa: BLE001 - the model is shown it, and may choose without it
             text, status = quoted(clean(f"failed: {error}")), "error"
     message = ToolMessage(text, tool_call_id=number, name=name, status=status)
     arguments = cut(clean(json.dumps(outline(call["args"]), ensure_ascii=False)), LONGEST_NOTE)
-    return Looked(message, {"tool": name, "arguments": arguments, "said": cut(text, LONGEST_NOTE)}, pictures)
+    return ToolLookup(message, {"tool": name, "arguments": arguments, "said": cut(text, LONGEST_NOTE)}, pictures)
 
 
-def shown(looks: list[Looked]) -> list[HumanMessage]:
+def shown(looks: list[ToolLookup]) -> list[HumanMessage]:
     """The pictures of some calls: a message of their own, since few servers take pictures from a tool."""
     blocks: list[Any] = []
     for look in looks:

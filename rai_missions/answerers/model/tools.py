@@ -31,7 +31,7 @@ def open_toolbox(
 
     Args:
         mission: Whose decisions name tools.
-        robot: Whose profile says what may be touched.
+        robot: Whose profile lists what may be touched.
         connector: The run's.
         now: The run's clock.
 

@@ -119,8 +119,8 @@ def test_it_may_look_things_up_by_tools_that_run_in_the_engine(mark: str) -> Non
 
 
 def test_its_keys_are_not_in_what_others_may_read_of_it(mark: str, tmp_path: Path) -> None:
-    """Arguments and variables of a process stand in /proc; the key comes by pipe, and the model has it."""
-    watched = Watched(asking(PATIENT_S), "hostile:tells_its_start:HOSTILE_API_KEY")
+    """Arguments and variables of a process are in /proc; the key comes by pipe, and the model has it."""
+    watched = Watched(asking(PATIENT_S), "hostile:reports_its_start:HOSTILE_API_KEY")
     assert watched.proposals[0]["why"] == "it was hidden"
     raising = Watched(asking(PATIENT_S), "hostile:raises", journal=tmp_path / "run.journal")
     assert raising.proposals[0]["failed"] == "the model raised RuntimeError: 401: [hidden]"
@@ -152,13 +152,13 @@ def test_one_that_holds_its_interpreter_s_lock_is_replaced(mark: str, tmp_path: 
     assert time.monotonic() - began < EXIT_S
 
 
-def test_memory_beyond_the_limit_ends_it_and_the_reason_says_so(mark: str) -> None:
+def test_memory_beyond_the_limit_ends_it_and_the_reason_names_it(mark: str) -> None:
     watched = Watched(asking(PATIENT_S), "hostile:grows", model_memory_gib=0.25)
     assert "GiB of memory and may use 0.25" in watched.proposals[0]["failed"]
 
 
 def test_a_model_that_never_opens_holds_up_no_start(mark: str) -> None:
-    """Nobody waits for it but the question."""
+    """Only the question waits for it."""
     began = time.monotonic()
     watched = Watched(asking(0.3), "hostile:opens_never")
     assert watched.result.outcome == "canceled"
@@ -315,7 +315,7 @@ def test_weights_that_are_larger_than_the_memory_are_refused(tmp_path: Path) -> 
 # -- the drill ---------------------------------------------------------------------------------------------------------
 
 FORGERIES = [f"forges:{number}" for number in range(len(FORGED))]
-EVERYTHING = [*(deed for deed in DEEDS if deed not in ("forges", "holds_once", "tells_its_start")), *FORGERIES]
+EVERYTHING = [*(deed for deed in DEEDS if deed not in ("forges", "holds_once", "reports_its_start")), *FORGERIES]
 
 
 @pytest.mark.drill

@@ -12,8 +12,8 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from langchain_core.messages import AIMessage, HumanMessage, SystemMessage, ToolMessage
 
-from rai_missions.answerers.model.chat import Abilities, Raised, Spent
-from rai_missions.answerers.model.parse_reply import LONGEST, Said, read, said_of
+from rai_missions.answerers.model.chat import Abilities, BudgetExceeded, Raised
+from rai_missions.answerers.model.parse_reply import LONGEST, ModelReply, read, reply_of
 from rai_missions.answerers.model.process.frames import LONGEST_REPLY, Broken, Inlet, outward
 from rai_missions.answerers.model.process.words import (
     LONGEST_NAME,
@@ -21,8 +21,8 @@ from rai_missions.answerers.model.process.words import (
     ability_words,
     messages_in,
     packed,
+    reply_in,
     reply_words,
-    said_in,
 )
 from rai_missions.testing import QUESTION
 from tests.answerers.messages import ANY_CALL, TEXTS
@@ -40,12 +40,12 @@ REPLIES = st.dictionaries(WORDS, PLAIN, max_size=9) | st.builds(lambda more: GOO
 @given(REPLIES)
 @example({"text": "stay"})
 def test_any_reply_is_read_or_refused(message: dict[str, Any]) -> None:
-    for reader in (said_in, abilities_in):
+    for reader in (reply_in, abilities_in):
         try:
             made = reader(message)
-        except (Broken, Raised, Spent):
+        except (Broken, Raised, BudgetExceeded):
             continue
-        if isinstance(made, Said):
+        if isinstance(made, ModelReply):
             assert read(made, QUESTION) is not None
             json.dumps([made.text, list(made.calls), made.model])
 
@@ -55,7 +55,7 @@ def test_a_forged_reply_is_refused(message: dict[str, Any]) -> None:
     if message == {"reply": message["reply"], **GOOD}:  # forged by its number alone, which the engine knows
         return
     with pytest.raises(Broken):
-        said_in(message)
+        reply_in(message)
 
 
 @given(st.lists(st.binary(max_size=40), max_size=9), st.integers(1, 9))
@@ -91,19 +91,19 @@ def test_what_is_too_long_or_no_object_is_refused(data: bytes) -> None:
 @given(TEXTS, st.lists(ANY_CALL, max_size=4))
 @settings(max_examples=60)
 def test_an_answer_is_read_alike_over_the_pipe_and_here(text: str, calls: list[Any]) -> None:
-    reply = said_of(AIMessage.model_construct(content=text, tool_calls=calls))
+    reply = reply_of(AIMessage.model_construct(content=text, tool_calls=calls))
     frame = outward({"reply": 1, **reply_words(reply)})[0]
     (message,) = Inlet().feed(frame)
     here = read(reply, QUESTION)
     try:
-        there = said_in(message)
-    except Spent:
+        there = reply_in(message)
+    except BudgetExceeded:
         there = None
     if there is None:
         assert here.failed
         return
     over = read(there, QUESTION)
-    assert (over.wish, bool(over.calls), bool(over.failed)) == (here.wish, bool(here.calls), bool(here.failed))
+    assert (over.choice, bool(over.calls), bool(over.failed)) == (here.choice, bool(here.calls), bool(here.failed))
 
 
 @example("\x01" * LONGEST)
@@ -111,7 +111,7 @@ def test_an_answer_is_read_alike_over_the_pipe_and_here(text: str, calls: list[A
 @given(st.text(max_size=2 * LONGEST_NAME))
 def test_no_answer_is_longer_than_what_may_be_sent(text: str) -> None:
     calls = [{"name": text, "args": {text: text}, "id": text}] * 100
-    for answer in (Said(text * 3), Said(text, calls), RuntimeError(text * 9), Spent(text)):
+    for answer in (ModelReply(text * 3), ModelReply(text, calls), RuntimeError(text * 9), BudgetExceeded(text)):
         assert len(outward({"reply": 1, **reply_words(answer)})[0]) <= LONGEST_REPLY
 
 

@@ -21,7 +21,7 @@ CHUNK = 1 << 16
 
 
 class Broken(Exception):
-    """What came is no message of this protocol; the text says why."""
+    """What came is no message of this protocol; the text states why."""
 
 
 def outward(message: Mapping[str, Any], blobs: Sequence[bytes] = ()) -> list[bytes]:

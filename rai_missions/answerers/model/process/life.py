@@ -22,10 +22,10 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from rai_missions.answerers.model.chat import Abilities, Absent, Ended, Spent
-from rai_missions.answerers.model.parse_reply import Said
+from rai_missions.answerers.model.chat import Abilities, Absent, BudgetExceeded, Ended
+from rai_missions.answerers.model.parse_reply import ModelReply
 from rai_missions.answerers.model.process.frames import CHUNK, Broken, Inlet, outward
-from rai_missions.answerers.model.process.words import abilities_in, said_in
+from rai_missions.answerers.model.process.words import abilities_in, reply_in
 from rai_missions.connectors.worker import Worker
 from rai_missions.redaction import cut, secrets_held, variables
 
@@ -33,7 +33,7 @@ __all__ = ("Life", "PendingCall")
 
 GUARD = "rai_missions.answerers.model.process.guard"
 UNASKED = "it sent what was not asked for"
-UNWANTED = "nobody waits for the answer any more"
+UNWANTED = "the answer is waited for no longer"
 PIPE_BYTES = 1 << 20
 REPORT_S = 0.5
 """How long the guard may take to report how the model's process ended."""
@@ -47,20 +47,20 @@ class PendingCall:
 
     def __init__(self) -> None:
         self._over = threading.Event()
-        self._said: Said | BaseException | None = None
+        self._result: ModelReply | BaseException | None = None
 
-    def release(self, said: Said | BaseException | None) -> None:
+    def release(self, result: ModelReply | BaseException | None) -> None:
         """What came of it; the first counts."""
         if not self._over.is_set():
-            self._said = said
+            self._result = result
             self._over.set()
 
-    def wait(self) -> Said | None:
+    def wait(self) -> ModelReply | None:
         """What came of it; raised where it is an exception."""
         self._over.wait()
-        if isinstance(self._said, BaseException):
-            raise self._said
-        return self._said
+        if isinstance(self._result, BaseException):
+            raise self._result
+        return self._result
 
 
 class Life:
@@ -114,7 +114,7 @@ class Life:
 
     @property
     def absent(self) -> str:
-        """Why the model cannot be opened; empty unless the process says so."""
+        """Why the model cannot be opened; empty unless the process reports it."""
         return self._absent
 
     @property
@@ -152,7 +152,7 @@ class Life:
         Raises:
             Absent: The model cannot be opened.
             Ended: The process ended.
-            Spent: The question was closed.
+            BudgetExceeded: The question was closed.
         """
         call = PendingCall()
         with self._lock:
@@ -163,7 +163,7 @@ class Life:
             if (why := self.why) or self._ends:
                 raise Ended(f"the model's process ended: {why or 'it was closed'}")
             self._waiting.append(call)
-        when_closed(lambda: call.release(Spent(UNWANTED)))
+        when_closed(lambda: call.release(BudgetExceeded(UNWANTED)))
         call.wait()
         able = self.able
         assert able is not None
@@ -192,7 +192,7 @@ class Life:
         self._send({"do": "drop", "id": number})
         if call is None:
             return False
-        call.release(Spent(UNWANTED))
+        call.release(BudgetExceeded(UNWANTED))
         return True
 
     def _send(self, order: Mapping[str, Any], blobs: Sequence[bytes] = ()) -> None:
@@ -237,9 +237,9 @@ class Life:
             os.close(reply_fd)
         self._orders.close(0.0)
         self.end(why)
-        told = self._conclude()
+        report = self._conclude()
         with self._lock:
-            self.why = why or self.why or told or "it is gone"
+            self.why = why or self.why or report or "it is gone"
             calls, self._calls = list(self._calls.values()), {}
             self._heeds.set()
             waiting, self._waiting = self._waiting, []
@@ -322,7 +322,7 @@ class Life:
         if call is None:
             return
         try:
-            call.release(said_in(message))
+            call.release(reply_in(message))
         except Broken as broken:
             call.release(Ended(f"the model's process was ended: {broken}"))
             raise

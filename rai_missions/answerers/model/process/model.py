@@ -13,9 +13,9 @@ from collections.abc import Sequence
 
 from langchain_core.messages import BaseMessage
 
-from rai_missions.answerers.model.chat import Abilities, Absent, Spent
+from rai_missions.answerers.model.chat import Abilities, Absent, BudgetExceeded
 from rai_missions.answerers.model.output_modes import AnswerForm, Mode
-from rai_missions.answerers.model.parse_reply import Said
+from rai_missions.answerers.model.parse_reply import ModelReply
 from rai_missions.answerers.model.pending import Pending
 from rai_missions.answerers.model.process.life import PATIENCE_S, Life
 from rai_missions.answerers.model.process.words import packed
@@ -102,7 +102,7 @@ class ModelProcess:
             if self._absent:
                 raise Absent(self._absent)
             if self._closed:
-                raise Spent("the run has ended")
+                raise BudgetExceeded("the run has ended")
             life = self._begin()
         if life.able is None and not life.absent and time.monotonic() - life.began > START_S:
             life.end(f"it was not opened within {START_S:g} s")
@@ -175,7 +175,7 @@ class Exchange:
         self._first = {"do": "begin", "mode": mode, "schema": form.schema, "tools": list(form.tools)}
         pending.when_closed(self._drop)
 
-    def say(self, messages: Sequence[BaseMessage]) -> Said | None:
+    def ask(self, messages: Sequence[BaseMessage]) -> ModelReply | None:
         """The model's answer; see `Conversation`."""
         order, self._first = self._first, {"do": "more"}
         written, blobs = packed(messages)

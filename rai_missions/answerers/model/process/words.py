@@ -12,12 +12,12 @@ from typing import Any
 
 from langchain_core.messages import BaseMessage, HumanMessage, SystemMessage, ToolMessage
 
-from rai_missions.answerers.model.chat import Abilities, Raised, Spent
-from rai_missions.answerers.model.parse_reply import CALLS, LONGEST, Said, plain, too_long, too_many
+from rai_missions.answerers.model.chat import Abilities, BudgetExceeded, Raised
+from rai_missions.answerers.model.parse_reply import CALLS, LONGEST, ModelReply, plain, too_long, too_many
 from rai_missions.answerers.model.process.frames import Broken
 from rai_missions.redaction import Redaction, cut, redacted
 
-__all__ = ("abilities_in", "ability_words", "messages_in", "packed", "reply_words", "said_in")
+__all__ = ("abilities_in", "ability_words", "messages_in", "packed", "reply_in", "reply_words")
 
 LONGEST_NAME = 400
 LONGEST_CALLS = 150_000
@@ -83,10 +83,10 @@ def ability_words(able: Abilities) -> dict[str, Any]:
 
 
 def abilities_in(message: Mapping[str, Any]) -> Abilities:
-    """What a model's process says that it can do.
+    """What a model can do, by its process's report.
 
     Raises:
-        Broken: It says something else.
+        Broken: The report is of another form.
     """
     given = message.get("ready")
     if not isinstance(given, dict) or set(given) != set(Abilities._fields):
@@ -98,9 +98,9 @@ def abilities_in(message: Mapping[str, Any]) -> Abilities:
     return Abilities(**flags, name=name)
 
 
-def reply_words(answer: Said | BaseException | None) -> dict[str, Any]:
+def reply_words(answer: ModelReply | BaseException | None) -> dict[str, Any]:
     """What came of one call, no longer than what is read of it, and without secrets."""
-    if isinstance(answer, Spent):
+    if isinstance(answer, BudgetExceeded):
         return {"spent": cut(answer, LONGEST_NAME)}
     if isinstance(answer, BaseException):
         raised = answer if isinstance(answer, Raised) else Raised.by(answer)
@@ -125,19 +125,19 @@ def _call_words(call: Mapping[str, Any]) -> dict[str, Any]:
     return {**words, "args": Redaction().json(plain(call["args"]))}
 
 
-def said_in(message: Mapping[str, Any]) -> Said | None:
-    """What came of a call, as the model's process says it.
+def reply_in(message: Mapping[str, Any]) -> ModelReply | None:
+    """What came of a call, by the report of the model's process.
 
     Raises:
         Raised: The model raised.
-        Spent: Its answer is longer than what is read.
+        BudgetExceeded: Its answer is longer than what is read.
         Broken: The reply is none.
     """
     if "raised" in message:
         kind, what = _text(message, "raised", LONGEST_NAME), _text(message, "what", LONGEST_WORDS)
         raise Raised(kind, what, unfit=message.get("unfit") is True)
     if "spent" in message:
-        raise Spent(_text(message, "spent", LONGEST_NAME))
+        raise BudgetExceeded(_text(message, "spent", LONGEST_NAME))
     if message.get("nothing") is True:
         return None
     calls = message.get("calls")
@@ -145,7 +145,7 @@ def said_in(message: Mapping[str, Any]) -> Said | None:
         raise Broken("it sent calls that are none")
     text, model = _text(message, "text", LONGEST), _text(message, "model", LONGEST_NAME)
     broken, tokens_in, tokens_out = (_count(message, name) for name in ("broken", "in", "out"))
-    return Said(text, [_call(call) for call in calls], broken, tokens_in, tokens_out, model)
+    return ModelReply(text, [_call(call) for call in calls], broken, tokens_in, tokens_out, model)
 
 
 def _call(call: Any) -> dict[str, Any]:

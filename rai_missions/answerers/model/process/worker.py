@@ -94,7 +94,7 @@ def _answer(
     outlet: Outlet,
 ) -> None:  # fmt: skip
     """Put one question, or what was looked up for it, to the model."""
-    from rai_missions.answerers.model.chat import Talk
+    from rai_missions.answerers.model.chat import ThreadConversation
     from rai_missions.answerers.model.output_modes import AnswerForm
     from rai_missions.answerers.model.process.words import messages_in, reply_words
 
@@ -102,11 +102,11 @@ def _answer(
     try:
         if message["do"] == "begin":
             form = AnswerForm(message["schema"], message["tools"])
-            talk = Talk(model, message["mode"], form, lambda: is_open.is_open)
+            talk = ThreadConversation(model, message["mode"], form, lambda: is_open.is_open)
             talks[number] = (talk, is_open)
         else:
             talk = talks[number][0]
-        words = reply_words(talk.say(messages_in(message["messages"], blobs)))
+        words = reply_words(talk.ask(messages_in(message["messages"], blobs)))
     except BaseException as error:  # noqa: BLE001 - whatever it is, it is reported, and this process stays
         words = reply_words(error)
     outlet.send({"reply": number, **words})
