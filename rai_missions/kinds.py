@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 __all__ = (
     "EVENT", "HELD", "INTERFACES", "KEY", "OPERAND", "PATH", "STATE", "TEMPLATE", "TIMER", "TRIGGER", "FieldUse",
     "Interface", "KeyValue", "Offer", "OneOrMany", "Reference", "Refers", "fields_of", "found", "inside",
-    "lacking", "load_kinds", "named", "offered", "offers", "rewritten",
+    "lacking", "load_kinds", "named", "offered", "offers", "reference_word", "rewritten", "template_paths",
 )  # fmt: skip
 
 Interface = Literal["action", "service", "topic"]
@@ -147,10 +147,10 @@ def found(thing: Any, place: str = "") -> Iterator[Reference]:
 def _found(given: Any, hint: Any, place: str) -> Iterator[Reference]:
     if isinstance(hint, Refers):
         if hint.sort == "template":
-            yield from (Reference(PATH, path, here) for path, here in _paths(given, place))
+            yield from (Reference(PATH, path, here) for path, here in template_paths(given, place))
         elif hint.sort != "operand":
             yield Reference(hint, given, place)
-        elif (word := _other(given)) is not None:
+        elif (word := reference_word(given, OPERAND_WORDS)) is not None:
             yield Reference(PATH, given[word], f"{place}/{word}")
     elif isinstance(hint, _Listed):
         bare = hint.one_or_many and len(given) == 1
@@ -163,24 +163,25 @@ def _found(given: Any, hint: Any, place: str) -> Iterator[Reference]:
             yield from _found(item, hint.item, here)
 
 
-def _paths(template: Any, place: str) -> Iterator[tuple[str, str]]:
-    if isinstance(template, Mapping):
-        if len(template) == 1 and isinstance(template.get("from"), str):
-            yield template["from"], f"{place}/from"
-        else:
-            for word, item in template.items():
-                yield from _paths(item, f"{place}/{escaped(word)}")
+def template_paths(template: Any, place: str = "") -> Iterator[tuple[str, str]]:
+    """The paths that a template takes values from, each with its JSON pointer."""
+    if reference_word(template) is not None:
+        yield template["from"], f"{place}/from"
+    elif isinstance(template, Mapping):
+        for word, item in template.items():
+            yield from template_paths(item, f"{place}/{escaped(word)}")
     elif isinstance(template, list | tuple):
         for index, item in enumerate(template):
-            yield from _paths(item, f"{place}/{index}")
+            yield from template_paths(item, f"{place}/{index}")
 
 
-def _other(operand: Any) -> str | None:
-    """The word under which an operand names another key, where it does."""
-    if isinstance(operand, Mapping) and len(operand) == 1:
-        word, value = next(iter(operand.items()))
-        return word if word in ("key", "from") and isinstance(value, str) else None
-    return None
+OPERAND_WORDS = ("key", "from")
+
+
+def reference_word(value: Any, words: tuple[str, ...] = ("from",)) -> str | None:
+    """The word of a value that is but a path, as in `{"from": path}`; None for any other value."""
+    word = next(iter(value), None) if isinstance(value, Mapping) and len(value) == 1 else None
+    return word if word in words and isinstance(value[word], str) else None
 
 
 def inside(thing: Any, place: str = "") -> Iterator[tuple[str, Any]]:
@@ -225,16 +226,16 @@ def rewritten(given: Any, hint: Any, change: Callable[[Sort, Any], Any]) -> Any:
 
 
 def _referring(given: Any, sort: Sort, change: Callable[[Sort, Any], Any]) -> Any:
-    if sort == "template":
-        if isinstance(given, Mapping):
-            if len(given) == 1 and isinstance(given.get("from"), str):
-                return {"from": change("path", given["from"])}
-            return {word: _referring(item, sort, change) for word, item in given.items()}
-        return [_referring(item, sort, change) for item in given] if isinstance(given, list | tuple) else given
-    if sort == "operand":
-        word = _other(given)
-        return given if word is None else {word: change("path", given[word])}
-    return change(sort, given)
+    if sort not in ("template", "operand"):
+        return change(sort, given)
+    word = reference_word(given, OPERAND_WORDS if sort == "operand" else ("from",))
+    if word is not None:
+        return {word: change("path", given[word])}
+    if sort == "template" and isinstance(given, Mapping):
+        return {name: _referring(item, sort, change) for name, item in given.items()}
+    if sort == "template" and isinstance(given, list | tuple):
+        return [_referring(item, sort, change) for item in given]
+    return given
 
 
 def load_kinds(package: str, folders: Iterable[str]) -> None:

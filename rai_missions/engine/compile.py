@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping
 
 from rai_missions.engine.configuration import Configuration
 from rai_missions.engine.nodes import Act, CompiledGuard, CompiledTransition, Content, Node
-from rai_missions.errors import UsageError
+from rai_missions.errors import UsageError, escaped
 from rai_missions.guards.guard import Guard, Site
 from rai_missions.mission.mission import Mission
 from rai_missions.states.effects import Effect
@@ -58,7 +58,7 @@ class Compiled:
 
     def _add(self, states: Mapping[str, State], parent: Node, place: str) -> None:
         for name, state in states.items():
-            node = Node(name, f"{place}/{name.replace('/', '~1')}", state, parent, len(self.order))
+            node = Node(name, f"{place}/{escaped(name)}", state, parent, len(self.order))
             self.order.append(node)
             self.nodes[name] = node
             (parent.history if node.is_history else parent.children).append(node)

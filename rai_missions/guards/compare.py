@@ -12,7 +12,7 @@ from pydantic import Field, model_validator
 
 from rai_missions.guards.form import Atom, Form
 from rai_missions.guards.guard import Distinctions, Guard, Misfit, Operand, Site, Sources, Test, Truth, Types, View
-from rai_missions.kinds import OPERAND
+from rai_missions.kinds import OPERAND, OPERAND_WORDS, reference_word
 from rai_missions.model import Json, Path, fault
 from rai_missions.redaction import clipped
 
@@ -74,10 +74,8 @@ class Compare(Guard, word="key"):
     def other(self) -> str | None:
         """The path of the other key, where it is compared with one."""
         operand = self.operand
-        if isinstance(operand, Mapping) and len(operand) == 1:
-            path = operand.get("key", operand.get("from"))
-            return path if isinstance(path, str) else None
-        return None
+        word = reference_word(operand, OPERAND_WORDS)
+        return None if word is None else str(operand[word])
 
     def compile(self, site: Site) -> Test:
         left, apply, other = Operand(self.key, site), OPERATORS[self.op], self.other

@@ -6,12 +6,13 @@ Rule: a file is named by the mission that includes it and lies in the folder of 
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, NamedTuple
 
 from rai_missions.errors import DefinitionError, Fault, irregular, pointer, suggestion
 from rai_missions.keys import Key, fits
+from rai_missions.kinds import reference_word
 from rai_missions.mission.mission import Mission
 from rai_missions.redaction import shown
 from rai_missions.states import DecisionSpec, Include, Transition
@@ -108,9 +109,7 @@ def _key_misfits(key: Key, given: Any, parent: Mission) -> Iterator[str]:
 
 def shared_key(given: Any) -> str | None:
     """The parent's key that `{"from": key}` shares."""
-    if isinstance(given, Mapping) and len(given) == 1 and isinstance(given.get("from"), str):
-        return str(given["from"])
-    return None
+    return str(given["from"]) if reference_word(given) is not None else None
 
 
 def _unfit(include: Include, inner: Mission, parent: Mission) -> Iterator[Fault]:

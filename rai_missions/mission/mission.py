@@ -57,10 +57,6 @@ def _events(given: Any) -> Any:
     return {name: {} for name in given} if listed else given
 
 
-def _listed(given: Any) -> Any:
-    return tuple(given) if isinstance(given, list) else given
-
-
 def _met(given: str) -> str:
     if why := lacking(given):
         raise fault("package", why)
@@ -83,7 +79,7 @@ class Mission(MissionModel):
     name: Name
     version: Text = "0.0.0"
     about: Text = ""
-    uses: Annotated[tuple[Requirement, ...], BeforeValidator(_listed)] = ()
+    uses: tuple[Requirement, ...] = ()
     """The packages whose guards and activities it uses, each with its version: `orchard_kinds>=1`."""
     blackboard: Annotated[dict[KeyName, Key], BeforeValidator(_keys)] = Field(default_factory=dict)
     events: Annotated[dict[EventName, EventSpec], BeforeValidator(_events)] = Field(default_factory=dict)

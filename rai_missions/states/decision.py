@@ -6,17 +6,13 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import Annotated, Any, ClassVar, Self
 
-from pydantic import BeforeValidator, Field, model_validator
+from pydantic import Field, model_validator
 
 from rai_missions.guards.guard import Guard
 from rai_missions.model import Json, MissionModel, Name, OneOf, Path, Text, fault, suggestion
 from rai_missions.states.state import OUTCOMES, State
 
 __all__ = ("Budget", "Decision", "DecisionSpec", "Option")
-
-
-def _listed(given: Any) -> Any:
-    return tuple(given) if isinstance(given, list) else given
 
 
 class Option(MissionModel):
@@ -49,10 +45,10 @@ class DecisionSpec(MissionModel):
     positional: ClassVar = ("question",)
 
     question: Text
-    evidence: Annotated[tuple[Path, ...], BeforeValidator(_listed)] = ()
+    evidence: tuple[Path, ...] = ()
     """The keys that the question shows, pictures included."""
     options: dict[Name, Option] = Field(min_length=1)
-    ask: Annotated[tuple[Name, ...], BeforeValidator(_listed), Field(min_length=1)] = ("agent", "operator", "rules")
+    ask: Annotated[tuple[Name, ...], Field(min_length=1)] = ("agent", "operator", "rules")
     """Who is asked, in this order; one that is absent is skipped."""
     attempts: Annotated[int, Field(strict=True, ge=1, le=100)] = 1
     """How often each is asked before the next is."""
@@ -63,7 +59,7 @@ class DecisionSpec(MissionModel):
     fallback: Name | None = None
     """The option taken when no one gave an answer that counts; it has no `when`."""
     budget: Budget = Budget()
-    tools: Annotated[tuple[Name, ...], BeforeValidator(_listed)] = ()
+    tools: tuple[Name, ...] = ()
     """The read-only tools that a model may use while it thinks."""
 
     @model_validator(mode="after")

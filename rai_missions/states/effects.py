@@ -12,7 +12,7 @@ from typing import Annotated, Any, ClassVar, Self
 from pydantic import Field, model_validator
 
 from rai_missions.guards.guard import Operand, Site, View
-from rai_missions.kinds import TEMPLATE, KeyValue, Refers
+from rai_missions.kinds import TEMPLATE, KeyValue, Refers, reference_word, template_paths
 from rai_missions.model import (
     EventName,
     Json,
@@ -82,7 +82,7 @@ class Set(Effect, word="set"):
         """The path that the value is read from, if it is not written here."""
         if self.from_ is not None:
             return self.from_
-        if isinstance(self.value, Mapping) and set_of(self.value) == {"from"}:
+        if reference_word(self.value) is not None:
             return str(self.value["from"])
         return None
 
@@ -97,11 +97,6 @@ class Set(Effect, word="set"):
             return f"{self.set} += {self.add:g}"
         value = str(self.value).lower() if isinstance(self.value, bool) else self.value
         return f"{self.set} := {self.source or value}"
-
-
-def set_of(mapping: Mapping[str, Any]) -> frozenset[str]:
-    """The words of an object."""
-    return frozenset(mapping)
 
 
 class Raise(Effect, word="raise"):
@@ -181,9 +176,9 @@ class Log(Effect, word="log"):
 
 def template_words(template: Any) -> str:
     """A goal, request or message: `pose ← target, speed 1.2`."""
+    if reference_word(template) is not None:
+        return f"← {template['from']}"
     if isinstance(template, Mapping):
-        if set_of(template) == {"from"}:
-            return f"← {template['from']}"
         return ", ".join(f"{name} {template_words(item)}" for name, item in template.items())
     if isinstance(template, list | tuple):
         return "[" + ", ".join(map(template_words, template)) + "]"
@@ -204,22 +199,14 @@ def call_lines(
 
 def references(template: Any) -> Iterator[str]:
     """The paths that a template takes values from."""
-    if isinstance(template, Mapping):
-        if set_of(template) == {"from"} and isinstance(template["from"], str):
-            yield template["from"]
-        else:
-            for item in template.values():
-                yield from references(item)
-    elif isinstance(template, list | tuple):
-        for item in template:
-            yield from references(item)
+    return (path for path, _ in template_paths(template))
 
 
 def filled(template: Any, view: View, site: Site) -> Any:
     """A template with each `{"from": path}` replaced by the value there now; None where it is unknown."""
+    if reference_word(template) is not None:
+        return Operand(template["from"], site).read(view)
     if isinstance(template, Mapping):
-        if set_of(template) == {"from"} and isinstance(template["from"], str):
-            return Operand(template["from"], site).read(view)
         return {name: filled(item, view, site) for name, item in template.items()}
     if isinstance(template, list | tuple):
         return [filled(item, view, site) for item in template]

@@ -3,9 +3,9 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, ClassVar, Literal, Self
+from typing import Any, ClassVar, Literal, Self
 
-from pydantic import BeforeValidator, Field, GetJsonSchemaHandler, model_validator
+from pydantic import Field, GetJsonSchemaHandler, model_validator
 
 from rai_missions.model import fault
 from rai_missions.states.state import State, Transition
@@ -42,10 +42,6 @@ class Default(Transition):
         return "without memory"
 
 
-def _listed(given: object) -> object:
-    return tuple(given) if isinstance(given, list) else given
-
-
 class History(State, word="history"):
     """Never active itself; without memory it leads to its own transition's target, else to the parent's `initial`."""
 
@@ -53,7 +49,7 @@ class History(State, word="history"):
 
     history: Literal["shallow", "deep"]
     """`shallow` remembers the parent's active child, `deep` all that was active inside."""
-    transitions: Annotated[tuple[Default, ...], BeforeValidator(_listed)] = Field(default=(), max_length=1)
+    transitions: tuple[Default, ...] = Field(default=(), max_length=1)
     """Its default, `[{"to": …}]`: inside its parent; of a `shallow` one a child."""
 
     def title(self) -> str:

@@ -4,9 +4,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Annotated, Any, ClassVar, Literal, Self
+from typing import Annotated, ClassVar, Literal, Self
 
-from pydantic import BeforeValidator, Field, model_validator
+from pydantic import Field, model_validator
 
 from rai_missions.model import Bool, Integer, OneOf, fault
 from rai_missions.states.tree.node import TreeNode
@@ -14,12 +14,8 @@ from rai_missions.states.tree.node import TreeNode
 __all__ = ("Branch", "ParallelTree", "Selector", "Sequence")
 
 
-def _listed(given: Any) -> Any:
-    return tuple(given) if isinstance(given, list) else given
-
-
-Children = Annotated[tuple[OneOf[TreeNode], ...], BeforeValidator(_listed), Field(min_length=1)]
-Numbers = Annotated[tuple[Integer, ...], BeforeValidator(_listed), Field(min_length=1)]
+Children = Annotated[tuple[OneOf[TreeNode], ...], Field(min_length=1)]
+Numbers = Annotated[tuple[Integer, ...], Field(min_length=1)]
 
 
 class Branch(TreeNode):
