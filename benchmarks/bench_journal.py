@@ -56,7 +56,7 @@ def times(write: Callable[[Step], object], make: Callable[[int], Step], count: i
     return sorted(spent)
 
 
-def told(name: str, spent: list[float]) -> None:
+def print_times(name: str, spent: list[float]) -> None:
     each = [spent[int(len(spent) * part)] for part in (0.5, 0.99, 0.999)]
     rest = "".join(f"{1e6 * took:>10.0f}" for took in (*each, spent[-1]))
     print(f"{name:<34}{1 / statistics.fmean(spent):>10,.0f}{rest}")
@@ -72,7 +72,7 @@ def journaled(folder: Path) -> Path:
     for name, make, count in kinds:
         path = folder / name.replace(" ", "_")
         with Journal.create(path, Header("{}")) as journal:
-            told(name, times(lambda step, to=journal: to.write(step, since=12.3, quiet=QUIET), make, count))  # type: ignore[misc]
+            print_times(name, times(lambda step, to=journal: to.write(step, since=12.3, quiet=QUIET), make, count))  # type: ignore[misc]
     return folder / "a_transition,_two_quiet_writes"
 
 
@@ -88,7 +88,7 @@ def plainest(folder: Path) -> None:
         STEPS,
     )
     database.close()
-    told("plainest SQLite: pickled, no hash", spent)
+    print_times("plainest SQLite: pickled, no hash", spent)
 
 
 def main() -> None:

@@ -18,7 +18,7 @@ import time
 from pathlib import Path
 from typing import Any
 
-from benchmarks.bench_stop import ACTION, Server, loaded, pictures, told
+from benchmarks.bench_stop import ACTION, Server, loaded, pictures, print_times
 from rai_missions.answerers.model.agent import DecisionAgent
 from rai_missions.answerers.model.process.model import ModelProcess
 from rai_missions.answerers.test_models import DoubleModel
@@ -107,7 +107,7 @@ def stops(name: str, agent_of: Any, count: int) -> None:
             run.join()
             journal.close()
             agent.stop()
-    told(name, spent)
+    print_times(name, spent)
 
 
 class Noting(Holding):

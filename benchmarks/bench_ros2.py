@@ -78,7 +78,7 @@ class Robot:
         handle.canceled()
         return self._result()
 
-    def say(self, topic: str) -> None:
+    def order(self, topic: str) -> None:
         if topic not in self._publishers:
             self._publishers[topic] = self.node.create_publisher(self._string, topic, 10)
         self._publishers[topic].publish(self._string(data="x"))
@@ -87,17 +87,17 @@ class Robot:
         """State it until something comes of it: the other process may not have been found yet."""
         happened.clear()
         for _ in range(40):
-            self.say(topic)
+            self.order(topic)
             if happened.wait(0.5):
                 return
         raise SystemExit(f"nothing came of {topic}")
 
-    def until_heard(self, topic: str) -> float:
+    def until_received(self, topic: str) -> float:
         """Seconds from a message to what it causes."""
         self.called.clear()
         time.sleep(GAP_S)  # so that each finds the other side waiting
         begin = time.perf_counter()
-        self.say(topic)
+        self.order(topic)
         if not self.called.wait(20.0):
             raise SystemExit(f"nothing came of {topic}")
         return self.at - begin
@@ -132,7 +132,7 @@ def plain(kind: str) -> None:
 
     unwanted = threading.Event()
 
-    def start(_heard: Any) -> None:
+    def start(_message: Any) -> None:
         move.send_goal_async(Fibonacci.Goal()).add_done_callback(accepted)
 
     def accepted(sent: Any) -> None:
@@ -140,7 +140,7 @@ def plain(kind: str) -> None:
         if unwanted.is_set():
             leave(None)
 
-    def leave(_heard: Any) -> None:
+    def leave(_message: Any) -> None:
         """Where the word of its acceptance has not come, cancel the goal when it does."""
         unwanted.clear() if goals else unwanted.set()
         if goals:
@@ -153,9 +153,9 @@ def plain(kind: str) -> None:
                 wanted.clear()
                 horn.call_async(Trigger.Request())
 
-    deeds = {"floor": lambda _heard: horn.call_async(Trigger.Request()), "polling": lambda _heard: wanted.set()}
+    deeds = {"floor": lambda _message: horn.call_async(Trigger.Request()), "polling": lambda _message: wanted.set()}
     if kind == "seeing":
-        node.create_subscription(Image, "/camera", lambda _heard: None, 10)
+        node.create_subscription(Image, "/camera", lambda _message: None, 10)
     node.create_subscription(String, "/go", deeds.get(kind, deeds["floor"]), 10)
     node.create_subscription(String, "/leave", leave, 10)
     node.create_subscription(String, "/again", start, 10)
@@ -163,7 +163,7 @@ def plain(kind: str) -> None:
         threading.Thread(target=look, daemon=True).start()
     executor = SingleThreadedExecutor()
     executor.add_node(node)
-    tell("ready")
+    report("ready")
     threading.Thread(target=executor.spin, daemon=True).start()
 
 
@@ -193,7 +193,7 @@ def missions(kind: str) -> None:
         threading.Thread(target=runner.run, daemon=True).start()
     for _ in range(count):
         started.acquire()
-    tell(f"ready {time.perf_counter() - begin:.3f}")
+    report(f"ready {time.perf_counter() - begin:.3f}")
 
 
 def mission(*, is_thinking: bool, sees: bool) -> dict[str, Any]:
@@ -218,11 +218,11 @@ def camera() -> None:
     picture = Image(width=640, height=480, encoding="rgb8", step=1920, data=bytes(640 * 480 * 3))
     publisher = node.create_publisher(Image, "/camera", 1)
     node.create_timer(0.1, lambda: publisher.publish(picture))
-    tell("ready")
+    report("ready")
     threading.Thread(target=rclpy.spin, args=(node,), daemon=True).start()
 
 
-def tell(line: str) -> None:
+def report(line: str) -> None:
     print(line, flush=True)
 
 
@@ -243,7 +243,7 @@ def other(kind: str) -> Iterator[tuple[int, str]]:
 # -- figures -----------------------------------------------------------------------------------------------------------
 
 
-def told(name: str, spent: list[float], floor: list[float] | None = None) -> list[float]:
+def print_times(name: str, spent: list[float], floor: list[float] | None = None) -> list[float]:
     spent = sorted(spent)
     middle, late = statistics.median(spent), spent[int(len(spent) * 0.99)]
     line = f"{name:<46}{1e3 * middle:>10.3f}{1e3 * late:>10.3f}{1e3 * spent[-1]:>10.3f}"
@@ -257,7 +257,7 @@ def calls(robot: Robot, name: str, floor: list[float] | None, topic: Callable[[i
     for each in dict.fromkeys(topic(number) for number in range(ROUNDS)):
         robot.until(robot.called, each)
     time.sleep(1.0)  # what was reported more than once is received more than once
-    return told(name, [robot.until_heard(topic(number)) for number in range(ROUNDS)], floor)
+    return print_times(name, [robot.until_received(topic(number)) for number in range(ROUNDS)], floor)
 
 
 def cancels(robot: Robot, name: str, floor: list[float] | None) -> list[float]:
@@ -265,8 +265,8 @@ def cancels(robot: Robot, name: str, floor: list[float] | None) -> list[float]:
     for _ in range(ROUNDS // 4):
         robot.until(robot.moves, "/again")
         time.sleep(0.01)  # until the other side knows that it was accepted
-        spent.append(robot.until_heard("/leave"))
-    return told(name, spent, floor)
+        spent.append(robot.until_received("/leave"))
+    return print_times(name, spent, floor)
 
 
 def idle(name: str, pid: int) -> None:

@@ -71,7 +71,7 @@ def posted(post: Callable[[], None], called: threading.Event, at: list[float]) -
     return sorted(spent)
 
 
-def told(name: str, spent: list[float]) -> None:
+def print_times(name: str, spent: list[float]) -> None:
     median, last = statistics.median(spent), spent[int(len(spent) * 0.99)]
     print(f"{name:<46}{1e3 * median:>10.3f}{1e3 * last:>10.3f}{1e3 * spent[-1]:>10.3f}")
 
@@ -94,7 +94,7 @@ def runner_latency(name: str, *, thinks: bool, folder: Path | None) -> None:
     thread.start()
     if thinks:
         model.hangs.wait()
-    told(name, posted(lambda: runner.post(Event("go", runner.view.now())), called, at))
+    print_times(name, posted(lambda: runner.post(Event("go", runner.view.now())), called, at))
     runner.post(Event("end", runner.view.now()))
     thread.join()
     model.release()
@@ -114,7 +114,7 @@ def queue_latency(name: str, look: Callable[[queue.SimpleQueue[int]], int]) -> N
 
     thread = threading.Thread(target=work)
     thread.start()
-    told(name, posted(lambda: waiting.put(1), called, at))
+    print_times(name, posted(lambda: waiting.put(1), called, at))
     waiting.put(0)
     thread.join()
 

@@ -89,7 +89,7 @@ def flooded(poke: Callable[[], None], ended: threading.Event) -> None:
             poke()
 
 
-def told(name: str, spent: list[float]) -> None:
+def print_times(name: str, spent: list[float]) -> None:
     ordered = sorted(spent)
     middle, late = statistics.median(ordered), ordered[min(len(ordered) - 1, int(len(ordered) * 0.99))]
     figures = f"median {1e3 * middle:.2f} ms, p99 {1e3 * late:.2f} ms, longest {1e3 * ordered[-1]:.2f} ms"
@@ -178,9 +178,9 @@ def pictures(connector: Any, ended: threading.Event) -> None:
 
 
 def main() -> None:
-    told("in process, a plain thread", floor())
+    print_times("in process, a plain thread", floor())
     with tempfile.TemporaryDirectory() as folder:
-        told("in process, a mission", in_process(Path(folder)))
+        print_times("in process, a mission", in_process(Path(folder)))
     if importlib.util.find_spec("rclpy") is None or importlib.util.find_spec("test_msgs") is None:
         print("ROS 2 is not installed; over it nothing is measured")
         return

@@ -19,7 +19,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
-from benchmarks.bench_stop import EMPTY, PERIOD_S, PICTURE, ROUNDS, loaded, told
+from benchmarks.bench_stop import EMPTY, PERIOD_S, PICTURE, ROUNDS, loaded, print_times
 
 KINDS = {"plain": "plain rclpy", "mission": "a mission", "gate": "the gate"}
 LAYOUTS = {"together": "", "roomy": ", our profile", "apart": ", camera apart"}
@@ -159,10 +159,10 @@ class Base:
         self._request, self._string = node.create_publisher(String, "/gate/operator/request", 10), String
         command, drive = node.create_publisher(Twist, "/gate/autonomy/cmd_vel", 10), Twist()
         drive.linear.x = 1.0
-        node.create_subscription(Twist, "/cmd_vel", self._hear, 10)
+        node.create_subscription(Twist, "/cmd_vel", self._on_command, 10)
         node.create_timer(COMMANDS_S, lambda: command.publish(drive))
 
-    def _hear(self, command: Any) -> None:
+    def _on_command(self, command: Any) -> None:
         if command.linear.x:
             self.moves.set()
         elif self.moves.is_set():
@@ -234,7 +234,7 @@ def robot_process(kind: str, layout: str) -> None:
         from rai_missions.connectors.ros2.fastdds import PICTURES
 
         os.environ[VARIABLE] = str(PICTURES)
-    told(f"over ROS 2, {KINDS[kind]}{LAYOUTS[layout]}", measured(kind, is_apart=layout == "apart"))
+    print_times(f"over ROS 2, {KINDS[kind]}{LAYOUTS[layout]}", measured(kind, is_apart=layout == "apart"))
     os._exit(0)
 
 

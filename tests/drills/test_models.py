@@ -50,17 +50,17 @@ def test_ten_thousand_missions_under_hostile_models(part: int) -> None:
 class Always(HostileModel):
     """Reports the same each time."""
 
-    said: str
+    text: str
 
     def reply_to(self, messages: list[Any]) -> str:
-        return self.said
+        return self.text
 
 
 def found(folder: Path, message: str, mission: Mission | None = None) -> Iterator[str]:
     """What the drill finds in some missions in which a model always reports the same."""
     for number in range(12):
         (folder / str(number)).mkdir()
-        trial: Trial = try_one(f"{SEED}/{number}", folder / str(number), mission=mission, model=Always(0, said=message))
+        trial: Trial = try_one(f"{SEED}/{number}", folder / str(number), mission=mission, model=Always(0, text=message))
         yield from trial.faults
 
 
@@ -71,7 +71,7 @@ def test_without_redaction_the_drill_finds_the_secrets(tmp_path: Path, monkeypat
     monkeypatch.setattr("rai_missions.redaction.redacted", lambda text: text)
     monkeypatch.setattr(Redaction, "known", lambda self, value, depth=0: value)
     (tmp_path / "again").mkdir()
-    assert any(f"'{secret}' stands in run.journal" in each for each in found(tmp_path / "again", secret))
+    assert any(f"'{secret}' appears in run.journal" in each for each in found(tmp_path / "again", secret))
 
 
 def test_without_guards_the_drill_finds_who_was_driven_over(tmp_path: Path) -> None:

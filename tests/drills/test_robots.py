@@ -83,7 +83,7 @@ def in_a_field(mission: Mission, seed: int, incoming: Rates, outgoing: Rates, fo
         *([f"it took {result.duration_s} s"] if result.duration_s > ENDS_S + 45 else []),
         *(["the engine left goals open"] if runner.view.open_goals else []),
         *([f"its journal does not replay: {again.difference}"] if not again.holds else []),
-        *([f"told {again.outcome}, replayed {result.outcome}"] if again.outcome != result.outcome else []),
+        *([f"ran {again.outcome}, replayed {result.outcome}"] if again.outcome != result.outcome else []),
         *(f"goal {goal} runs on" for goal in unowned(field.goals, runner, steps)),
     ]
 
@@ -139,7 +139,7 @@ def in_the_yard(seed: int, incoming: Rates, outgoing: Rates, folder: Path, count
     is_orphaned = any("orphaned" in note for note in notes)
     return [
         *(["a false success"] if result.outcome == "succeeded" and not yard.is_at_end else []),
-        *(["somebody was driven over"] if (yard.harmed or yard.rammed) and not is_orphaned else []),
+        *(["a person was driven over"] if (yard.harmed or yard.rammed) and not is_orphaned else []),
         *([f"it took {result.duration_s} s"] if result.duration_s > 300 else []),
         *([f"its journal does not replay: {again.difference}"] if not again.holds else []),
         *(f"goal {goal} runs on" for goal in unowned(yard.goals, runner, steps)),
@@ -195,7 +195,7 @@ def with_the_tractor(seed: int, incoming: Rates, outgoing: Rates) -> list[str]:
     finally:
         world.close()
     return [
-        *(["somebody was touched"] if world.judge.touched else []),
+        *(["a person was touched"] if world.judge.touched else []),
         *(["a false success"] if result.outcome == "succeeded" and not world.counter.alleys else []),
         *([f"it ended as '{result.outcome}'"] if result.outcome not in ENDS else []),
         *([f"it took {result.duration_s} s"] if result.duration_s > 1800 else []),

@@ -115,7 +115,7 @@ class Yard:
             self._cross()
         elif "drive" in running:
             self._drive()
-        self._tell()
+        self._report()
 
     def _drive(self) -> None:
         stop_at = min(LENGTH_M, self.things[0].at_m if self.things else LENGTH_M)
@@ -166,7 +166,7 @@ class Yard:
                 del self.goals[goal_id]
                 report(Report(goal_id, status, {"note": self._label}))  # type: ignore[arg-type]
 
-    def _tell(self) -> None:
+    def _report(self) -> None:
         publish, thing = self._connector.publish, self.ahead
         publish("/yard/position", NUMBER, {"data": self.position_m})
         publish("/yard/harmed", BOOL, {"data": bool(self.harmed)})
@@ -175,7 +175,7 @@ class Yard:
             facts = {"kind": thing.kind, "height_m": thing.height_m, "living": thing.living, "label": self._label}
             publish("/yard/thing", STRING, {"data": json.dumps(facts)})
         if self.steps % 2 == 0:
-            picture = Image(f"camera@{self.at:.1f}", 1, 1, "png", lambda: png_that_says(self._label))
+            picture = Image(f"camera@{self.at:.1f}", 1, 1, "png", lambda: png_with_text(self._label))
             publish("/yard/camera", "sensor_msgs/msg/Image", {
                 "height": 1, "width": 1, "encoding": "png", "is_bigendian": 0, "step": 3, "data": picture,
             })  # fmt: skip
@@ -194,7 +194,7 @@ class Served:
         self._yard.cancel(goal_id)
 
 
-def png_that_says(text: str) -> bytes:
+def png_with_text(text: str) -> bytes:
     """A picture of one pixel with a text in it."""
 
     def chunk(kind: bytes, data: bytes) -> bytes:
@@ -233,7 +233,7 @@ def yard_mission(*, tries: int = 0, **decision: Any) -> Mission:
             "detour": {"about": "drive round it", "parameters": {
                 "type": "object", "properties": {"side": {"enum": ["left", "right"]}}, "additionalProperties": False}},
             "signal": {"about": "sound the horn", "when": {"key": "signals", "<": 3}},
-            "finish": {"about": "say that the work is done"},
+            "finish": {"about": "report that the work is done"},
             "abort": {"about": "stop here and call a person"},
         },
         "ask": ["agent"], "attempts": 3, "deadline_s": DEADLINE_S, "fallback": "abort",

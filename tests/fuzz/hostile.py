@@ -103,7 +103,7 @@ def _recordings() -> dict[str, bytes]:
         "cut short": good[: len(good) // 2],
         "a record without end": good[:8] + b"\x06" + b"\xff" * 8,
         "a bomb": good[:8] + _chunk("zstd", 2**62, b"\x28\xb5\x2f\xfd\xe4" + b"\xff" * 40),
-        "a bomb that says it is small": good[:8] + _chunk("zstd", 100, BOMB),
+        "a bomb that claims to be small": good[:8] + _chunk("zstd", 100, BOMB),
         "another packing": good[:8] + _chunk("lz4", 100, bytes(100)),
         "an enormous chunk": good[:8] + _chunk("", 2**40, bytes(100)),
         "an unknown packing": good[:8] + _chunk("rar", 100, zlib.compress(bytes(100))),

@@ -44,7 +44,7 @@ def mission(data: bytes, folder: Path) -> None:
     holds = not any(each.severity == "error" for each in check(loaded))
     again = folder / "again.json"
     dump(loaded, again)
-    assert load(again) == loaded, "a mission is not what its own JSON says"
+    assert load(again) == loaded, "a mission is not what its own JSON describes"
     if sum(1 for _ in loaded.walk()) > MOST_STATES:
         return
     for form in ("dot", "mmd", "md", "html"):
@@ -64,7 +64,7 @@ def profile(data: bytes, folder: Path) -> None:
     file.write_bytes(data)
     robot = load_profile(file)
     missing(LAMP, robot)
-    assert parse_profile(dump_profile(robot)) == robot, "a profile is not what its own JSON says"
+    assert parse_profile(dump_profile(robot)) == robot, "a profile is not what its own JSON describes"
 
 
 def journal(data: bytes, folder: Path) -> None:

@@ -112,16 +112,16 @@ def test_a_difference_is_reported_with_its_place(got: Step, message: str) -> Non
     assert difference(STEP, got) == message
 
 
-SAID = {"seq": 1, "at": 0, "event": {"name": "x"}}
+LEAST = {"seq": 1, "at": 0, "event": {"name": "x"}}
 PICTURE = {"$image": "x", "width": "2", "height": 2, "encoding": "png"}
 
 
 @pytest.mark.parametrize(
     "written",
     [
-        [], {}, {"seq": "one"}, {**SAID, "colour": 1}, {**SAID, "event": 3}, {**SAID, "effects": [{"fly": {}}]},
-        {**SAID, "event": {"name": "x", "data": {"a": {"$code": "x"}}}}, {**SAID, "guards": [["a", 1]]},
-        {**SAID, "event": {"name": "x", "data": {"a": PICTURE}}}, {**SAID, "notes": "n"}, {**SAID, "effects": [7]},
+        [], {}, {"seq": "one"}, {**LEAST, "colour": 1}, {**LEAST, "event": 3}, {**LEAST, "effects": [{"fly": {}}]},
+        {**LEAST, "event": {"name": "x", "data": {"a": {"$code": "x"}}}}, {**LEAST, "guards": [["a", 1]]},
+        {**LEAST, "event": {"name": "x", "data": {"a": PICTURE}}}, {**LEAST, "notes": "n"}, {**LEAST, "effects": [7]},
     ],
 )  # fmt: skip
 def test_what_is_no_step_is_not_read_as_one(written: Any) -> None:

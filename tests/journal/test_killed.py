@@ -39,7 +39,7 @@ def writer(path: Path, limit_bytes: int | None = None) -> subprocess.Popen[str]:
     )  # fmt: skip
 
 
-def said_until(process: subprocess.Popen[str], last: int) -> None:
+def wait_for_rows(process: subprocess.Popen[str], last: int) -> None:
     assert process.stdout is not None
     for line in process.stdout:
         if line == f"{last}\n":
@@ -50,7 +50,7 @@ def said_until(process: subprocess.Popen[str], last: int) -> None:
 def test_no_row_is_lost_when_the_process_is_killed(tmp_path: Path, rows: int) -> None:
     path = tmp_path / "j"
     with writer(path) as process:
-        said_until(process, rows)
+        wait_for_rows(process, rows)
         process.kill()
         rest, _ = process.communicate()
     last = int(rest.split()[-1]) if rest.split() else rows
@@ -67,7 +67,7 @@ def test_no_row_is_lost_when_the_process_is_killed(tmp_path: Path, rows: int) ->
 def test_no_one_writes_a_journal_that_another_process_writes(tmp_path: Path) -> None:
     path = tmp_path / "j"
     with writer(path) as process:
-        said_until(process, 1)
+        wait_for_rows(process, 1)
         try:
             with pytest.raises(UsageError, match="is being written by another process; wait for its end"):
                 Journal.open(path)

@@ -366,7 +366,7 @@ class Interpreter:
         for anc in get_proper_ancestors(t.source, None):
             if (is_compound_state(anc) or anc is self.doc) and all(is_descendant(s, anc) for s in tstates):
                 return anc
-        raise AssertionError("every state stands inside the document")
+        raise AssertionError("every state is inside the document")
 
     def get_effective_target_states(self, target: Iterable[str | Element]) -> list[Element]:
         targets: list[Element] = []

@@ -12,10 +12,10 @@ from rai_missions.event import Event, Tick
 from rai_missions.mission.mission import Mission
 from tests.oracles.appendix_d import Interpreter
 
-__all__ = ("Told", "of_appendix_d", "of_ours", "told")
+__all__ = ("Trace", "logged", "of_appendix_d", "of_ours")
 
 
-class Told(NamedTuple):
+class Trace(NamedTuple):
     """What one happening led to."""
 
     active: frozenset[str]
@@ -23,12 +23,12 @@ class Told(NamedTuple):
     ended: str = ""
 
 
-def told(step: Step) -> tuple[str, ...]:
+def logged(step: Step) -> tuple[str, ...]:
     """What a step logged."""
     return tuple(effect.text for effect in step.effects if isinstance(effect, LogLine))
 
 
-def of_ours(document: dict[str, Any], script: Iterable[tuple[Any, ...]]) -> list[Told]:
+def of_ours(document: dict[str, Any], script: Iterable[tuple[Any, ...]]) -> list[Trace]:
     """The trace of our chart; `why` of an end is left out."""
     chart = Chart(Mission.model_validate(document))
     trace, at = [_seen(chart, chart.start(0.0))], 0.0
@@ -44,11 +44,11 @@ def _happen(chart: Chart, word: str, what: Any, at: float) -> Step:
     return chart.send(Event(what, at) if word == "event" else Tick(at))
 
 
-def _seen(chart: Chart, step: Step) -> Told:
-    return Told(chart.active, told(step), chart.outcome or "")
+def _seen(chart: Chart, step: Step) -> Trace:
+    return Trace(chart.active, logged(step), chart.outcome or "")
 
 
-def of_appendix_d(document: dict[str, Any], script: Iterable[tuple[Any, ...]]) -> list[Told]:
+def of_appendix_d(document: dict[str, Any], script: Iterable[tuple[Any, ...]]) -> list[Trace]:
     """The trace of SCXML's own algorithm.
 
     Raises:
@@ -69,6 +69,6 @@ def of_appendix_d(document: dict[str, Any], script: Iterable[tuple[Any, ...]]) -
     return trace
 
 
-def _received(oracle: Interpreter) -> Told:
+def _received(oracle: Interpreter) -> Trace:
     logs, oracle.log = tuple(oracle.log), []
-    return Told(frozenset(s.id for s in oracle.configuration if s.id), logs, oracle.outcome)
+    return Trace(frozenset(s.id for s in oracle.configuration if s.id), logs, oracle.outcome)

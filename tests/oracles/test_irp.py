@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 import pytest
 
 from rai_missions.event import Event, Tick
-from tests.oracles.ours import told
+from tests.oracles.ours import logged
 from tests.rigs.charts import chart, transition
 
 Json = dict[str, Any]
@@ -44,7 +44,7 @@ def verdict(value: int) -> list[Json]:
 
 class Assertion(NamedTuple):
     number: int
-    says: str
+    sentence: str
     states: Json
     initial: Any = None
     until_s: float = 0.0
@@ -72,7 +72,7 @@ PLAN = [
     Assertion(172, "what is raised can depend on what was assigned before it in the same block", {
         "a": {"entry": [put(2), *raising("event1")], "transitions": [transition("event1", "pass", when=is_(2)), FAIL]},
     }),
-    Assertion(175, "a delayed event waits for as long as it was told", {
+    Assertion(175, "a delayed event waits for as long as it was logged", {
         "a": {"entry": [{"raise": "event2", "after_s": 1.0}, {"raise": "event1", "after_s": 0.5}],
               "transitions": [transition("event1", "b"), transition("event2", "fail")]},
         "b": {"transitions": [transition("event2", "pass"), FAIL]},
@@ -101,7 +101,7 @@ PLAN = [
             ),
         }),
     }),
-    Assertion(372, "the end of a compound state is told after the final's entry and before its exit", {
+    Assertion(372, "the end of a compound state is reported after the final's entry and before its exit", {
         "a": compound("end", {"end": {"final": "succeeded", "entry": [put(2)], "exit": [put(3)]}},
                       transitions=[transition("succeeded", "pass", when=is_(2)), transition("succeeded", "fail")]),
     }),
@@ -210,7 +210,7 @@ PLAN = [
               "transitions": [transition("foo", "ps1", when=is_(0), internal=True), transition("bar", "s4", when=is_(3))]},
         "s4": {"transitions": verdict(6)},
     }),
-    Assertion(570, "the end of a parallel state is told once all its regions have ended", {
+    Assertion(570, "the end of a parallel state is reported once all its regions have ended", {
         "p": {**regions(
             a=compound("a1", {"a1": {"transitions": [transition("e1", "af")]}, "af": {"final": "succeeded"}}),
             b=compound("b1", {"b1": {"transitions": [transition("e2", "bf")]}, "bf": {"final": "succeeded"}}),
@@ -229,7 +229,7 @@ PLAN = [
 ]  # fmt: skip
 
 
-@pytest.mark.parametrize("plan", PLAN, ids=lambda plan: f"{plan.number}: {plan.says}")
+@pytest.mark.parametrize("plan", PLAN, ids=lambda plan: f"{plan.number}: {plan.sentence}")
 def test_an_interpreter_keeps_the_assertion(plan: Assertion) -> None:
     made = chart({**plan.states, **ENDS}, plan.initial, blackboard=COUNT)
     for name in plan.send:
@@ -262,4 +262,4 @@ def test_579_a_history_that_remembers_does_not_lead_to_its_default() -> None:
 def test_412_the_entry_of_a_state_is_executed_before_that_of_its_initial() -> None:
     states = {"a": compound("b", {"b": {"entry": [{"log": "b"}]}}, entry=[{"log": "a"}])}
     made = chart(states, started=False)
-    assert told(made.start(0.0)) == ("a", "b")
+    assert logged(made.start(0.0)) == ("a", "b")

@@ -19,7 +19,7 @@ from hypothesis import HealthCheck, assume, given, settings
 
 from tests.oracles.appendix_d import Endless, many
 from tests.oracles.documents import Taste, charts, lineage, scripts, without_transitions
-from tests.oracles.ours import Told, of_appendix_d, of_ours
+from tests.oracles.ours import Trace, of_appendix_d, of_ours
 from tests.oracles.scxml_text import scxml_text
 
 processor = pytest.importorskip("statemachine.io.scxml.processor", reason="python-statemachine is not installed")
@@ -41,20 +41,20 @@ def at_home(document: Json) -> Json:
     return without_transitions(document, unwanted)
 
 
-def unordered(reported: Told) -> tuple[frozenset[str], list[str], str]:
+def unordered(reported: Trace) -> tuple[frozenset[str], list[str], str]:
     return reported.active, sorted(set(reported.logs)), reported.ended
 
 
-def of_python_statemachine(document: Json, script: list[tuple[Any, ...]]) -> list[Told]:
+def of_python_statemachine(document: Json, script: list[tuple[Any, ...]]) -> list[Trace]:
     ends = {name: state["final"] for name, state in document["states"].items() if "final" in state}
     reported = io.StringIO()
 
-    def on_message() -> Told:
+    def on_message() -> Trace:
         logs = tuple(line.strip("'") for line in reported.getvalue().splitlines())
         reported.seek(0)
         reported.truncate()
         active = frozenset(state.id for state in machine.configuration)
-        return Told(active, logs, next((end for name, end in ends.items() if name in active), ""))
+        return Trace(active, logs, next((end for name, end in ends.items() if name in active), ""))
 
     with contextlib.redirect_stdout(reported), warnings.catch_warnings():
         warnings.simplefilter("ignore")
@@ -69,7 +69,7 @@ def of_python_statemachine(document: Json, script: list[tuple[Any, ...]]) -> lis
     return trace
 
 
-def expected(document: Json, script: list[tuple[Any, ...]]) -> list[Told]:
+def expected(document: Json, script: list[tuple[Any, ...]]) -> list[Trace]:
     try:
         return of_appendix_d(document, script)
     except Endless:

@@ -7,7 +7,7 @@ import pytest
 
 from rai_missions.engine.step import CancelGoal
 from rai_missions.event import Event, Tick
-from tests.oracles.ours import of_appendix_d, told
+from tests.oracles.ours import logged, of_appendix_d
 from tests.rigs.charts import chart, sent, transition
 
 COUNTER = {"n": {"type": "integer", "initial": 0}}
@@ -100,4 +100,4 @@ def test_what_a_state_does_when_it_is_left_is_done_at_a_failing_end_too() -> Non
     }  # fmt: skip
     made = chart(states)
     step = sent(made, "e")
-    assert (step.outcome, told(step)) == ("failed", ("lamp off",))
+    assert (step.outcome, logged(step)) == ("failed", ("lamp off",))

@@ -23,10 +23,10 @@ from hypothesis import HealthCheck, assume, given, settings
 
 from tests.oracles.appendix_d import Endless, many
 from tests.oracles.documents import Taste, charts, lineage, scripts, without_transitions
-from tests.oracles.ours import Told, of_appendix_d, of_ours
+from tests.oracles.ours import Trace, of_appendix_d, of_ours
 
 Json = dict[str, Any]
-Runs = Callable[[Json, list[tuple[Any, ...]]], list[Told]]
+Runs = Callable[[Json, list[tuple[Any, ...]]], list[Trace]]
 HERE = Path(__file__).parent
 NODE = shutil.which("node")
 
@@ -44,12 +44,12 @@ def of_xstate() -> Iterator[Runs]:
         assert node.stdin is not None and node.stdout is not None
         reported, received = node.stdin, node.stdout
 
-        def runs(document: Json, script: list[tuple[Any, ...]]) -> list[Told]:
+        def runs(document: Json, script: list[tuple[Any, ...]]) -> list[Trace]:
             reported.write(json.dumps({"document": document, "script": [name for _, name, _ in script]}) + "\n")
             reported.flush()
             answer = json.loads(received.readline())
             assert isinstance(answer, list), answer
-            return [Told(frozenset(active), tuple(logs), ended) for active, logs, ended in answer]
+            return [Trace(frozenset(active), tuple(logs), ended) for active, logs, ended in answer]
 
         yield runs
         node.stdin.close()

@@ -10,7 +10,7 @@ const compare = {
 };
 
 function run({ document, script }) {
-  let said = [];
+  let logged = [];
   const guard = (given) => {
     if (given.key !== undefined) {
       const op = Object.keys(given).find((word) => word !== "key");
@@ -21,7 +21,7 @@ function run({ document, script }) {
     return given.all !== undefined ? and(given.all.map(guard)) : or(given.any.map(guard));
   };
   const action = (effect) => {
-    if (effect.log !== undefined) return () => { said.push(effect.log); };
+    if (effect.log !== undefined) return () => { logged.push(effect.log); };
     if (effect.raise !== undefined) return raise({ type: effect.raise });
     const value = (context) => (effect.add !== undefined ? context[effect.set] + effect.add : effect.value);
     return assign(({ context }) => ({ [effect.set]: value(context) }));
@@ -56,18 +56,18 @@ function run({ document, script }) {
   const context = Object.fromEntries(Object.entries(document.blackboard).map(([name, key]) => [name, key.initial]));
   const machine = createMachine({ id: "mission", context, initial: document.initial, states: Object.fromEntries(states) });
   const actor = createActor(machine);
-  const heard = () => {
+  const observed = () => {
     const snapshot = actor.getSnapshot();
     const active = snapshot._nodes.map((node) => node.id).filter((id) => id !== "mission");
-    const logs = said;
-    said = [];
+    const logs = logged;
+    logged = [];
     return [active, logs, snapshot.status === "done" ? "succeeded" : snapshot.status === "active" ? "" : snapshot.status];
   };
   actor.start();
-  const trace = [heard()];
+  const trace = [observed()];
   for (const name of script) {
     if (actor.getSnapshot().status === "active") actor.send({ type: name });
-    trace.push(heard());
+    trace.push(observed());
   }
   actor.stop();
   return trace;

@@ -55,7 +55,7 @@ def absent() -> None:
     """The package is not installed."""
 
 
-def told(make: Callable[[], Any]) -> str:
+def fault(make: Callable[[], Any]) -> str:
     with pytest.raises((DefinitionError, UsageError)) as caught:
         make()
     return str(caught.value)
@@ -118,7 +118,7 @@ def test_it_runs_in_a_foreign_world_and_its_journal_names_the_package_and_is_rep
     assert again.holds and again.steps > 5
 
 
-def test_it_is_proved_with_the_values_that_the_guard_tells_apart_and_the_replies_that_the_activity_waits_for() -> None:
+def test_it_is_proved_with_the_values_that_the_guard_distinguishes_and_the_replies_that_are_awaited() -> None:
     robot = load_profile(ROBOT)
     proof = prove(load(MISSION), terms=facts_of(robot))
     assert [claim.name for claim in proof.claims if claim.verdict != "proved"] == []
@@ -160,7 +160,7 @@ def test_a_foreign_connector_carries_a_run(tmp_path: Path) -> None:
 def test_a_foreign_exporter_makes_files_of_its_ending(tmp_path: Path) -> None:
     file = draw(load(MISSION), tmp_path / "mission.outline")
     assert "ringing 2 strikes of bell" in file.read_text().splitlines()
-    assert "the endings are .svg" in told(lambda: draw(load(MISSION), tmp_path / "mission.nothing"))
+    assert "the endings are .svg" in fault(lambda: draw(load(MISSION), tmp_path / "mission.nothing"))
 
 
 # -- contracts ---------------------------------------------------------------------------------------------------------
@@ -175,7 +175,7 @@ def test_a_foreign_guard_and_ours_keep_the_contract_of_guards() -> None:
 
 
 class Strange(Guard):
-    """Reads what it does not name, changes what it reads, and says seven."""
+    """Reads what it does not name, changes what it reads, and returns seven."""
 
     word: ClassVar = "strange"
     key: Path_
@@ -196,7 +196,7 @@ def view_cleared(view: Any) -> None:
 @pytest.mark.parametrize(
     ("key", "named"), [("more", "reads what none"), ("seven", "neither true, false"), ("clears", "changes the black")]
 )
-def test_a_guard_that_breaks_a_promise_is_told_which(key: str, named: str) -> None:
+def test_a_guard_that_breaks_a_promise_is_named(key: str, named: str) -> None:
     keys = {"other": Key(float, source="robot")}
     with pytest.raises(AssertionError, match=named):
         check_guard(Strange(key=key), keys, [{"other": 1.0}])
@@ -206,23 +206,23 @@ def test_a_constant_of_a_frozen_class_is_no_impurity(tmp_path: Path) -> None:
     above = (
         "import dataclasses\n\n@dataclasses.dataclass(frozen=True)\nclass Bound:\n    low: float\n\nLOW = Bound(0.1)"
     )
-    said = guard_of(tmp_path, "calm", "LOW == Bound(0.1)", above=above, names_nothing=True)
-    assert "impure" not in said and 'add "uses"' in said
+    text = guard_of(tmp_path, "calm", "LOW == Bound(0.1)", above=above, names_nothing=True)
+    assert "impure" not in text and 'add "uses"' in text
 
 
 # -- refusals, by name -------------------------------------------------------------------------------------------------
 
 
-def test_a_mission_says_which_packages_it_uses() -> None:
-    said = told(lambda: Mission(**document(uses=[])))
-    assert "the guard 'between' of orchard-kinds 1.2" in said or "the activity 'strikes' of orchard-kinds 1.2" in said
-    assert 'add "uses": ["orchard-kinds>=1.2"]' in said
+def test_a_mission_names_which_packages_it_uses() -> None:
+    text = fault(lambda: Mission(**document(uses=[])))
+    assert "the guard 'between' of orchard-kinds 1.2" in text or "the activity 'strikes' of orchard-kinds 1.2" in text
+    assert 'add "uses": ["orchard-kinds>=1.2"]' in text
 
 
 @pytest.mark.usefixtures("absent")
 def test_a_package_that_is_missing_is_named(tmp_path: Path) -> None:
-    said = told(lambda: load(MISSION))
-    assert "/uses/0: the package 'orchard_kinds' is not installed; pip install 'orchard_kinds>=1.2'" in said
+    text = fault(lambda: load(MISSION))
+    assert "/uses/0: the package 'orchard_kinds' is not installed; pip install 'orchard_kinds>=1.2'" in text
 
 
 @pytest.mark.usefixtures("absent")
@@ -233,17 +233,17 @@ def test_a_journal_whose_package_is_missing_or_of_another_version_is_refused(
     with monkeypatch.context() as there:
         there.syspath_prepend(str(HERE / "installed"))
         run(load(MISSION), robot=ROBOT, journal=path, speed=float("inf"))
-    assert "row 0" in told(lambda: replay(path)) and "'orchard_kinds' is not installed" in told(lambda: replay(path))
+    assert "row 0" in fault(lambda: replay(path)) and "'orchard_kinds' is not installed" in fault(lambda: replay(path))
     laid_out(tmp_path / "newer", "orchard_kinds", "2.0", from_=HERE / "installed")
     monkeypatch.syspath_prepend(str(tmp_path / "newer"))
-    said = told(lambda: replay(path))
-    assert "made with orchard-kinds 1.2, and 2.0 is installed; pip install 'orchard-kinds==1.2'" in said
+    text = fault(lambda: replay(path))
+    assert "made with orchard-kinds 1.2, and 2.0 is installed; pip install 'orchard-kinds==1.2'" in text
 
 
 def test_another_version_than_the_mission_asks_for_is_refused() -> None:
-    said = told(lambda: Mission(**document(uses=["orchard_kinds>=2"])))
-    assert "'orchard_kinds' is installed in version 1.2, and >=2 is needed" in said
-    assert "names no package" in told(lambda: Mission(**document(uses=["no package at all"])))
+    text = fault(lambda: Mission(**document(uses=["orchard_kinds>=2"])))
+    assert "'orchard_kinds' is installed in version 1.2, and >=2 is needed" in text
+    assert "names no package" in fault(lambda: Mission(**document(uses=["no package at all"])))
 
 
 def laid_out(
@@ -291,7 +291,7 @@ def guard_of(
     offered: str = "",
     names_nothing: bool = False,
 ) -> str:
-    """What loading says of a mission that uses a guard of a package of its own."""
+    """The error of loading a mission that uses a guard of a package of its own."""
     package = package or f"kinds_{folder.name}"
     code = GUARD.format(name="Odd", word=word, value=value, above=above, before=before)
     offers = f"[rai_missions.guards]\n{offered or word} = {package}:Odd\n"
@@ -299,7 +299,7 @@ def guard_of(
     try:
         transition = {"when": {offered or word: "x"}, "to": "b"}
         states = {"a": {"transitions": [transition]}, "b": {"final": "aborted"}}
-        return told(lambda: Mission("m", uses=[] if names_nothing else [package], initial="a", states=states))
+        return fault(lambda: Mission("m", uses=[] if names_nothing else [package], initial="a", states=states))
     finally:
         del sys.path[0]
 
@@ -332,19 +332,19 @@ def guard_of(
 def test_an_impure_guard_is_refused_by_what_it_uses(
     tmp_path: Path, above: str, before: str, value: str, named: str
 ) -> None:
-    said = guard_of(tmp_path, "moody", value, above=above, before=before)
-    assert f"the guard 'moody' of kinds-{tmp_path.name.replace('_', '-')} 1.0 cannot be used: it is impure: " in said
-    assert named in said
+    text = guard_of(tmp_path, "moody", value, above=above, before=before)
+    assert f"the guard 'moody' of kinds-{tmp_path.name.replace('_', '-')} 1.0 cannot be used: it is impure: " in text
+    assert named in text
 
 
 def test_a_word_of_ours_is_never_anothers(tmp_path: Path) -> None:
-    said = guard_of(tmp_path, "fresh", "True", offered="dusk")
-    assert "the guard 'dusk'" in said and "does not load" in said and "'fresh' is a word of the format" in said
+    text = guard_of(tmp_path, "fresh", "True", offered="dusk")
+    assert "the guard 'dusk'" in text and "does not load" in text and "'fresh' is a word of the format" in text
     offers = "[rai_missions.guards]\nkey = nowhere:Odd\n[rai_missions.worlds]\norchard = nowhere:World\n"
     sys.path.insert(0, str(laid_out(tmp_path / "shadow", "shadow", "1.0", offers=offers, code="")))
     try:
         assert load(MISSION).states["watered"].word == "final"
-        assert "no option 'size'" in told(lambda: open_world("orchard", size=1)) or sys.version_info < (3, 11)
+        assert "no option 'size'" in fault(lambda: open_world("orchard", size=1)) or sys.version_info < (3, 11)
     finally:
         del sys.path[0]
 
@@ -360,7 +360,7 @@ def test_a_name_that_two_packages_offer_is_refused(tmp_path: Path) -> None:
     laid_out(tmp_path, "rival", "3.0", offers="[rai_missions.guards]\nbetween = rival:Between\n", code="")
     sys.path.insert(0, str(tmp_path))
     try:
-        assert "'between' is offered by orchard-kinds 1.2 and rival 3.0; uninstall one" in told(lambda: load(MISSION))
+        assert "'between' is offered by orchard-kinds 1.2 and rival 3.0; uninstall one" in fault(lambda: load(MISSION))
     finally:
         del sys.path[0]
 
@@ -369,7 +369,7 @@ def test_a_name_that_two_packages_offer_is_refused(tmp_path: Path) -> None:
 def test_what_lies_in_the_working_directory_is_not_installed(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(HERE / "installed")
     monkeypatch.syspath_prepend(str(HERE / "installed"))
-    assert "'orchard_kinds' is not installed" in told(lambda: load(MISSION))
+    assert "'orchard_kinds' is not installed" in fault(lambda: load(MISSION))
 
 
 # -- nothing is looked up before it is named ---------------------------------------------------------------------------

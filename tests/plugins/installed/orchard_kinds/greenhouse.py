@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A world: a greenhouse whose humidity falls, until its bell has been struck so often that somebody waters it."""
+"""A world: a greenhouse whose humidity falls, until its bell has been struck so often that a person waters it."""
 
 from __future__ import annotations
 

@@ -28,7 +28,7 @@ class Inspect(State, word="inspect"):
         return f"inspect with {self.inspect}"
 
     def made(self) -> TreeNode:
-        options = {"enough": Option("the bell was heard"), "again": Option("strike once more")}
+        options = {"enough": Option("the bell was loud enough"), "again": Option("strike once more")}
         asked = DecisionSpec("Was that enough?", options=options, ask=("someone",), deadline_s=10.0, fallback="again")
         strike = CallLeaf(self.inspect, timeout_s=5.0)
         return Sequence([strike, WaitLeaf(self.settle_s), DecisionLeaf(decision=asked, then={"again": strike})])

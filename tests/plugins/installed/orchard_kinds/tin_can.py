@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A connector of the kind `tin_can`: everything in this process, over a greenhouse that somebody waters at once."""
+"""A connector of the kind `tin_can`: everything in this process, over a greenhouse that is watered at once."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ __all__ = ("open_connector",)
 
 
 class TinCan(LocalConnector):
-    """Tells a humidity as soon as anybody listens, and again after each strike of its bell."""
+    """Sends a humidity as soon as there is a subscriber, and again after each strike of its bell."""
 
     def __init__(self, humidity: float, now: Callable[[], float] | None) -> None:
         super().__init__(**({"now": now} if now is not None else {}))
@@ -24,13 +24,13 @@ class TinCan(LocalConnector):
         super().start()
         self.serve("/bell", "", self._struck)
         self._over.clear()
-        threading.Thread(target=self._tell, daemon=True).start()
+        threading.Thread(target=self._send, daemon=True).start()
 
     def stop(self) -> None:
         self._over.set()
         super().stop()
 
-    def _tell(self) -> None:
+    def _send(self) -> None:
         while not self._over.wait(0.02):
             self.publish("/humidity", "", {"data": self._humidity})
 
@@ -40,7 +40,7 @@ class TinCan(LocalConnector):
 
 
 def open_connector(options: Mapping[str, Any], *, now: Callable[[], float] | None = None) -> TinCan:
-    """A connector, not started; `humidity` is what it tells at first."""
+    """A connector, not started; `humidity` is what it sends first."""
     if unknown := sorted(set(options) - {"humidity"}):
         raise UsageError(f"a tin can takes no '{unknown[0]}'")
     return TinCan(float(options.get("humidity", 0.5)), now)
