@@ -236,6 +236,12 @@ class MissionModel(Model):
         """The written things directly inside it, each with its JSON pointer."""
         return inside(self, place)
 
+    def everything(self) -> Iterator[Any]:
+        """Every written thing in it, itself included, outer before inner."""
+        yield self
+        for _, inner in self.inside():
+            yield from inner.everything()
+
     def written(self) -> dict[str, Any]:
         """As JSON has it: aliases, and no word that has its default."""
         return self.model_dump(mode="json", by_alias=True, exclude_defaults=True)

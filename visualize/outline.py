@@ -10,7 +10,7 @@ import json
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from rai_missions.guards import Compare, Guard, Named
+from rai_missions.guards import Compare, Guard
 from rai_missions.mission.mission import Mission
 from rai_missions.model import MissionModel
 from rai_missions.states import Transition
@@ -79,7 +79,7 @@ def _guard(guard: Guard) -> str:
     """In words where they are exact; a text in them could be taken for a number or a key."""
     plain = all(
         isinstance(each.operand, bool | int | float) for each in guard.walk() if isinstance(each, Compare)
-    ) and not any(isinstance(each, Named) for each in guard.walk())
+    ) and not any(each.predicates() for each in guard.walk())
     return guard.words() if plain else _json(guard.written())
 
 

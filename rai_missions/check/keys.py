@@ -9,7 +9,6 @@ from rai_missions.check.index import KeyWrite, MissionIndex
 from rai_missions.check.name_table import Lexicon
 from rai_missions.check.paths import key_of, meaning
 from rai_missions.check.pointers import pointer
-from rai_missions.guards import Named
 from rai_missions.states.effects import Raise
 from rai_missions.states.state import ANY_EVENT
 
@@ -96,7 +95,7 @@ def _parameters(survey: MissionIndex) -> set[str] | None:
 
 def unused_keys(survey: MissionIndex) -> Found:
     """Every key is read, or is a key of the mission that is written."""
-    named = any(isinstance(part, Named) for _, part, _ in survey.parts)
+    named = any(part.predicates() for _, part, _ in survey.parts)
     if named or survey.mission.behaviours():
         return  # what is in the program may read any key
     used = {key_of(survey, read.path) for read in survey.reads} | {

@@ -6,7 +6,6 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from rai_missions.check.index import MissionIndex, StateRef, TransitionRef
-from rai_missions.guards import In
 from rai_missions.states import Compound, Each, Final, History, Parallel
 
 __all__ = (
@@ -175,8 +174,8 @@ def _crossed(transition: TransitionRef, target: StateRef) -> StateRef | None:
 def words_in_vain(survey: MissionIndex) -> Found:
     """`in` asks for a state that can be active."""
     for place, part, _ in survey.parts:
-        if isinstance(part, In):
-            spot = survey.by_name.get(part.state)
+        for name in part.states():
+            spot = survey.by_name.get(name)
             if spot is not None and isinstance(spot.state, History):
                 remedy = f"'{spot.parent.name}'" if spot.parent is not None else "a state that it leads to"
-                yield f"{place}/in", f"'{part.state}' is a history, which is never active itself; ask for {remedy}"
+                yield f"{place}/in", f"'{name}' is a history, which is never active itself; ask for {remedy}"

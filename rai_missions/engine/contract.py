@@ -72,7 +72,8 @@ class _Instant:
 
     def __init__(self, state: State, mission: Mission, ticker: Trees | None) -> None:
         self._word, self._mission, self._ticker = state.word, mission, ticker
-        self._named = {name for refers, name, _ in _references(state) if refers.sort == "key"}
+        named = (reference for each in state.everything() for reference in each.references())
+        self._named = {name for refers, name, _ in named if refers.sort == "key"}
 
     def after(self, chart: Chart, stimulus: Stimulus) -> tuple[Step, Chart]:
         """The step and the chart after it, the same for a chart that was restored and for one that was stored."""
@@ -87,12 +88,6 @@ class _Instant:
         assert not written, f"'{self._word}' writes what none of its fields names: {sorted(written)}"
         assert first.outcome in (None, "aborted"), f"'{self._word}' reports what it does not declare: {first.why}"
         return step, first
-
-
-def _references(thing: Any) -> Iterator[Any]:
-    yield from thing.references()
-    for _, inner in thing.inside():
-        yield from _references(inner)
 
 
 def _asked(step: Step) -> Iterator[tuple[str, int]]:

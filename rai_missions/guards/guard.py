@@ -208,6 +208,10 @@ class Guard(TaggedModel, family="guard", group="rai_missions.guards"):
         """The states that it asks for itself."""
         return frozenset(name for refers, name, _ in self.references() if refers.sort == "state")
 
+    def predicates(self) -> frozenset[str]:
+        """The predicates of the user's program that it names itself."""
+        return frozenset(name for refers, name, _ in self.references() if refers.sort == "predicate")
+
     def fading(self) -> Iterator[str]:
         """The keys that make it unknown when they are missing or stale."""
         for guard in self.walk():

@@ -17,7 +17,6 @@ from rai_missions.engine.robot_facts import RobotFacts
 from rai_missions.engine.step import Ask, CallService, StartBehaviour, StartGoal, Step
 from rai_missions.event import Event, Tick
 from rai_missions.guards.guard import Truth
-from rai_missions.guards.named import Named
 from rai_missions.journal import Header, Journal
 from rai_missions.mission.mission import Mission
 from rai_missions.prove.abstraction import PURSUED
@@ -132,7 +131,7 @@ class TraceReplayer:
 
     def __init__(self, mission: Mission, ticker: Trees | None, terms: RobotFacts | None) -> None:
         self._predicates: Mapping[str, Truth] = {}
-        names = {each.named for each in guards_in(mission) if isinstance(each, Named)}
+        names = {name for each in guards_in(mission) for name in each.predicates()}
         self._chart = Chart(mission, ticker, terms=terms, named={name: self._predicate(name) for name in names})
         self._keys = mission.blackboard
         self._facts: dict[str, Any] = {}

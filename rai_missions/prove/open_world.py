@@ -13,7 +13,6 @@ from typing import Any
 from rai_missions.engine import Chart
 from rai_missions.engine.nodes import CompiledGuard
 from rai_missions.guards.guard import Truth
-from rai_missions.guards.named import Named
 from rai_missions.keys import Stamped
 from rai_missions.mission.mission import Mission
 from rai_missions.prove.comparisons import Comparisons
@@ -38,7 +37,7 @@ def predicates_in(mission: Mission, choices: Choices) -> dict[str, Callable[...,
         value: Truth = choices.pick(PREDICATE)
         return value
 
-    return dict.fromkeys(sorted(each.named for each in guards_in(mission) if isinstance(each, Named)), predicate)
+    return dict.fromkeys(sorted(name for each in guards_in(mission) for name in each.predicates()), predicate)
 
 
 class OpenWorld:

@@ -11,14 +11,13 @@ from collections.abc import Callable, Iterator, Mapping
 from functools import partial
 from typing import Any
 
-from pydantic import BaseModel, ValidationError
+from pydantic import ValidationError
 
 from rai_missions.engine import Chart
 from rai_missions.engine.activities.ticker import Trees
 from rai_missions.engine.step import Step
 from rai_missions.errors import DefinitionError, Fault, MissionError
 from rai_missions.guards.guard import Truth
-from rai_missions.guards.named import Named
 from rai_missions.journal import Record, StepRow
 from rai_missions.mission.json_reader import parse_json
 from rai_missions.mission.mission import Mission
@@ -48,9 +47,11 @@ class JournalReplayer:
         self._source, self._live = str(record.path), named or {}
         self._recorded: deque[tuple[str, Truth]] | None = deque()
         """The values of predicates that the step in hand has looked at; None once the predicates are asked."""
+        found = (reference for each in mission.everything() for reference in each.references())
+        names = {name for refers, name, _ in found if refers.sort == "predicate"}
         self.chart = Chart(
             mission, ticker or default_ticker(mission), terms=terms(robot) if robot is not None else None,
-            named={name: partial(self._predicate, name) for name in _names(mission)},
+            named={name: partial(self._predicate, name) for name in names},
         )  # fmt: skip
 
     def again(self, row: StepRow) -> Step:
@@ -127,13 +128,3 @@ def robot_of(record: Record) -> Robot | None:
     """The profile that a journal's run was made with; None for a run without one."""
     profile = record.header.profile
     return parse_profile(profile, source=f"{record.path}, row 0") if profile else None
-
-
-def _names(value: Any) -> set[str]:
-    """The predicates that a mission, or a part of it, names, wherever it does."""
-    if isinstance(value, Named):
-        return {value.named}
-    if isinstance(value, BaseModel):
-        value = vars(value)
-    inside = value.values() if isinstance(value, Mapping) else value if isinstance(value, list | tuple) else ()
-    return set().union(*(_names(item) for item in inside))

@@ -9,7 +9,6 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from typing import NamedTuple
 
-from rai_missions.guards.in_state import In
 from rai_missions.mission.mission import Mission
 from rai_missions.states import DecisionSpec, Final, State
 from visualize.model import Picture, PictureEdge
@@ -94,7 +93,7 @@ def _stops(mission: Mission, picture: Picture, roads: Roads) -> Json:
 def _invariants(mission: Mission, picture: Picture, roads: Roads) -> Json:
     sections, states, transitions = [], set[str](), set[str]()
     for name, guard in mission.invariants.items():
-        named = {part.state for part in guard.walk() if isinstance(part, In)}
+        named = {state for part in guard.walk() for state in part.states()}
         inside = {state for state in roads.states if state in named or named & set(roads.above(state))}
         into = [edge for edge in picture.edges if edge.target in inside and edge.source not in inside]
         states |= inside
