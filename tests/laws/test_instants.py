@@ -67,7 +67,7 @@ class Diligent(Recorded):
         step = super().send(event)
         if state.outcome is None and state.mode in ("running", "canceling"):
             nodes = program.graph.nodes
-            state.draft.due = frozenset(name for name in state.running if nodes[name].family != "tree")
+            state.draft.due = frozenset(name for name in state.running if nodes[name].state.word != "tree")
             poll(program, state)
             complete(program, state, None)
             close(program, state, Tick(state.at))
