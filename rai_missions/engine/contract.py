@@ -35,7 +35,7 @@ def check_activity(
         ticker: What ticks its tree, if it runs one.
 
     Raises:
-        AssertionError: A promise is broken; the text says which.
+        AssertionError: A promise is broken; the text names it.
     """
     kind = type(state)
     why = impurity(kind) if kind in State.foreign else ""
