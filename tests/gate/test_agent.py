@@ -37,12 +37,12 @@ class Rig:
         self.status: list[dict[str, Any]] = []
         self.holders: list[str] = []
         self.connector.subscribe("/cmd_vel", TWIST, lambda received: self.base.append(speed(received.data)))
-        self.connector.subscribe("/gate/status", STRING, self._told)
+        self.connector.subscribe("/gate/status", STRING, self._receive)
         self.connector.subscribe("/gate/holder", STRING, lambda received: self.holders.append(received.data["data"]))
         self.agent = GateAgent(words or GateWords(), self.connector, clock=self.clock, observe=self.deeds.append)
         self.agent.open()
 
-    def _told(self, received: Message) -> None:
+    def _receive(self, received: Message) -> None:
         if received.data["data"].startswith('{"gate"'):
             self.status.append(json.loads(received.data["data"]))
 
@@ -178,17 +178,17 @@ def test_a_gate_that_ends_leaves_a_stop_and_lets_nothing_through(rig: Rig) -> No
 
 
 def test_of_two_gates_the_later_one_ends(rig: Rig) -> None:
-    def hear_of(began: float) -> bool:
+    def report(began: float) -> bool:
         other = {**rig.status[-1], "gate": [began, "another"]}
         rig.connector.publish("/gate/status", STRING, {"data": json.dumps(other)})
         return rig.agent.gives_way
 
     ours = rig.status[-1]["gate"][0]
-    assert not hear_of(ours + 1.0)
+    assert not report(ours + 1.0)
     for text in ("", "[]", "{}", '{ "gate": 3}', '{ "gate": ["x", "y"]}'):
         rig.connector.publish("/gate/status", STRING, {"data": text})
     assert not rig.agent.gives_way
-    assert hear_of(ours - 1.0)
+    assert report(ours - 1.0)
 
 
 def test_a_stop_that_cannot_be_published_is_reported_as_the_gate_begins() -> None:

@@ -34,17 +34,17 @@ OWN = tuple(
     )
 )  # fmt: skip
 """Where the program itself, its libraries and the system are."""
-SECRET = "a secret of somebody else"
+SECRET = "a secret of another user"
 
 
 class Done(NamedTuple):
     """What commands did."""
 
     ended: list[int]
-    heard: list[tuple[str, str]]
+    received: list[tuple[str, str]]
 
     def of(self, kind: str) -> set[str]:
-        return {what for each, what in self.heard if each == kind}
+        return {what for each, what in self.received if each == kind}
 
 
 class Place:
@@ -73,7 +73,7 @@ class Place:
         assert "Traceback" not in done.stderr, done.stderr
         assert SECRET not in done.stdout + done.stderr
         printed = json.loads(done.stdout.splitlines()[-1])
-        return Done(printed["ended"], [(kind, what) for kind, what in printed["heard"]])
+        return Done(printed["ended"], [(kind, what) for kind, what in printed["received"]])
 
     def assert_harmless(self, done: Done) -> None:
         roots = (*OWN, os.path.realpath(self.given), os.path.realpath(self.out))

@@ -48,7 +48,7 @@ from visualize.live import LivePage, PageAddress
 from visualize.notebook import show
 
 VARIABLES = {
-    "SOMEBODYS_API_KEY": "canary-key-4b1d", "HF_TOKEN": "canary-token-77aa", "BROKER_PASSWORD": 'canary "pass" 9c',
+    "STRANGERS_API_KEY": "canary-key-4b1d", "HF_TOKEN": "canary-token-77aa", "BROKER_PASSWORD": 'canary "pass" 9c',
     "HTTPS_PROXY": "http://robot:canary%2Dproxy-31ef@proxy:3128/", "THE_SECRET": "canary/secret+e0",
     "TLS_PASSPHRASE": "canary-phrase-é1",
 }  # fmt: skip
@@ -66,17 +66,17 @@ CANARIES = ("canary", OF_MODEL["shape"])
 ASKED = {"options": {"stay": {}, "leave": {}}, "ask": ["agent"], "attempts": 8, "deadline_s": 60, "fallback": "leave"}
 MISSION = Mission.model_validate(
     {
-        "name": "tongues", "initial": "ask", "events": ["heard"],
-        "blackboard": {"said": {"type": "string", "source": "robot"}, "kept": {"type": "string", "source": "mission"}},
+        "name": "tongues", "initial": "ask", "events": ["signal"],
+        "blackboard": {"text": {"type": "string", "source": "robot"}, "kept": {"type": "string", "source": "mission"}},
         "states": {
             "ask": {
-                "decision": {"question": "What now?", "evidence": ["said"], **ASKED},
-                "transitions": [{"on": "stay", "to": "tell"}, {"on": "leave", "to": "tell"}],
+                "decision": {"question": "What now?", "evidence": ["text"], **ASKED},
+                "transitions": [{"on": "stay", "to": "post"}, {"on": "leave", "to": "post"}],
             },
-            "tell": {"call": "tell", "timeout_s": 5, "transitions": [{"on": ["succeeded", "failed"], "to": "break"}]},
+            "post": {"call": "post", "timeout_s": 5, "transitions": [{"on": ["succeeded", "failed"], "to": "break"}]},
             "break": {"call": "break", "timeout_s": 5, "transitions": [{"on": ["succeeded", "failed"], "to": "go"}]},
             "go": {
-                "action": "go", "timeout_s": 5, "entry": [{"say": "{said}"}, {"log": "{said}"}, {"publish": "news"}],
+                "action": "go", "timeout_s": 5, "entry": [{"say": "{text}"}, {"log": "{text}"}, {"publish": "news"}],
                 "transitions": [{"on": ["succeeded", "failed"], "to": "over"}],
             },
             "over": {"final": "aborted"},
@@ -87,10 +87,10 @@ STRING, TRIGGER = "std_msgs/msg/String", "std_srvs/srv/Trigger"
 ROBOT = Robot.model_validate(
     {
         "name": "loose", "connector": {"kind": "local"},
-        "blackboard": {"said": {"topic": "/said", "type": STRING, "field": "data"}},
-        "events": {"heard": {"topic": "/heard", "type": STRING}},
-        "services": {name: {"service": f"/{name}", "type": TRIGGER} for name in ("tell", "break")},
-        "topics": {"say": {"topic": "/say", "type": STRING}, "news": {"topic": "/broken", "type": STRING}},
+        "blackboard": {"text": {"topic": "/text", "type": STRING, "field": "data"}},
+        "events": {"signal": {"topic": "/signal", "type": STRING}},
+        "services": {name: {"service": f"/{name}", "type": TRIGGER} for name in ("post", "break")},
+        "topics": {"say": {"topic": "/spoken", "type": STRING}, "news": {"topic": "/broken", "type": STRING}},
         "actions": {"go": {"action": "/go", "type": "nav2_msgs/action/Spin"}},
     }
 )  # fmt: skip
@@ -119,13 +119,13 @@ class Loud(LocalConnector):
 
     def __init__(self) -> None:
         super().__init__()
-        self.heard: list[str] = []
+        self.received: list[str] = []
 
     def publish(self, topic: str, type_name: str, message: Mapping[str, Any]) -> None:
         if topic == "/broken":
             raise ConnectorError(f"no way to {LEAK}")
-        if topic not in ("/said", "/heard"):
-            self.heard.append(repr((topic, message)))
+        if topic not in ("/text", "/signal"):
+            self.received.append(repr((topic, message)))
         super().publish(topic, type_name, message)
 
     def stop(self) -> None:
@@ -145,7 +145,7 @@ class Loud(LocalConnector):
             raise RuntimeError(f"a server that prints {LEAK}")
 
         self.start()
-        self.serve("/tell", TRIGGER, lambda _: {"success": False, "message": LEAK})
+        self.serve("/post", TRIGGER, lambda _: {"success": False, "message": LEAK})
         self.serve("/break", TRIGGER, broken)
         self.offer("/go", "nav2_msgs/action/Spin", self)
 
@@ -161,8 +161,8 @@ def robot(monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture) -> 
 
     def speak() -> None:
         while not over.wait(0.05):
-            connector.publish("/heard", STRING, {"data": LEAK})
-            connector.publish("/said", STRING, {"data": f"I say {LEAK}"})
+            connector.publish("/signal", STRING, {"data": LEAK})
+            connector.publish("/text", STRING, {"data": f"here is {LEAK}"})
 
     speaker = threading.Thread(target=speak)
     speaker.start()
@@ -205,7 +205,7 @@ def test_nothing_that_a_run_writes_or_shows_holds_a_secret(
         lines.end(result)
     assert result.outcome == "aborted" and result.steps > 8
     steps = steps_of(journal)
-    assert [name for step in steps for name in step.entered] == ["ask", "tell", "break", "go", "over"]
+    assert [name for step in steps for name in step.entered] == ["ask", "post", "break", "go", "over"]
     assert replay(journal).holds, "what was hidden was hidden before it became a step"
     draw_review(MISSION, tmp_path / "page.html", [journal])
     for form in ("dot", "mmd", "md", "svg"):
@@ -233,7 +233,7 @@ def test_nothing_that_a_node_reports_on_the_graph_holds_a_secret(
     finally:
         node.conclude()
         node.stop()
-    reported = "\n".join(robot.heard)
+    reported = "\n".join(robot.received)
     assert "status" in reported and "diagnostics" in reported and "[hidden]" in reported
     assert_tight({"node": reported, "log": log_of(caplog)})
 
@@ -254,7 +254,7 @@ def test_a_run_that_cannot_be_begun_by_a_node_reports_why_without_secrets(
     finally:
         node.stop()
     assert "[hidden]" in reported
-    assert_tight({"replies": reported, "node": "\n".join(robot.heard), "log": log_of(caplog)})
+    assert_tight({"replies": reported, "node": "\n".join(robot.received), "log": log_of(caplog)})
 
 
 def test_nothing_that_the_live_page_is_sent_holds_a_secret(
@@ -326,7 +326,7 @@ def test_no_command_prints_a_secret_whatever_goes_wrong(
 
 
 @example("\r", "canary-key-4b1d", "")
-@given(st.text(), st.sampled_from([*VARIABLES.values(), "http://somebody:canary-pass@host/"]), st.text())
+@given(st.text(), st.sampled_from([*VARIABLES.values(), "http://stranger:canary-pass@host/"]), st.text())
 @settings(suppress_health_check=[HealthCheck.function_scoped_fixture])
 def test_words_on_a_terminal_command_it_nothing_and_report_no_secret(
     monkeypatch: pytest.MonkeyPatch, before: str, secret: str, after: str
@@ -348,7 +348,7 @@ def test_words_on_a_terminal_command_it_nothing_and_report_no_secret(
 
 
 def test_a_message_of_numbers_is_passed_on_as_it_is(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("SOMEBODYS_API_KEY", "canary-key-4b1d")
+    monkeypatch.setenv("STRANGERS_API_KEY", "canary-key-4b1d")
     scan = {"ranges": [0.5] * 1000, "frame": "laser"}
     clean = Redaction().known(scan)
     assert clean == scan and clean["ranges"] is scan["ranges"]
@@ -358,23 +358,23 @@ def test_a_message_of_numbers_is_passed_on_as_it_is(monkeypatch: pytest.MonkeyPa
 def test_a_logger_that_is_made_later_reports_no_secret_either(
     monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
-    monkeypatch.setenv("SOMEBODYS_API_KEY", "canary-key-4b1d")
+    monkeypatch.setenv("STRANGERS_API_KEY", "canary-key-4b1d")
     made = logger(f"rai_missions.made_later_{id(caplog)}")
     try:
         raise ValueError("canary-key-4b1d")
     except ValueError:
-        made.exception("it said %s", "canary-key-4b1d")
+        made.exception("it answered %s", "canary-key-4b1d")
     assert "made_later" in caplog.text and "canary" not in caplog.text
 
 
 @pytest.mark.parametrize("before", [0, 0.5, True])
 def test_a_secret_after_a_number_is_hidden_too(monkeypatch: pytest.MonkeyPatch, before: object) -> None:
-    monkeypatch.setenv("SOMEBODYS_API_KEY", "canary-key-4b1d")
-    assert "canary" not in repr(Redaction().known({"said": [before, "canary-key-4b1d"]}))
+    monkeypatch.setenv("STRANGERS_API_KEY", "canary-key-4b1d")
+    assert "canary" not in repr(Redaction().known({"text": [before, "canary-key-4b1d"]}))
 
 
 def test_data_that_is_deeper_than_any_message_ends_no_run(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("SOMEBODYS_API_KEY", "canary-key-4b1d")
+    monkeypatch.setenv("STRANGERS_API_KEY", "canary-key-4b1d")
     deep: Any = "canary-key-4b1d"
     for _ in range(5_000):
         deep = [deep]

@@ -27,24 +27,24 @@ def audit() -> Any:
     return module
 
 
-def told(lock: str, *asked: str) -> list[str]:
+def faults(lock: str, *asked: str) -> list[str]:
     project = {"dependencies": list(asked), "optional-dependencies": {extra: [] for extra in EXTRAS}}
     return list(audit().faults(lock, project))
 
 
 def test_a_lock_that_fits_has_no_fault() -> None:
-    assert told(LOCK, "Thing>=1,<2", "other; sys_platform == 'nowhere'") == []
+    assert faults(LOCK, "Thing>=1,<2", "other; sys_platform == 'nowhere'") == []
 
 
 def test_what_is_missing_too_old_or_without_a_hash_is_reported() -> None:
-    assert told(LOCK, "other>=1") == ["other>=1 is not in the lock"]
-    assert told(LOCK, "thing>=1.3") == ["thing>=1.3 is locked at 1.2, 1.3"]
-    assert told("thing==1.2\n") == ["thing has no hash"]
+    assert faults(LOCK, "other>=1") == ["other>=1 is not in the lock"]
+    assert faults(LOCK, "thing>=1.3") == ["thing>=1.3 is locked at 1.2, 1.3"]
+    assert faults("thing==1.2\n") == ["thing has no hash"]
 
 
 def test_every_package_of_the_lock_has_hashes_and_no_place_of_its_own() -> None:
     text = (ROOT / "requirements/dev.lock").read_text()
-    assert "://" not in text and told(text) == []
+    assert "://" not in text and faults(text) == []
 
 
 def test_the_weights_have_a_hash() -> None:

@@ -59,7 +59,7 @@ def test_a_variables_value_is_hidden_from_the_moment_it_is_set(monkeypatch: pyte
 @pytest.mark.parametrize("name", ["HF_TOKEN", "PGPASSWORD", "BROKER_PASSWORD", "AWS_SECRET_ACCESS_KEY", "my_secret"])
 def test_a_secret_is_known_by_how_its_variable_is_called(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv(name, "open sesame")
-    assert Redaction().text("they said: open sesame!") == "they said: [hidden]!"
+    assert Redaction().text("they wrote: open sesame!") == "they wrote: [hidden]!"
 
 
 def test_a_password_in_an_address_is_hidden_and_the_address_stays() -> None:

@@ -58,7 +58,7 @@ ASKING = Mission.model_validate(
         },
     }
 )  # fmt: skip
-SAID: dict[str, list[Any]] = {
+REPLIES: dict[str, list[Any]] = {
     "a refusal of its provider": [RuntimeError(f"401: invalid api key {LEAK}")],
     "an answer that is none": [f"my key is {LEAK}"],
     "an option by that name": [f'{{"option": "{LEAK}"}}'],
@@ -76,11 +76,11 @@ def texts(path: Path) -> Iterator[bytes]:
         yield from found.attachments.values()
 
 
-@pytest.mark.parametrize("reported", SAID.values(), ids=SAID)
+@pytest.mark.parametrize("reported", REPLIES.values(), ids=REPLIES)
 def test_no_key_is_in_anything_that_a_run_leaves_behind(
     reported: list[Any], tmp_path: Path, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
-    monkeypatch.setenv("SOMEBODYS_API_KEY", BY_NAME)
+    monkeypatch.setenv("STRANGERS_API_KEY", BY_NAME)
     caplog.set_level(logging.DEBUG)
     shown = io.StringIO()
     lines = Lines(ASKING, shown, verbose=True)
@@ -89,7 +89,7 @@ def test_no_key_is_in_anything_that_a_run_leaves_behind(
     result = run(ASKING, model=model, journal=journal, record=recording, on_step=lines.step, on_status=lines.status)
     lines.close()
     steps = steps_of(journal)
-    assert len(model.script) < len(reported * 6), "the model was heard"
+    assert len(model.script) < len(reported * 6), "the model was asked"
     draw_review(ASKING, tmp_path / "page.html", [journal])
     for form in ("dot", "mmd", "md"):
         draw(ASKING, tmp_path / f"picture.{form}", steps=steps)

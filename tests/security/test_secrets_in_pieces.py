@@ -89,7 +89,7 @@ ASKED = {
 }  # fmt: skip
 MISSION = Mission.model_validate(
     {
-        "name": "pieces", "initial": "ask", "events": ["heard"],
+        "name": "pieces", "initial": "ask", "events": ["signal"],
         "blackboard": {
             "text": {"type": "string", "source": "robot", "optional": True},
             "number": {"type": "number", "source": "robot", "optional": True},
@@ -99,9 +99,9 @@ MISSION = Mission.model_validate(
         "states": {
             "ask": {
                 "decision": {"question": "What now?", "evidence": ["text", "data"], **ASKED},
-                "transitions": [{"on": ["stay", "leave"], "to": "tell"}],
+                "transitions": [{"on": ["stay", "leave"], "to": "post"}],
             },
-            "tell": {"call": "tell", "timeout_s": 5, "transitions": [{"on": ["succeeded", "failed"], "to": "break"}]},
+            "post": {"call": "post", "timeout_s": 5, "transitions": [{"on": ["succeeded", "failed"], "to": "break"}]},
             "break": {"call": "break", "timeout_s": 5, "transitions": [{"on": ["succeeded", "failed"], "to": "go"}]},
             "go": {
                 "action": "go", "timeout_s": 5, "entry": [{"publish": "news"}],
@@ -120,8 +120,8 @@ ROBOT = Robot.model_validate(
             "pose": {"topic": "/text", "type": STRING, "json": True},
             "data": {"topic": "/text", "type": STRING, "json": True},
         },
-        "events": {"heard": {"topic": "/heard", "type": STRING}},
-        "services": {name: {"service": f"/{name}", "type": TRIGGER} for name in ("tell", "break")},
+        "events": {"signal": {"topic": "/signal", "type": STRING}},
+        "services": {name: {"service": f"/{name}", "type": TRIGGER} for name in ("post", "break")},
         "topics": {"news": {"topic": "/broken", "type": STRING}},
         "actions": {"go": {"action": "/go", "type": "nav2_msgs/action/Spin"}},
     }
@@ -166,10 +166,10 @@ class Broken:
     """Someone else who is asked, and fails with words that name a key."""
 
     def __init__(self, secret: str) -> None:
-        self.says = iter([secret, {"failed": secret}, {"option": secret}, {secret: secret}, {"absent": secret}])
+        self.answers = iter([secret, {"failed": secret}, {"option": secret}, {secret: secret}, {"absent": secret}])
 
     def ask(self, question: Any, answer: Any) -> None:
-        reported = next(self.says, None)
+        reported = next(self.answers, None)
         if reported is None:
             raise RuntimeError("nothing more")
         answer(reported)
@@ -185,7 +185,7 @@ class Loud(LocalConnector):
         super().__init__()
         self.secret = secret
         self.start()
-        self.serve("/tell", TRIGGER, lambda _: {"success": False, "message": secret})
+        self.serve("/post", TRIGGER, lambda _: {"success": False, "message": secret})
         self.serve("/break", TRIGGER, self._breaks)
         self.offer("/go", "nav2_msgs/action/Spin", self)
 
@@ -200,7 +200,7 @@ class Loud(LocalConnector):
     def accept(self, goal_id: str, goal: Any, report: Any) -> None:
         for status in (self.secret, f'{{"a": {self.secret}', json.dumps({"a": self.secret}), json.dumps([self.secret])):
             self.publish("/text", STRING, {"data": status})
-        self.publish("/heard", STRING, {"data": self.secret})
+        self.publish("/signal", STRING, {"data": self.secret})
         report(Report(goal_id, "accepted", {}))
         report(Report(goal_id, "failed", {"words": [self.secret, {self.secret: 1}]}, self.secret))
 
@@ -233,7 +233,7 @@ def check(own: str, theirs: str, caplog: pytest.LogCaptureFixture) -> None:
     caplog.set_level(logging.DEBUG)
     caplog.clear()
     with pytest.MonkeyPatch.context() as patch, tempfile.TemporaryDirectory() as folder:
-        patch.setenv("SOMEBODYS_API_KEY", theirs)
+        patch.setenv("STRANGERS_API_KEY", theirs)
         left = leaves(own, theirs, Path(folder))
     assert_whole(left | {"log": log_of(caplog)}, own, theirs)
 
@@ -269,7 +269,7 @@ def test_no_piece_is_left_wherever_a_text_is_cut(
     secret: str, frame: str, before: int, length: int, by: Callable[[Any, int], str]
 ) -> None:
     with pytest.MonkeyPatch.context() as patch:
-        patch.setenv("SOMEBODYS_API_KEY", secret)
+        patch.setenv("STRANGERS_API_KEY", secret)
         text = "word " * before + frame.replace("{}", secret)
         reported = [by(what, max(2, length)) for what in (text, {"a": text}, [json.dumps(text)], RuntimeError(text))]
     assert_whole({str(number): each for number, each in enumerate(reported)}, secret)

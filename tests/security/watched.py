@@ -22,24 +22,24 @@ REACHES = (
     "smtplib.",
 )
 STARTS = ("subprocess.Popen", "os.system", "os.exec", "os.posix_spawn", "os.spawn", "os.fork", "pty.spawn")
-HEARD: list[list[str]] = []
+EVENTS: list[list[str]] = []
 
 
-def hear(name: str, given: tuple[Any, ...]) -> None:
+def audit(name: str, given: tuple[Any, ...]) -> None:
     """Write down what matters of an audit event (PEP 578)."""
     if name == "open" and isinstance(given[0], str | bytes):
         writes = isinstance(given[2], int) and given[2] & WRITING
-        HEARD.append(["write" if writes else "read", os.path.realpath(os.fsdecode(given[0]))])
+        EVENTS.append(["write" if writes else "read", os.path.realpath(os.fsdecode(given[0]))])
     elif name == "exec":
-        HEARD.append(["execute", str(getattr(given[0], "co_filename", given[0]))])
+        EVENTS.append(["execute", str(getattr(given[0], "co_filename", given[0]))])
     elif name == "sqlite3.connect":
-        HEARD.append(["read", os.path.realpath(str(given[0]).removeprefix("file:").partition("?")[0])])
+        EVENTS.append(["read", os.path.realpath(str(given[0]).removeprefix("file:").partition("?")[0])])
     elif name in ("os.listdir", "os.scandir"):
-        HEARD.append(["read", os.path.realpath(str(given[0]))])
+        EVENTS.append(["read", os.path.realpath(str(given[0]))])
     elif name.startswith(REACHES):
-        HEARD.append(["reach", repr(given)[:200]])
+        EVENTS.append(["reach", repr(given)[:200]])
     elif name.startswith(STARTS):
-        HEARD.append(["start", repr(given)[:200]])
+        EVENTS.append(["start", repr(given)[:200]])
 
 
 def main() -> None:
@@ -47,14 +47,14 @@ def main() -> None:
     from rai_missions.cli.main import main as command
 
     commands = json.load(sys.stdin)
-    sys.addaudithook(hear)
+    sys.addaudithook(audit)
     ended = []
     for words in commands:
         try:
             ended.append(command(words))
         except SystemExit as end:
             ended.append(int(end.code or 0))
-    sys.stdout.write("\n" + json.dumps({"ended": ended, "heard": HEARD}) + "\n")
+    sys.stdout.write("\n" + json.dumps({"ended": ended, "received": EVENTS}) + "\n")
 
 
 if __name__ == "__main__":

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the tests of the gate on ROS 2 stand on: loopback only, and a domain of their own."""
+"""What the tests of the gate on ROS 2 need: loopback only, and a domain of their own."""
 
 from __future__ import annotations
 

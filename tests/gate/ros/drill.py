@@ -30,7 +30,7 @@ NAMES = {code: who for who, code in CODES.items()}
 
 
 class Party:
-    """A process that says on its output what it has to say, a JSON list a line."""
+    """A process that reports on its output, a JSON list a line."""
 
     def __init__(self, *words: str) -> None:
         self.lines: Inbox[Any] = Inbox(60.0)
@@ -46,7 +46,7 @@ class Party:
             self.lines(json.loads(line) if line.startswith("[") else ["text", line])
 
     def end(self) -> list[Any]:
-        """Let it end by itself; what it said."""
+        """Let it end by itself; what it reported."""
         assert self.process.stdin is not None and self.process.stdout is not None
         self.process.send_signal(signal.SIGCONT)
         self.process.stdin.close()
@@ -71,7 +71,7 @@ class Record(NamedTuple):
     """How many seconds a message took that went past the gate, on a topic of its own."""
     status: list[dict[str, Any]]
     holders: dict[str, dict[str, int]]
-    """Who → what it says that it sent."""
+    """Who → what it reports to have sent."""
     closing: str
     """The gate's last words."""
 
@@ -86,7 +86,7 @@ def parties(domain: int, seed: int, log: Path) -> Iterator[tuple[Party, dict[str
     others = {each: Party(script, each, str(domain), str(seed + code)) for code, each in enumerate(("base", *HOLDERS))}
     try:
         gate.lines.wait(
-            lambda reported: any("commands are received" in str(each[-1]) for each in reported), "the gate stands"
+            lambda reported: any("commands are received" in str(each[-1]) for each in reported), "the gate is open"
         )
         for each in others.values():
             each.lines.wait(lambda reported: ["ready"] in reported, "it is ready")
@@ -134,7 +134,7 @@ def _of_log(log: Sequence[dict[str, Any]]) -> Iterator[str]:
             continue
         key = (row["who"], row["data"]["linear"]["y"])
         if CODES[row["who"]] != row["data"]["linear"]["x"]:
-            yield f"a command of somebody else on {row['who']}'s topic: {row}"
+            yield f"a command of a stranger on {row['who']}'s topic: {row}"
         if key in seen:
             yield f"one command twice: {row}"
         seen.add(key)
@@ -152,9 +152,9 @@ def _of_base(record: Record) -> Iterator[str]:
             continue
         place = places.get((NAMES[code], number))
         if place is None:
-            yield f"the base heard {NAMES[code]}'s {number:g}, which the gate did not pass"
+            yield f"the base received {NAMES[code]}'s {number:g}, which the gate did not pass"
         elif place <= last:
-            yield f"the base heard {NAMES[code]}'s {number:g} after what the gate passed later"
+            yield f"the base received {NAMES[code]}'s {number:g} after what the gate passed later"
         else:
             last = place
 
@@ -176,8 +176,13 @@ def figures(record: Record) -> dict[str, Any]:
     gated = sorted(took * 1e3 for code, _, took in record.arrived if code)
     direct = sorted(took * 1e3 for took in record.direct)
     sent = sum(each["sent"] for each in record.holders.values())
-    report = {"sent": sent, "heard": did["passed"] + did["refused"], "passed": did["passed"], "refused": did["refused"]}
-    report |= {"arrived": len(gated), "handovers": did["changed"], "lapses": lapses}
+    report = {"sent": sent, "passed": did["passed"], "refused": did["refused"]}
+    report |= {
+        "received": did["passed"] + did["refused"],
+        "arrived": len(gated),
+        "handovers": did["changed"],
+        "lapses": lapses,
+    }
     report |= {
         "requests": did["answered"],
         "denied": sum(bool(row["why"]) for row in record.log if row["did"] == "answered"),

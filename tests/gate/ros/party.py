@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""One party of the drill, in plain rclpy: a holder that commands and asks by a die, or the base that hears it all.
+"""One party of the drill, in plain rclpy: a holder that commands and asks by a die, or the base that receives it all.
 
-Rule: nothing of ours is used here. A command says who sent it (`linear.x`), which it is (`linear.y`) and when it
+Rule: nothing of ours is used here. A command has who sent it (`linear.x`), which it is (`linear.y`) and when it
 left (`angular.x`, seconds of the machine's monotonic clock).
 """
 
@@ -35,7 +35,7 @@ def command(twist: Any, who: str, number: int) -> Any:
 
 
 def base(node: Any) -> Any:
-    """Hears what arrives at the actuators; tells it at the end."""
+    """Receives what arrives at the actuators; reports it at the end."""
     from geometry_msgs.msg import Twist
     from rclpy.qos import DurabilityPolicy, QoSProfile
     from std_msgs.msg import String
@@ -108,13 +108,13 @@ class Holder:
     def count(self, done: Any) -> None:
         self.answers[done.result().success] += 1
 
-    def tell(self) -> None:
+    def report(self) -> None:
         report = {"sent": self.sent, "granted": self.answers[True], "denied": self.answers[False]}
         say(self.who, report | {"late": len(self.late)})
 
 
 def known(node: Any) -> bool:
-    """Whether the gate is heard, and hears what is published: what was said before would be lost."""
+    """Whether the gate is connected both ways: what was published before would be lost."""
     received = [each.get_subscription_count() for each in node.publishers if each.topic_name.endswith("/cmd_vel")]
     return all(received) and bool(received or node.count_publishers("/cmd_vel"))
 
@@ -125,7 +125,7 @@ def main(role: str, domain: int, seed: int) -> None:
 
     rclpy.init(domain_id=domain)
     node = rclpy.create_node(f"party_{role}")
-    notify = base(node) if role == "base" else Holder(node, role, seed).tell
+    notify = base(node) if role == "base" else Holder(node, role, seed).report
     executor = SingleThreadedExecutor()
     executor.add_node(node)
     over = threading.Event()

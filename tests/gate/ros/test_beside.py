@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""`rai-missions gate` says who else commands the actuators."""
+"""`rai-missions gate` reports who else commands the actuators."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from pathlib import Path
 from tests.tractor.ros2_processes import Graph, graph_in
 
 
-def test_a_node_that_commands_past_the_gate_and_another_gate_are_told_of(tmp_path: Path) -> None:
+def test_a_node_that_commands_past_the_gate_and_another_gate_are_reported(tmp_path: Path) -> None:
     for graph in graph_in(tmp_path, Graph):
         words = ("gate", "--ros")
         first = graph.start(*words)

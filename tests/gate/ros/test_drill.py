@@ -16,7 +16,7 @@ def judged(record: Record) -> dict[str, Any]:
     """The figures of a drill that broke no rule."""
     assert violations(record) == []
     reported = figures(record)
-    assert reported["heard"] <= reported["sent"], "nothing is heard that nobody sent"
+    assert reported["received"] <= reported["sent"], "nothing is received that was not sent"
     assert reported["arrived"] <= reported["passed"]
     for word in ("passed", "refused"):
         counts = {who: sum(row["did"] == word and row["who"] == who for row in record.log) for who in HOLDERS}
@@ -60,9 +60,9 @@ ARRIVED = [(0.0, 0.0, 0.0), (1.0, 1.0, 0.0), (0.0, 0.0, 0.0), (2.0, 1.0, 0.0)]
         ([*LOG, passed(1, "agent", 2.0, 3.0, "refused")], ARRIVED, [], "agent held control (grant 1)"),
         ([*LOG, LOG[-1]], ARRIVED, [], "one command twice"),
         ([HANDED, HANDED], [], [], "control went from agent"),
-        ([passed(0, "autonomy", 2.0, 1.0)], [], [], "a command of somebody else"),
-        (LOG, [*ARRIVED, (3.0, 1.0, 0.0)], [], "the base heard operator's 1, which the gate did not pass"),
-        (LOG, [*ARRIVED, ARRIVED[1]], [], "the base heard autonomy's 1 after what the gate passed later"),
+        ([passed(0, "autonomy", 2.0, 1.0)], [], [], "a command of a stranger"),
+        (LOG, [*ARRIVED, (3.0, 1.0, 0.0)], [], "the base received operator's 1, which the gate did not pass"),
+        (LOG, [*ARRIVED, ARRIVED[1]], [], "the base received autonomy's 1 after what the gate passed later"),
         (
             LOG,
             [],

@@ -58,14 +58,14 @@ class Robotic:
         self.connector = open_ros(now=self.clock.now, **words.options())
         self.gate = GateAgent(words, self.connector, clock=self.clock)
         self.base = open_ros(qos=LATCHED)
-        self.told: Inbox[tuple[str, str]] = Inbox(30.0)
-        """What the robot was told to do, and who held control then."""
+        self.orders: Inbox[tuple[str, str]] = Inbox(30.0)
+        """What the robot was ordered to do, and who held control then."""
         for service in ("/cross", "/halt"):
             self.base.serve(service, TRIGGER, lambda _, service=service: self._do(service))
         self.gate.run()
 
     def _do(self, service: str) -> Mapping[str, Any]:
-        self.told((service, self.gate.gate.holder))
+        self.orders((service, self.gate.gate.holder))
         return {"success": True, "message": ""}
 
     def ask(self, by: str, to: str) -> str:
@@ -103,20 +103,20 @@ def begin(open_ros: Open, **state: Any) -> tuple[Runner, Callable[[], Result]]:
 
 def test_control_goes_over_and_back_and_what_the_agent_does_follows_it(open_ros: Open, robotic: Robotic) -> None:
     _, end = begin(open_ros)
-    robotic.told.wait(lambda reported: ("/cross", "agent") in reported, "it crosses, once the agent has control")
+    robotic.orders.wait(lambda reported: ("/cross", "agent") in reported, "it crosses, once the agent has control")
     assert robotic.ask("operator", "operator").startswith("operator holds control")
-    robotic.told.wait(lambda reported: reported[-1][0] == "/halt", "what the agent did is stopped")
+    robotic.orders.wait(lambda reported: reported[-1][0] == "/halt", "what the agent did is stopped")
     assert robotic.ask("agent", "agent") == "the operator has control and has not given it back"
     robotic.ask("operator", "agent")
-    robotic.told.wait(lambda reported: reported[-1] == ("/cross", "agent"), "it goes on when control is given back")
+    robotic.orders.wait(lambda reported: reported[-1] == ("/cross", "agent"), "it continues when control is given back")
     robotic.base.publish("/there", BOOL, {"data": True})
     assert end().outcome == "succeeded"
-    assert [service for service, _ in robotic.told.all] == ["/cross", "/halt", "/cross"]
+    assert [service for service, _ in robotic.orders.all] == ["/cross", "/halt", "/cross"]
 
 
-def test_an_emergency_stop_leaves_control_with_nobody_where_the_actuators_are(open_ros: Open, robotic: Robotic) -> None:
+def test_an_emergency_stop_leaves_control_unheld_where_the_actuators_are(open_ros: Open, robotic: Robotic) -> None:
     runner, end = begin(open_ros)
-    robotic.told.wait(lambda reported: ("/cross", "agent") in reported, "it crosses")
+    robotic.orders.wait(lambda reported: ("/cross", "agent") in reported, "it crosses")
     runner.kill()
     assert end().outcome == "aborted"
     assert robotic.gate.gate.holder == "nobody"
@@ -129,7 +129,7 @@ def test_a_run_that_begins_while_the_operator_has_control_waits_for_the_hand_bac
     robotic.ask("operator", "operator")
     _, end = begin(open_ros, handover_s=1.0)
     robotic.ask("operator", "autonomy")
-    robotic.told.wait(lambda reported: reported[-1] == ("/cross", "agent"), "it begins when control is given back")
+    robotic.orders.wait(lambda reported: reported[-1] == ("/cross", "agent"), "it begins when control is given back")
     robotic.base.publish("/there", BOOL, {"data": True})
     assert end().outcome == "succeeded"
 
@@ -137,20 +137,22 @@ def test_a_run_that_begins_while_the_operator_has_control_waits_for_the_hand_bac
 def test_a_gate_that_has_gone_acknowledges_nothing(open_ros: Open, robotic: Robotic) -> None:
     robotic.gate.stop()
     _, end = begin(open_ros, handover_s=1.0)
-    assert end().why == "crossing: rejected (agent was not given control in time)" and robotic.told.all == []
+    assert end().why == "crossing: rejected (agent was not given control in time)" and robotic.orders.all == []
 
 
 def test_a_run_that_hangs_loses_control(open_ros: Open, robotic: Robotic) -> None:
     holders: Inbox[Any] = Inbox(30.0)
     robotic.base.subscribe("/gate/holder", "std_msgs/msg/String", holders)
     runner, end = begin(open_ros)
-    robotic.told.wait(lambda reported: ("/cross", "agent") in reported, "it crosses")
-    holders.wait(lambda all_: all_[-1].data["data"] == "agent", "the gate says so")
+    robotic.orders.wait(lambda reported: ("/cross", "agent") in reported, "it crosses")
+    holders.wait(lambda all_: all_[-1].data["data"] == "agent", "the gate reports it")
     free = threading.Event()
     runner.call_soon(lambda: free.wait(30.0))
     holders.wait(lambda all_: all_[-1].data["data"] == "autonomy", "the gate has noticed")
     free.set()
-    robotic.told.wait(lambda reported: reported[-1][0] == "/halt", "the run learns of it, and stops what needs control")
+    robotic.orders.wait(
+        lambda reported: reported[-1][0] == "/halt", "the run learns of it, and stops what needs control"
+    )
     runner.kill()
     end()
 
