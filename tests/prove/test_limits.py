@@ -12,6 +12,8 @@ import pytest
 from rai_missions.cli.main import main
 from rai_missions.mission.mission import Mission
 from rai_missions.prove import prove
+from rai_missions.prove.environment import Environment
+from rai_missions.prove.explorer import Space
 
 Json = dict[str, Any]
 
@@ -70,3 +72,20 @@ def test_a_limit_of_nothing_is_refused(given: list[str], tmp_path: Path, capsys:
     (tmp_path / "counting.json").write_text(json.dumps(counting()), encoding="utf-8")
     assert main(["prove", str(tmp_path / "counting.json"), *given]) == 2
     assert f"give {given[0]} a number above 0" in capsys.readouterr().err
+
+
+def test_a_step_is_made_once_for_values_that_no_guard_distinguishes() -> None:
+    """The counter has 31 values, of which the guards of the other steps distinguish three."""
+    more: Json = {"on": "up", "when": {"key": "n", "<": 30}, "do": [{"set": "n", "add": 1}]}
+    looks = [{"on": f"look{number}", "when": {"key": "n", ">=": 2}, "to": "there"} for number in range(10)]
+    space = Space(Environment(Mission.model_validate({
+        "format": 1, "name": "counted", "initial": "here", "blackboard": {"n": {"type": "integer", "initial": 0}},
+        "events": {"up": {}, "stop": {}, **{f"look{number}": {} for number in range(10)}},
+        "states": {
+            "here": {"transitions": [more, *looks]}, "over": {"final": "aborted"},
+            "there": {"transitions": [{**each, "to": "here"} for each in looks]},
+        },
+        "transitions": [{"on": "stop", "to": "over"}],
+    })))  # fmt: skip
+    space.explore()
+    assert space.is_whole and space.meter.work - space.steps < 100
