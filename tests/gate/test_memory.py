@@ -49,6 +49,12 @@ def test_a_gate_begins_again_by_who_held_control_last(
     assert begun(Memory(memory.path)) == first, "and again"
 
 
+def test_a_holder_that_cannot_be_kept_is_logged(tmp_path: Path, caplog: pytest.LogCaptureFixture) -> None:
+    (tmp_path / "file").touch()
+    Memory(tmp_path / "file" / "gate.json").note("operator")
+    assert "will not know that operator holds control" in caplog.text
+
+
 @given(st.binary(max_size=40))
 def test_a_gate_that_does_not_know_its_last_holder_begins_with_no_one(
     tmp_path_factory: pytest.TempPathFactory, message: bytes

@@ -32,6 +32,10 @@ def test_a_lease_of_zero_is_none() -> None:
     assert gate_words({"leases": {"agent": 0.0, "operator": 2.0}}).terms.leases == {"operator": 2.0}
 
 
+def test_the_shortest_lease_is_one() -> None:
+    assert gate_words({"leases": {"agent": 0.01}}).terms.leases == {"agent": 0.01}
+
+
 @pytest.mark.parametrize(
     ("data", "why"),
     [
