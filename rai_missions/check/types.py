@@ -38,14 +38,14 @@ def mismatched_comparisons(survey: MissionIndex) -> Found:
     """A comparison is between values of one type, and `<` between numbers or strings."""
     for place, part, ruled in survey.parts:
         if part.word != "near":
-            yield from ((place + inner, why) for inner, why in part.misfits(_Declared(survey, ruled.scope)))
+            yield from ((place + inner, why) for inner, why in part.type_faults(_Declared(survey, ruled.scope)))
 
 
 def mismatched_poses(survey: MissionIndex) -> Found:
     """`near` measures between two poses that are given in one frame."""
     for place, part, ruled in survey.parts:
         if part.word == "near":
-            yield from ((place + inner, why) for inner, why in part.misfits(_Declared(survey, ruled.scope)))
+            yield from ((place + inner, why) for inner, why in part.type_faults(_Declared(survey, ruled.scope)))
 
 
 def mismatched_lists(survey: MissionIndex) -> Found:

@@ -68,7 +68,7 @@ def _cancel(program: Program, state: RunState, by: str) -> None:
         return end(program, state, "canceled", state.why)
     state.final = None
     target = program.graph.nodes[program.mission.on_cancel]
-    jump(program, state, program.graph.flee(state.config, target, state.memory, "cancel"))
+    jump(program, state, program.graph.jump_to(state.config, target, state.memory, "cancel"))
     complete(program, state, None)
 
 
@@ -140,7 +140,7 @@ def _ask_again(program: Program, state: RunState) -> None:
     nodes, by_s = program.graph.nodes, late_s(state)
     for name, machine, activity in awake(program, state) if by_s else ():
         if any(questions_in(activity)) or is_settling(activity):
-            state.running[name] = machine.shifted(activity, by_s)
+            state.running[name] = machine.shift(activity, by_s)
     for name in state.settling:
         state.settling[name] += 0.0 if is_held(state, nodes[name]) else by_s
     for name, until in state.pending.items():

@@ -38,7 +38,7 @@ class Compiled:
         """JSON pointer → transition."""
         self.named: set[str] = set()
         """The predicates of the user's program that transitions, finals and invariants name."""
-        self.recalls = False
+        self.uses_history = False
         """Some default entry looks up a memory, so that every leap may depend on what is remembered."""
         self.options = {name for _, _, state in mission.walk() for name in (state.outcomes() if state.options else ())}
         self._content = content
@@ -67,7 +67,7 @@ class Compiled:
     def _link(self) -> None:
         self.root.initial = tuple(self.nodes[name] for name in self.mission.initial)
         starts = [name for node in self.order[1:] for name in _leads(node)]
-        self.recalls = any(self.nodes[name].is_history for name in (*starts, *self.mission.initial))
+        self.uses_history = any(self.nodes[name].is_history for name in (*starts, *self.mission.initial))
         self._transitions(self.root, self.mission.transitions)
         for node in self.order[1:]:
             state = node.state
@@ -105,7 +105,7 @@ class Compiled:
         for index, definition in enumerate(transitions):
             transition = CompiledTransition(definition, f"{node.place}/transitions/{index}", node)
             transition.targets = tuple(self.nodes[name] for name in definition.to)
-            transition.recalls = self.recalls or any(target.is_history for target in transition.targets)
+            transition.uses_history = self.uses_history or any(target.is_history for target in transition.targets)
             transition.acts = self._acts(definition.do, f"{transition.place}/do", node)
             if definition.when is not None:
                 transition.condition = self.condition(definition.when, transition.place, node.name)

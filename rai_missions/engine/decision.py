@@ -12,7 +12,7 @@ from typing import Any, Literal, NamedTuple, Protocol, runtime_checkable
 from rai_missions.event import Event
 from rai_missions.guards.guard import Test, Truth, View
 from rai_missions.image import Image
-from rai_missions.mission.option_parameters import misfits
+from rai_missions.mission.option_parameters import parameter_faults
 from rai_missions.plain_data import apart
 from rai_missions.redaction import clipped
 
@@ -200,4 +200,4 @@ def judge(question: Question, proposal: Proposal, view: View, guards: Mapping[st
 def _parameters(offer: Offer, given: Mapping[str, Any]) -> str:
     if offer.parameters is None:
         return "" if not given else f"'{offer.name}' takes none"
-    return misfits(offer.parameters, given)
+    return parameter_faults(offer.parameters, given)

@@ -207,7 +207,7 @@ def _activities(program: Program, value: Mapping[str, Any], by_s: float, control
     def moved(name: str, activity: Any) -> Any:
         machine = program.machines[name]
         is_concerned = machine is not None and _concerns(controls, program.graph.nodes[name].control)
-        return machine.shifted(activity, by_s) if machine is not None and is_concerned else activity
+        return machine.shift(activity, by_s) if machine is not None and is_concerned else activity
 
     return {name: moved(name, activity) for name, activity in value.items()}
 

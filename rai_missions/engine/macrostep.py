@@ -179,7 +179,7 @@ def jump(program: Program, state: RunState, step: CompiledStep) -> None:
         state.memory.update(step.remember)
     state.config = step.config
     state.active = step.config.active
-    state.draft.shifted |= step.shifts
+    state.draft.presence_changes |= step.shifts
     state.draft.moves.append(step.move)
     for act in step.acts:
         act(program, state)

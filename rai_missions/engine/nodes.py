@@ -118,10 +118,10 @@ class CompiledTransition:
         "internal",
         "outcomes",
         "place",
-        "recalls",
         "source",
         "targets",
         "test",
+        "uses_history",
     )
 
     def __init__(self, definition: Transition, place: str, source: Node) -> None:
@@ -131,7 +131,7 @@ class CompiledTransition:
         self.condition: CompiledGuard | None = None
         self.test: Test | None = None
         self.internal = definition.internal
-        self.recalls = False
+        self.uses_history = False
         """Where it leads depends on what is remembered."""
         self.outcomes: frozenset[str] = frozenset()
         """The words of `on` that are outcomes or options, not events."""

@@ -164,14 +164,14 @@ def cancel_goals(state: RunState, numbers: Iterable[int]) -> None:
 def poll(program: Program, state: RunState) -> bool:
     """Let those activities look whom a key, a state, a goal's end or the time concerns; whether one acted."""
     draft = state.draft
-    if not (draft.due or draft.goal_ended or draft.shifted or draft.news or draft.polled < len(draft.written)):
+    if not (draft.due or draft.goal_ended or draft.presence_changes or draft.news or draft.polled < len(draft.written)):
         return False
     if state.outcome is not None or state.mode == "paused":
         return False
-    changed = draft.shifted.union({GOALS} if draft.goal_ended else NO_KEYS)
+    changed = draft.presence_changes.union({GOALS} if draft.goal_ended else NO_KEYS)
     keys = frozenset(key for key, _ in draft.written[draft.polled :]).union(changed, draft.news)
     due, draft.due, draft.polled, draft.goal_ended = draft.due, NO_KEYS, len(draft.written), False
-    news, draft.news, draft.shifted = draft.news, {}, set()
+    news, draft.news, draft.presence_changes = draft.news, {}, set()
     return bool(state.running) and _informed(program, state, keys, due, changed, news)
 
 

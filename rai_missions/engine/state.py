@@ -29,7 +29,16 @@ from rai_missions.states.final import FinalOutcome
 from rai_missions.states.state import Holder
 
 __all__ = (
-    "HOLDS", "TABLE", "Holds", "Remembered", "RunState", "StepDraft", "Timer", "TimerKey", "Trigger", "copied",
+    "HOLDS",
+    "TABLE",
+    "Holds",
+    "RunState",
+    "StateField",
+    "StepDraft",
+    "Timer",
+    "TimerKey",
+    "Trigger",
+    "copied",
     "refuse",
 )  # fmt: skip
 
@@ -115,7 +124,7 @@ class StepDraft:
     notes: list[str | VerdictNote] = field(default_factory=list)
     polled: int = 0
     """How many of the keys that were written the activities have looked at."""
-    shifted: set[str] = field(default_factory=set)
+    presence_changes: set[str] = field(default_factory=set)
     """The states that have become active or inactive since the activities looked, by their `presence`."""
     news: dict[str, str] = field(default_factory=dict)
     """Key that was given another value since the activities last looked → the state whose activity wrote it last, and
@@ -251,7 +260,7 @@ class RunState:
         return self.ask(self, name, arguments)
 
 
-class Remembered(NamedTuple):
+class StateField(NamedTuple):
     """One field of what a run remembers."""
 
     name: str
@@ -261,7 +270,7 @@ class Remembered(NamedTuple):
 
 
 TABLE = tuple(
-    Remembered(each.name, each.metadata["word"] or each.name, each.metadata["holds"])
+    StateField(each.name, each.metadata["word"] or each.name, each.metadata["holds"])
     for each in fields(RunState) if "holds" in each.metadata
 )  # fmt: skip
 """Every field that a run remembers, in the order of `RunState`: the first arguments of its constructor."""

@@ -73,13 +73,13 @@ class Graph(Compiled):
     ) -> CompiledStep:
         """What firing these transitions does, those preempted left out; worked out once for what it depends on."""
         key: Any = (transitions, trigger)
-        recalls = any(transition.recalls for transition in transitions)
-        if recalls:
+        uses_history = any(transition.uses_history for transition in transitions)
+        if uses_history:
             key = (key, tuple((index, tuple(node.index for node in memory[index])) for index in sorted(memory)))
         found = config.leaps.get(key)
         if found is None:
             found = self._leap(config, tuple(self.compatible(config, list(transitions), memory)), memory, trigger)
-            found.plain = found.plain and not recalls
+            found.plain = found.plain and not uses_history
             config.leaps[key] = found
         return found
 
@@ -115,7 +115,7 @@ class Graph(Compiled):
         self._into(self.root.initial, self.root, entered, memory)
         return self.move(self.empty, set(), entered, taken=(), acts=(), trigger="")
 
-    def flee(self, config: Configuration, target: Node, memory: Memory, trigger: str) -> CompiledStep:
+    def jump_to(self, config: Configuration, target: Node, memory: Memory, trigger: str) -> CompiledStep:
         """From wherever it is into a state, everything left."""
         entered: set[Node] = set()
         self._into((target,), self.root, entered, memory)

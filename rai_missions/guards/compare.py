@@ -11,7 +11,7 @@ from typing import Annotated, Any, ClassVar, Self
 from pydantic import Field, model_validator
 
 from rai_missions.guards.form import Atom, Form
-from rai_missions.guards.guard import Distinctions, Guard, Misfit, Operand, Site, Sources, Test, Truth, Types, View
+from rai_missions.guards.guard import Distinctions, Guard, Operand, Site, Sources, Test, Truth, TypeFault, Types, View
 from rai_missions.kinds import OPERAND, OPERAND_WORDS, reference_word
 from rai_missions.model import Json, Path, fault
 from rai_missions.redaction import clipped
@@ -88,14 +88,14 @@ class Compare(Guard, word="key"):
             return _plain(left.key, apply, value, equality=equality)
         return lambda view: truth(apply, left.read(view), value, equality=equality)
 
-    def misfits(self, types: Types) -> Iterator[Misfit]:
+    def type_faults(self, types: Types) -> Iterator[TypeFault]:
         kind = types.kind(self.key)
         if kind is not None and (sentence := self._misfit(kind, types)):
-            yield Misfit("/key", sentence)
+            yield TypeFault("/key", sentence)
             return
         other = types.kind(self.other) if kind is not None and self.other is not None and self.op == "in" else None
         if other not in (None, "list"):
-            yield Misfit("/in", f"'in' takes a list, and '{self.other}' is of type '{other}'; compare with ==")
+            yield TypeFault("/in", f"'in' takes a list, and '{self.other}' is of type '{other}'; compare with ==")
 
     def _misfit(self, kind: str, types: Types) -> str:
         """Why it cannot be evaluated for a value of a type; empty if it can."""

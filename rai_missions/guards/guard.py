@@ -16,8 +16,20 @@ from rai_missions.keys import Blackboard, Key
 from rai_missions.model import TaggedModel
 
 __all__ = (
-    "Distinctions", "Guard", "Instant", "Misfit", "Operand", "Site", "Sources", "Test", "Truth", "Types", "View",
-    "concerns", "made", "presence",
+    "Distinctions",
+    "Guard",
+    "Instant",
+    "Operand",
+    "Site",
+    "Sources",
+    "Test",
+    "Truth",
+    "TypeFault",
+    "Types",
+    "View",
+    "concerns",
+    "made",
+    "presence",
 )  # fmt: skip
 
 Truth = bool | None
@@ -148,7 +160,7 @@ class Distinctions(Protocol):
         """More is distinguished than a few values can represent: nothing that rests on it counts as proved."""
 
 
-class Misfit(NamedTuple):
+class TypeFault(NamedTuple):
     """Why a guard can never be true or false, by the types of what it reads."""
 
     place: str
@@ -170,7 +182,7 @@ class Guard(TaggedModel, family="guard", group="rai_missions.guards"):
     held_s: ClassVar[float] = 0.0
     """For how long a guard inside it must have been true."""
 
-    def misfits(self, types: Types) -> Iterator[Misfit]:
+    def type_faults(self, types: Types) -> Iterator[TypeFault]:
         """Why it cannot be evaluated, by the types of what it reads."""
         return iter(())
 

@@ -10,7 +10,7 @@ from typing import Annotated, Any, ClassVar
 from pydantic import Field
 
 from rai_missions.guards.form import Atom, Form
-from rai_missions.guards.guard import Distinctions, Guard, Misfit, Operand, Site, Sources, Test, Truth, Types, View
+from rai_missions.guards.guard import Distinctions, Guard, Operand, Site, Sources, Test, Truth, TypeFault, Types, View
 from rai_missions.model import Path, Seconds
 
 __all__ = ("Near",)
@@ -33,16 +33,16 @@ class Near(Guard, word="near"):
 
         return test
 
-    def misfits(self, types: Types) -> Iterator[Misfit]:
+    def type_faults(self, types: Types) -> Iterator[TypeFault]:
         for index, path in enumerate(self.near):
             kind = types.kind(path)
             if kind not in (None, "pose", "object"):
                 sentence = f"'{path}' is of type '{kind}', not 'pose'; 'near' measures between two poses"
-                yield Misfit(f"/near/{index}", sentence)
+                yield TypeFault(f"/near/{index}", sentence)
         frames = sorted({frame for path in self.near if (frame := types.frame(path))})
         if len(frames) > 1:
             sentence = f"the poses are given in different frames, {' and '.join(frames)}; bring them into one"
-            yield Misfit("/near", sentence)
+            yield TypeFault("/near", sentence)
 
     def form(self, wanted: bool, depth: int) -> Form:
         here, there = sorted(self.near)

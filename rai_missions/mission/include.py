@@ -16,7 +16,7 @@ from rai_missions.errors import DefinitionError, Fault, UsageError
 from rai_missions.guards import Guard, In, Not
 from rai_missions.guards.guard import made
 from rai_missions.keys import Key
-from rai_missions.mission.include_rules import Chain, included_file, misfits, questions, refused, shared_key
+from rai_missions.mission.include_rules import Chain, included_file, inclusion_faults, questions, refused, shared_key
 from rai_missions.mission.json_reader import MAX_BYTES, MAX_DEPTH, read_json
 from rai_missions.mission.mission import BUILT_IN_EVENTS, Mission
 from rai_missions.mission.renaming import Names, renamed
@@ -31,7 +31,7 @@ MAX_STATES = 20_000
 """In a mission with all that it includes."""
 
 
-class Brought(NamedTuple):
+class Inclusion(NamedTuple):
     """What an inclusion becomes."""
 
     state: Compound
@@ -78,7 +78,7 @@ def expanded(mission: Mission, file: Path) -> Mission:
 
 def _without_inclusions(mission: Mission, chain: Chain, source: str) -> Mission:
     faults: list[Fault] = []
-    brought: dict[str, Brought] = {}
+    brought: dict[str, Inclusion] = {}
     for place, name, state in mission.walk():
         chain.total["states"] += 1
         if isinstance(state, Include):
@@ -100,7 +100,7 @@ def _without_inclusions(mission: Mission, chain: Chain, source: str) -> Mission:
     })  # fmt: skip
 
 
-def _replaced(states: Mapping[str, State], brought: Mapping[str, Brought]) -> dict[str, State]:
+def _replaced(states: Mapping[str, State], brought: Mapping[str, Inclusion]) -> dict[str, State]:
     new: dict[str, State] = {}
     for name, state in states.items():
         if isinstance(state, Include):
@@ -112,7 +112,7 @@ def _replaced(states: Mapping[str, State], brought: Mapping[str, Brought]) -> di
     return new
 
 
-def _brought(name: str, include: Include, parent: Mission, chain: Chain) -> Brought:
+def _brought(name: str, include: Include, parent: Mission, chain: Chain) -> Inclusion:
     """What one inclusion becomes; raises faults with places from the inclusion on."""
     file = included_file(include.mission, chain)
     try:
@@ -128,7 +128,7 @@ def _brought(name: str, include: Include, parent: Mission, chain: Chain) -> Brou
         raise DefinitionError(
             Fault("/mission", f"in {shown(include.mission)}, {fault}") for fault in error.faults
         ) from None
-    if faults := tuple(misfits(include, inner, parent)):
+    if faults := tuple(inclusion_faults(include, inner, parent)):
         raise DefinitionError(faults)
     brought = _compound(name, include, inner)
     for word in (*brought.keys, *brought.events, *brought.invariants):
@@ -162,7 +162,7 @@ def _names(name: str, include: Include, inner: Mission) -> Names:
     return Names(private, key, event, private, trigger)
 
 
-def _compound(name: str, include: Include, inner: Mission) -> Brought:
+def _compound(name: str, include: Include, inner: Mission) -> Inclusion:
     names = _names(name, include, inner)
     here = In(state=name)
     states: dict[str, State] = {}
@@ -183,7 +183,7 @@ def _compound(name: str, include: Include, inner: Mission) -> Brought:
     }
     events = {names.event(each): event for each, event in inner.events.items() if each not in include.with_}
     invariants = {f"{name}/{each}": Not(guard=here) | renamed(guard, names) for each, guard in inner.invariants.items()}
-    return Brought(compound, keys, events, invariants, inner.uses)
+    return Inclusion(compound, keys, events, invariants, inner.uses)
 
 
 def _until(over: list[In], transition: Transition) -> Transition:

@@ -18,7 +18,7 @@ from rai_missions.redaction import shown
 from rai_missions.states import DecisionSpec, Include, Transition
 from rai_missions.states.state import ANY_EVENT
 
-__all__ = ("MAX_INCLUSIONS", "Chain", "included_file", "misfits", "questions", "refused", "shared_key")
+__all__ = ("MAX_INCLUSIONS", "Chain", "included_file", "inclusion_faults", "questions", "refused", "shared_key")
 
 MAX_INCLUSIONS = 16
 """Missions inside each other."""
@@ -72,7 +72,7 @@ def refused(sentence: str) -> DefinitionError:
     return DefinitionError([Fault("/mission", sentence)])
 
 
-def misfits(include: Include, inner: Mission, parent: Mission) -> Iterator[Fault]:
+def inclusion_faults(include: Include, inner: Mission, parent: Mission) -> Iterator[Fault]:
     """The faults of an inclusion, with places from the inclusion on."""
     yield from _unmapped(include, inner, parent)
     yield from _unfit(include, inner, parent)
@@ -83,7 +83,7 @@ def _unmapped(include: Include, inner: Mission, parent: Mission) -> Iterator[Fau
     for word, given in include.with_.items():
         place = pointer(("with", word))
         if word in inner.blackboard:
-            yield from (Fault(place, why) for why in _key_misfits(inner.blackboard[word], given, parent))
+            yield from (Fault(place, why) for why in _key_faults(inner.blackboard[word], given, parent))
         elif word in inner.events:
             if not isinstance(given, str):
                 yield Fault(place, f"'{word}' is an event; give the name of one of this mission's, not {shown(given)}")
@@ -94,7 +94,7 @@ def _unmapped(include: Include, inner: Mission, parent: Mission) -> Iterator[Fau
             yield Fault(place, f"{shown(include.mission)} has no key or event '{word}'{known}")
 
 
-def _key_misfits(key: Key, given: Any, parent: Mission) -> Iterator[str]:
+def _key_faults(key: Key, given: Any, parent: Mission) -> Iterator[str]:
     name = shared_key(given)
     if name is None:
         if key.source in ("robot", "answer"):

@@ -28,14 +28,14 @@ TOKEN = re.compile(r'"(?:[^"\\]++|\\.)*+(?:"|\Z)|[\[\]{}]', re.DOTALL)
 SURROGATE = re.compile(r"\\u[dD][89a-fA-F]")
 
 
-class Odd(NamedTuple):
+class UnusableNumber(NamedTuple):
     """A number as it is written that has no value here."""
 
     written: str
     why: str
 
 
-class Doubled(dict[str, Any]):
+class RepeatingObject(dict[str, Any]):
     """An object in which words appear twice."""
 
     words: tuple[str, ...] = ()
@@ -109,16 +109,16 @@ def too_deep(text: str) -> int | None:
 
 
 def _parsed(text: str, suspects: list[Any], source: str) -> Any:
-    def odd(written: str, why: str) -> Odd:
+    def odd(written: str, why: str) -> UnusableNumber:
         suspects.append(written)
-        return Odd(written, why)
+        return UnusableNumber(written, why)
 
-    def integer(written: str) -> int | Odd:
+    def integer(written: str) -> int | UnusableNumber:
         if len(written) > 20 or int(written) not in INTEGERS:
             return odd(written, "does not fit in 64 bits; give a smaller number")
         return int(written)
 
-    def decimal(written: str) -> float | Odd:
+    def decimal(written: str) -> float | UnusableNumber:
         value = float(written)
         return odd(written, "is larger than any number here; give a smaller one") if isinf(value) else value
 
@@ -126,12 +126,12 @@ def _parsed(text: str, suspects: list[Any], source: str) -> Any:
         found = dict(pairs)
         if len(found) == len(pairs):
             return found
-        doubled = Doubled(found)
+        doubled = RepeatingObject(found)
         doubled.words = tuple(name for name, times in Counter(name for name, _ in pairs).items() if times > 1)
         suspects.append(doubled)
         return doubled
 
-    def constant(written: str) -> Odd:
+    def constant(written: str) -> UnusableNumber:
         return odd(written, "is not a number that JSON has; give a finite one")
 
     try:
@@ -158,7 +158,7 @@ def _where(text: str, at: int) -> str:
 
 def _oddities(value: Any, steps: tuple[str | int, ...]) -> Iterator[Fault]:
     """What JSON text can hold and a mission cannot."""
-    if isinstance(value, Odd):
+    if isinstance(value, UnusableNumber):
         yield Fault(pointer(steps), f"{shown(value.written)} {value.why}")
     elif isinstance(value, str):
         if _is_broken(value):

@@ -15,7 +15,7 @@ from typing import Any
 from rai_missions.errors import unescaped
 from rai_missions.redaction import clipped, shown
 
-__all__ = ("MOST_PARTS", "misfits", "schema_fault")
+__all__ = ("MOST_PARTS", "parameter_faults", "schema_fault")
 
 MOST_PARTS = 10_000
 """Objects and lists of a schema, counted as often as references lead to them, and of what is judged by it."""
@@ -45,7 +45,7 @@ def schema_fault(schema: Mapping[str, Any]) -> str:
     return ""
 
 
-def misfits(schema: Mapping[str, Any], given: Mapping[str, Any]) -> str:
+def parameter_faults(schema: Mapping[str, Any], given: Mapping[str, Any]) -> str:
     """Why parameters are not as the schema has them; empty if they are.
 
     A schema that no check has passed, as in a journal from elsewhere, has none that fit.

@@ -36,15 +36,15 @@ def rested(state: Any, machine: Any, longest_s: float, view: View) -> Any:
     if isinstance(state, TreeActivity):
         leaves = {
             path: RunningLeaf(
-                rested(tended.state, machine.limbs[path].machine, longest_s, view),
-                SOON if tended.deadline != math.inf else math.inf,
+                rested(leaf.state, machine.leaf_machines[path].machine, longest_s, view),
+                SOON if leaf.deadline != math.inf else math.inf,
             )
-            for path, tended in state.leaves.items()
+            for path, leaf in state.leaves.items()
         }
         nodes = {path: _no_older(memory, NOW - longest_s) for path, memory in state.tree.nodes.items()}
         return state._replace(leaves=leaves, tree=state.tree._replace(nodes=nodes))
     wake = machine.wake_at(state, view)
-    return machine.shifted(state, SOON - wake) if NOW < wake < math.inf else state
+    return machine.shift(state, SOON - wake) if NOW < wake < math.inf else state
 
 
 def _no_older(memory: Mapping[str, Any], least: float) -> Mapping[str, Any]:

@@ -14,7 +14,7 @@ from typing import Any, TypeGuard
 
 from rai_missions.errors import unescaped
 from rai_missions.keys import Key
-from rai_missions.mission.option_parameters import misfits
+from rai_missions.mission.option_parameters import parameter_faults
 from rai_missions.prove.representatives import OTHER, Values
 
 __all__ = ("AnswerValues",)
@@ -68,7 +68,7 @@ class AnswerValues:
         own = (schema.get("properties") or {}).get(name, schema.get("additionalProperties", {}))
         made = list(_once(self._of(own if isinstance(own, Mapping) else {}, schema, name, 0)))
         judged = {**schema, "type": "object", "properties": {name: own}, "required": [], "minProperties": 0}
-        fitting = [each for each in made if _is_opaque(each) or not misfits(judged, {name: each})]
+        fitting = [each for each in made if _is_opaque(each) or not parameter_faults(judged, {name: each})]
         yield from fitting or made
 
     def _of(self, part: Schema, whole: Schema, name: str, depth: int) -> Iterator[Any]:

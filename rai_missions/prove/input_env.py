@@ -167,7 +167,7 @@ class InputEnvironment:
         name, is_leaf, path = owner.partition("#")
         machine: Any = self._chart.program.machines.get(name)
         if is_leaf and machine is not None:
-            machine = machine.limbs[path].machine
+            machine = machine.leaf_machines[path].machine
         wanted: Mapping[str, str] = getattr(getattr(machine, "definition", None), "result", {})
         return wanted
 
@@ -181,8 +181,8 @@ class InputEnvironment:
             if is_held(self._chart.state, self._chart.program.graph.nodes[name]) and not held:
                 continue
             if isinstance(state, TreeActivity):
-                for path, tended in state.leaves.items():
-                    yield name, path, tended.state
+                for path, leaf in state.leaves.items():
+                    yield name, path, leaf.state
             else:
                 yield name, None, state
 
@@ -195,7 +195,7 @@ class InputEnvironment:
         for name, path, state in self.inner():
             if not isinstance(state, GoalActivity | DecisionActivity | BehaviourActivity):
                 machine: Any = self._chart.program.machines[name]
-                machine = machine if path is None else machine.limbs[path].machine
+                machine = machine if path is None else machine.leaf_machines[path].machine
                 yield from ((number, owned(name, path)) for number in sorted(machine.awaits(state)))
 
     # -- answers --------------------------------------------------------------------------------------------------

@@ -69,8 +69,8 @@ class Instruments:
                 machine.achieved = self._noting(f"{place}/achieved", machine.achieved)
         elif isinstance(machine, TreeMachine):
             self._count(machine)
-            for path, limb in machine.limbs.items():
-                self.watch(limb.machine, f"{place}/tree/{path}")
+            for path, leaf_machine in machine.leaf_machines.items():
+                self.watch(leaf_machine.machine, f"{place}/tree/{path}")
         elif self._is_foreign:
             self._watch_starts(machine, ALL_GOALS)
 
@@ -106,7 +106,7 @@ class Instruments:
                 self.restarted.add(machine.owner)
             return begin(host)
 
-        machine.begin = beginning  # type: ignore[method-assign,assignment]
+        machine.begin = beginning  # type: ignore[method-assign]
         machine.ticker.tick = counted  # type: ignore[method-assign,assignment]
 
     def _watch_starts(self, machine: Any, asked: Any) -> None:

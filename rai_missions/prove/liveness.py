@@ -83,7 +83,7 @@ class LiveReads:
         words = self._always.union(*(self._live[node] for node in config.nodes), self._live[self._graph.root])
         starts = frozenset(word[len(START) :] for word in words if word.startswith(START))
         looked_up = {self._graph.nodes[word[len(RECALL) :]] for word in words if word.startswith(RECALL)}
-        if self._graph.recalls:  # an entry by default looks them up
+        if self._graph.uses_history:  # an entry by default looks them up
             looked_up = {node for node in self._graph.order if node.is_history}
         recalls = {node for node in looked_up if not (node in self._rewritten and node.parent in config.nodes)}
         return Later(words & self._keys, starts, frozenset(node.index for node in recalls))
@@ -93,7 +93,7 @@ class LiveReads:
         parent = history.parent
         inside = [node for node in self._graph.order if node is parent or (parent is not None and node.inside(parent))]
         targets = (transition.targets for node in inside for transition in node.transitions)
-        return not (self._graph.recalls or any(history in each for each in targets))
+        return not (self._graph.uses_history or any(history in each for each in targets))
 
     # -- what each state reads ------------------------------------------------------------------------------------
 

@@ -247,7 +247,7 @@ class TimeEnvironment:
 
     def _machine_of(self, name: str, path: str | None) -> Any:
         machine: Any = self._chart.program.machines[name]
-        return machine if path is None else machine.limbs[path].machine
+        return machine if path is None else machine.leaf_machines[path].machine
 
     def _ring(self, key: Any) -> Callable[[], None]:
         def change() -> None:
@@ -293,10 +293,10 @@ class TimeEnvironment:
         def change() -> None:
             machine, state = self._machine_of(name, path), self._chart.state.running[name]
             if path is None:
-                self._chart.state.running[name] = machine.shifted(state, NOW - wake)
+                self._chart.state.running[name] = machine.shift(state, NOW - wake)
                 return
-            tended = state.leaves[path]
-            leaves = {**state.leaves, path: RunningLeaf(machine.shifted(tended.state, NOW - wake), tended.deadline)}
+            leaf = state.leaves[path]
+            leaves = {**state.leaves, path: RunningLeaf(machine.shift(leaf.state, NOW - wake), leaf.deadline)}
             self._chart.state.running[name] = state._replace(leaves=leaves)
 
         return change
@@ -308,7 +308,7 @@ class TimeEnvironment:
             state, machine = self._chart.state.running[name], self._chart.program.machines[name]
             assert isinstance(machine, TreeMachine)
             self._over = (name, frozenset())
-            tree = machine.ticker.shifted(state.tree, NOW - state.wake)
+            tree = machine.ticker.shift(state.tree, NOW - state.wake)
             self._chart.state.running[name] = state._replace(tree=tree, wake=NOW)
 
         return change

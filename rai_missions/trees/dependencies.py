@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 from rai_missions.engine.activities.ticker import LoopRound
 from rai_missions.guards.guard import Instant, Site
-from rai_missions.trees.nodes import RUNNING, Live
+from rai_missions.trees.nodes import RUNNING, TracedBehaviour
 from rai_missions.trees.tick import TickView
 
 __all__ = ("BehaviourWatch", "TickReads")
@@ -38,7 +38,7 @@ class BehaviourWatch:
         live: Path → what is there.
     """
 
-    def __init__(self, live: Mapping[str, Live]) -> None:
+    def __init__(self, live: Mapping[str, TracedBehaviour]) -> None:
         sites = {each: each.site for each in live.values() if each.site is not None}
         self.holds = {name: test for site in sites.values() for name, test in site.holds.items()}
         self.depends = {each: _of([site]) for each, site in sites.items() if not site.holds}
@@ -59,7 +59,7 @@ class BehaviourWatch:
                     held.pop(name, None)
         return sight
 
-    def looked_at(self, root: Live) -> TickReads:
+    def looked_at(self, root: TracedBehaviour) -> TickReads:
         """What the next tick may look at if nothing but facts and time change, and on what a duration depends."""
         keys, instants, rest = set(self.held_by.watched), list(self.held_by.instants), [root]
         while rest:
@@ -72,7 +72,7 @@ class BehaviourWatch:
         return TickReads(frozenset(keys), tuple(instants))
 
     @staticmethod
-    def wake_at(root: Live, sight: TickView, instants: Iterable[Instant]) -> float:
+    def wake_at(root: TracedBehaviour, sight: TickView, instants: Iterable[Instant]) -> float:
         """The next deadline of what runs, or instant at which a guard's facts grow old."""
         due = [node.deadline() for node in running(root)]
         due += [instant(sight) for instant in instants]

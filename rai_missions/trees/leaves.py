@@ -12,13 +12,13 @@ from py_trees.common import Status
 
 from rai_missions.guards.guard import Test, View
 from rai_missions.keys import Key, fits
-from rai_missions.trees.nodes import FAILURE, INVALID, RUNNING, SUCCESS, WORDS, Live
+from rai_missions.trees.nodes import FAILURE, INVALID, RUNNING, SUCCESS, WORDS, TracedBehaviour
 from rai_missions.trees.tick import Tick
 
 __all__ = ("ActivityLeaf", "Ask", "Check", "Publish", "PythonLeaf", "Wait", "Write")
 
 
-class TreeLeaf(Live, Behaviour):
+class TreeLeaf(TracedBehaviour, Behaviour):
     """A behaviour without children. Ticked as py_trees does it, less the sentences that it makes for its log."""
 
     def tick(self) -> Iterator[Behaviour]:
@@ -168,7 +168,7 @@ class PythonLeaf(ActivityLeaf):
         super().terminate(new_status)
 
 
-class Ask(Live, composites.Composite):
+class Ask(TracedBehaviour, composites.Composite):
     """A question that the chart asks, then the subtree of the option: a sequence with memory of the two."""
 
     round: Tick

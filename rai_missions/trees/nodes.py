@@ -19,9 +19,18 @@ from rai_missions.states import tree
 from rai_missions.trees.tick import Tick
 
 __all__ = (
-    "PLAIN", "Condition", "EternalGuard", "Live", "OneShot",
-    "Parallel", "Repeat", "Retry", "Selector", "Sequence",
-    "StatusToBlackboard", "Timeout",
+    "PLAIN",
+    "Condition",
+    "EternalGuard",
+    "OneShot",
+    "Parallel",
+    "Repeat",
+    "Retry",
+    "Selector",
+    "Sequence",
+    "StatusToBlackboard",
+    "Timeout",
+    "TracedBehaviour",
 )  # fmt: skip
 
 INVALID, RUNNING, SUCCESS, FAILURE = Status.INVALID, Status.RUNNING, Status.SUCCESS, Status.FAILURE
@@ -29,7 +38,7 @@ WORDS: dict[Status, Any] = {status: status.value.lower() for status in Status}
 STATUSES = {word: status for status, word in WORDS.items()}
 
 
-class Live(Behaviour if TYPE_CHECKING else object):  # type: ignore[misc]
+class TracedBehaviour(Behaviour if TYPE_CHECKING else object):  # type: ignore[misc]
     """Mixed into a behaviour: where it is, its trace, and what of it outlives a tick."""
 
     path: str
@@ -79,7 +88,7 @@ class Live(Behaviour if TYPE_CHECKING else object):  # type: ignore[misc]
         return self.children
 
 
-class Composite(Live, composites.Composite if TYPE_CHECKING else object):  # type: ignore[misc]
+class Composite(TracedBehaviour, composites.Composite if TYPE_CHECKING else object):  # type: ignore[misc]
     def place(self) -> int:
         """The number of the current child; -1 for none."""
         return -1 if self.current_child is None else self.children.index(self.current_child)
@@ -163,7 +172,7 @@ class Parallel(Composite, composites.Parallel):
         return [child for child in self.children if child.status is not SUCCESS]
 
 
-class Decorator(Live, decorators.Decorator if TYPE_CHECKING else object):  # type: ignore[misc]
+class Decorator(TracedBehaviour, decorators.Decorator if TYPE_CHECKING else object):  # type: ignore[misc]
     pass
 
 

@@ -16,7 +16,7 @@ from rai_missions.states.tree import TreeNode
 from rai_missions.trees.builder import TreeBuilder
 from rai_missions.trees.dependencies import BehaviourWatch, TickReads
 from rai_missions.trees.leaves import ActivityLeaf, Ask
-from rai_missions.trees.nodes import INVALID, STATUSES, WORDS, Live
+from rai_missions.trees.nodes import INVALID, STATUSES, WORDS, TracedBehaviour
 from rai_missions.trees.tick import Tick, TickView
 
 __all__ = ("TreeTicker",)
@@ -39,8 +39,8 @@ class TreeTicker:
         self.round, self.state = Tick(), state
         builder = TreeBuilder(place, keys, state, self.round)
         self.root: Any = builder.build(root)
-        self.live: dict[str, Live] = builder.live
-        self.errands = [node for node in self.live.values() if isinstance(node, ActivityLeaf | Ask)]
+        self.live: dict[str, TracedBehaviour] = builder.live
+        self.activity_leaves = [node for node in self.live.values() if isinstance(node, ActivityLeaf | Ask)]
         self.watch = BehaviourWatch(self.live)
         self.loops = len(self.watch.turns)
         self._shown: TreeState | None = None
@@ -82,7 +82,7 @@ class TreeTicker:
             self._looked = (state, looked)
         return looked
 
-    def shifted(self, state: TreeState, by_s: float) -> TreeState:
+    def shift(self, state: TreeState, by_s: float) -> TreeState:
         """The state as it would be had everything happened so much later, in seconds: what a pause makes of it."""
         nodes = {}
         for path, memory in state.nodes.items():
@@ -105,7 +105,7 @@ class TreeTicker:
             memory = state.nodes.get(path) or PLAIN["invalid"]
             node.status = STATUSES[memory.get("status", "invalid")]
             node.recall(memory)
-        for node in self.errands:
+        for node in self.activity_leaves:
             if node.path in state.leaves and isinstance(node, ActivityLeaf):
                 node.refused = state.leaves[node.path].outcome == "rejected"
         self._shown = state
@@ -114,7 +114,7 @@ class TreeTicker:
         done, status = self.round, WORDS[self.root.status]
         if done.writes:
             sight = self.watch.hold(sight)
-        leaves = {node.path: Leaf(node.run) for node in self.errands if node.awaited}
+        leaves = {node.path: Leaf(node.run) for node in self.activity_leaves if node.awaited}
         self._shown = TreeState(self._memories(sight), leaves)
         started, ended = tuple(done.started), tuple(done.ended)
         writes, published, trace = tuple(done.writes), tuple(done.published), tuple(done.trace)

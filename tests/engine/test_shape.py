@@ -171,13 +171,13 @@ assert not faults and carry(naming, saved, found, InFlight()).snapshot["mood"] =
 environment = Environment(mission)
 environment.make(environment.begin)
 environment.settle()
-calm, core = environment.codec.save(), environment.codec.core()
+calm, core = environment.codec.place(), environment.codec.core()
 environment.chart.state.mood = "glad"
 assert environment.codec.core() != core
-glad = environment.codec.save()
-environment.load(calm, {})
+glad = environment.codec.place()
+environment.load(calm)
 assert environment.chart.state.mood == "calm" and environment.codec.core() == core
-environment.load(glad, {})
+environment.load(glad)
 assert environment.chart.state.mood == "glad"
 """
 

@@ -114,7 +114,7 @@ class RestMachine:
         return NO_KEYS
     def awaits(self, state):
         return frozenset()
-    def shifted(self, state, by_s):
+    def shift(self, state, by_s):
         return state._replace(until=state.until + by_s)
 
 @machine_of.register

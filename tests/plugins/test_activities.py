@@ -129,7 +129,7 @@ class OddMachine:
     def awaits(self, state: Odd) -> frozenset[int]:
         return frozenset()
 
-    def shifted(self, state: Odd, by_s: float) -> Odd:
+    def shift(self, state: Odd, by_s: float) -> Odd:
         return state._replace(until=state.until + by_s)
 
 

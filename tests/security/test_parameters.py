@@ -11,7 +11,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rai_missions.mission.option_parameters import MOST_PARTS, misfits, schema_fault
+from rai_missions.mission.option_parameters import MOST_PARTS, parameter_faults, schema_fault
 
 SPEED = {"type": "object", "properties": {"speed": {"type": "number", "maximum": 2}}, "required": ["speed"]}
 LAUGHS: dict[str, Any] = {
@@ -38,43 +38,43 @@ HOSTILE: dict[str, dict[str, Any]] = {
 @pytest.mark.parametrize("schema", HOSTILE.values(), ids=HOSTILE)
 def test_a_schema_that_leads_elsewhere_or_on_and_on_is_a_fault_and_nothing_fits_it(schema: dict[str, Any]) -> None:
     assert schema_fault(schema)
-    assert "at fault" in misfits(schema, {"a": "a" * 40 + "!"})
+    assert "at fault" in parameter_faults(schema, {"a": "a" * 40 + "!"})
 
 
 def test_judging_by_a_schema_opens_no_file_and_no_connection() -> None:
-    misfits(SPEED, {"speed": 1})  # loads what is needed
+    parameter_faults(SPEED, {"speed": 1})  # loads what is needed
     received: list[str] = []
     sys.addaudithook(
         lambda name, _: received.append(name) if name in ("open", "urllib.Request", "socket.connect") else None
     )
     for schema in HOSTILE.values():
-        misfits(schema, {"a": 1})
+        parameter_faults(schema, {"a": 1})
     assert received == []
 
 
 def test_a_pattern_that_takes_for_ever_elsewhere_is_matched_at_once() -> None:
     schema = {"properties": {"a": {"pattern": "^(a+)+$"}}}
     began = time.process_time()
-    assert "does not match" in misfits(schema, {"a": "a" * 5_000 + "!"})
-    assert misfits(schema, {"a": "a" * 5_000}) == ""
+    assert "does not match" in parameter_faults(schema, {"a": "a" * 5_000 + "!"})
+    assert parameter_faults(schema, {"a": "a" * 5_000}) == ""
     assert time.process_time() - began < 30  # backtracking would take longer than the universe has been there
 
 
 def test_an_enormous_answer_is_not_judged() -> None:
-    assert str(MOST_PARTS) in misfits({}, {"a": [[] for _ in range(MOST_PARTS)]})
+    assert str(MOST_PARTS) in parameter_faults({}, {"a": [[] for _ in range(MOST_PARTS)]})
 
 
 def test_a_reference_within_the_schema_is_followed() -> None:
     schema = {"$defs": {"s/p~d": SPEED["properties"]}, "properties": {"speed": {"$ref": "#/$defs/s~1p~0d/speed"}}}
     assert schema_fault(schema) == ""
-    assert misfits(schema, {"speed": 1}) == ""
-    assert "speed" in misfits(schema, {"speed": 3})
+    assert parameter_faults(schema, {"speed": 1}) == ""
+    assert "speed" in parameter_faults(schema, {"speed": 3})
 
 
 def test_parameters_learn_where_they_are_wrong() -> None:
-    assert misfits(SPEED, {"speed": 1.5}) == ""
-    assert misfits(SPEED, {"speed": "fast"}).startswith("$.speed: 'fast' is not of type 'number'")
-    assert "'speed' is a required property" in misfits(SPEED, {})
+    assert parameter_faults(SPEED, {"speed": 1.5}) == ""
+    assert parameter_faults(SPEED, {"speed": "fast"}).startswith("$.speed: 'fast' is not of type 'number'")
+    assert "'speed' is a required property" in parameter_faults(SPEED, {})
 
 
 WORDS = [
@@ -97,4 +97,4 @@ VALUES = st.recursive(LEAVES, lambda each: st.lists(each, max_size=3) | st.dicti
 
 @given(st.dictionaries(st.sampled_from(WORDS), VALUES), st.dictionaries(st.sampled_from(["a", "b"]), VALUES))
 def test_whatever_a_schema_is_judging_by_it_ends_in_words(schema: dict[str, Any], parameters: dict[str, Any]) -> None:
-    assert isinstance(misfits(schema, parameters), str)
+    assert isinstance(parameter_faults(schema, parameters), str)

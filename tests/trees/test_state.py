@@ -123,9 +123,9 @@ def test_a_pause_moves_a_tree_as_a_whole(tree: Any, life: list[Moment], paused_s
     ticker = compiled(tree)
     for _, now, _, ticked in life_of(ticker, life):
         later = Facts(now.at + paused_s, {key: Stamped(value, at + paused_s) for key, (value, at) in now.board.items()})
-        shifted = ticker.shifted(ticked.state, float(paused_s))
-        assert ticker.wake_at(shifted, later) == ticker.wake_at(ticked.state, now) + paused_s
-        assert essence(ticker.tick(shifted, later, {})) == essence(ticker.tick(ticked.state, now, {}))
+        shift = ticker.shift(ticked.state, float(paused_s))
+        assert ticker.wake_at(shift, later) == ticker.wake_at(ticked.state, now) + paused_s
+        assert essence(ticker.tick(shift, later, {})) == essence(ticker.tick(ticked.state, now, {}))
 
 
 @often

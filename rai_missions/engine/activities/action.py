@@ -31,7 +31,7 @@ ENDS = ("failed", "canceled", "rejected")
 """How a server reports that a goal did not succeed; any other word is a failure."""
 
 
-class Pursued(Protocol):
+class ActionFields(Protocol):
     """What a state and a leaf that run an action have in common."""
 
     action: str
@@ -69,7 +69,7 @@ class GoalMachine(Machine):
     def __init__(
         self, definition: Any, owner: str, site: Site, *, succeeded: Guard | None = None, failed: Guard | None = None
     ) -> None:
-        self.definition: Pursued = definition
+        self.definition: ActionFields = definition
         self.owner, self.site = owner, site
         self.achieved: Test | None = definition.achieved.compile(site) if definition.achieved is not None else None
         self.settling_reads, self.settling_instants = site.watched, tuple(site.instants)
@@ -78,66 +78,66 @@ class GoalMachine(Machine):
         self.failed = failed.compile(composed) if failed is not None else None
         self.composed_reads, self.composed_instants = composed.watched, tuple(composed.instants)
 
-    def begin(self, desk: ActivityHost) -> Turn:
-        return self._start(desk) or Turn(GoalActivity("waiting"))
+    def begin(self, host: ActivityHost) -> Turn:
+        return self._start(host) or Turn(GoalActivity("waiting"))
 
-    def _start(self, desk: ActivityHost) -> Turn | None:
-        obstruction = desk.obstruction(self.definition.action)
+    def _start(self, host: ActivityHost) -> Turn | None:
+        obstruction = host.obstruction(self.definition.action)
         if obstruction == "busy":
             return None
         if obstruction == "orphan" and not self.definition.over_orphan:
             why = "an earlier goal on the same resources never confirmed its end"
             return Turn(None, outcome=Outcome("rejected", why=why))
-        goal = filled(self.definition.goal, desk.view, self.site)
+        goal = filled(self.definition.goal, host.view, self.site)
         unknown = sorted(name for name, value in goal.items() if value is None)
         if unknown:
             return Turn(None, outcome=Outcome("rejected", why=f"the goal's {', '.join(unknown)} is unknown"))
-        number = desk.open_goal(self.owner, self.definition.action, self.definition.cancel_s)
+        number = host.open_goal(self.owner, self.definition.action, self.definition.cancel_s)
         return Turn(GoalActivity("sent", number), (StartGoal(number, self.owner, self.definition.action, goal),))
 
-    def receive(self, state: GoalActivity, event: Event, desk: ActivityHost) -> Turn | None:
+    def receive(self, state: GoalActivity, event: Event, host: ActivityHost) -> Turn | None:
         if event.kind == "tick":
-            return self._look(state, desk)
+            return self._look(state, host)
         if event.number != state.number or not state.number or state.phase == "settling":
             return None
         if event.kind == "accepted":
-            return self._look(state._replace(phase="running"), desk) or Turn(state._replace(phase="running"))
+            return self._look(state._replace(phase="running"), host) or Turn(state._replace(phase="running"))
         if event.kind != "result":
             return None
         if event.name == "succeeded":
-            return self._settle(state._replace(result=dict(event.data)), desk)
+            return self._settle(state._replace(result=dict(event.data)), host)
         if event.name not in ENDS:
             why = str(event.data.get("why", "")) or f"its server said '{event.name}'"
             return Turn(None, outcome=Outcome("failed", dict(event.data), why))
         return Turn(None, outcome=Outcome(event.name, dict(event.data), str(event.data.get("why", ""))))
 
-    def _look(self, state: GoalActivity, desk: ActivityHost) -> Turn | None:
+    def _look(self, state: GoalActivity, host: ActivityHost) -> Turn | None:
         """Time has passed or a key has changed."""
         if state.phase == "waiting":
-            return self._start(desk)
+            return self._start(host)
         if state.phase == "settling":
-            return self._settled(state, desk)
-        if state.phase == "running" and self.succeeded is not None and self.succeeded(desk.view) is True:
-            desk.close_goal(state.number)
-            return self._settle(state, desk)
-        if state.phase == "running" and self.failed is not None and self.failed(desk.view) is True:
+            return self._settled(state, host)
+        if state.phase == "running" and self.succeeded is not None and self.succeeded(host.view) is True:
+            host.close_goal(state.number)
+            return self._settle(state, host)
+        if state.phase == "running" and self.failed is not None and self.failed(host.view) is True:
             cancel = CancelGoal(state.number, self.definition.action)
             return Turn(None, (cancel,), Outcome("failed", why="the profile's guard for its failure is true"))
         return None
 
-    def _settle(self, state: GoalActivity, desk: ActivityHost) -> Turn:
-        until = desk.begins_at + self.definition.settle_s
+    def _settle(self, state: GoalActivity, host: ActivityHost) -> Turn:
+        until = host.begins_at + self.definition.settle_s
         settling = state._replace(phase="settling", until=until)
-        return self._settled(settling, desk) or Turn(settling)
+        return self._settled(settling, host) or Turn(settling)
 
-    def _settled(self, state: GoalActivity, desk: ActivityHost) -> Turn | None:
-        if self.achieved is None or self.achieved(desk.view) is True:
+    def _settled(self, state: GoalActivity, host: ActivityHost) -> Turn | None:
+        if self.achieved is None or self.achieved(host.view) is True:
             return Turn(None, outcome=Outcome("succeeded", state.result), writes=self._results(state))
-        if desk.view.at < state.until:
+        if host.view.at < state.until:
             return None
         assert self.definition.achieved is not None
-        value = self.achieved(desk.view)
-        truth = "false" if value is False else f"unknown ({self._unknown(desk.view)})"
+        value = self.achieved(host.view)
+        truth = "false" if value is False else f"unknown ({self._unknown(host.view)})"
         why = f"the server said succeeded, but '{self.definition.achieved.words()}' is {truth}"
         return Turn(None, outcome=Outcome("unverified", state.result, why))
 
@@ -149,7 +149,7 @@ class GoalMachine(Machine):
         fields = self.definition.result
         return tuple((key, state.result[field]) for key, field in fields.items() if state.result.get(field) is not None)
 
-    def leave(self, state: GoalActivity, desk: ActivityHost) -> Turn:
+    def leave(self, state: GoalActivity, host: ActivityHost) -> Turn:
         runs = state.phase in ("sent", "running")
         return Turn(None, (CancelGoal(state.number, self.definition.action),) if runs else ())
 
@@ -172,7 +172,7 @@ class GoalMachine(Machine):
     def awaits(self, state: GoalActivity) -> frozenset[int]:
         return frozenset({state.number} - {0})
 
-    def shifted(self, state: GoalActivity, by_s: float) -> GoalActivity:
+    def shift(self, state: GoalActivity, by_s: float) -> GoalActivity:
         return state._replace(until=state.until + by_s)
 
 

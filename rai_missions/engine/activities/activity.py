@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """What a machine of an activity is: a pure function from what was to what is, what is to be done, and how it ended.
 
-Rule: a machine keeps nothing. Its state is a frozen value in the snapshot; time, facts and numbers come from the desk.
+Rule: a machine keeps nothing. Its state is a frozen value in the snapshot; time, facts and numbers come from the host.
 """
 
 from __future__ import annotations
@@ -104,11 +104,11 @@ class Machine(ABC):
     """The state, or `state#path` for a leaf of a tree."""
 
     @abstractmethod
-    def begin(self, desk: ActivityHost) -> Turn:
+    def begin(self, host: ActivityHost) -> Turn:
         """The state is active and control is where it belongs: start."""
 
     @abstractmethod
-    def receive(self, state: Any, event: Event, desk: ActivityHost) -> Turn | None:
+    def receive(self, state: Any, event: Event, host: ActivityHost) -> Turn | None:
         """Something happened; None where it does not concern this.
 
         A `tick`: an instant has come for which `wake_at` asked, or the `keys` in its data were written;
@@ -116,7 +116,7 @@ class Machine(ABC):
         active or inactive, each by its `presence`.
         """
 
-    def leave(self, state: Any, desk: ActivityHost) -> Turn:
+    def leave(self, state: Any, host: ActivityHost) -> Turn:
         """The state is left, paused or out of time: end what runs."""
         return Turn(None)
 
@@ -132,7 +132,7 @@ class Machine(ABC):
     def awaits(self, state: Any) -> frozenset[int]:
         """The numbers of the starts and questions whose answer it waits for."""
 
-    def shifted(self, state: Any, by_s: float) -> Any:
+    def shift(self, state: Any, by_s: float) -> Any:
         """The state with its deadlines moved: the mission was paused for so long."""
         return state
 

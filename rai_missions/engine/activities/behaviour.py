@@ -28,11 +28,11 @@ class BehaviourMachine(Machine):
     def __init__(self, owner: str) -> None:
         self.owner = owner
 
-    def begin(self, desk: ActivityHost) -> Turn:
-        number = desk.next_number()
+    def begin(self, host: ActivityHost) -> Turn:
+        number = host.next_number()
         return Turn(BehaviourActivity(number), (StartBehaviour(number, self.owner),))
 
-    def receive(self, state: BehaviourActivity, event: Event, desk: ActivityHost) -> Turn | None:
+    def receive(self, state: BehaviourActivity, event: Event, host: ActivityHost) -> Turn | None:
         if event.kind != "behaviour" or event.number != state.number:
             return None
         status = str(event.data.get("status", ""))
@@ -40,7 +40,7 @@ class BehaviourMachine(Machine):
             return None
         return Turn(None, outcome=Outcome(status, why=str(event.data.get("why", ""))))
 
-    def leave(self, state: BehaviourActivity, desk: ActivityHost) -> Turn:
+    def leave(self, state: BehaviourActivity, host: ActivityHost) -> Turn:
         return Turn(None, (StopBehaviour(state.number),))
 
     def awaits(self, state: BehaviourActivity) -> frozenset[int]:

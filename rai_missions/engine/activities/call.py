@@ -37,16 +37,16 @@ class CallMachine(Machine):
     def __init__(self, definition: Any, owner: str, site: Site) -> None:
         self.definition, self.owner, self.site = definition, owner, site
 
-    def begin(self, desk: ActivityHost) -> Turn:
-        number = desk.next_number()
-        request = filled(self.definition.request, desk.view, self.site)
+    def begin(self, host: ActivityHost) -> Turn:
+        number = host.next_number()
+        request = filled(self.definition.request, host.view, self.site)
         unknown = sorted(name for name, value in request.items() if value is None)
         if unknown:
             return Turn(None, outcome=Outcome("rejected", why=f"the request's {', '.join(unknown)} is unknown"))
         call = CallService(number, self.owner, self.definition.call, request, self.definition.timeout_s)
         return Turn(CallActivity(number), (call,))
 
-    def receive(self, state: CallActivity, event: Event, desk: ActivityHost) -> Turn | None:
+    def receive(self, state: CallActivity, event: Event, host: ActivityHost) -> Turn | None:
         if event.kind != "result" or event.number != state.number:
             return None
         outcome = OUTCOMES.get(event.name, "failed")

@@ -45,16 +45,16 @@ class DecisionMachine(Machine):
         budget = asked.budget
         self.budget = Limits(budget.calls, budget.tokens, budget.seconds)
 
-    def begin(self, desk: ActivityHost) -> Turn:
-        deadline = desk.begins_at + self.asked.deadline_s if self.asked.deadline_s is not None else math.inf
-        return self._ask(desk, turn=0, attempt=1, deadline=deadline, refused=())
+    def begin(self, host: ActivityHost) -> Turn:
+        deadline = host.begins_at + self.asked.deadline_s if self.asked.deadline_s is not None else math.inf
+        return self._ask(host, turn=0, attempt=1, deadline=deadline, refused=())
 
-    def _ask(self, desk: ActivityHost, *, turn: int, attempt: int, deadline: float, refused: tuple[str, ...]) -> Turn:
-        view = desk.view
+    def _ask(self, host: ActivityHost, *, turn: int, attempt: int, deadline: float, refused: tuple[str, ...]) -> Turn:
+        view = host.view
         question = Question(
-            number=desk.next_number(), owner=self.owner, asked=self.asked.ask[turn], text=self.asked.question,
+            number=host.next_number(), owner=self.owner, asked=self.asked.ask[turn], text=self.asked.question,
             options=self._offers(view), evidence=self._evidence(view), attempt=attempt, at=view.at,
-            until=self._until(desk.begins_at, turn, deadline), refused=refused, tools=self.asked.tools,
+            until=self._until(host.begins_at, turn, deadline), refused=refused, tools=self.asked.tools,
             budget=self.budget,
         )  # fmt: skip
         return Turn(DecisionActivity(question, turn, deadline), (Ask(question),))
@@ -81,36 +81,36 @@ class DecisionMachine(Machine):
         value = operand.read(view)
         return Evidence(path, value, max(0.0, view.at - entry.at), fresh=value is not None)
 
-    def receive(self, state: DecisionActivity, event: Event, desk: ActivityHost) -> Turn | None:
+    def receive(self, state: DecisionActivity, event: Event, host: ActivityHost) -> Turn | None:
         if event.kind == "tick":
-            return self._time(state, desk)
+            return self._time(state, host)
         if event.kind != "proposal" or event.number != state.question.number:
             return None
-        if desk.view.at >= state.deadline or desk.view.at >= state.question.until:
-            return self._time(state, desk)
-        return self._answered(state, event, desk)
+        if host.view.at >= state.deadline or host.view.at >= state.question.until:
+            return self._time(state, host)
+        return self._answered(state, event, host)
 
-    def _answered(self, state: DecisionActivity, event: Event, desk: ActivityHost) -> Turn:
+    def _answered(self, state: DecisionActivity, event: Event, host: ActivityHost) -> Turn:
         question, data = state.question, event.data
         who = f"question {question.number}: {question.asked}"
         if "absent" in data:
             verdict = Verdict(False, str(data["absent"]), "absent", question.number, event.name)
-            turn = self._next(state, desk, turn=state.turn + 1, attempt=1)
+            turn = self._next(state, host, turn=state.turn + 1, attempt=1)
             return _noted(turn, verdict, f"{who} is absent: {data['absent']}")
         if not isinstance(data.get("option"), str):
             why = clipped(str(data.get("failed", "nothing")), 300)
             verdict, text = Verdict(False, why, "failed", question.number, event.name), f"{who} gave no answer: {why}"
-            return self._again(state, desk, verdict, text, refusal=text)
+            return self._again(state, host, verdict, text, refusal=text)
         given = data.get("parameters")
         proposal = Proposal(data["option"], given if isinstance(given, Mapping) else {}, str(data.get("why", "")))
-        verdict = judge(question, proposal, desk.view, self.tests)
+        verdict = judge(question, proposal, host.view, self.tests)
         if verdict.accepted and (why := self._misfit(proposal.parameters)):
             verdict = Verdict(False, f"the parameters of '{proposal.option}' are not valid: {why}")
         option = clipped(proposal.option, 60)
         verdict = verdict._replace(number=question.number, by=event.name, option=option)
         text = f"{who} proposed '{option}'"
         if not verdict.accepted:
-            return self._again(state, desk, verdict, f"{text}: refused, {verdict.why}", refusal=verdict.why)
+            return self._again(state, host, verdict, f"{text}: refused, {verdict.why}", refusal=verdict.why)
         outcome = Outcome(proposal.option, dict(proposal.parameters), proposal.why)
         writes = tuple(self._written(proposal.parameters))
         return _noted(Turn(None, outcome=outcome, writes=writes), verdict, f"{text}: accepted")
@@ -127,25 +127,25 @@ class DecisionMachine(Machine):
         each = (f"{name}: {why}" for name, value in self._written(parameters) if (why := fits(self.keys[name], value)))
         return next(each, "")
 
-    def _again(self, state: DecisionActivity, desk: ActivityHost, verdict: Verdict, text: str, *, refusal: str) -> Turn:
+    def _again(self, state: DecisionActivity, host: ActivityHost, verdict: Verdict, text: str, *, refusal: str) -> Turn:
         again = state._replace(question=state.question._replace(refused=(*state.question.refused, refusal)))
-        return _noted(self._next(again, desk, turn=state.turn, attempt=state.question.attempt + 1), verdict, text)
+        return _noted(self._next(again, host, turn=state.turn, attempt=state.question.attempt + 1), verdict, text)
 
-    def _next(self, state: DecisionActivity, desk: ActivityHost, *, turn: int, attempt: int) -> Turn:
+    def _next(self, state: DecisionActivity, host: ActivityHost, *, turn: int, attempt: int) -> Turn:
         if attempt > self.asked.attempts:
             turn, attempt = turn + 1, 1
         if turn >= len(self.asked.ask):
             return self._fall_back("nobody gave an answer that counts", state.question.number)
-        return self._ask(desk, turn=turn, attempt=attempt, deadline=state.deadline, refused=state.question.refused)
+        return self._ask(host, turn=turn, attempt=attempt, deadline=state.deadline, refused=state.question.refused)
 
-    def _time(self, state: DecisionActivity, desk: ActivityHost) -> Turn | None:
+    def _time(self, state: DecisionActivity, host: ActivityHost) -> Turn | None:
         question = state.question
-        if desk.view.at >= state.deadline:
+        if host.view.at >= state.deadline:
             over = self._fall_back("the deadline has passed", question.number)
-        elif desk.view.at >= question.until:
+        elif host.view.at >= question.until:
             why = "gave no answer in time"
             verdict = Verdict(False, why, "timed_out", question.number, question.asked)
-            over = self._next(state, desk, turn=state.turn + 1, attempt=1)
+            over = self._next(state, host, turn=state.turn + 1, attempt=1)
             over = _noted(over, verdict, f"question {question.number}: {question.asked} {why}")
         else:
             return None
@@ -159,7 +159,7 @@ class DecisionMachine(Machine):
         turn = Turn(None, outcome=Outcome(option, why=f"fallback: {why}"))
         return _noted(turn, verdict, f"fallback '{option}': {why}")
 
-    def leave(self, state: DecisionActivity, desk: ActivityHost) -> Turn:
+    def leave(self, state: DecisionActivity, host: ActivityHost) -> Turn:
         return Turn(None, (Withdraw(state.question.number),))
 
     def wake_at(self, state: DecisionActivity, view: View) -> float:
@@ -168,7 +168,7 @@ class DecisionMachine(Machine):
     def awaits(self, state: DecisionActivity) -> frozenset[int]:
         return frozenset({state.question.number})
 
-    def shifted(self, state: DecisionActivity, by_s: float) -> DecisionActivity:
+    def shift(self, state: DecisionActivity, by_s: float) -> DecisionActivity:
         question = state.question._replace(until=state.question.until + by_s)
         return state._replace(question=question, deadline=state.deadline + by_s)
 

@@ -105,7 +105,7 @@ class Ticker(Protocol):
     def reads(self, state: TreeState) -> frozenset[str]:
         """What wants a tick once it is another: keys at which the next may look (`*` for any), `presence` of states."""
 
-    def shifted(self, state: TreeState, by_s: float) -> TreeState:
+    def shift(self, state: TreeState, by_s: float) -> TreeState:
         """The state as it would be had everything happened so much later, in seconds: what a pause makes of it."""
 
 

@@ -76,18 +76,18 @@ def questions_in(state: Any) -> Iterator[Question]:
     if isinstance(state, DecisionActivity):
         yield state.question
     elif isinstance(state, TreeActivity):
-        for tended in state.leaves.values():
-            yield from questions_in(tended.state)
+        for leaf in state.leaves.values():
+            yield from questions_in(leaf.state)
 
 
 def is_settling(state: Any) -> bool:
     """Whether a machine in this state, a tree's leaves included, waits for facts that confirm a server's result."""
     if isinstance(state, TreeActivity):
-        return any(is_settling(tended.state) for tended in state.leaves.values())
+        return any(is_settling(leaf.state) for leaf in state.leaves.values())
     return isinstance(state, GoalActivity) and state.phase == "settling"
 
 
-class _Growth:
+class _TurnDraft:
     """What a turn is gathering."""
 
     def __init__(self, state: TreeActivity) -> None:
@@ -99,10 +99,10 @@ class _Growth:
         self.news: set[str] = set()
         """Keys to which the tree has given another value since its last tick began."""
 
-    def write(self, desk: ActivityHost, writes: Iterable[tuple[str, Any]], owner: str) -> None:
+    def write(self, host: ActivityHost, writes: Iterable[tuple[str, Any]], owner: str) -> None:
         for key, value in writes:
             self.has_written = True
-            if desk.write_key(key, value, owner):
+            if host.write_key(key, value, owner):
                 self.news.add(key)
 
     def turn(self, outcome: Outcome | None) -> Turn:
@@ -119,156 +119,156 @@ class TreeMachine(Machine):
         owner: The state.
     """
 
-    def __init__(self, ticker: Ticker, limbs: Mapping[str, LeafMachine], owner: str) -> None:
-        self.ticker, self.limbs, self.owner = ticker, limbs, owner
+    def __init__(self, ticker: Ticker, leaf_machines: Mapping[str, LeafMachine], owner: str) -> None:
+        self.ticker, self.leaf_machines, self.owner = ticker, leaf_machines, owner
 
-    def begin(self, desk: ActivityHost) -> Turn:
-        return self._tick(_Growth(TreeActivity()), desk)
+    def begin(self, host: ActivityHost) -> Turn:
+        return self._tick(_TurnDraft(TreeActivity()), host)
 
-    def receive(self, state: TreeActivity, event: Event, desk: ActivityHost) -> Turn | None:
-        growth, concerned = _Growth(state), False
-        for path, tended in state.leaves.items():
-            turn = self._leaf(path, tended, event, desk)
+    def receive(self, state: TreeActivity, event: Event, host: ActivityHost) -> Turn | None:
+        draft, concerned = _TurnDraft(state), False
+        for path, leaf in state.leaves.items():
+            turn = self._leaf(path, leaf, event, host)
             if turn is not None:
                 concerned = True
-                self._take(growth, path, turn, tended.deadline, desk)
-        if state.limit == "rounds" and self._rounds(desk).are_spent:
-            turn = self._rest(growth, desk)
-        elif growth.outcomes or self._is_due(state, event, desk):
-            turn = self._tick(growth, desk)
+                self._take(draft, path, turn, leaf.deadline, host)
+        if state.limit == "rounds" and self._rounds(host).are_spent:
+            turn = self._rest(draft, host)
+        elif draft.outcomes or self._is_due(state, event, host):
+            turn = self._tick(draft, host)
         elif event.kind == "tick" and concerns(reads := self.ticker.reads(state.tree), event.data["keys"]):
             if concerns(reads, event.data["news"]):
-                turn = self._look(growth, desk)
+                turn = self._look(draft, host)
             else:  # the same value, and it grows stale later
-                growth.wake = self.ticker.wake_at(growth.tree, desk.view)
-                turn = growth.turn(None)
+                draft.wake = self.ticker.wake_at(draft.tree, host.view)
+                turn = draft.turn(None)
         else:
-            return growth.turn(None) if concerned else None
-        return turn if concerned or self._is_another(turn, growth, state) else None
+            return draft.turn(None) if concerned else None
+        return turn if concerned or self._is_another(turn, draft, state) else None
 
     @staticmethod
-    def _is_due(state: TreeActivity, event: Event, desk: ActivityHost) -> bool:
+    def _is_due(state: TreeActivity, event: Event, host: ActivityHost) -> bool:
         """Whether the tree's own time has come, or that of the rounds that had no room in the step before."""
-        return event.kind == "tick" and (desk.view.at >= state.wake or state.limit == "rounds")
+        return event.kind == "tick" and (host.view.at >= state.wake or state.limit == "rounds")
 
-    def _look(self, growth: _Growth, desk: ActivityHost) -> Turn:
+    def _look(self, draft: _TurnDraft, host: ActivityHost) -> Turn:
         """A key at which the next tick may look has another value."""
-        if self._rounds(desk).was_written():
-            return self._tick(growth, desk)
-        growth.limit = "writes"
-        return growth.turn(None)
+        if self._rounds(host).was_written():
+            return self._tick(draft, host)
+        draft.limit = "writes"
+        return draft.turn(None)
 
-    def _rounds(self, desk: ActivityHost) -> Rounds:
-        return desk.rounds(self.owner, self.ticker.loops)
+    def _rounds(self, host: ActivityHost) -> Rounds:
+        return host.rounds(self.owner, self.ticker.loops)
 
     @staticmethod
-    def _is_another(turn: Turn, growth: _Growth, before: TreeActivity) -> bool:
-        return growth.has_written or bool(turn.effects or turn.outcome or turn.notes) or turn.state != before
+    def _is_another(turn: Turn, draft: _TurnDraft, before: TreeActivity) -> bool:
+        return draft.has_written or bool(turn.effects or turn.outcome or turn.notes) or turn.state != before
 
-    def _leaf(self, path: str, tended: RunningLeaf, event: Event, desk: ActivityHost) -> Turn | None:
-        limb = self.limbs[path]
-        if event.kind == "tick" and desk.view.at >= tended.deadline:
-            left = limb.machine.leave(tended.state, desk)
+    def _leaf(self, path: str, leaf: RunningLeaf, event: Event, host: ActivityHost) -> Turn | None:
+        leaf_machine = self.leaf_machines[path]
+        if event.kind == "tick" and host.view.at >= leaf.deadline:
+            left = leaf_machine.machine.leave(leaf.state, host)
             return left._replace(outcome=Outcome("timed_out"))
-        return limb.machine.receive(tended.state, event, desk)
+        return leaf_machine.machine.receive(leaf.state, event, host)
 
-    def _take(self, growth: _Growth, path: str, turn: Turn, deadline: float, desk: ActivityHost) -> None:
-        growth.effects += turn.effects
-        growth.notes += turn.notes
-        growth.write(desk, turn.writes, self.owner)
+    def _take(self, draft: _TurnDraft, path: str, turn: Turn, deadline: float, host: ActivityHost) -> None:
+        draft.effects += turn.effects
+        draft.notes += turn.notes
+        draft.write(host, turn.writes, self.owner)
         if turn.outcome is None:
-            growth.leaves[path] = RunningLeaf(turn.state, deadline)
+            draft.leaves[path] = RunningLeaf(turn.state, deadline)
             return
-        growth.leaves.pop(path, None)
-        growth.outcomes[path] = turn.outcome.name
+        draft.leaves.pop(path, None)
+        draft.outcomes[path] = turn.outcome.name
         if turn.outcome.why:
-            growth.notes.append(f"{self.owner}#{path} {turn.outcome.name}: {turn.outcome.why}")
+            draft.notes.append(f"{self.owner}#{path} {turn.outcome.name}: {turn.outcome.why}")
 
-    def _tick(self, growth: _Growth, desk: ActivityHost) -> Turn:
+    def _tick(self, draft: _TurnDraft, host: ActivityHost) -> Turn:
         """Tick, and at once again while there is a reason, and room for it."""
-        growth.limit = ""
+        draft.limit = ""
         while True:
-            growth.news.clear()
-            ticked = self.ticker.tick(growth.tree, desk.view, growth.outcomes, desk.begins_at - desk.view.at)
-            growth.outcomes = {}
-            self._apply(growth, ticked, desk)
+            draft.news.clear()
+            ticked = self.ticker.tick(draft.tree, host.view, draft.outcomes, host.begins_at - host.view.at)
+            draft.outcomes = {}
+            self._apply(draft, ticked, host)
             if ticked.status in ("success", "failure"):
-                self._end(growth, growth.leaves, desk)
-                return growth.turn(Outcome("succeeded" if ticked.status == "success" else "failed"))
-            if not self._again(growth, ticked, self._rounds(desk)):
-                return self._rest(growth, desk)
+                self._end(draft, draft.leaves, host)
+                return draft.turn(Outcome("succeeded" if ticked.status == "success" else "failed"))
+            if not self._again(draft, ticked, self._rounds(host)):
+                return self._rest(draft, host)
 
-    def _again(self, growth: _Growth, ticked: Ticked, rounds: Rounds) -> bool:
+    def _again(self, draft: _TurnDraft, ticked: Ticked, rounds: Rounds) -> bool:
         """Whether the next tick is due in this step.
 
         It is where a loop begins its next round, a leaf has ended as soon as it was started, or the tree has given
         another value to a key that it looks at.
         """
         if rounds.next_begins(ticked):
-            growth.limit = "rounds" if rounds.are_spent else ""
-            return not growth.limit
-        if growth.outcomes:
+            draft.limit = "rounds" if rounds.are_spent else ""
+            return not draft.limit
+        if draft.outcomes:
             has_room = rounds.leaf_ended()
-        elif growth.news and concerns(self.ticker.reads(growth.tree), frozenset(growth.news)):
+        elif draft.news and concerns(self.ticker.reads(draft.tree), frozenset(draft.news)):
             has_room = rounds.wrote()
         else:
             return False
-        growth.limit = "" if has_room else "writes"
+        draft.limit = "" if has_room else "writes"
         return has_room
 
-    def _rest(self, growth: _Growth, desk: ActivityHost) -> Turn:
-        if growth.outcomes:  # the next tick takes them
-            ends = {path: growth.tree.leaves[path]._replace(outcome=end) for path, end in growth.outcomes.items()}
-            growth.tree = growth.tree._replace(leaves={**growth.tree.leaves, **ends})
-        growth.wake = self.ticker.wake_at(growth.tree, desk.view)
-        return growth.turn(None)
+    def _rest(self, draft: _TurnDraft, host: ActivityHost) -> Turn:
+        if draft.outcomes:  # the next tick takes them
+            ends = {path: draft.tree.leaves[path]._replace(outcome=end) for path, end in draft.outcomes.items()}
+            draft.tree = draft.tree._replace(leaves={**draft.tree.leaves, **ends})
+        draft.wake = self.ticker.wake_at(draft.tree, host.view)
+        return draft.turn(None)
 
-    def _apply(self, growth: _Growth, ticked: Ticked, desk: ActivityHost) -> None:
-        growth.tree = ticked.state
-        growth.write(desk, ticked.writes, self.owner)
-        growth.effects += [PublishMessage(topic, message) for topic, message in ticked.published]
-        self._end(growth, ticked.ended, desk)
+    def _apply(self, draft: _TurnDraft, ticked: Ticked, host: ActivityHost) -> None:
+        draft.tree = ticked.state
+        draft.write(host, ticked.writes, self.owner)
+        draft.effects += [PublishMessage(topic, message) for topic, message in ticked.published]
+        self._end(draft, ticked.ended, host)
         for path in ticked.started:
-            limb = self.limbs[path]
-            deadline = desk.begins_at + limb.timeout_s if limb.timeout_s is not None else math.inf
-            self._take(growth, path, limb.machine.begin(desk), deadline, desk)
+            leaf_machine = self.leaf_machines[path]
+            deadline = host.begins_at + leaf_machine.timeout_s if leaf_machine.timeout_s is not None else math.inf
+            self._take(draft, path, leaf_machine.machine.begin(host), deadline, host)
 
-    def _end(self, growth: _Growth, paths: Iterable[str], desk: ActivityHost) -> None:
+    def _end(self, draft: _TurnDraft, paths: Iterable[str], host: ActivityHost) -> None:
         for path in list(paths):
-            tended = growth.leaves.pop(path, None)
-            if tended is not None:
-                growth.effects += self.limbs[path].machine.leave(tended.state, desk).effects
+            leaf = draft.leaves.pop(path, None)
+            if leaf is not None:
+                draft.effects += self.leaf_machines[path].machine.leave(leaf.state, host).effects
 
-    def leave(self, state: TreeActivity, desk: ActivityHost) -> Turn:
-        growth = _Growth(state)
-        self.ticker.stop(state.tree, desk.view)
-        self._end(growth, state.leaves, desk)
-        return growth.turn(None)._replace(state=None)
+    def leave(self, state: TreeActivity, host: ActivityHost) -> Turn:
+        draft = _TurnDraft(state)
+        self.ticker.stop(state.tree, host.view)
+        self._end(draft, state.leaves, host)
+        return draft.turn(None)._replace(state=None)
 
     def wake_at(self, state: TreeActivity, view: View) -> float:
         leaves = (
-            min(tended.deadline, self.limbs[path].machine.wake_at(tended.state, view))
-            for path, tended in state.leaves.items()
+            min(leaf.deadline, self.leaf_machines[path].machine.wake_at(leaf.state, view))
+            for path, leaf in state.leaves.items()
         )
         return min([state.wake, *leaves])
 
     def reads(self, state: TreeActivity) -> frozenset[str]:
-        each = (self.limbs[path].machine.reads(tended.state) for path, tended in state.leaves.items())
+        each = (self.leaf_machines[path].machine.reads(leaf.state) for path, leaf in state.leaves.items())
         return self.ticker.reads(state.tree).union(*each)
 
     def awaits(self, state: TreeActivity) -> frozenset[int]:
-        each = (self.limbs[path].machine.awaits(tended.state) for path, tended in state.leaves.items())
+        each = (self.leaf_machines[path].machine.awaits(leaf.state) for path, leaf in state.leaves.items())
         return frozenset[int]().union(*each)
 
-    def shifted(self, state: TreeActivity, by_s: float) -> TreeActivity:
+    def shift(self, state: TreeActivity, by_s: float) -> TreeActivity:
         leaves = {
-            path: RunningLeaf(self.limbs[path].machine.shifted(tended.state, by_s), tended.deadline + by_s)
-            for path, tended in state.leaves.items()
+            path: RunningLeaf(self.leaf_machines[path].machine.shift(leaf.state, by_s), leaf.deadline + by_s)
+            for path, leaf in state.leaves.items()
         }
         return TreeActivity(self._shift(state.tree, by_s), leaves, state.wake + by_s, state.limit)
 
     def _shift(self, tree: TreeState, by_s: float) -> TreeState:
-        shift: Callable[[TreeState, float], TreeState] | None = getattr(self.ticker, "shifted", None)
+        shift: Callable[[TreeState, float], TreeState] | None = getattr(self.ticker, "shift", None)
         return shift(tree, by_s) if shift is not None else tree
 
 
@@ -281,9 +281,9 @@ def _(state: State, bench: Bench) -> Machine | None:
     name, place = bench.owner, f"{bench.place}{state.within('')}"
     if bench.trees is None:
         raise UsageError(f"state '{name}' runs a tree; give the chart a ticker: Chart(mission, ticker=PyTrees())")
-    limbs: dict[str, LeafMachine] = {}
+    leaf_machines: dict[str, LeafMachine] = {}
     for path, node in root.paths():
         machine = machine_of(node, bench._replace(owner=f"{name}#{path}", place=f"{place}/{path}".rstrip("/")))
         if machine is not None:
-            limbs[path] = LeafMachine(machine, getattr(node, "timeout_s", None))
-    return TreeMachine(bench.trees.compile(root, place, bench.keys, name), limbs, name)
+            leaf_machines[path] = LeafMachine(machine, getattr(node, "timeout_s", None))
+    return TreeMachine(bench.trees.compile(root, place, bench.keys, name), leaf_machines, name)

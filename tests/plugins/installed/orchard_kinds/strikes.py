@@ -54,26 +54,26 @@ class StrikesMachine:
     def __init__(self, definition: Strikes, owner: str) -> None:
         self.definition, self.owner = definition, owner
 
-    def begin(self, desk: ActivityHost) -> Turn:
-        return self._call(0, desk)
+    def begin(self, host: ActivityHost) -> Turn:
+        return self._call(0, host)
 
-    def _call(self, done: int, desk: ActivityHost) -> Turn:
-        number = desk.next_number()
+    def _call(self, done: int, host: ActivityHost) -> Turn:
+        number = host.next_number()
         call = CallService(number, self.owner, self.definition.service, {}, None)
         return Turn(Struck(done, number), (call,))
 
-    def receive(self, state: Struck, event: Event, desk: ActivityHost) -> Turn | None:
+    def receive(self, state: Struck, event: Event, host: ActivityHost) -> Turn | None:
         if event.kind == "tick":
-            return self._call(state.done, desk) if desk.view.at >= state.due else None
+            return self._call(state.done, host) if host.view.at >= state.due else None
         if event.kind != "result" or event.number != state.number or not state.number:
             return None
         if event.name != "succeeded":
             return Turn(None, outcome=Outcome("failed", why=f"strike {state.done + 1} failed"))
         if state.done + 1 == self.definition.strikes:
             return Turn(None, outcome=Outcome("succeeded"))
-        return Turn(Struck(state.done + 1, 0, desk.view.at + self.definition.every_s))
+        return Turn(Struck(state.done + 1, 0, host.view.at + self.definition.every_s))
 
-    def leave(self, state: Struck, desk: ActivityHost) -> Turn:
+    def leave(self, state: Struck, host: ActivityHost) -> Turn:
         return Turn(None)
 
     def wake_at(self, state: Struck, view: View) -> float:
@@ -85,5 +85,5 @@ class StrikesMachine:
     def awaits(self, state: Struck) -> frozenset[int]:
         return frozenset({state.number} if state.number else ())
 
-    def shifted(self, state: Struck, by_s: float) -> Any:
+    def shift(self, state: Struck, by_s: float) -> Any:
         return state._replace(due=state.due + by_s)
