@@ -75,9 +75,10 @@ def _transition(edge: PictureEdge, source: State | None) -> Json:
 
 def options_of(source: State | None, place: str) -> list[str]:
     """The options of a state's own decision that fire its transition."""
-    if source is None:
+    index = int(place.rpartition("/")[2])
+    if source is None or index >= len(source.transitions):  # of two states of one name, in a mission with faults
         return []
-    transition = source.transitions[int(place.rpartition("/")[2])]
+    transition = source.transitions[index]
     return [name for name in transition.on if name in source.options and transition.of is None]
 
 
