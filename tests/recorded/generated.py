@@ -87,12 +87,12 @@ KEYS = {
     "c": {"type": "boolean", "source": "mission", "initial": False},
     "n": {"type": "integer", "source": "mission", "initial": 0},
     "m": {"type": "integer", "source": "argument", "initial": 2},
-    "said": {"type": "string", "source": "mission", "initial": ""},
+    "spoken": {"type": "string", "source": "mission", "initial": ""},
 }
 FORESTER = FARMER.model_copy(update={
     "blackboard": {name: FARMER.blackboard["clear"].model_copy(update={"topic": f"/{name}"}) for name in ("a", "b")},
     "actions": {"drive": FARMER.actions["drive"]},
-    "topics": {"said": FARMER.topics["lamp"]},
+    "topics": {"spoken": FARMER.topics["lamp"]},
     "events": {"poke": FARMER.events["poke"]},
 })  # fmt: skip
 

@@ -103,7 +103,7 @@ class Inquest(Coroner):
         words = {name: state.word for _, name, state in mission.walk()}
         self._trees = {name for name, word in words.items() if word == "tree"}
         self._parallels = {name for name, word in words.items() if word == "parallel"}
-        self._ids = Goals("run", None, None, tell=lambda *_: None)
+        self._ids = Goals("run", None, None, on_event=lambda *_: None)
         self.kills: Counter[str] = Counter()
         """Instant → how many deaths came at one."""
         self.deaths = 0

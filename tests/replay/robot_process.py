@@ -6,13 +6,11 @@ Rule: nothing of ours is used on its side; it reports on its output what it did,
 
 from __future__ import annotations
 
-import os
 import sys
-import threading
 import time
 from typing import Any
 
-from tests.connectors.ros2.peer_process import report_line
+from tests.connectors.ros2.peer_process import report_line, spin_until_closed
 
 THINKS_S = 0.06
 """How long a goal is looked at before it is accepted."""
@@ -25,7 +23,6 @@ def serve(name: str) -> None:
     import rclpy
     from rclpy.action import ActionServer, CancelResponse, GoalResponse
     from rclpy.callback_groups import ReentrantCallbackGroup
-    from rclpy.executors import MultiThreadedExecutor
     from std_msgs.msg import Bool, Int32
     from std_srvs.srv import Trigger
     from test_msgs.action import Fibonacci
@@ -73,12 +70,7 @@ def serve(name: str) -> None:
     node.create_subscription(Bool, f"/{name}/light", lambda received: report_line("light"), 10, callback_group=group)
     reported = node.create_publisher(Int32, f"/{name}/done", 10)
     node.create_timer(PERIOD_S, lambda: reported.publish(Int32(data=done)), callback_group=group)
-    executor = MultiThreadedExecutor(6)
-    executor.add_node(node)
-    threading.Thread(target=executor.spin, daemon=True).start()
-    report_line("ready")
-    sys.stdin.read()
-    os._exit(0)  # a robot that is switched off
+    spin_until_closed(node, threads=6)
 
 
 if __name__ == "__main__":

@@ -49,10 +49,10 @@ def test_two_processes_do_not_continue_with_one_run(graph: Graph) -> None:
     )
     journal = graph.folder / "run.journal"
     first = graph.start("run", str(mission), "--journal", str(journal), "--verbose")
-    first.says("waiting")
+    first.wait_for("waiting")
     kill(first)
     second = resume(graph, "--verbose")
-    second.says("take_up")
+    second.wait_for("take_up")
     third = resume(graph)
     assert third.ends() == 2
     assert f"{journal} is being written by another process; wait for its end" in third.text
@@ -71,7 +71,7 @@ def test_the_simulated_tractor_that_is_killed_continues_in_a_world_that_starts_a
     robot = graph.folder / "robot.json"
     robot.write_text(json.dumps(profile))
     process = graph.run("--speed", "1", robot=robot)
-    process.says("start drive_alleys")
+    process.wait_for("start drive_alleys")
     kill(process)
     process = resume(graph)
     assert process.ends() == 0, process.text

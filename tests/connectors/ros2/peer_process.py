@@ -86,6 +86,18 @@ class Peer:
         self._process.stdout.close()
 
 
+def spin_until_closed(node: Any, threads: int) -> None:
+    """Report `ready`, and serve until the standard input is closed."""
+    from rclpy.executors import MultiThreadedExecutor
+
+    executor = MultiThreadedExecutor(threads)
+    executor.add_node(node)
+    threading.Thread(target=executor.spin, daemon=True).start()
+    report_line("ready")
+    sys.stdin.read()
+    os._exit(0)  # a robot that is switched off
+
+
 def report_line(*what: Any) -> None:
     with TALKING:
         sys.stdout.write(json.dumps(what) + "\n")
@@ -131,7 +143,6 @@ def serve(name: str) -> None:  # noqa: C901 - one robot, with all that it may be
     import rclpy
     from rclpy.action import ActionServer, CancelResponse, GoalResponse
     from rclpy.callback_groups import ReentrantCallbackGroup
-    from rclpy.executors import MultiThreadedExecutor
     from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
     from std_msgs.msg import String
     from std_srvs.srv import SetBool, Trigger
@@ -228,12 +239,7 @@ def serve(name: str) -> None:  # noqa: C901 - one robot, with all that it may be
     )
     node.create_timer(0.05, lambda: hasty.publish(String(data="hasty")))
     node.create_subscription(String, f"/{name}/ear", lambda received: report_line("heard", received.data), 10)
-    executor = MultiThreadedExecutor(8)
-    executor.add_node(node)
-    threading.Thread(target=executor.spin, daemon=True).start()
-    report_line("ready")
-    sys.stdin.read()
-    os._exit(0)  # a robot that is switched off
+    spin_until_closed(node, threads=8)
 
 
 if __name__ == "__main__":
