@@ -33,7 +33,7 @@ KEYS: Json = {
 }  # fmt: skip
 """The keys that every generated mission has."""
 EVENTS = ("anomaly", "halt", "poke")
-"""The events from outside; `hint` is raised by rows alone."""
+"""The events from outside; `hint` is raised by transitions alone."""
 HINT = "hint"
 OPTIONS = ("drive_over", "replan", "wait", "give_up")
 ACTIVITY_ENDS = ("succeeded", "failed", "unverified", "timed_out", "rejected")
@@ -90,10 +90,10 @@ def guards(states: tuple[str, ...] = (), *, timed: bool = True) -> st.SearchStra
 
 @functools.cache
 def effects(*, raising: bool = False) -> st.SearchStrategy[list[Json]]:
-    """Effects of a row, an entry or an exit.
+    """Effects of a transition, an entry or an exit.
 
     Args:
-        raising: With `raise` at once, which only rows fired from outside may have.
+        raising: With `raise` at once, which only transitions fired from outside may have.
     """
     known: list[Json] = [
         {"set": "count", "value": 0}, {"set": "count", "add": 1}, {"set": "count", "from": "alleys"},
@@ -150,16 +150,16 @@ def tree_nodes(draw: Draw, depth: int = 2) -> Json:
 
 
 class _Draft:
-    """A mission as it is drawn: first the states with their names, then the rows between them."""
+    """A mission as it is drawn: first the states with their names, then the transitions between them."""
 
     def __init__(self, draw: Draw) -> None:
         self.draw, self.names = draw, 0
         self.targets: list[str] = []
-        """The states that a row from anywhere may lead to."""
+        """The states that a transition from anywhere may lead to."""
         self.plain: list[str] = []
         """The states that guards may ask for."""
         self.rooms: list[tuple[str, list[tuple[str, Json]]]] = []
-        """Word of the parent → its children, for the rows that lead forward."""
+        """Word of the parent → its children, for the transitions that lead forward."""
         self.regions: list[list[list[str]]] = []
         """For each parallel state, what each of its regions has directly inside."""
 
@@ -241,7 +241,7 @@ class _Draft:
         return {"history": self.draw(st.sampled_from(["shallow", "deep"]))}
 
     def connect(self) -> None:
-        """Give every state its rows."""
+        """Give every state its transitions."""
         for word, room in self.rooms:
             for index, (_, state) in enumerate(room):
                 if "final" not in state and "history" not in state:
@@ -271,7 +271,7 @@ class _Draft:
         return transitions
 
     def outside_transition(self) -> Json:
-        """A row that only something from outside, or time, can fire."""
+        """A transition that only something from outside, or time, can fire."""
         trigger = self.draw(
             st.one_of(
                 st.sampled_from(EVENTS).map(lambda name: {"on": name}),

@@ -40,7 +40,7 @@ def _unbounded(survey: MissionIndex, sort: Interface) -> Iterator[RobotUse]:
 
 
 def _timed(spot: StateRef) -> bool:
-    """It is left after a while: by its timeout, or by a row that nothing but time decides."""
+    """It is left after a while: by its timeout, or by a transition that nothing but time decides."""
     transitions = (transition.definition for transition in spot.transitions)
     return spot.state.timeout_s is not None or any(
         transition.after_s is not None and transition.when is None and bool(transition.to) for transition in transitions

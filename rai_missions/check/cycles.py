@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Rows without an event that can follow one another for ever, within one instant.
+"""Transitions without an event that can follow one another for ever, within one instant.
 
-Such a row fires as soon as its guard holds. Two facts end a cycle: a guard that the states entered make false (`in`,
-`elapsed_s`, `held`), and a key that something on the way sets. Where neither is there, the cycle is found.
+Such a transition fires as soon as its guard holds. Two facts end a cycle: a guard that the states entered make false
+(`in`, `elapsed_s`, `held`), and a key that something on the way sets. Where neither is there, the cycle is found.
 """
 
 from __future__ import annotations
@@ -24,14 +24,14 @@ __all__ = ("endless_cycles", "possible_cycles")
 Found = Iterator[tuple[str, str]]
 Truth = bool | None
 CROWD = 100
-"""So many rows are looked at that could come right after another."""
+"""So many transitions are looked at that could come right after another."""
 TRIES = 20
-"""From so many rows of a knot a way around is looked for."""
+"""From so many transitions of a knot a way around is looked for."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Jump:
-    """A row without an event, and what holds once it was taken."""
+    """A transition without an event, and what holds once it was taken."""
 
     transition: TransitionRef
     guard: Guard
@@ -58,12 +58,12 @@ class Cycle(NamedTuple):
 
 
 def endless_cycles(survey: MissionIndex) -> Found:
-    """Rows without an event do not lead round in a circle while their guards stay true."""
+    """Transitions without an event do not lead round in a circle while their guards stay true."""
     return _found(survey, certain=True)
 
 
 def possible_cycles(survey: MissionIndex) -> Found:
-    """Rows without an event do not lead round in a circle where different guards happen to be true together."""
+    """Transitions without an event do not lead round in a circle where different guards happen to be true together."""
     return _found(survey, certain=False)
 
 
@@ -82,7 +82,7 @@ def _found(survey: MissionIndex, *, certain: bool) -> Found:
 
 
 def _cycles(survey: MissionIndex) -> list[Cycle]:
-    """One cycle for each knot of rows, in document order; worked out once."""
+    """One cycle for each knot of transitions, in document order; worked out once."""
     found = survey.remembered.get("cycles")
     if isinstance(found, list):
         return found
@@ -179,7 +179,7 @@ def _endless(jumps: tuple[Jump, ...]) -> bool:
 
 
 def _reachable(one: Jump, other: Jump) -> bool:
-    """Whether the owner of a row is active once another was taken."""
+    """Whether the owner of a transition is active once another was taken."""
     return other.transition.owner is None or other.transition.owner.name in one.names
 
 

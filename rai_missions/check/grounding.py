@@ -98,7 +98,7 @@ def _of(write: KeyWrite) -> Origin:
 
 
 def _from_activity(write: KeyWrite) -> bool:
-    """Whether `event.…` is the result of an action or call: every trigger of the row is an outcome of one."""
+    """Whether `event.…` is the result of an action or call: every trigger of the transition is an outcome of one."""
     transition = write.scope.transition
     if (
         transition is None

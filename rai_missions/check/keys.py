@@ -18,7 +18,7 @@ Found = Iterator[tuple[str, str]]
 
 
 def unknown_keys(survey: MissionIndex) -> Found:
-    """What is read or written is a key of the blackboard, a field that it has, or what the row's trigger brings."""
+    """What is read or written is a key of the blackboard, a field of one, or what the transition's trigger brings."""
     for read in survey.reads:
         if fault := meaning(survey, read).fault:
             yield read.place, fault
@@ -110,7 +110,7 @@ def unused_keys(survey: MissionIndex) -> Found:
 
 
 def unused_events(survey: MissionIndex) -> Found:
-    """Every declared event fires a row."""
+    """Every declared event fires a transition."""
     words = {word for transition in survey.transitions for word in transition.definition.on}
     if ANY_EVENT in words:
         return

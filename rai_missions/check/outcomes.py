@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Outcomes and options that nothing handles, and rows that wait for an outcome that never comes."""
+"""Outcomes and options that nothing handles, and transitions that wait for an outcome that never comes."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ Found = Iterator[tuple[str, str]]
 
 
 def handled(survey: MissionIndex) -> set[tuple[str, str]]:
-    """Each (state, word) that a row of the state, or one that names it by `of`, waits for."""
+    """Each (state, word) that a transition of the state, or one that names it by `of`, waits for."""
     found = survey.remembered.get("handled")
     if not isinstance(found, set):
         found = {
@@ -31,7 +31,7 @@ def handled(survey: MissionIndex) -> set[tuple[str, str]]:
 
 
 def unhandled_options(survey: MissionIndex) -> Found:
-    """Every option of a decision has a row of its own decision."""
+    """Every option of a decision has a transition of its own decision."""
     transitions = handled(survey)
     for spot in survey.spots:
         asked = spot.state.question()
@@ -43,7 +43,7 @@ def unhandled_options(survey: MissionIndex) -> Found:
 
 
 def unhandled_success(survey: MissionIndex) -> Found:
-    """The `succeeded` of an activity, and of a compound state with a final, is handled by a row of its own."""
+    """The `succeeded` of an activity, and of a compound state with a final, is handled by a transition of its own."""
     ends, transitions = reported(survey), handled(survey)
     for spot in survey.spots:
         if "succeeded" in ends.by(spot) and (spot.name, "succeeded") not in transitions and not _is_region(spot):
@@ -60,7 +60,7 @@ def _is_region(spot: StateRef) -> bool:
 
 
 def deaf_transitions(survey: MissionIndex) -> Found:
-    """An outcome that a row waits for can be reported while the row's state is active."""
+    """An outcome that a transition waits for can be reported while the transition's state is active."""
     ends = reported(survey)
     for transition in survey.transitions:
         source = survey.by_name.get(transition.definition.of) if transition.definition.of is not None else None
@@ -78,7 +78,9 @@ def deaf_transitions(survey: MissionIndex) -> Found:
         possible = ends.by(source) if source is not None else ends.possible_at(transition.owner)
         whose = source or transition.owner
         if whose is not None and whose.state.reports_robot:
-            words = [word for word in words if word != "timed_out"]  # without a timeout: reported, and the row is right
+            words = [
+                word for word in words if word != "timed_out"
+            ]  # without a timeout: reported, and the transition is right
         if vain := [word for word in words if word not in possible]:
             yield f"{transition.place}/on", _vain(transition, source, vain, possible)
 

@@ -67,7 +67,7 @@ def _field(name: str, key: Key, fields: list[str]) -> Meaning:
 
 
 def _event(survey: MissionIndex, scope: Scope, fields: list[str]) -> Meaning:
-    """The payload of what fires the row."""
+    """The payload of what fires the transition."""
     if scope.transition is None or not scope.transition.definition.on:
         return Meaning(
             None,
@@ -89,7 +89,7 @@ def _event(survey: MissionIndex, scope: Scope, fields: list[str]) -> Meaning:
 
 
 def _answer(survey: MissionIndex, scope: Scope, fields: list[str]) -> Meaning:
-    """The parameters of the option that fires the row."""
+    """The parameters of the option that fires the transition."""
     options = _options(survey, scope)
     if not options:
         return Meaning(

@@ -17,7 +17,7 @@ Found = Iterator[tuple[str, str]]
 
 
 class Reach:
-    """What can be active at some time, as far as the rows' targets state: guards and triggers do not count."""
+    """What can be active at some time, as far as the transitions' targets state: guards and triggers do not count."""
 
     def __init__(self, survey: MissionIndex) -> None:
         self.survey = survey
@@ -25,7 +25,7 @@ class Reach:
         self._descended: set[StateRef] = set()
 
     def enter(self, targets: Iterable[StateRef], *, follow: bool = True) -> None:
-        """Mark what entering the targets makes active, then (to `follow`) what the rows there lead to."""
+        """Mark what entering the targets makes active, then (to `follow`) what the transitions there lead to."""
         todo = [(target, True) for target in targets]
         while todo:
             spot, descend = todo.pop()
@@ -85,7 +85,7 @@ def reached(survey: MissionIndex) -> set[StateRef]:
 
 
 def unreachable_states(survey: MissionIndex) -> Found:
-    """Every state is entered: by a row, an `initial`, a history, as a region, or by `on_cancel`."""
+    """Every state is entered: by a transition, an `initial`, a history, as a region, or by `on_cancel`."""
     active = reached(survey)
     lost = {
         spot: [*_subtree(survey, spot)]
@@ -116,7 +116,7 @@ def _subtree(survey: MissionIndex, spot: StateRef) -> list[StateRef]:
 
 
 def _targets(survey: MissionIndex, inside: list[StateRef], whole: StateRef) -> Iterator[StateRef]:
-    """Where rows inside a state lead to, and what that is inside of, as far as it is outside the state."""
+    """Where transitions inside a state lead to, and what that is inside of, as far as it is outside the state."""
     for target in survey.found(
         name for spot in inside for transition in spot.transitions for name in transition.definition.to
     ):
@@ -124,7 +124,7 @@ def _targets(survey: MissionIndex, inside: list[StateRef], whole: StateRef) -> I
 
 
 def dead_ends(survey: MissionIndex) -> Found:
-    """A state that only waits has a row, here or further out, that can fire and leaves it."""
+    """A state that only waits has a transition, here or further out, that can fire and leaves it."""
     for spot in _waiting(survey):
         if not any(
             _frees(survey, transition, spot) for transition in (*_transitions_here(spot), *_own_transitions(survey))
@@ -137,7 +137,7 @@ def dead_ends(survey: MissionIndex) -> Found:
 
 
 def waiting_rooms(survey: MissionIndex) -> Found:
-    """A state that only waits is left by more than those rows of the mission that give up."""
+    """A state that only waits is left by more than those transitions of the mission that give up."""
     success = {spot for spot in survey.top if isinstance(spot.state, Final) and spot.state.final == "succeeded"}
     hopeful: dict[str, bool] = {}
     for spot in _waiting(survey) if success else ():
@@ -156,7 +156,7 @@ def waiting_rooms(survey: MissionIndex) -> Found:
 
 
 def _waiting(survey: MissionIndex) -> Iterator[StateRef]:
-    """The reachable states that run nothing and are left by rows alone."""
+    """The reachable states that run nothing and are left by transitions alone."""
     for spot in survey.spots:
         ends = isinstance(spot.state, Final | History) or spot.children or spot.state.activity()
         timed = any(here.state.timeout_s is not None for here in spot.upward())
@@ -165,18 +165,18 @@ def _waiting(survey: MissionIndex) -> Iterator[StateRef]:
 
 
 def _transitions_here(spot: StateRef) -> Iterator[TransitionRef]:
-    """The rows of the state and its ancestors."""
+    """The transitions of the state and its ancestors."""
     for here in spot.upward():
         yield from here.transitions
 
 
 def _own_transitions(survey: MissionIndex) -> list[TransitionRef]:
-    """The mission's own rows, which are last."""
+    """The mission's own transitions, which are last."""
     return survey.transitions[len(survey.transitions) - len(survey.mission.transitions) :]
 
 
 def _frees(survey: MissionIndex, transition: TransitionRef, spot: StateRef) -> bool:
-    """Whether a row can fire while the state is active, and leads elsewhere."""
+    """Whether a transition can fire while the state is active, and leads elsewhere."""
     definition = transition.definition
     if not definition.to or all(survey.spot(name) is spot for name in definition.to):
         return False
@@ -189,7 +189,7 @@ def _frees(survey: MissionIndex, transition: TransitionRef, spot: StateRef) -> b
 
 
 def _covered_by(survey: MissionIndex, transition: TransitionRef, spot: StateRef) -> frozenset[str]:
-    """The outcomes that a row can receive while a state that runs nothing is active: those of regions next to it."""
+    """The outcomes that a transition can receive while a state that runs nothing is active: of regions next to it."""
     if transition.definition.of is not None:
         source = survey.spot(transition.definition.of)
         return reported(survey).by(source) if source is not None else frozenset()

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Which outcomes a state can report, and which of them can reach the rows of another."""
+"""Which outcomes a state can report, and which of them can reach the transitions of another."""
 
 from __future__ import annotations
 
@@ -26,14 +26,14 @@ class Reported:
             self._ends[spot.index] = ends
             self._below[spot.index] = climbing.union(*(self._below[child.index] for child in spot.children))
         self.anywhere = frozenset[str]().union(*(self._below[spot.index] for spot in top))
-        """What can climb as far as the mission's own rows."""
+        """What can climb as far as the mission's own transitions."""
 
     def by(self, spot: StateRef) -> frozenset[str]:
         """What it can report about itself."""
         return self._ends[spot.index]
 
     def possible_at(self, spot: StateRef | None) -> frozenset[str]:
-        """What rows of it can receive: its own, and what climbs from inside."""
+        """What transitions of it can receive: its own, and what climbs from inside."""
         return self.anywhere if spot is None else self._ends[spot.index] | self._below[spot.index]
 
     def _of(self, spot: StateRef) -> frozenset[str]:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Rows that never fire: an earlier one of the same state always comes first, or the guard cannot be true."""
+"""Transitions that never fire: an earlier one of the same state always comes first, or the guard cannot be true."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ WATCHED = ("invariants", "check", "eternal_guard")
 
 
 def overlapping_transitions(survey: MissionIndex) -> Found:
-    """No row comes after one of the same state that fires whenever it would."""
+    """No transition comes after one of the same state that fires whenever it would."""
     for _, transitions in itertools.groupby(survey.transitions, key=lambda transition: transition.owner):
         earlier: dict[tuple[str, str], list[tuple[TransitionRef, Form]]] = {}
         for transition in transitions:
@@ -43,7 +43,7 @@ def overlapping_transitions(survey: MissionIndex) -> Found:
 
 
 def _triggers(transition: TransitionRef) -> list[tuple[str, str]]:
-    """What can fire a row: each word of `on` with the state that it is `of`, the time, or nothing."""
+    """What can fire a transition: each word of `on` with the state that it is `of`, the time, or nothing."""
     definition = transition.definition
     if definition.after_s is not None:
         return [("after_s", str(definition.after_s))]
@@ -56,7 +56,7 @@ def _first(
     word: tuple[str, str],
     guard: Form,
 ) -> TransitionRef | None:
-    """The earlier row that fires whenever this guard is true and this trigger comes."""
+    """The earlier transition that fires whenever this guard is true and this trigger comes."""
     declared = word[0] in survey.mission.events
     transitions = earlier.get(word, []) + (earlier.get((ANY_EVENT, ""), []) if declared else [])
     for transition, other in (*transitions[:NEAR], *transitions[NEAR:][-NEAR:]):
@@ -66,7 +66,7 @@ def _first(
 
 
 def _late(earlier: dict[tuple[str, str], list[tuple[TransitionRef, Form]]], after_s: float) -> TransitionRef | None:
-    """A row that has left the state by then, whatever is known."""
+    """A transition that has left the state by then, whatever is known."""
     for (word, _), transitions in earlier.items():
         for transition, guard in transitions[:NEAR] if word == "after_s" else ():
             sooner = transition.definition.after_s is not None and transition.definition.after_s < after_s
@@ -98,7 +98,7 @@ def impossible_guards(survey: MissionIndex) -> Found:
 
 
 def unwatched_holds(survey: MissionIndex) -> Found:
-    """`held` is in a row, an invariant or a tree: it is watched there, and nowhere else."""
+    """`held` is in a transition, an invariant or a tree: it is watched there, and nowhere else."""
     for guard, place, role, scope in survey.guards:
         held = next((part for part in guard.walk() if part.held_s > 0), None)
         if held is not None and scope.transition is None and role not in WATCHED:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Rows that protect, and what becomes of them when the key they rest on goes stale.
+"""Transitions that protect, and what becomes of them when the key they rest on goes stale.
 
 Unknown fires no transition. So one that is to react to a danger sleeps when the sensor does, unless another asks for
 that.

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What may be where: initials, lists of targets, history, finals, rows into themselves."""
+"""What may be where: initials, lists of targets, history, finals, transitions into themselves."""
 
 from __future__ import annotations
 
@@ -150,7 +150,7 @@ def misused_internal(survey: MissionIndex) -> Found:
 
 
 def crossing_transitions(survey: MissionIndex) -> Found:
-    """A row that leads from one region into another restarts the whole parallel."""
+    """A transition that leads from one region into another restarts the whole parallel."""
     for transition in survey.transitions:
         for target in survey.found(transition.definition.to):
             parallel = _crossed(transition, target)
@@ -163,7 +163,7 @@ def crossing_transitions(survey: MissionIndex) -> Found:
 
 
 def _crossed(transition: TransitionRef, target: StateRef) -> StateRef | None:
-    """The parallel between whose regions a row leads."""
+    """The parallel between whose regions a transition leads."""
     if transition.owner is None:
         return None
     meeting = next((here for here in transition.owner.upward() if target.inside(here) or target is here), None)

@@ -214,7 +214,7 @@ class Step(NamedTuple):
     rounds continue in the next step, else it waits for the next event that concerns it."""
 
     mode: Mode | None = None
-    """The run's after this step; None in a row of a journal that was written before rows had it."""
+    """The run's after this step; None in a row of a journal of an earlier version."""
     holder: Holder | None = None
     """Who holds control after this step; None as in `mode`."""
     verdicts: tuple[Verdict, ...] = ()

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Moves, worked out once: which rows can be taken together, and what taking them leaves and enters.
+"""Moves, worked out once: which transitions can be taken together, and what taking them leaves and enters.
 
-Rule: what a configuration and the rows taken in it lead to is computed once and remembered.
+Rule: what a configuration and the transitions taken in it lead to is computed once and remembered.
 Source: W3C SCXML (REC-scxml-20150901), appendix D; the docstrings give the names used there.
 """
 

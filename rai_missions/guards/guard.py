@@ -93,7 +93,7 @@ class Site:
     Args:
         place: The JSON pointer of the guard; makes the names of its memories.
         keys: The mission's keys.
-        state: The state whose row or rule it is; `elapsed_s` counts from its entry. Empty for the mission's own.
+        state: The state whose transition or rule it is; `elapsed_s` counts from its entry. Empty for the mission's own.
     """
 
     def __init__(self, place: str, keys: Mapping[str, Key], state: str = "") -> None:

@@ -17,7 +17,7 @@ __all__ = ("Held",)
 class Held(Guard, word="held"):
     """True once the inner guard has been true for so long without a break; unknown while the inner one is.
 
-    The time counts while the guard is watched: from the entry of the state whose row it is, at the earliest.
+    The time counts while the guard is watched: from the entry of the state whose transition it is, at the earliest.
     """
 
     positional: ClassVar = ("held", "for_s")

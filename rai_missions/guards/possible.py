@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""True for true and for unknown: `{"possible": guard}`, for rows that protect."""
+"""True for true and for unknown: `{"possible": guard}`, for transitions that protect."""
 
 from __future__ import annotations
 

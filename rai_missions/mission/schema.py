@@ -104,17 +104,17 @@ def _by_word(name: str, family: type[TaggedModel]) -> dict[str, Any]:
     """A family: whatever has a kind's word is that kind. A `oneOf` would try every kind at every depth."""
     words = [word for word in family.kinds if word]
     members = {word: {"$ref": f"#/$defs/{_member(name, word)}"} for word in family.kinds}
-    rows: list[dict[str, Any]] = []
+    cases: list[dict[str, Any]] = []
     for word in words:
         decides: dict[str, Any] = {"required": [word]}
         if (stronger := STRONGER.get((name, word))) is not None:
             decides["not"] = {"required": [stronger]}
-        rows.append({"if": decides, "then": members[word]})
+        cases.append({"if": decides, "then": members[word]})
     some = {"anyOf": [{"required": [word]} for word in words]}
     known = {word: {"description": (family.kinds[word].__doc__ or "").strip()} for word in words}
     if "" in members:
-        return {"type": "object", "properties": known, "allOf": [*rows, {"if": {"not": some}, "then": members[""]}]}
-    return {"type": "object", "properties": known, **some, "allOf": rows}
+        return {"type": "object", "properties": known, "allOf": [*cases, {"if": {"not": some}, "then": members[""]}]}
+    return {"type": "object", "properties": known, **some, "allOf": cases}
 
 
 def _referred(schema: Any) -> Iterable[str]:

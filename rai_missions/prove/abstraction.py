@@ -311,7 +311,7 @@ def _rest_rounds(rounds: dict[str, tuple[tuple[Any, ...], int]]) -> dict[str, tu
 
 
 def _waiting(config: Configuration) -> Iterator[CompiledGuard]:
-    """The guards of rows that need no event, and those that count for how long they have been true."""
+    """The guards of transitions that need no event, and those that count for how long they have been true."""
     yield from (
         transition.condition for chain in config.eventless for transition in chain if transition.condition is not None
     )

@@ -89,7 +89,7 @@ class Space(StateGraph):
         self.levels: dict[int, dict[Loop, Level]] = {}
         """Number of a state → how far the loops are there of which a few rounds may represent all."""
         self.taken: set[str] = set()
-        """JSON pointers of the rows that were taken."""
+        """JSON pointers of the transitions that were taken."""
         self.entered: set[str] = set()
         self.flaws: dict[str, Violation] = {}
         """Promise → a shortest way to break it."""

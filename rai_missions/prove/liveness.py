@@ -2,7 +2,7 @@
 """What a run may still look at: a key that is written before anything reads it again distinguishes no two states.
 
 Rule: only what no way on reads first is left out; where that is not known, it is kept.
-Source: live variables, A. V. Aho et al., Compilers (2nd ed.), section 9.2.5, on the rows of a chart.
+Source: live variables, A. V. Aho et al., Compilers (2nd ed.), section 9.2.5, on the transitions of a chart.
 """
 
 from __future__ import annotations
@@ -98,7 +98,7 @@ class LiveReads:
     # -- what each state reads ------------------------------------------------------------------------------------
 
     def _of_state(self, node: Node) -> frozenset[str]:
-        """What a state itself looks at while it is active, on entry and on exit; not its rows."""
+        """What a state itself looks at while it is active, on entry and on exit; not its transitions."""
         if node.state is None:
             return frozenset()
         fields = {*type(node.state).model_fields} - {"states", "parallel", "transitions", "entry", "exit"}

@@ -135,7 +135,7 @@ def happenings(mission: Mission) -> st.SearchStrategy[list[Any]]:
 
 
 def ran(mission: Mission, happened: list[Any]) -> tuple[set[str], set[str], set[str]]:
-    """The rows taken, the states entered and the states left in a run."""
+    """The transitions taken, the states entered and the states left in a run."""
     chart = Chart(mission, ticker=PyTrees())
     steps, now = [chart.start(at=0.0)], 0.0
     starts: list[tuple[int, str]] = []

@@ -46,12 +46,12 @@ def test_exit_is_innermost_first_then_the_transition_then_entry_outermost_first(
     states = {
         "a": {
             "initial": "b", "exit": [log("out a")],
-            "states": {"b": {"exit": [log("out b")], "transitions": [transition("e", "d", do=[log("row")])]}},
+            "states": {"b": {"exit": [log("out b")], "transitions": [transition("e", "d", do=[log("way")])]}},
         },
         "c": {"initial": "d", "entry": [log("in c")], "states": {"d": {"entry": [log("in d")]}}},
     }  # fmt: skip
     step = sent(chart(states), "e")
-    assert logged(step) == ["out b", "out a", "row", "in c", "in d"]
+    assert logged(step) == ["out b", "out a", "way", "in c", "in d"]
     assert (step.exited, step.entered) == (("b", "a"), ("c", "d"))
 
 

@@ -30,7 +30,7 @@ def faults_in(tmp_path: Path, document: Any) -> list[str]:
     return [str(fault) for fault in refused.value.faults]
 
 
-def row(**words: Any) -> dict[str, Any]:
+def transition(**words: Any) -> dict[str, Any]:
     return SMALL | {"states": {"a": {"transitions": [words]}}}
 
 
@@ -43,7 +43,7 @@ def entry(**words: Any) -> dict[str, Any]:
 
 
 def when(guard: Any) -> dict[str, Any]:
-    return row(to="a", when=guard)
+    return transition(to="a", when=guard)
 
 
 def tree(node: Any) -> dict[str, Any]:
@@ -51,7 +51,7 @@ def tree(node: Any) -> dict[str, Any]:
 
 
 NAME = "is not a name; a name is lower case letters, digits and '_', a letter first"
-ROW, ENTRY = "/states/a/transitions/0", "/states/a/entry/0"
+TRANSITION, ENTRY = "/states/a/transitions/0", "/states/a/entry/0"
 
 
 @pytest.mark.parametrize(
@@ -96,23 +96,29 @@ ROW, ENTRY = "/states/a/transitions/0", "/states/a/entry/0"
             "/states/a/final: no such choice: 'done'; there is: aborted, canceled, failed, succeeded",
         ),
         (state(control="agnet"), "/states/a/control: no such choice: 'agnet'; did you mean 'agent'?"),
-        (row(on="e", too="a"), f"{ROW}/too: a transition has no 'too'; did you mean 'to'?"),
-        (row(to="a"), f"{ROW}: a transition without 'on', 'after_s' and 'when' would fire at once, always; give one"),
-        (row(on="e", after_s=1), f"{ROW}: a transition has 'on' or 'after_s', not both; write two transitions"),
-        (when({"kye": "a", "<": 1}), f"{ROW}/when: no guard is written ['<', 'kye']; did you mean 'key'?"),
+        (transition(on="e", too="a"), f"{TRANSITION}/too: a transition has no 'too'; did you mean 'to'?"),
+        (
+            transition(to="a"),
+            f"{TRANSITION}: a transition without 'on', 'after_s' and 'when' would fire at once, always; give one",
+        ),
+        (
+            transition(on="e", after_s=1),
+            f"{TRANSITION}: a transition has 'on' or 'after_s', not both; write two transitions",
+        ),
+        (when({"kye": "a", "<": 1}), f"{TRANSITION}/when: no guard is written ['<', 'kye']; did you mean 'key'?"),
         (
             when({"key": "a", "less": 1}),
-            f"{ROW}/when/less: a guard with 'key' has no 'less'; there is: !=, <, <=, ==, >, >=, in, key",
+            f"{TRANSITION}/when/less: a guard with 'key' has no 'less'; there is: !=, <, <=, ==, >, >=, in, key",
         ),
         (
             when({"all": [{"key": "Obstacle.height", "<": 1}]}),
-            f"{ROW}/when/all/0/key: 'Obstacle.height' is neither a key nor a field of one; "
+            f"{TRANSITION}/when/all/0/key: 'Obstacle.height' is neither a key nor a field of one; "
             "write it like 'obstacle.height_m'; did you mean 'obstacle.height'?",
         ),
-        (when({"all": {}}), f"{ROW}/when/all: {{}} is not a list; write […]"),
+        (when({"all": {}}), f"{TRANSITION}/when/all: {{}} is not a list; write […]"),
         (
             when({"key": "a"}),
-            f"{ROW}/when: a comparison has one of ==, !=, <, <=, >, >=, in, this has none",
+            f"{TRANSITION}/when: a comparison has one of ==, !=, <, <=, >, >=, in, this has none",
         ),
         (entry(set="a", add="1"), f"{ENTRY}/add: '1' is not a number; write one, without quotes"),
         (entry(set="a", from_="b"), f"{ENTRY}/from_: an effect with 'set' has no 'from_'; did you mean 'from'?"),

@@ -53,12 +53,12 @@ def state(**words: Any) -> dict[str, Any]:
     return SMALL | {"states": {"a": words}}
 
 
-def row(**words: Any) -> dict[str, Any]:
+def transition(**words: Any) -> dict[str, Any]:
     return state(transitions=[words])
 
 
 def when(guard: Any) -> dict[str, Any]:
-    return row(to="a", when=guard)
+    return transition(to="a", when=guard)
 
 
 def key(**words: Any) -> dict[str, Any]:
@@ -101,11 +101,11 @@ DECISION = {"question": "?", "options": {"yes": {}}}
         state(entry=[{"set": "k", "from_": "b"}]),
         state(entry=[{"raise": "e", "after_s": -1}]),
         state(exit=[{"shout": "x"}]),
-        row(to="a"),
-        row(on="e", after_s=1),
-        row(of="a", when={"in": "a"}),
-        row(on="e", too="a"),
-        row(on=3),
+        transition(to="a"),
+        transition(on="e", after_s=1),
+        transition(of="a", when={"in": "a"}),
+        transition(on="e", too="a"),
+        transition(on=3),
         when({"key": "k"}),
         when({"key": "k", "<": 1, ">": 2}),
         when({"key": "k", "<": None}),

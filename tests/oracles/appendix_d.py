@@ -5,7 +5,7 @@ Rule: this shares nothing with the engine: no code, no types, no optimisation. N
 
 What a mission writes and SCXML does not is put in SCXML's words: an outcome of a state with states is `done.state.id`
 with the outcome as its data, `after_s` is an event that is sent on entry and canceled on exit, `raise … after_s` is a
-`<send>` that takes the place of an earlier one of the same id, rows of the mission are transitions of `<scxml>`.
+`<send>` that takes the place of an earlier one of the same id, transitions of the mission are transitions of `<scxml>`.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Generated charts, as JSON has them, of what SCXML and a mission have in common, and scripts of what happens to them.
 
-Rule: every entry, exit and row logs itself, so that a trace shows each thing done and its order.
+Rule: every entry, exit and transition logs itself, so that a trace shows each thing done and its order.
 """
 
 from __future__ import annotations
@@ -152,7 +152,7 @@ class _Draft:
             return self.draw(st.sampled_from(deep))
         return self.draw(st.sampled_from(waiting or children))
 
-    # -- rows -----------------------------------------------------------------------------------------------------
+    # -- transitions ----------------------------------------------------------------------------------------------
 
     def guard(self) -> Json:
         key, op = self.draw(st.sampled_from(KEYS)), self.draw(st.sampled_from(["==", "!=", "<", ">="]))
@@ -292,7 +292,7 @@ def lineage(document: Json) -> tuple[dict[str, Json], dict[str, list[str]]]:
 
 
 def without_transitions(document: Json, unwanted: Callable[[str, Json], bool]) -> Json:
-    """The chart without the rows of which `unwanted(source, row)` is true."""
+    """The chart without the transitions of which `unwanted(source, transition)` is true."""
     for name, state in lineage(document)[0].items():
         if "transitions" in state:
             state["transitions"] = [transition for transition in state["transitions"] if not unwanted(name, transition)]

@@ -2,7 +2,7 @@
 # ruff: noqa: E501
 """W3C's assertions about SCXML interpreters (the implementation report plan), those that a mission can express.
 
-The numbers are those of the plan's tests. Each chart ends in `pass` or `fail`; a row that must not fire leads to `fail`.
+The numbers are those of the plan's tests. Each chart ends in `pass` or `fail`; a transition that must not fire leads to `fail`.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ def raising(*names: str) -> list[Json]:
 
 
 def verdict(value: int) -> list[Json]:
-    """Rows that pass if n is a value and fail if not."""
+    """Transitions that pass if n is a value and fail if not."""
     return [transition(to="pass", when=is_(value)), transition(to="fail", when={"not": is_(value)})]
 
 
@@ -131,22 +131,22 @@ PLAN = [
         "s1": {"transitions": [transition(to="deep", when=is_(1))]},
         "s2": {"transitions": [transition(to="shallow", when=is_(2))]},
     }),
-    Assertion(396, "the event's name is what rows are matched with", {
+    Assertion(396, "the event's name is what transitions are matched with", {
         "a": {"entry": raising("foo"), "transitions": [transition("bar", "fail"), transition("foo", "pass")]},
     }),
-    Assertion(403, "an inner row goes before an outer one; an inner one that is not enabled leaves it to the outer", {
+    Assertion(403, "an inner transition goes before an outer one; an inner one that is not enabled leaves it to the outer", {
         "s0": compound("s01", {
             "s01": {"entry": raising("event1"), "transitions": [transition("event1", "s02"), FAIL]},
             "s02": {"entry": raising("event2"), "transitions": [transition("event1", "fail"), transition("event2", "fail", when=is_(9))]},
         }, transitions=[transition("event1", "fail"), transition("event2", "pass")]),
     }),
-    Assertion(404, "exit is innermost first and last region first, then the rows' content", {
+    Assertion(404, "exit is innermost first and last region first, then the transitions' content", {
         "s01p": {**regions(s01p1={"exit": raising("event2")}, s01p2={"exit": raising("event1")}), "exit": raising("event3"),
                  "transitions": [transition(to="s02", when=is_(0), do=raising("event4"))]},
         "s02": {"transitions": [transition("event1", "s03"), FAIL]}, "s03": {"transitions": [transition("event2", "s04"), FAIL]},
         "s04": {"transitions": [transition("event3", "s05"), FAIL]}, "s05": {"transitions": [transition("event4", "pass"), FAIL]},
     }),
-    Assertion(405, "the content of rows is executed after the exits, in document order of the regions", {
+    Assertion(405, "the content of transitions is executed after the exits, in document order of the regions", {
         "p": {**regions(
             r=compound("r1", {"r1": {"exit": raising("event2"), "transitions": [transition(to="r2", when=is_(0), do=raising("event3"))]}, "r2": {}}),
             s=compound("t1", {"t1": {"exit": raising("event1"), "transitions": [transition(to="t2", when=is_(0), do=raising("event4"))]}, "t2": {}}),
@@ -154,7 +154,7 @@ PLAN = [
         "b": {"transitions": [transition("event2", "c"), FAIL]}, "c": {"transitions": [transition("event3", "d"), FAIL]},
         "d": {"transitions": [transition("event4", "pass"), FAIL]},
     }),
-    Assertion(406, "entry is outermost first, in document order, after the rows' content", {
+    Assertion(406, "entry is outermost first, in document order, after the transitions' content", {
         "a": {"transitions": [transition(to="p", when=is_(0), do=raising("event1"))]},
         "p": {**regions(r={"entry": raising("event3")}, s={"entry": raising("event4")}), "entry": raising("event2"),
               "transitions": [transition("event1", "b"), FAIL]},
@@ -175,7 +175,7 @@ PLAN = [
         "s1": {**regions(r=compound("re", {"re": {"final": "succeeded"}}), s=compound("se", {"se": {"final": "succeeded"}})),
                "transitions": [transition("succeeded", "pass")]},
     }),
-    Assertion(419, "rows without an event go before those with one", {
+    Assertion(419, "transitions without an event go before those with one", {
         "a": {"entry": raising("internal"), "transitions": [transition("internal", "fail"), transition(to="pass", when=is_(0))]},
     }),
     Assertion(421, "internal events are taken until one fires something, before any external one", {
@@ -189,23 +189,23 @@ PLAN = [
         "a": {"entry": [{"raise": "external1", "after_s": 0.0}, {"raise": "external2", "after_s": 1.0}],
               "transitions": [transition("external2", "pass")]},
     }, until_s=2.0),
-    Assertion(503, "a row without a target leaves and enters nothing", {
+    Assertion(503, "a transition without a target leaves and enters nothing", {
         "s2": {"entry": raising("foo", "bar"), "exit": [up()], "transitions": [transition("foo", do=[]), transition("bar", "s3", when=is_(0)), FAIL]},
         "s3": {"transitions": verdict(1)},
     }),
-    Assertion(504, "an external row leaves all that is inside the nearest compound state above both ends", {
+    Assertion(504, "an external transition leaves all that is inside the nearest compound state above both ends", {
         "outer": compound("p", {
             "p": {**regions(ps1={"exit": [up()]}, ps2={"exit": [up()]}), "entry": raising("foo", "bar"), "exit": [up()],
                   "transitions": [transition("foo", "ps1", when=is_(0)), transition("bar", "s4", when=is_(3))]},
             "s4": {"transitions": verdict(6)},
         }),
     }),
-    Assertion(505, "an internal row from a compound state to a state inside it does not leave it", {
+    Assertion(505, "an internal transition from a compound state to a state inside it does not leave it", {
         "s1": compound("s11", {"s11": {"exit": [up()]}}, exit=[{"set": "n", "add": 10}], entry=raising("foo", "bar"),
                        transitions=[transition("foo", "s11", internal=True), transition("bar", "s2")]),
         "s2": {"transitions": verdict(12)},
     }),
-    Assertion(533, "an internal row whose source is no compound state is an external one", {
+    Assertion(533, "an internal transition whose source is no compound state is an external one", {
         "p": {**regions(ps1={"exit": [up()]}, ps2={"exit": [up()]}), "entry": raising("foo", "bar"), "exit": [up()],
               "transitions": [transition("foo", "ps1", when=is_(0), internal=True), transition("bar", "s4", when=is_(3))]},
         "s4": {"transitions": verdict(6)},

@@ -3,7 +3,7 @@
 
 Where python-statemachine 3.2 leaves the recommendation, the charts that are drawn keep away: it takes the states of
 regions level by level, not in document order (so charts with regions have nothing that depends on that order, and what
-an event did is compared as a set), it does what a row into a history does twice, it takes no list for the first
+an event did is compared as a set), it does what a transition into a history does twice, it takes no list for the first
 `initial`, and does not exit the last final.
 """
 
@@ -30,7 +30,7 @@ SIDE_BY_SIDE = Taste(raising=False, guards=False, eventless=False, finals=False,
 
 
 def at_home(document: Json) -> Json:
-    """The chart without rows that lead out of a region: which of two such is taken goes by the order of the regions."""
+    """The chart without transitions that lead out of a region: which of two is taken goes by the regions' order."""
     states, above = lineage(document)
 
     def unwanted(source: str, transition: Json) -> bool:

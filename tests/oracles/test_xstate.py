@@ -3,10 +3,10 @@
 
 Needs node and the npm package `xstate`; `make oracles` installs it next to this file.
 Where XState 5 leaves the recommendation, the charts that are drawn keep away:
-a row is compared only where the least common ancestor of its ends is no parallel state, for XState then leaves the one
-region and not the whole; a row into a history of a state around it, for XState then enters states that it has not
-left; and charts with regions have no row without a target above them, for XState asks the states
-above only when no region has a row of its own.
+a transition is compared only where the least common ancestor of its ends is no parallel state, for XState then leaves
+the one region and not the whole; a transition into a history of a state around it, for XState then enters states that
+it has not left; and charts with regions have no transition without a target above them, for XState asks the states
+above only when no region has a transition of its own.
 """
 
 from __future__ import annotations
@@ -56,7 +56,7 @@ def of_xstate() -> Iterator[Runs]:
 
 
 def tamed(document: Json) -> Json:
-    """The chart without the rows that XState takes in its own way."""
+    """The chart without the transitions that XState takes in its own way."""
     states, above = lineage(document)
     regions = any("parallel" in state for state in states.values())
 

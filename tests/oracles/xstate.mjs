@@ -26,7 +26,7 @@ function run({ document, script }) {
     const value = (context) => (effect.add !== undefined ? context[effect.set] + effect.add : effect.value);
     return assign(({ context }) => ({ [effect.set]: value(context) }));
   };
-  const row = (given) => ({
+  const transition = (given) => ({
     ...(given.to === undefined ? {} : { target: many(given.to).map((name) => `#${name}`), reenter: !given.internal }),
     ...(given.when === undefined ? {} : { guard: guard(given.when) }),
     actions: (given.do ?? []).map(action),
@@ -41,10 +41,10 @@ function run({ document, script }) {
     if (given.parallel !== undefined) made.type = "parallel";
     if (given.states !== undefined) made.initial = given.initial;
     for (const each of given.transitions ?? []) {
-      if (each.on === undefined) made.always.push(row(each));
+      if (each.on === undefined) made.always.push(transition(each));
       for (const event of many(each.on)) {
-        if (event === "succeeded") made.onDone.push(row(each));
-        else (made.on[event] ??= []).push(row(each));
+        if (event === "succeeded") made.onDone.push(transition(each));
+        else (made.on[event] ??= []).push(transition(each));
       }
     }
     if (Object.keys(children).length > 0) {

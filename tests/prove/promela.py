@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """Charts of a simple kind, as missions and as Promela, for SPIN to find by itself what can be reached.
 
-The kind: compound states below regions that run side by side, events, eventless rows, guards over the mission's own
-booleans and numbers, `set` and `raise`. No row leads out of its region but to the end. The translation knows nothing of
-the chart: exits, entries and the order of rows are written out for each innermost state, by W3C SCXML's rules.
+The kind: compound states below regions that run side by side, events, eventless transitions, guards over the mission's
+own booleans and numbers, `set` and `raise`. No transition leads out of its region but to the end. The translation knows
+nothing of the chart: exits, entries and the order of transitions are written out for each innermost state, by W3C
+SCXML's rules.
 """
 
 from __future__ import annotations
@@ -156,13 +157,13 @@ class Translation:
         return "\n".join(lines)
 
     def _macrostep(self) -> str:
-        """An event from outside: the rows of the regions first, the mission's own after them."""
+        """An event from outside: the transitions of the regions first, the mission's own after them."""
         stop = self.raises.index("stop")
         guard = _guard(self.mission["transitions"][0]["when"])
         return f"choose(); take(); if :: !moved && ev == {stop} && {guard} -> over = true :: else fi"
 
     def _settled(self) -> str:
-        """Eventless rows until there is none, then what was raised, until all is done."""
+        """Eventless transitions until there is none, then what was raised, until all is done."""
         shift = " ".join(f"queue[{at}] = queue[{at + 1}];" for at in range(QUEUE - 1))
         return (
             "atomic { do :: over -> break :: else -> ev = 255; choose(); take(); "
@@ -171,7 +172,7 @@ class Translation:
         )
 
     def _selections(self) -> str:
-        """For each region the first row that is enabled, the innermost state's before its ancestors'."""
+        """For each region the first transition that is enabled, the innermost state's before its ancestors'."""
         return " ".join(self._selection(at, region) for at, region in enumerate(self.regions))
 
     def _selection(self, at: int, region: Mapping[str, Inner]) -> str:
@@ -192,7 +193,7 @@ class Translation:
         return f"sel{at} = -1; if {' '.join(branches)} fi;"
 
     def _moves(self) -> str:
-        """Exits of all that were selected, the last in the document first; then what the rows do; then entries."""
+        """Exits of all that were selected, last in the document first; then what the transitions do; then entries."""
         parts = ["moved = false;"]
         parts += [self._each_transition(at, "exit") for at in reversed(range(len(self.regions)))]
         parts += [self._each_transition(at, "do") for at in range(len(self.regions))]
@@ -208,7 +209,9 @@ class Translation:
                 for index, transition in enumerate(region[owner].state.get("transitions", ())):
                     test = f"cur{at} == {leaf.number} && sel{at} == {_transition_number(region, owner, index)}"
                     did = " ".join(self._phase(region, at, leaf, transition, owner, phase))
-                    if phase == "entry":  # the configuration changes last: until then it states where the row began
+                    if (
+                        phase == "entry"
+                    ):  # the configuration changes last: until then it states where the transition began
                         test = f"sel{at} == {_transition_number(region, owner, index)} && cur{at} == {leaf.number}"
                     branches.append(f":: {test} -> {did or 'skip;'} skip")
         return f"if {' '.join(branches)} :: else -> skip fi;" if branches else ""

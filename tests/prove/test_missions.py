@@ -48,7 +48,7 @@ def test_the_design_s_mission_is_proved_without_a_profile() -> None:
 
 
 def over_people(given: Json) -> None:
-    """The guard of the option is gone, and the row that would stop it."""
+    """The guard of the option is gone, and the transition that would stop it."""
     given["states"]["assessing"]["decision"]["options"]["drive_over"].pop("when")
     transitions = given["states"]["crossing"]["transitions"]
     given["states"]["crossing"]["transitions"] = [transition for transition in transitions if "on" in transition]

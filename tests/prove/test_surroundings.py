@@ -240,7 +240,7 @@ def test_a_run_that_ends_for_another_reason_does_not_show_what_was_reported(tmp_
         },
         "invariants": {"not_for_long": {"not": {"all": [{"in": "driving"}, near]}}},
     })  # fmt: skip
-    reported = prove(mission).ways["invariants"]  # the two guards ripen at one instant, and the row comes first
+    reported = prove(mission).ways["invariants"]  # the two guards ripen at one instant, and the transition comes first
     assert (reported[-1].outcome, record(tmp_path / "reported.journal", Header(dump(mission)), mission, reported)) == (
         "aborted", False,
     )  # fmt: skip
