@@ -13,10 +13,12 @@ def test_a_node_that_commands_past_the_gate_and_another_gate_are_reported(tmp_pa
     for graph in graph_in(tmp_path, Graph):
         words = ("gate", "--ros")
         first = graph.start(*words)
-        first.says("guards /cmd_vel")
+        first.wait_for("guards /cmd_vel")
         second = graph.start(*words, "--name", "/other")
-        assert "past this gate" in first.says("another node publishes on /cmd_vel as well")
-        assert "/other/{autonomy,agent,operator}/cmd_vel" in second.says("another node publishes on /cmd_vel as well")
+        assert "past this gate" in first.wait_for("another node publishes on /cmd_vel as well")
+        assert "/other/{autonomy,agent,operator}/cmd_vel" in second.wait_for(
+            "another node publishes on /cmd_vel as well"
+        )
         for each in (first, second):
             each.signal(signal.SIGINT)
             assert each.ends() == 0
