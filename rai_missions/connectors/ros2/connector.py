@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import atexit
 import threading
-import weakref
 from collections.abc import Callable, Mapping
 from typing import Any
 
@@ -72,12 +71,13 @@ class Ros2Connector:
             if self._session is None or not self._session.runtime.is_open:
                 self._types.clear()
                 self._session = Session(self._options, self._now)
-                _running.add(self)
+                # A thread that still spins when the interpreter ends would abort the whole process.
+                atexit.register(self.stop)
 
     def stop(self) -> None:
         with self._lock:
             session, self._session = self._session, None
-            _running.discard(self)
+        atexit.unregister(self.stop)
         if session is not None:
             session.close()
 
@@ -242,16 +242,6 @@ class Ros2Connector:
         found = find_type(type_name, kind)
         self._types[MODES[kind], name] = type_name
         return found
-
-
-_running: weakref.WeakSet[Ros2Connector] = weakref.WeakSet()
-
-
-@atexit.register
-def _stop_all() -> None:
-    """Before the interpreter ends: a thread that still spins then aborts the whole process."""
-    for connector in list(_running):
-        connector.stop()
 
 
 def _listed(node: Node, mode: Mode) -> Mapping[str, str]:
