@@ -59,13 +59,13 @@ def _lapse(terms: GateRules, gate: Gate) -> Turn:
     """
     if gate.at < gate.lapses_at(terms):
         return gate, ()
-    control = _control(gate)
+    control = Control(gate.holder, kept=gate.kept)
     control.acknowledge(terms.safe if gate.holder not in (terms.safe, "operator") else "nobody")
     return _changed(gate, control, f"{gate.holder} was silent for {terms.leases[gate.holder]:g} s")
 
 
 def _request(gate: Gate, request: Request) -> Turn:
-    control = _control(gate)
+    control = Control(gate.holder, kept=gate.kept)
     try:
         why = control.request(request.to, request.by)
     except UsageError as error:
@@ -105,12 +105,6 @@ def _stops(gate: Gate, command: ActuatorCommand) -> str:
 
 def _alive(gate: Gate, who: str) -> Gate:
     return gate._replace(alive={**gate.alive, who: gate.at})
-
-
-def _control(gate: Gate) -> Control:
-    control = Control(gate.holder)
-    control.kept = gate.kept
-    return control
 
 
 def _changed(gate: Gate, control: Control, why: str) -> Turn:

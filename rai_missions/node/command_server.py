@@ -42,6 +42,10 @@ class CommandServer:
         self.closed = "the node is unconfigured; configure and activate it first"
         """Why nothing is begun now; empty where it is."""
 
+    def close(self, why: str) -> None:
+        """Begin nothing from now on, for this reason; with an empty one, begin again what is ordered."""
+        self.closed = why
+
     @property
     def live(self) -> RunSession | None:
         """The run that has not ended."""

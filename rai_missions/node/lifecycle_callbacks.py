@@ -31,7 +31,7 @@ class LifecycleCallbacks:
     def __init__(self, commands: CommandServer, *, ready: Callable[[], None], finalized: Callable[[], None]) -> None:
         self._commands, self._ready, self._finalized = commands, ready, finalized
         self._is_to_resume = False
-        commands.closed = UNCONFIGURED
+        commands.close(UNCONFIGURED)
 
     def by_label(self) -> Mapping[str, Callable[[Finish], None]]:
         """As `ManagedLifecycle` takes them."""
@@ -43,12 +43,12 @@ class LifecycleCallbacks:
     def configure(self, finish: Finish) -> None:
         """Read and check; what is at fault leaves the node unconfigured."""
         self._ready()
-        self._commands.closed = INACTIVE
+        self._commands.close(INACTIVE)
         finish("")
 
     def activate(self, finish: Finish) -> None:
         """Take orders. Nothing moves by itself, but a mission that `deactivate` has paused continues."""
-        self._commands.closed = ""
+        self._commands.close("")
         session = self._commands.live
         if self._is_to_resume and session is not None and session.mode == "paused":
             self._commands.ask(Command("resume", "operator (activate)"))
@@ -66,7 +66,7 @@ class LifecycleCallbacks:
             if not receipt.success and self._commands.live is not None:
                 raise UsageError(receipt.why)
             self._is_to_resume = word == "pause"
-        self._commands.closed = INACTIVE
+        self._commands.close(INACTIVE)
         finish("")
 
     def clean_up(self, finish: Finish) -> None:
@@ -90,7 +90,8 @@ class LifecycleCallbacks:
         finish("")
 
     def _wind_up(self, word: str, by: str) -> None:
-        self._commands.closed, self._is_to_resume = UNCONFIGURED, False
+        self._commands.close(UNCONFIGURED)
+        self._is_to_resume = False
         session = self._commands.live
         if session is not None:
             session.submit(Command(word, by), ignore_reply)

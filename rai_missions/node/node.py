@@ -18,7 +18,7 @@ from rai_missions.node.launched import parameters_of
 from rai_missions.node.lifecycle_callbacks import LifecycleCallbacks
 from rai_missions.node.managed_lifecycle import ManagedLifecycle, serve_lifecycle
 from rai_missions.node.names import NodeName
-from rai_missions.node.prerequisites import about, readied, robot_of
+from rai_missions.node.prerequisites import about, robot_of
 from rai_missions.node.publisher import StatusPublisher
 from rai_missions.node.run_host import RunHost
 from rai_missions.node.run_session import RunSession
@@ -158,7 +158,7 @@ class MissionNode:
 
     def attend(self, runner: Runner) -> RunSession:
         """Follow a run that is about to begin, by `RunSession.run`."""
-        session = self._host.session = RunSession(runner, self._host.robot)
+        session = self._host.attend(runner)
         self._commands.attend(session)
         return session
 
@@ -186,9 +186,7 @@ class MissionNode:
 
     def _ready(self) -> None:
         if self._is_managed:
-            mission, self._host.robot = readied(self._host.setting)
-            self._host.mission = mission
-            self._host.arguments()
+            mission = self._host.read()
             self._about = (mission.name, mission.version)
 
     # -- the graph ------------------------------------------------------------------------------------------------
@@ -218,5 +216,5 @@ class MissionNode:
             self._closes += serve_typed_orders(connector, name, self._commands)
             if "actions" in connector.modes and self._is_managed:
                 server = RunServer(self._commands, self._publisher.reply)
-                self._publisher.also = server.follow
+                self._publisher.follow(server.follow)
                 self._closes.append(connector.offer(name.below("run"), f"{PACKAGE}/action/RunMission", server))

@@ -72,13 +72,16 @@ class StatusPublisher:
         self._strangers: set[str] = set()
         self._outlet = Worker("publisher", limit=LONGEST_QUEUE, keep="newest")
         self.lines = LogLines(self._logger, self.log)
-        self.also: Callable[[StatusMessage], None] = lambda _bulletin: None
-        """Receives each status, on the publisher's thread."""
+        self._on_status: Callable[[StatusMessage], None] = lambda _: None
 
     @property
     def _logger(self) -> str:
         """The node's name as ROS writes that of its logger."""
         return self._name.path.strip("/").replace("/", ".")
+
+    def follow(self, on_status: Callable[[StatusMessage], None]) -> None:
+        """Have something called with each status that is published, on the publisher's thread."""
+        self._on_status = on_status
 
     def open(self) -> None:
         """Publish from now on: how things are, and the lines of the log."""
@@ -169,7 +172,7 @@ class StatusPublisher:
         if bulletin.control != self._holder:
             self._holder = bulletin.control
             self._publish("control", STRING, {"data": bulletin.control})
-        self.also(bulletin)
+        self._on_status(bulletin)
         self._diagnose()
 
     def _publish_step(self, step: Step, run: str) -> None:

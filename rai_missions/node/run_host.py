@@ -17,13 +17,14 @@ from rai_missions.mission.files import load
 from rai_missions.mission.mission import Mission
 from rai_missions.node.command import Command
 from rai_missions.node.launched import arguments_of
-from rai_missions.node.prerequisites import Clients
+from rai_missions.node.prerequisites import Clients, readied
 from rai_missions.node.run_session import RunSession
 from rai_missions.node.transport import Carrier
 from rai_missions.profile import Robot
 from rai_missions.redaction import logger
 from rai_missions.runtime.clock import Clock, PublishedClock, WallClock
 from rai_missions.runtime.lifecycle import Status
+from rai_missions.runtime.runner import Runner
 
 __all__ = ("RunHost",)
 
@@ -80,6 +81,23 @@ class RunHost:
         mission = self.mission or self.setting.mission
         read = mission if isinstance(mission, Mission) or mission is None else load(mission)
         return {**given, **(arguments_of(self._parameters, read, given) if read is not None else {})}
+
+    def read(self) -> Mission:
+        """Read the mission and the profile, and see whether the arguments fit.
+
+        Raises:
+            DefinitionError: The mission or the profile is at fault.
+            UsageError: As `arguments`.
+        """
+        mission, self.robot = readied(self.setting)
+        self.mission = mission
+        self.arguments()
+        return mission
+
+    def attend(self, runner: Runner) -> RunSession:
+        """Follow a run that is about to begin."""
+        session = self.session = RunSession(runner, self.robot)
+        return session
 
     def now(self) -> float:
         """Seconds on the clock of the run that is under way."""

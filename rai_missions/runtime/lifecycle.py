@@ -80,11 +80,11 @@ def _waits(waiting: Mapping[str, str], holder: str, held_by: str) -> str:
 class Control:
     """Who holds control. It is handed over by request and acknowledgement; a command of anybody else is refused."""
 
-    def __init__(self, holder: str = "autonomy") -> None:
+    def __init__(self, holder: str = "autonomy", *, kept: bool = False) -> None:
         self._machine = _machine(CONTROL_TRANSITIONS, HOLDERS, holder)
         self.requested: str | None = None
         """Whom it was asked for and has not reached yet."""
-        self.kept = False
+        self.kept = kept
         """The operator has taken it, rather than been given it by the mission; then only the operator gives it back.
 
         It ends with the operator's hold, also where that ends elsewhere: at a gate, given back or lost by silence.
@@ -107,6 +107,10 @@ class Control:
         if self.kept and not is_operator(by) and to != "nobody":
             return "the operator has control and has not given it back"
         return ""
+
+    def keep(self, *, is_kept: bool) -> None:
+        """Whether the operator has taken it, in a run that another process began."""
+        self.kept = is_kept
 
     def request(self, to: str, by: str) -> str:
         """Ask for a handover; returns why not, or empty."""

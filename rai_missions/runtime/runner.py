@@ -169,7 +169,7 @@ class Runner(RunCommands):
         """Continue where a run was cut short, with what it had under way."""
         if resumed.last is not None:
             self._report_status(resumed.last)
-        self._lifecycle.control.kept = self._chart.taken
+        self._lifecycle.control.keep(is_kept=self._chart.taken)
         self._scribe.resume(resumed.at)
         if self._mailbox.urgent:
             resumed.under.stop()

@@ -110,8 +110,7 @@ def test_control_changes_by_a_granted_request_or_by_silence_alone(
 def test_requests_are_judged_as_the_lifecycle_judges_them(given_: GateRules, happened: Sequence[GateEvent]) -> None:
     for before, what, after, done in live(given_, happened):
         if isinstance(what, Request) and what.by in COMMANDERS and what.to in HOLDERS:
-            control = Control(before.holder)
-            control.kept = before.kept
+            control = Control(before.holder, kept=before.kept)
             if after.at >= before.lapses_at(given_):
                 control.acknowledge(given_.safe if before.holder not in (given_.safe, "operator") else "nobody")
             (answer,) = [each for each in done if isinstance(each, Answer)]

@@ -209,7 +209,7 @@ def test_an_error_that_no_one_foresaw_goes_through_errorprocessing(
     scene: Scene, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
     caplog.set_level(logging.CRITICAL + 1)
-    monkeypatch.setattr("rai_missions.node.node.readied", lambda _setting: 1 / 0)
+    monkeypatch.setattr("rai_missions.node.run_host.readied", lambda _setting: 1 / 0)
     assert not scene.client.change("configure")
     ways = scene.client.moves.wait(lambda all_: len(all_) == 3, "every move is reported")
     assert ways == [

@@ -70,6 +70,10 @@ class ClientGoal:
         """An end that counts once no other server is executing the goal."""
         self._quiet_since = self._pressed_at = 0.0
 
+    def abandon(self) -> None:
+        """Nothing more is received of it."""
+        self.is_over = True
+
     def send(self, goal: Any) -> None:
         """Send it as soon as its server is found."""
         ready = self._client.client.server_is_ready

@@ -242,7 +242,7 @@ class Session:
         with self._lock:
             calls, goals = tuple(self._calls), tuple(self._goals.values())
         for goal in tuple(self._sent.values()):
-            goal.is_over = True
+            goal.abandon()
         for lose in goals:
             lose(why)
         for once in calls:
