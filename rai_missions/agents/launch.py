@@ -44,7 +44,7 @@ __all__ = ("PreparedRun", "prepare")
 log = logger(__name__)
 
 
-class Closing(ExitStack):
+class CleanupStack(ExitStack):
     """What is open, and closed in the opposite order; what cannot be closed is logged and keeps nothing else open."""
 
     def closes(self, close: Callable[[], object]) -> None:
@@ -107,7 +107,7 @@ class PreparedRun:
     journal: Journal | None
     moved_aside: str | None
     """Where the journal is now that had this one's name."""
-    closing: Closing
+    closing: CleanupStack
 
     @property
     def mission(self) -> Mission:
@@ -151,7 +151,7 @@ def prepare(config: RunConfig) -> PreparedRun:
         DefinitionError: The mission or the profile is at fault, every fault at once.
         UsageError: Something named is not there.
     """
-    with Closing() as closing:
+    with CleanupStack() as closing:
         plan = _read(config, closing)
         world, connector, clock, packages = _open_environment(plan, closing)
         header = _header(plan, packages)
@@ -168,7 +168,7 @@ def prepare(config: RunConfig) -> PreparedRun:
         return PreparedRun(plan, runner, world, answerers, recording, journal, moved_aside, closing.pop_all())
 
 
-def _read(config: RunConfig, closing: Closing) -> RunPlan:
+def _read(config: RunConfig, closing: CleanupStack) -> RunPlan:
     mission = load(config.mission) if isinstance(config.mission, str | Path) else config.mission
     robot = load_profile(config.robot) if isinstance(config.robot, str | Path) else config.robot
     identity = (
@@ -189,7 +189,7 @@ def _read(config: RunConfig, closing: Closing) -> RunPlan:
     return plan
 
 
-def _open_environment(plan: RunPlan, closing: Closing) -> RunEnvironment:
+def _open_environment(plan: RunPlan, closing: CleanupStack) -> RunEnvironment:
     config = plan.config
     if config.connector is not None or plan.robot is None:
         return RunEnvironment(None, config.connector, plan.continued(config.clock or WallClock()))
@@ -206,7 +206,7 @@ def _open_environment(plan: RunPlan, closing: Closing) -> RunEnvironment:
 
 
 def _open_connector(
-    plan: RunPlan, robot: Robot, offer: Offer, options: Mapping[str, Any], closing: Closing
+    plan: RunPlan, robot: Robot, offer: Offer, options: Mapping[str, Any], closing: CleanupStack
 ) -> RunEnvironment:
     """A robot that is reached by a middleware."""
     given = plan.config.clock
@@ -223,7 +223,7 @@ def _open_connector(
     return RunEnvironment(None, connector, clock, _packages(offer))
 
 
-def _open_world(plan: RunPlan, name: str, options: dict[str, Any], closing: Closing) -> RunEnvironment:
+def _open_world(plan: RunPlan, name: str, options: dict[str, Any], closing: CleanupStack) -> RunEnvironment:
     """A simulated world."""
     config = plan.config
     if config.seed is not None:
@@ -257,7 +257,7 @@ def _header(plan: RunPlan, packages: Mapping[str, str]) -> Header:
 
 
 def _open_answerers(
-    plan: RunPlan, connector: Connector | None, clock: Clock, closing: Closing
+    plan: RunPlan, connector: Connector | None, clock: Clock, closing: CleanupStack
 ) -> Mapping[str, Answerer]:
     """Who answers, by the names in `ask`."""
     config, found = plan.config, dict(plan.config.answerers)
@@ -274,7 +274,7 @@ def _open_answerers(
 
 
 def _open_model(
-    plan: RunPlan, model: BaseChatModel | str, connector: Connector | None, clock: Clock, closing: Closing
+    plan: RunPlan, model: BaseChatModel | str, connector: Connector | None, clock: Clock, closing: CleanupStack
 ) -> Answerer:
     """A model; one that is named opens in a process of its own while the run begins."""
     from rai_missions.answerers.model.agent import DecisionAgent
@@ -297,7 +297,7 @@ def _open_model(
 
 
 def _open_recording(
-    plan: RunPlan, connector: Connector | None, clock: Clock, header: Header, closing: Closing
+    plan: RunPlan, connector: Connector | None, clock: Clock, header: Header, closing: CleanupStack
 ) -> Recording | None:
     """Closed after the journal, whose last rows it still takes, and before the world, whose pictures it renders."""
     path, resumed = plan.config.record, plan.resumed
@@ -323,7 +323,7 @@ def _open_recording(
 
 
 def _open_journal(
-    plan: RunPlan, header: Header, recording: Recording | None, closing: Closing
+    plan: RunPlan, header: Header, recording: Recording | None, closing: CleanupStack
 ) -> tuple[Journal | None, str | None]:
     """The journal, and where one is now that had its name."""
     witness = recording.row if recording is not None else None

@@ -24,7 +24,7 @@ from rai_missions.prove.liveness import Later
 from rai_missions.prove.loops import Loop
 from rai_missions.prove.open_world import NOW, OpenWorld
 from rai_missions.prove.parts import guards_in, parts
-from rai_missions.prove.store import Question, Rivals, Store, Stores, fingerprint, first_alike
+from rai_missions.prove.store import Rivals, Store, StoreQuery, Stores, fingerprint, first_alike
 from rai_missions.states.tree.leaves import ActionLeaf
 
 __all__ = ("Place", "Saved", "StateCodec")
@@ -65,7 +65,7 @@ class StateCodec:
         is_open = bool(world.predicates or chart.mission.uses)  # others may look at a value in their own way
         classes = {} if is_open else world.values.classes(chart.mission)
         self.stores = Stores(chart.terms, classes)
-        self._questions: dict[Later, Question] = {}
+        self._questions: dict[Later, StoreQuery] = {}
         self.groups: dict[str, Groups] = {}
         """State → the groups of its tree's waits and timeouts, where there are several: see `branches`."""
         self.loops: tuple[Loop, ...] = ()
@@ -167,7 +167,7 @@ class StateCodec:
         groups = [(name, [sorted(each) for each in found]) for name, found in sorted(self.groups.items())]
         return fingerprint((self._plain_values(state), keyed, groups))
 
-    def question(self) -> Question:
+    def question(self) -> StoreQuery:
         """Asks for all that makes a difference of a store from here on."""
         later = self._rest.later
         found = self._questions.get(later)
@@ -176,7 +176,7 @@ class StateCodec:
             parts: list[Callable[[Store], Any]] = [partial(_own_key, tuple(keys), self._rest.idle)] if keys else []
             if later.starts or self._rest.names_orphans:
                 parts.append(partial(_rivals_key, rivals))
-            found = self._questions[later] = Question(parts)
+            found = self._questions[later] = StoreQuery(parts)
         return found
 
     def _memory_key(self, memory: Mapping[int, Any]) -> Any:

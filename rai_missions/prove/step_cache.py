@@ -13,7 +13,7 @@ from rai_missions.prove.loops import Loop
 from rai_missions.prove.state_graph import Edge
 from rai_missions.prove.state_key import Saved
 from rai_missions.prove.stimulus import HappeningKind
-from rai_missions.prove.store import Change, Question, Store
+from rai_missions.prove.store import Store, StoreChange, StoreQuery
 
 __all__ = ("Arrival", "CachedStep", "Known", "Made", "StepCache", "joined")
 
@@ -29,8 +29,8 @@ class Arrival(NamedTuple):
     """Outcome and why; None where the mission continues."""
     core: bytes = b""
     state: Saved | None = None
-    change: Change | None = None
-    question: Question | None = None
+    change: StoreChange | None = None
+    question: StoreQuery | None = None
     """Asks for what makes a difference of the store afterwards."""
     mode: str = ""
     levels: tuple[tuple[Loop, int, bytes], ...] = ()
@@ -89,10 +89,10 @@ class Known(Generic[Kind]):
     __slots__ = ("_by_question", "_many")
 
     def __init__(self) -> None:
-        self._by_question: dict[Question, dict[bytes, Kind]] = {}
+        self._by_question: dict[StoreQuery, dict[bytes, Kind]] = {}
         self._many = 0
 
-    def add(self, question: Question, store: Store, what: Kind) -> None:
+    def add(self, question: StoreQuery, store: Store, what: Kind) -> None:
         """Remember it, unless much is known already."""
         if self._many < MOST_KNOWN:
             self._by_question.setdefault(question, {})[question.of(store)] = what

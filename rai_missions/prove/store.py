@@ -19,8 +19,18 @@ from rai_missions.engine.activities.goal_ledger import Goal, obstruction
 from rai_missions.engine.robot_facts import RobotFacts
 
 __all__ = (
-    "ALL_GOALS", "LEFT", "MANY", "Change", "Obstruction", "Question", "Rivals", "Store", "Stores", "fingerprint",
-    "first_alike", "value_of",
+    "ALL_GOALS",
+    "LEFT",
+    "MANY",
+    "Obstruction",
+    "Rivals",
+    "Store",
+    "StoreChange",
+    "StoreQuery",
+    "Stores",
+    "fingerprint",
+    "first_alike",
+    "value_of",
 )  # fmt: skip
 
 MANY = 2
@@ -58,7 +68,7 @@ class Store:
         """The goals as a run has them."""
 
 
-class Change(NamedTuple):
+class StoreChange(NamedTuple):
     """What a step does to a store."""
 
     number: int
@@ -74,7 +84,7 @@ Rivals = Callable[[Goal], tuple[Any, ...] | None]
 """All that makes a difference of a goal that nothing pursues; None where that is nothing."""
 
 
-class Question:
+class StoreQuery:
     """Parts of a store that are asked for together; an answer is 16 bytes, none where nothing is asked."""
 
     __slots__ = ("_answers", "_parts")
@@ -107,9 +117,9 @@ class Stores:
         self._facts, self._classes = facts, classes
         self._numbers = count()
         self._found: dict[bytes, Store] = {}
-        self._changes: dict[bytes, Change] = {}
+        self._changes: dict[bytes, StoreChange] = {}
         self._after: dict[tuple[int, int], Store] = {}
-        self._questions: dict[frozenset[Any], Question] = {}
+        self._questions: dict[frozenset[Any], StoreQuery] = {}
 
     def store(self, keys: Mapping[str, Any], goals: tuple[Goal, ...]) -> Store:
         """The one of these."""
@@ -125,7 +135,7 @@ class Stores:
 
     def change(
         self, written: Mapping[str, Any], goals: tuple[Goal, ...], rivals: Rivals, *, is_absolute: bool
-    ) -> Change:
+    ) -> StoreChange:
         """The one that does this."""
         entries = [(key, tuple(entry)) for key, entry in sorted(written.items())]
         mark = fingerprint((entries, _plain(goals), is_absolute, id(rivals)))
@@ -133,10 +143,10 @@ class Stores:
         if found is None:
             if len(self._changes) >= REMEMBERED:
                 self._changes.clear()
-            found = self._changes[mark] = Change(next(self._numbers), written, goals, is_absolute, rivals)
+            found = self._changes[mark] = StoreChange(next(self._numbers), written, goals, is_absolute, rivals)
         return found
 
-    def after(self, store: Store, change: Change) -> Store:
+    def after(self, store: Store, change: StoreChange) -> Store:
         """What becomes of a store by a change."""
         if not (change.written or change.goals or store.goals):
             return store
@@ -155,12 +165,12 @@ class Stores:
         """What is asked by looking at keys: of one that is written as well its value, which may be added to."""
         return ((key,) if key in self._classes and key not in written else key for key in keys)
 
-    def question(self, asked: Iterable[Any]) -> Question:
+    def question(self, asked: Iterable[Any]) -> StoreQuery:
         """The one that asks for these: keys, keys in classes, obstructions, every goal."""
         place = frozenset(asked)
         found = self._questions.get(place)
         if found is None:
-            found = self._questions[place] = Question([self._part(each) for each in sorted(place, key=repr)])
+            found = self._questions[place] = StoreQuery([self._part(each) for each in sorted(place, key=repr)])
         return found
 
     def _part(self, asked: Any) -> Callable[[Store], Any]:
