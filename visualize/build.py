@@ -145,12 +145,7 @@ def _edges(
 
 
 def _initials(mission: Mission, run: _Run) -> Iterator[Initial]:
-    transitions = [("", mission.transitions), *((place, state.transitions) for place, _, state in mission.walk())]
-    targets = {
-        f"{place}/transitions/{index}": transition.to
-        for place, each in transitions
-        for index, transition in enumerate(each)
-    }
+    targets = {place: transition.to for place, transition in mission.every_transition()}
     for target in mission.initial:
         yield Initial("", target, run.begun("", target, frozenset(), targets))
     for _, name, state in mission.walk():

@@ -50,15 +50,8 @@ def _plain(value: Any) -> str:
 
 def _reasons(mission: Mission) -> dict[str, str]:
     """JSON pointer of a transition → its guard in words."""
-    found = {}
-    for place, transitions in (
-        ("", mission.transitions),
-        *((place, state.transitions) for place, _, state in mission.walk()),
-    ):
-        for index, transition in enumerate(transitions):
-            if transition.when is not None:
-                found[f"{place}/transitions/{index}"] = transition.when.words()
-    return found
+    guarded = ((place, each.when) for place, each in mission.every_transition())
+    return {place: guard.words() for place, guard in guarded if guard is not None}
 
 
 class Person(Answerer, Protocol):

@@ -7,8 +7,8 @@ events and times give the same Steps.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable, Iterator, Mapping
+from math import inf
 from typing import Any
 
 from rai_missions.engine import snapshot
@@ -157,11 +157,11 @@ class Chart:
         leap = config.leaps.get((tuple(transitions), name))
         if leap is None or not leap.plain or not leap.shifts.isdisjoint(state.listening):
             return make_step(self.program, state, event)
-        state.config = leap.config
-        state.active = leap.config.active
+        state.config = config = leap.config
+        state.active = config.active
         if leap.acts:
             return self._acted(event, leap, looked)
-        return self._short(event, leap.moves, tuple(looked))
+        return self._short(event, leap.moves, tuple(looked) if looked else ())
 
     def _acted(self, event: Event, leap: CompiledStep, looked: list[tuple[str, Truth]]) -> Step:
         """The end of a step on the short way that does something."""
@@ -190,7 +190,7 @@ class Chart:
         state.seq = seq = state.seq + 1
         wake = state.wake
         return _new(Step, (
-            seq, state.at, event, moves, looked, written, None, None if wake == math.inf else wake, effects, "", notes,
+            seq, state.at, event, moves, looked, written, None, None if wake == inf else wake, effects, "", notes,
             (), "running", state.holder, (), "", False,
         ))  # fmt: skip
 
@@ -296,10 +296,8 @@ class Chart:
     @property
     def unheard(self) -> tuple[str, ...]:
         """The robot keys that the start waits for: never received, or stale whenever they were."""
-        state, waited = (
-            self.state,
-            (name for name, key in self.program.keys.items() if key.source == "robot" and not key.optional),
-        )
+        state, keys = self.state, self.program.keys.items()
+        waited = (name for name, key in keys if key.source == "robot" and not key.optional)
         return tuple(name for name in waited if name not in state.board or name in state.outdated)
 
     @property

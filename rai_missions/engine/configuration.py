@@ -61,29 +61,12 @@ class Configuration:
         self.plans: dict[str, tuple[tuple[CompiledTransition, ...], ...]] = {}
         self.leaps: dict[Any, CompiledStep] = {}
         self.eventless = self._chains(None, declared=False)
-        transitions = [
-            transition for node in sorted(self.nodes, key=lambda node: node.index) for transition in node.transitions
-        ]
-        waiting = [
-            transition.condition
-            for transition in transitions
-            if transition.condition and transition.definition.eventless
-        ]
-        self.holds = {
-            memory: test
-            for transition in transitions
-            if transition.condition
-            for memory, test in transition.condition.holds.items()
-        }
-        self.reads = frozenset[str]().union(*(condition.reads for condition in waiting), *(
-            each.condition.reads for each in transitions if each.condition and each.condition.holds
-        ))  # fmt: skip
-        lasting = [
-            transition.condition
-            for transition in transitions
-            if transition.condition and transition.condition.holds and not transition.definition.eventless
-        ]
-        self.instants = tuple(instant for condition in (*waiting, *lasting) for instant in condition.instants)
+        transitions = [each for node in sorted(self.nodes, key=lambda node: node.index) for each in node.transitions]
+        guarded = [(each.condition, each.definition.eventless) for each in transitions if each.condition is not None]
+        self.holds = {memory: test for condition, _ in guarded for memory, test in condition.holds.items()}
+        looked_at = [condition for condition, eventless in guarded if eventless or condition.holds]
+        self.reads = frozenset[str]().union(*(condition.reads for condition in looked_at))
+        self.instants = tuple(instant for condition in looked_at for instant in condition.instants)
         self.watchful = bool(self.eventless or self.holds)
 
     def _candidates(self, wanted: Callable[[CompiledTransition], bool]) -> tuple[tuple[CompiledTransition, ...], ...]:

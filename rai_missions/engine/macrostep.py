@@ -75,12 +75,8 @@ def complete(program: Program, state: RunState, trigger: Trigger | None) -> None
             _hold(program, state)
         waiting = config.eventless if not state.frozen else free(state, config.eventless)
         if waiting and (transitions := enabled(state, waiting, draft.looked)):
-            circle = (
-                config.key,
-                tuple([transition.place for transition in transitions]),
-                len(draft.written),
-                len(draft.internal),
-            )
+            taken = tuple([transition.place for transition in transitions])
+            circle = (config.key, taken, len(draft.written), len(draft.internal))
             if circle in seen:
                 return _end_circle(program, state)
             seen.add(circle)
@@ -125,7 +121,7 @@ def _answer(program: Program, state: RunState, trigger: Trigger) -> None:
     """Find the transitions that a trigger fires, and take them."""
     source, config = trigger.source, state.config
     if trigger.name == "round" and source is not None and source.is_each:
-        return (keep_trigger if is_held(state, source) else _begin_round)(program, state, trigger)
+        return keep_trigger(program, state, trigger) if is_held(state, source) else _next_round(program, state, source)
     state.event, option = trigger.data, False
     if trigger.transition is not None:
         plan: tuple[tuple[CompiledTransition, ...], ...] = ((trigger.transition,),)
@@ -148,11 +144,6 @@ def _answer(program: Program, state: RunState, trigger: Trigger) -> None:
         _unanswered(program, state, trigger, source)
     elif trigger.transition is None and (trigger.name in BUILT_IN_EVENTS or state.draft.moves):
         state.draft.notes.append(f"no row took '{trigger.name}'")
-
-
-def _begin_round(program: Program, state: RunState, trigger: Trigger) -> None:
-    assert trigger.source is not None
-    _next_round(program, state, trigger.source)
 
 
 def _unanswered(program: Program, state: RunState, trigger: Trigger, source: Node) -> None:

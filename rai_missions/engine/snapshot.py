@@ -99,7 +99,7 @@ def configuration(program: Program, targets: Iterable[str]) -> tuple[Configurati
         targets: Names of states; what is inside them is entered by default.
     """
     graph = program.graph
-    entered = graph.around(graph.nodes[name] for name in targets)
+    entered = graph.around((graph.nodes[name] for name in targets), graph.root, {})
     rivals = [
         f"'{inside[0].name}' and '{inside[1].name}'"
         for node in (graph.root, *entered) if node.is_compound and not node.is_parallel

@@ -111,27 +111,21 @@ class Graph(Compiled):
 
     def start(self, memory: Memory) -> CompiledStep:
         """The entry of the mission."""
-        entered: set[Node] = set()
-        self._into(self.root.initial, self.root, entered, memory)
-        return self.move(self.empty, set(), entered, taken=(), acts=(), trigger="")
+        return self.move(self.empty, set(), self.around(self.root.initial, self.root, memory))
 
     def jump_to(self, config: Configuration, target: Node, memory: Memory, trigger: str) -> CompiledStep:
         """From wherever it is into a state, everything left."""
-        entered: set[Node] = set()
-        self._into((target,), self.root, entered, memory)
         exited = {node for node in config.nodes if node.state is not None}
-        return self.move(config, exited, entered, taken=(), acts=(), trigger=trigger)
+        return self.move(config, exited, self.around((target,), self.root, memory), trigger=trigger)
 
     def reenter(self, config: Configuration, node: Node, memory: Memory, trigger: str = "") -> CompiledStep:
         """What is inside a state is left, and its `initial` entered: the next round of an `each`."""
-        entered: set[Node] = set()
-        self._into(node.initial, node, entered, memory)
         exited = {each for each in config.nodes if each.inside(node)}
-        return self.move(config, exited, entered, taken=(), acts=(), trigger=trigger)
+        return self.move(config, exited, self.around(node.initial, node, memory), trigger=trigger)
 
     def move(
-        self, config: Configuration, exited: set[Node], entered: set[Node], *, taken: tuple[str, ...],
-        acts: tuple[Act, ...], trigger: str,
+        self, config: Configuration, exited: set[Node], entered: set[Node], *, taken: tuple[str, ...] = (),
+        acts: tuple[Act, ...] = (), trigger: str = "",
     ) -> CompiledStep:  # fmt: skip
         """A leap from what is left and entered: exit innermost first, the transitions' acts, entry outermost first."""
         out = tuple(sorted(exited, key=lambda node: -node.index))
@@ -181,10 +175,10 @@ class Graph(Compiled):
                     states = [each for each in config.nodes if each.parent is node]
                 yield history.index, tuple(sorted(states, key=lambda each: each.index))
 
-    def around(self, targets: Iterable[Node]) -> set[Node]:
-        """All that is active when these states are: what contains them, and what is entered inside them by default."""
+    def around(self, targets: Iterable[Node], domain: Node, memory: Memory) -> set[Node]:
+        """These states, what contains them up to the domain, and what is entered inside them by default."""
         entered: set[Node] = set()
-        self._into(targets, self.root, entered, {})
+        self._into(targets, domain, entered, memory)
         return entered
 
     def _into(self, targets: Iterable[Node], domain: Node, entered: set[Node], memory: Memory) -> None:

@@ -15,7 +15,7 @@ from rai_missions.keys import Key, fits
 from rai_missions.kinds import reference_word
 from rai_missions.mission.mission import Mission
 from rai_missions.redaction import shown
-from rai_missions.states import DecisionSpec, Include, Transition
+from rai_missions.states import DecisionSpec, Include
 from rai_missions.states.state import ANY_EVENT
 
 __all__ = ("MAX_INCLUSIONS", "Chain", "included_file", "inclusion_faults", "questions", "refused", "shared_key")
@@ -118,7 +118,7 @@ def _unfit(include: Include, inner: Mission, parent: Mission) -> Iterator[Fault]
         for option in asked.options:
             if option in parent.events:
                 yield Fault("/mission", f"its option '{option}' is also an event of this mission; rename one of them")
-    for place, transition in _transitions(inner):
+    for place, transition in inner.every_transition():
         if ANY_EVENT in transition.on and not inner.events:
             yield Fault(
                 "/mission", f"its transition {place} is for any event, and it declares none; drop the transition"
@@ -131,13 +131,6 @@ def _unfit(include: Include, inner: Mission, parent: Mission) -> Iterator[Fault]
         if declared.source == "answer" and shared_key(include.with_.get(key)) != key:
             why = f'keep the name: "with": {{"{key}": {{"from": "{key}"}}}}, and declare it in this mission'
             yield Fault("/mission", f"its key '{key}' is written by answers, which know it by that name; {why}")
-
-
-def _transitions(mission: Mission) -> Iterator[tuple[str, Transition]]:
-    sources = (("", mission.transitions), *((place, state.transitions) for place, _, state in mission.walk()))
-    for place, transitions in sources:
-        for index, transition in enumerate(transitions):
-            yield f"{place}/transitions/{index}", transition
 
 
 def questions(mission: Mission) -> Iterator[DecisionSpec]:

@@ -29,7 +29,7 @@ from rai_missions.model import (
     fault,
     without_schema,
 )
-from rai_missions.states.state import State, States, Transitions, descendants
+from rai_missions.states.state import State, States, Transition, Transitions, descendants
 from rai_missions.states.tree import ONLY_IN_PYTHON, BehaviourLeaf
 
 FAMILIES: tuple[type[TaggedModel], ...] = (Guard, State)
@@ -141,6 +141,13 @@ class Mission(MissionModel):
     def walk(self) -> Iterator[tuple[str, str, State]]:
         """Every state in document order as (JSON pointer, name, state), outer before inner."""
         return descendants(self.states)
+
+    def every_transition(self) -> Iterator[tuple[str, Transition]]:
+        """Every transition with its JSON pointer: the mission's own, then those of the states in document order."""
+        of_states = ((place, state.transitions) for place, _, state in self.walk())
+        for place, transitions in (("", self.transitions), *of_states):
+            for index, transition in enumerate(transitions):
+                yield f"{place}/transitions/{index}", transition
 
     def behaviours(self) -> Mapping[str, BehaviourLeaf]:
         """`state#path` → the leaf there that is written in Python; a mission with one has no JSON."""

@@ -71,11 +71,11 @@ class Abstraction:
         self.saturating = values.saturating()
         """Counters → the bounds past which no guard distinguishes their values."""
         self._waiting: dict[tuple[int, ...], tuple[CompiledGuard, ...]] = {}
-        transitions = [*mission.transitions, *(each for _, _, state in mission.walk() for each in state.transitions)]
+        triggers = {word for _, transition in mission.every_transition() for word in transition.on}
         self.live: LooksAhead = LiveReads(mission, chart.program.graph, facts, reads_all=bool(world.predicates))
         self._rivals: dict[frozenset[str], Rivals] = {}
-        self.names_orphans = any("orphaned" in transition.on for transition in transitions)
-        self._names_failed_calls = any("call_failed" in transition.on for transition in transitions)
+        self.names_orphans = "orphaned" in triggers
+        self._names_failed_calls = "call_failed" in triggers
         rests: Mapping[Holds, Callable[[Any], Any]] = {
             "timers": _rest_timers, "deadlines": _rest_instants, "settling": _rest_instants, "deadline": _soon,
             "goals": _rest_goals, "activities": self._rest_activities, "rounds": _rest_rounds,

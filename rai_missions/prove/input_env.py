@@ -47,11 +47,7 @@ class InputEnvironment:
         self._chart, self._world, self._rest, self._instruments = chart, world, rest, instruments
         self._choices, self._values = world.choices, world.values
         self._brought = AnswerValues(chart.mission.blackboard, world.values)
-        transitions = [
-            *chart.mission.transitions,
-            *(transition for _, _, each in chart.mission.walk() for transition in each.transitions),
-        ]
-        self._names_doubt = any("uncertain" in transition.on for transition in transitions)
+        self._names_doubt = any("uncertain" in transition.on for _, transition in chart.mission.every_transition())
         """Some transition is about what was done or not, as far as is known."""
         self.last_event: Event | None = None
         """What last happened to the mission."""
