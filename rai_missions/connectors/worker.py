@@ -191,9 +191,9 @@ def _pieces(jobs: SimpleQueue[Work | None], timers: list[Timer]) -> Iterator[Wor
                 heappush(timers, (time.monotonic() + period_s, number, entry, period_s))
             yield from entry
             del entry
-        left_s = max(0.0, timers[0][0] - time.monotonic()) if timers else math.inf
+        left_s = min(max(0.0, timers[0][0] - time.monotonic()), threading.TIMEOUT_MAX) if timers else None
         try:
-            work = jobs.get(timeout=min(left_s, threading.TIMEOUT_MAX))
+            work = jobs.get(timeout=left_s)
         except Empty:
             continue
         if work is None:

@@ -124,9 +124,14 @@ class BufferedWriter:
         until, why = time.monotonic() + LONGEST_S, f"its disk has not answered for {LONGEST_S:g} s"
         if self._is_lost:
             raise ConnectorError(why)
-        written = self._worker.submit(lambda: write(journal))
-        written.add_done_callback(lambda _: self._bell.put(False))
-        while not written.done():
+        outcome: list[Exception | None] = []
+
+        def do() -> None:
+            outcome.append(raised_by(lambda: write(journal)))
+            self._bell.put(False)
+
+        self._worker.post(do)
+        while not outcome:
             try:
                 is_call = self._bell.get(timeout=max(0.0, until - time.monotonic()))
             except queue.Empty:
@@ -134,10 +139,11 @@ class BufferedWriter:
                 raise ConnectorError(why) from None
             if is_call:
                 self._called()
-        written.result()
+        if outcome[0] is not None:
+            raise outcome[0]
 
 
-def raised_by(write: Callable[[], None]) -> Exception | None:
+def raised_by(write: Callable[[], object]) -> Exception | None:
     """What writing raises: whatever the reason, what is not written down may not be done."""
     try:
         write()
