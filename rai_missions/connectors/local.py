@@ -13,8 +13,9 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from rai_missions.connectors.connector import ActionServer, Close, Data, Message, Mode, Reply, Report
-from rai_missions.connectors.local_goals import LocalGoal, SerialQueue
+from rai_missions.connectors.local_goals import LocalGoal
 from rai_missions.connectors.stamps import Dated, dated, stamp_of
+from rai_missions.connectors.worker import SerialQueue
 from rai_missions.errors import ConnectorError, UsageError
 from rai_missions.redaction import logger
 

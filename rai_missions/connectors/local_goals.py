@@ -6,45 +6,15 @@ Rule: a goal that has ended never reports again, and a cancel is never lost, how
 
 from __future__ import annotations
 
-import threading
-from collections import deque
 from collections.abc import Callable
 
 from rai_missions.connectors.connector import ENDS, ActionServer, Data, Report
+from rai_missions.connectors.worker import SerialQueue
 from rai_missions.redaction import logger
 
-__all__ = ("LocalGoal", "SerialQueue")
+__all__ = ("LocalGoal",)
 
 log = logger(__name__)
-
-
-class SerialQueue:
-    """Runs what is posted one after the other, on the thread that finds it idle.
-
-    A post from inside a running piece, or from another thread, is run by the one that is running already.
-    """
-
-    def __init__(self) -> None:
-        self._waiting: deque[Callable[[], None]] = deque()
-        self._lock = threading.Lock()
-        self._busy = False
-
-    def post(self, work: Callable[[], None]) -> None:
-        with self._lock:
-            self._waiting.append(work)
-            if self._busy:
-                return
-            self._busy = True
-        while (next_work := self._next()) is not None:
-            try:
-                next_work()
-            except Exception:
-                log.exception("a callback failed")
-
-    def _next(self) -> Callable[[], None] | None:
-        with self._lock:
-            self._busy = bool(self._waiting)
-            return self._waiting.popleft() if self._busy else None
 
 
 class LocalGoal:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""One thread that does what is posted to it, one piece of work after the other: the only queue with a thread.
+"""One thread that does what is posted to it, one piece of work after the other; and a queue without a thread.
 
 Rule: `post` returns at once, on any thread, in a signal handler and in a garbage collection. Which pieces find no room
 is decided here, by one bound and one policy.
@@ -12,6 +12,7 @@ import math
 import threading
 import time
 import weakref
+from collections import deque
 from collections.abc import Callable, Iterator
 from contextlib import suppress
 from functools import partial
@@ -25,7 +26,7 @@ from rai_missions.redaction import logger
 if TYPE_CHECKING:
     from concurrent.futures import Future
 
-__all__ = ("Work", "Worker")
+__all__ = ("SerialQueue", "Work", "Worker")
 
 log = logger(__name__)
 
@@ -166,6 +167,42 @@ class Worker:
         with suppress(Empty):
             self._jobs.get_nowait()
         return True
+
+
+class SerialQueue:
+    """Does what is posted, one piece after the other, on the thread that finds it idle: it has none of its own.
+
+    What is posted from inside a piece, or from another thread, is done by the thread that is at it already.
+    """
+
+    def __init__(self) -> None:
+        self._waiting: deque[Work] = deque()
+        self._lock = threading.Lock()
+        self._is_busy = False
+
+    def post(self, work: Work) -> None:
+        """Have something done, now or by the thread that is at it."""
+        self.put(work)
+        self.run()
+
+    def put(self, work: Work) -> None:
+        """Have something done by the next `run`; a lock may be held meanwhile."""
+        self._waiting.append(work)
+
+    def run(self) -> None:
+        """Do what waits, unless a thread is at it."""
+        with self._lock:
+            is_ours, self._is_busy = not self._is_busy, True
+        while is_ours and (work := self._next()) is not None:
+            try:
+                work()
+            except Exception:
+                log.exception("a callback failed")
+
+    def _next(self) -> Work | None:
+        with self._lock:
+            self._is_busy = bool(self._waiting)
+            return self._waiting.popleft() if self._is_busy else None
 
 
 def _work(

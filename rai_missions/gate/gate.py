@@ -12,12 +12,12 @@ import math
 import threading
 import time
 import uuid
-from collections import deque
 from collections.abc import Callable, Mapping
 from functools import partial
 from typing import Any
 
 from rai_missions.connectors.connector import Close, Connector, Data, Message
+from rai_missions.connectors.worker import SerialQueue
 from rai_missions.gate.config import GateWords
 from rai_missions.gate.memory import Memory
 from rai_missions.gate.rules import step
@@ -76,8 +76,8 @@ class GateAgent:
         self._lock = threading.Lock()
         self._mailbox = Mailbox()
         self._waits_until = math.inf
-        self._deeds: deque[Deed] = deque()
-        self._is_doing = self._is_over = False
+        self._turns = SerialQueue()
+        self._is_over = False
         self._is_closed = True
         self._closes: list[Close] = []
         self._thread: threading.Thread | None = None
@@ -148,7 +148,9 @@ class GateAgent:
         """Receive nothing more, and stop the actuators."""
         while self._closes:
             self._closes.pop()()
-        self._do_in_turn((Halt("the gate has ended"),), is_last=True)
+        with self._lock:
+            self._is_closed = True
+        self._turns.post(partial(self._do, Halt("the gate has ended")))
 
     def _subscribe(self, topic: str, kind: str, on_message: Callable[[Message], None]) -> None:
         self._closes.append(self._connector.subscribe(topic, kind, on_message))
@@ -209,25 +211,12 @@ class GateAgent:
             if self._is_closed:
                 return ()
             self.gate, done = step(self._terms, self.gate, happening(self._clock.now()))
-            self._deeds.extend(done)
+            for deed in done:
+                self._turns.put(partial(self._do, deed))
             if self.gate.wake_at(self._terms) < self._waits_until:
                 self._mailbox.wake()
-        self._do_in_turn(())
+        self._turns.run()
         return done
-
-    def _do_in_turn(self, deeds: tuple[Deed, ...], *, is_last: bool = False) -> None:
-        """Do what waits to be done; anyone who comes while someone is at it leaves it to that one."""
-        with self._lock:
-            self._deeds.extend(deeds)
-            self._is_closed = self._is_closed or is_last
-            is_ours, self._is_doing = not self._is_doing, True
-        while is_ours:
-            with self._lock:
-                if not self._deeds:
-                    self._is_doing = False
-                    return
-                deed = self._deeds.popleft()
-            self._do(deed)
 
     def _do(self, deed: Deed) -> None:
         try:
