@@ -223,7 +223,7 @@ def test_a_server_ends_with_the_model_that_it_was_started_for(weights: Path, mon
 
     monkeypatch.setattr(local_server, "ModelServer", Counted)
     model = local_model(weights)
-    assert started[0].alive and model.invoke("Say hi").content
+    assert started[0].alive and model.invoke("Greet me").content
     del model
     gc.collect()
     assert not started[0].alive
