@@ -1,10 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Holds the words of `scripts/words.toml` out of documents, docstrings, comments, messages and names.
 
-Rule: no file has more findings than `scripts/words_left.toml` lists for it, and that list can only shrink.
-
-`python scripts/words.py` checks the project; with paths it shows each finding in them; `--lower` shortens the list.
-Exit status: 0 no more findings than listed (fewer is a note), 1 more.
+`python scripts/words.py` shows each finding in the project, or in the paths that it is given.
+Exit status: 0 none, 1 some.
 """
 
 from __future__ import annotations
@@ -23,13 +21,12 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-__all__ = ("Finding", "Sense", "Word", "WordList", "excess", "findings_in", "read_words")
+__all__ = ("Finding", "Sense", "Word", "WordList", "findings_in", "read_words")
 
 ROOT = Path(__file__).parents[1]
-WORDS, LEFT = "scripts/words.toml", "scripts/words_left.toml"
+WORDS = "scripts/words.toml"
 START, END = r"(?:(?<![A-Za-z])|(?<=[a-z])(?=[A-Z]))", r"(?![a-z])"
 """A word begins and ends at what is no letter, and where a name's next word begins with a capital."""
-HEAD = "# How many words to avoid each file still has; `python scripts/words.py --lower` shortens the list.\n"
 SPACE = r"[\s#_]+"
 """What separates the words of a phrase: a name's `_` and a comment's next line too."""
 
@@ -136,46 +133,19 @@ def _names(text: str, starts: list[int]) -> set[int]:
     return {starts[each.start[0] - 1] + at for each in names for at in range(each.start[1], each.end[1])}
 
 
-def excess(found: list[Finding], listed: dict[str, int]) -> Iterator[str]:
-    """What is found beyond the list of what is left."""
-    by_path: dict[str, list[Finding]] = {}
-    for each in found:
-        by_path.setdefault(each.path, []).append(each)
-    for path, these in sorted(by_path.items()):
-        allowed = listed.get(path, 0)
-        if len(these) > allowed:
-            yield from map(str, these)
-            yield f"{path}: {len(these)} words to avoid, {allowed} listed"
-
-
 def main() -> int:
     """Check; returns the exit status."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("paths", nargs="*", help="files or folders: show each finding in them")
-    parser.add_argument("--lower", action="store_true", help="write the list of what is left; it cannot grow")
+    parser.add_argument("paths", nargs="*", help="files or folders; by default all of the project")
     args = parser.parse_args()
     words = read_words((ROOT / WORDS).read_text())
-    listed: dict[str, int] = tomllib.loads((ROOT / LEFT).read_text())
     places = tuple(Path(each).resolve().relative_to(ROOT).as_posix() for each in args.paths)
     paths = [
         each for each in words.paths(ROOT) if not places or any(f"{each}/".startswith(f"{one}/") for one in places)
     ]
     found = [one for each in paths for one in findings_in(each, (ROOT / each).read_text(), words)]
-    if places:
-        print(*found, f"{len(found)} words to avoid", sep="\n")
-        return bool(found)
-    if args.lower:
-        counts = {each.path: 0 for each in found}
-        for each in found:
-            counts[each.path] += 1
-        listed = {path: min(count, listed.get(path, 0)) for path, count in counts.items()}
-        lines = [f'"{path}" = {count}\n' for path, count in sorted(listed.items()) if count]
-        (ROOT / LEFT).write_text(HEAD + "".join(lines))
-    wrong = list(excess(found, listed))
-    print(*wrong, f"{len(found)} words to avoid, {sum(listed.values())} listed", sep="\n")
-    if len(found) < sum(listed.values()) and not wrong:
-        print("note: fewer than listed; `scripts/words.py --lower` shortens the list")
-    return bool(wrong)
+    print(*found, f"{len(found)} words to avoid in {len(paths)} files", sep="\n")
+    return bool(found)
 
 
 if __name__ == "__main__":

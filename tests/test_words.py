@@ -71,14 +71,6 @@ def test_a_word_of_one_room_is_avoided_in_that_room(words: ModuleType) -> None:
     assert str(found) == "engine/a.md:1: 'shelf'; write: transition"
 
 
-def test_a_file_may_have_as_many_findings_as_are_listed(words: ModuleType) -> None:
-    found = [words.Finding("a.md", line, "grim", "severity") for line in (1, 2)]
-    assert list(words.excess(found, {"a.md": 2})) == []
-    assert list(words.excess(found, {"a.md": 3, "gone.md": 1})) == []
-    assert list(words.excess(found, {"a.md": 1})) == [*map(str, found), "a.md: 2 words to avoid, 1 listed"]
-    assert list(words.excess(found, {})) == [*map(str, found), "a.md: 2 words to avoid, 0 listed"]
-
-
 def test_each_word_of_the_list_is_found(words: ModuleType) -> None:
     listed = words.read_words((ROOT / words.WORDS).read_text())
     for sample in (
