@@ -72,13 +72,6 @@ class GateWords(MissionModel):
     """Who has control when its holder falls silent, and when the gate begins."""
     status_s: Annotated[Seconds, Field(gt=0)] = 1.0
 
-    @model_validator(mode="before")
-    @classmethod
-    def _takes_lists(cls, data: Any) -> Any:
-        if isinstance(data, dict) and isinstance(data.get("commands"), list):
-            data = data | {"commands": tuple(data["commands"])}
-        return data
-
     _without_schema = model_validator(mode="before")(without_schema)
 
     @field_validator("leases")

@@ -18,7 +18,7 @@ __all__ = ("RunCommands",)
 
 
 class RunCommands:
-    """The side of a run that others act on; its `Commands`.
+    """What a person or another program may do to a run; each from any thread, each an event in the journal.
 
     Args:
         scheduler: The run's.
@@ -42,6 +42,7 @@ class RunCommands:
         self.post_urgent(Event("kill", self._scheduler.now(), {"by": by}, "command"))
 
     def control(self, to: str, by: str = "operator") -> str:
+        """Ask for control to change its holder; returns why it may not, or empty."""
         why = self._control.refuses(to, by)
         if not why:
             self.call_soon(lambda: self._hand_over(to, by))
@@ -54,10 +55,12 @@ class RunCommands:
     def answer(
         self, number: int, option: str, parameters: Mapping[str, Any] | None = None, by: str = "operator"
     ) -> None:
+        """Answer an open question."""
         data = {"option": option, "parameters": dict(parameters or {}), "by": by}
         self.post(Event(by, self._scheduler.now(), data, "proposal", number))
 
     def post(self, event: Event) -> None:
+        """Something has happened outside."""
         self._scheduler.post(event)
 
     def post_urgent(self, event: Event) -> None:

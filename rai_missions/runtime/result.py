@@ -1,16 +1,14 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A run, seen from outside: what may be done to it, and how it ended."""
+"""How a run ended."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Any, NamedTuple, Protocol
+from typing import NamedTuple
 
 from rai_missions.engine.activities.goal_ledger import OpenGoal, may_move
-from rai_missions.event import Event
 from rai_missions.states.final import FinalOutcome
 
-__all__ = ("Commands", "Result")
+__all__ = ("Result",)
 
 
 class Result(NamedTuple):
@@ -38,26 +36,3 @@ class Result(NamedTuple):
     def warning(self) -> str:
         """What a person near the robot has to know: which goals may still move it; empty if none does."""
         return may_move(self.open_goals)
-
-
-class Commands(Protocol):
-    """What a person or another program may do to a run; each from any thread, each an event in the journal."""
-
-    def pause(self, by: str = "operator") -> None: ...
-
-    def resume(self, by: str = "operator") -> None: ...
-
-    def cancel(self, by: str = "operator") -> None: ...
-
-    def kill(self, by: str = "operator") -> None: ...
-
-    def control(self, to: str, by: str = "operator") -> str:
-        """Ask for control to change its holder; returns why it may not, or empty."""
-
-    def answer(
-        self, number: int, option: str, parameters: Mapping[str, Any] | None = None, by: str = "operator"
-    ) -> None:
-        """Answer an open question."""
-
-    def post(self, event: Event) -> None:
-        """Something has happened outside."""

@@ -34,12 +34,12 @@ from rai_missions.runtime.lifecycle import Lifecycle
 from rai_missions.runtime.mailbox import Mailbox
 from rai_missions.runtime.readings import refused
 from rai_missions.runtime.recovery import ResyncWindow, resume_effects
-from rai_missions.runtime.result import Commands, Result
+from rai_missions.runtime.result import Result
 from rai_missions.runtime.run_options import NewRun, RunObserver
 from rai_missions.runtime.scheduler import Scheduler
 from rai_missions.runtime.view import RunView
 
-__all__ = ("Commands", "Result", "Runner")
+__all__ = ("Result", "Runner")
 
 log = logger(__name__)
 
