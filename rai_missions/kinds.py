@@ -24,9 +24,34 @@ if TYPE_CHECKING:
     from importlib.metadata import Distribution
 
 __all__ = (
-    "EVENT", "HELD", "INTERFACES", "KEY", "OPERAND", "PATH", "STATE", "TEMPLATE", "TIMER", "TRIGGER", "FieldUse",
-    "Interface", "KeyValue", "Offer", "OneOrMany", "Reference", "Refers", "fields_of", "found", "inside",
-    "lacking", "load_kinds", "named", "offered", "offers", "reference_word", "rewritten", "template_paths",
+    "EVENT",
+    "HELD",
+    "INTERFACES",
+    "KEY",
+    "OPERAND",
+    "PATH",
+    "STATE",
+    "TEMPLATE",
+    "TIMER",
+    "TRIGGER",
+    "FieldUse",
+    "Interface",
+    "KeyValue",
+    "OneOrMany",
+    "PackageOffer",
+    "Reference",
+    "Refers",
+    "fields_of",
+    "found",
+    "inside",
+    "lacking",
+    "load_kinds",
+    "named",
+    "offered",
+    "offers",
+    "reference_word",
+    "rewritten",
+    "template_paths",
 )  # fmt: skip
 
 Interface = Literal["action", "service", "topic"]
@@ -249,7 +274,7 @@ def load_kinds(package: str, folders: Iterable[str]) -> None:
 OURS = "rai-missions"
 
 
-class Offer(NamedTuple):
+class PackageOffer(NamedTuple):
     """Something that a package offers under a name, by an entry point."""
 
     group: str
@@ -283,7 +308,7 @@ def _sort(group: str) -> str:
     return "activity" if word == "activities" else word.removesuffix("s")
 
 
-def offered(group: str, name: str, ours: Mapping[str, str]) -> Offer | None:
+def offered(group: str, name: str, ours: Mapping[str, str]) -> PackageOffer | None:
     """Who offers a name: this package itself, which no other can shadow, else an installed one; None if none does.
 
     Args:
@@ -295,7 +320,7 @@ def offered(group: str, name: str, ours: Mapping[str, str]) -> Offer | None:
         UsageError: Two packages offer it.
     """
     if name in ours:
-        return Offer(group, name, OURS, "", ours[name])
+        return PackageOffer(group, name, OURS, "", ours[name])
     found = [each for each in offers(group) if each.name == name]
     if len(found) > 1:
         both = " and ".join(sorted(f"{each.package} {each.version}" for each in found))
@@ -303,7 +328,7 @@ def offered(group: str, name: str, ours: Mapping[str, str]) -> Offer | None:
     return found[0] if found else None
 
 
-def offers(group: str) -> tuple[Offer, ...]:
+def offers(group: str) -> tuple[PackageOffer, ...]:
     """What installed packages offer in a group; nothing of it is loaded."""
     return tuple(each for each in _offers(_places()) if each.group == group)
 
@@ -315,9 +340,9 @@ def _places() -> tuple[str, ...]:
 
 
 @cache
-def _offers(path: tuple[str, ...]) -> tuple[Offer, ...]:
+def _offers(path: tuple[str, ...]) -> tuple[PackageOffer, ...]:
     return tuple(
-        Offer(entry.group, entry.name, name, distribution.version, entry.value)
+        PackageOffer(entry.group, entry.name, name, distribution.version, entry.value)
         for name, distribution in _installed(path).items()
         for entry in distribution.entry_points
         if entry.group.startswith("rai_missions.") and name != OURS

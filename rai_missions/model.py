@@ -38,8 +38,8 @@ from rai_missions.kinds import (
     STATE,
     TIMER,
     KeyValue,
-    Offer,
     OneOrMany,
+    PackageOffer,
     Reference,
     Refers,
     found,
@@ -288,7 +288,7 @@ class TaggedModel(MissionModel):
         return "" if issubclass(kind, cls) else f"it is no {cls.family}"
 
     @classmethod
-    def offer(cls, word: str) -> Offer | None:
+    def offer(cls, word: str) -> PackageOffer | None:
         """Which other package offers the kind of a word.
 
         Raises:
@@ -348,7 +348,7 @@ class TaggedModel(MissionModel):
 
 
 @cache
-def _admitted(family: Any, offer: Offer) -> Any:
+def _admitted(family: Any, offer: PackageOffer) -> Any:
     """The kind that a package offers.
 
     Raises:

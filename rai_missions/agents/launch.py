@@ -22,7 +22,7 @@ from rai_missions.embodiment import Identity
 from rai_missions.engine.decision import Answerer
 from rai_missions.errors import DefinitionError, Fault, UsageError
 from rai_missions.journal import Header, Journal, make_way, versions
-from rai_missions.kinds import Offer
+from rai_missions.kinds import PackageOffer
 from rai_missions.mission.files import dump, load
 from rai_missions.mission.mission import Mission
 from rai_missions.model import suggestion
@@ -206,7 +206,7 @@ def _open_environment(plan: RunPlan, closing: CleanupStack) -> RunEnvironment:
 
 
 def _open_connector(
-    plan: RunPlan, robot: Robot, offer: Offer, options: Mapping[str, Any], closing: CleanupStack
+    plan: RunPlan, robot: Robot, offer: PackageOffer, options: Mapping[str, Any], closing: CleanupStack
 ) -> RunEnvironment:
     """A robot that is reached by a middleware."""
     given = plan.config.clock
@@ -239,7 +239,7 @@ def _open_world(plan: RunPlan, name: str, options: dict[str, Any], closing: Clea
     )
 
 
-def _packages(offer: Offer | None) -> Mapping[str, str]:
+def _packages(offer: PackageOffer | None) -> Mapping[str, str]:
     return {offer.package: offer.version} if offer is not None and offer.version else {}
 
 

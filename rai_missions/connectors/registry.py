@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from rai_missions.kinds import Offer, offered
+from rai_missions.kinds import PackageOffer, offered
 
 __all__ = ("CONNECTORS", "connector_offer")
 
@@ -16,7 +16,7 @@ CONNECTORS: Mapping[str, str] = {"ros2": "rai_missions.connectors.ros2", "mqtt":
 """Ours: kind → the module that opens it. A connector inside the process is `local`, which a run opens itself."""
 
 
-def connector_offer(kind: str) -> Offer | None:
+def connector_offer(kind: str) -> PackageOffer | None:
     """Who opens connectors of a kind; None for `local`, and where no package does.
 
     What it loads has `open_connector(options, *, now)`; where it also has `why_absent` and `fields_of`, a profile is

@@ -14,7 +14,7 @@ from pydantic import AfterValidator, BeforeValidator, Field, model_validator
 from rai_missions.errors import UsageError
 from rai_missions.guards.guard import Guard
 from rai_missions.keys import Key
-from rai_missions.kinds import Offer, lacking, named
+from rai_missions.kinds import PackageOffer, lacking, named
 from rai_missions.model import (
     EventName,
     KeyName,
@@ -117,7 +117,7 @@ class Mission(MissionModel):
                 raise fault("uses", f"{offer} is used at {place}, and the mission does not list it; add {remedy}")
         return self
 
-    def foreign(self) -> Iterator[tuple[str, Offer]]:
+    def foreign(self) -> Iterator[tuple[str, PackageOffer]]:
         """What it uses of other packages, each with its JSON pointer.
 
         Raises:

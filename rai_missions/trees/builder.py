@@ -76,12 +76,12 @@ def _parallel(at: TreeBuilder, node: tree.ParallelTree, path: str, inside: Insid
     else:
         selected = [inside[int(number)] for number in node.policy]
         policy = ParallelPolicy.SuccessOnSelected(selected, synchronise=node.synchronise)
-    return nodes.Parallel(node.word, policy, inside)
+    return nodes.ParallelBehaviour(node.word, policy, inside)
 
 
 def _ask(at: TreeBuilder, node: tree.DecisionLeaf, path: str, inside: Inside) -> Any:
     subtrees = dict(zip(node.then, inside, strict=True))
-    return _with(leaves.Ask(node.word, inside), options=frozenset(node.decision.options), subtrees=subtrees)
+    return _with(leaves.AskBehaviour(node.word, inside), options=frozenset(node.decision.options), subtrees=subtrees)
 
 
 def _write(at: TreeBuilder, node: tree.SetLeaf, path: str, inside: Inside) -> Any:
@@ -92,7 +92,7 @@ def _write(at: TreeBuilder, node: tree.SetLeaf, path: str, inside: Inside) -> An
     def value(view: View) -> Any:
         return read(view) if add is None else _sum(read(view), add)
 
-    write = leaves.Write(node.word)
+    write = leaves.WriteBehaviour(node.word)
     return _with(write, key=node.set, definition=at.keys.get(node.set), adds=add is not None, value=value, site=site)
 
 
@@ -107,7 +107,7 @@ def _publish(at: TreeBuilder, node: tree.PublishLeaf, path: str, inside: Inside)
     def message(view: View) -> Any:
         return filled(node.message, view, at.site(path, "message"))
 
-    return _with(leaves.Publish(node.word), topic=node.publish, message=message)
+    return _with(leaves.PublishBehaviour(node.word), topic=node.publish, message=message)
 
 
 def _sent(at: TreeBuilder, node: tree.TreeNode, path: str, template: Any, *also: str) -> Any:
@@ -121,28 +121,32 @@ def _sent(at: TreeBuilder, node: tree.TreeNode, path: str, template: Any, *also:
 
 
 MAKERS: Mapping[type[tree.TreeNode], Maker] = {
-    tree.Sequence: lambda at, node, path, inside: nodes.Sequence(node.word, node.memory, inside),
-    tree.Selector: lambda at, node, path, inside: nodes.Selector(node.word, node.memory, inside),
+    tree.Sequence: lambda at, node, path, inside: nodes.SequenceBehaviour(node.word, node.memory, inside),
+    tree.Selector: lambda at, node, path, inside: nodes.SelectorBehaviour(node.word, node.memory, inside),
     tree.ParallelTree: _parallel,
     **{kind: lambda at, node, path, inside: nodes.PLAIN[type(node)](node.word, inside[0]) for kind in nodes.PLAIN},
-    tree.Retry: lambda at, node, path, inside: nodes.Retry(node.word, inside[0], node.num_failures),
-    tree.Repeat: lambda at, node, path, inside: nodes.Repeat(node.word, inside[0], node.num_success),
-    tree.Timeout: lambda at, node, path, inside: nodes.Timeout(node.word, inside[0], node.duration_s),
-    tree.OneShot: lambda at, node, path, inside: nodes.OneShot(
+    tree.Retry: lambda at, node, path, inside: nodes.RetryBehaviour(node.word, inside[0], node.num_failures),
+    tree.Repeat: lambda at, node, path, inside: nodes.RepeatBehaviour(node.word, inside[0], node.num_success),
+    tree.Timeout: lambda at, node, path, inside: nodes.TimeoutBehaviour(node.word, inside[0], node.duration_s),
+    tree.OneShot: lambda at, node, path, inside: nodes.OneShotBehaviour(
         node.word, inside[0], OneShotPolicy[node.policy.upper()]
     ),
-    tree.Condition: lambda at, node, path, inside: nodes.Condition(node.word, inside[0], nodes.STATUSES[node.status]),
+    tree.Condition: lambda at, node, path, inside: nodes.ConditionBehaviour(
+        node.word, inside[0], nodes.STATUSES[node.status]
+    ),
     tree.EternalGuard: lambda at, node, path, inside: _tested(
-        nodes.EternalGuard(node.word, inside[0]), node.guard, at.site(path, "eternal_guard")
+        nodes.EternalGuardBehaviour(node.word, inside[0]), node.guard, at.site(path, "eternal_guard")
     ),
     tree.StatusToBlackboard: lambda at, node, path, inside: _with(
-        nodes.StatusToBlackboard(node.word, inside[0]), key=node.key
+        nodes.StatusToBlackboardBehaviour(node.word, inside[0]), key=node.key
     ),
-    tree.CheckLeaf: lambda at, node, path, inside: _tested(leaves.Check(node.word), node.check, at.site(path, "check")),
+    tree.CheckLeaf: lambda at, node, path, inside: _tested(
+        leaves.CheckBehaviour(node.word), node.check, at.site(path, "check")
+    ),
     tree.DecisionLeaf: _ask,
     tree.SetLeaf: _write,
     tree.PublishLeaf: _publish,
-    tree.WaitLeaf: lambda at, node, path, inside: _with(leaves.Wait(node.word), wait_s=node.wait_s),
+    tree.WaitLeaf: lambda at, node, path, inside: _with(leaves.WaitBehaviour(node.word), wait_s=node.wait_s),
     tree.ActionLeaf: lambda at, node, path, inside: _sent(at, node, path, node.goal, GOALS),
     tree.CallLeaf: lambda at, node, path, inside: _sent(at, node, path, node.request),
     tree.BehaviourLeaf: lambda at, node, path, inside: leaves.PythonLeaf(node.program()),

@@ -15,7 +15,15 @@ from rai_missions.keys import Key, fits
 from rai_missions.trees.nodes import FAILURE, INVALID, RUNNING, SUCCESS, WORDS, TracedBehaviour
 from rai_missions.trees.tick import Tick
 
-__all__ = ("ActivityLeaf", "Ask", "Check", "Publish", "PythonLeaf", "Wait", "Write")
+__all__ = (
+    "ActivityLeaf",
+    "AskBehaviour",
+    "CheckBehaviour",
+    "PublishBehaviour",
+    "PythonLeaf",
+    "WaitBehaviour",
+    "WriteBehaviour",
+)
 
 
 class TreeLeaf(TracedBehaviour, Behaviour):
@@ -44,7 +52,7 @@ class TreeLeaf(TracedBehaviour, Behaviour):
         raise NotImplementedError
 
 
-class Check(TreeLeaf):
+class CheckBehaviour(TreeLeaf):
     """Whether a guard is true."""
 
     test: Test
@@ -53,7 +61,7 @@ class Check(TreeLeaf):
         return SUCCESS if self.test(self.round.sight) is True else FAILURE
 
 
-class Wait(TreeLeaf):
+class WaitBehaviour(TreeLeaf):
     """Runs for so many seconds."""
 
     wait_s: float
@@ -76,7 +84,7 @@ class Wait(TreeLeaf):
         return self.until
 
 
-class Write(TreeLeaf):
+class WriteBehaviour(TreeLeaf):
     """Writes a key; fails where the value is unknown or does not fit."""
 
     key: str
@@ -98,7 +106,7 @@ class Write(TreeLeaf):
         return SUCCESS
 
 
-class Publish(TreeLeaf):
+class PublishBehaviour(TreeLeaf):
     """Publishes a message."""
 
     topic: str
@@ -168,7 +176,7 @@ class PythonLeaf(ActivityLeaf):
         super().terminate(new_status)
 
 
-class Ask(TracedBehaviour, composites.Composite):
+class AskBehaviour(TracedBehaviour, composites.Composite):
     """A question that the chart asks, then the subtree of the option: a sequence with memory of the two."""
 
     round: Tick

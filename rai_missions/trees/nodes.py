@@ -20,16 +20,16 @@ from rai_missions.trees.tick import Tick
 
 __all__ = (
     "PLAIN",
-    "Condition",
-    "EternalGuard",
-    "OneShot",
-    "Parallel",
-    "Repeat",
-    "Retry",
-    "Selector",
-    "Sequence",
-    "StatusToBlackboard",
-    "Timeout",
+    "ConditionBehaviour",
+    "EternalGuardBehaviour",
+    "OneShotBehaviour",
+    "ParallelBehaviour",
+    "RepeatBehaviour",
+    "RetryBehaviour",
+    "SelectorBehaviour",
+    "SequenceBehaviour",
+    "StatusToBlackboardBehaviour",
+    "TimeoutBehaviour",
     "TracedBehaviour",
 )  # fmt: skip
 
@@ -88,7 +88,7 @@ class TracedBehaviour(Behaviour if TYPE_CHECKING else object):  # type: ignore[m
         return self.children
 
 
-class Composite(TracedBehaviour, composites.Composite if TYPE_CHECKING else object):  # type: ignore[misc]
+class CompositeBehaviour(TracedBehaviour, composites.Composite if TYPE_CHECKING else object):  # type: ignore[misc]
     def place(self) -> int:
         """The number of the current child; -1 for none."""
         return -1 if self.current_child is None else self.children.index(self.current_child)
@@ -100,7 +100,7 @@ class Composite(TracedBehaviour, composites.Composite if TYPE_CHECKING else obje
         self.current_child = self.children[memory["child"]] if "child" in memory else None
 
 
-class _OldFirst(Composite):
+class _OldFirst(CompositeBehaviour):
     """A composite in which a child can take over from one that still runs: the old one ends first.
 
     py_trees ticks the child that takes over and then stops the others. Nothing of the second depends on the first, so
@@ -150,18 +150,18 @@ class _OldFirst(Composite):
         super().stop(new_status)
 
 
-class Sequence(_OldFirst, composites.Sequence):
+class SequenceBehaviour(_OldFirst, composites.Sequence):
     decides = FAILURE
 
 
-class Selector(_OldFirst, composites.Selector):
+class SelectorBehaviour(_OldFirst, composites.Selector):
     decides = SUCCESS
 
     def takes_over(self, child: Behaviour) -> bool:
         return child.status is not FAILURE
 
 
-class Parallel(Composite, composites.Parallel):
+class ParallelBehaviour(CompositeBehaviour, composites.Parallel):
     @property
     def loops(self) -> bool:  # type: ignore[override]
         return not self.policy.synchronise
@@ -172,23 +172,23 @@ class Parallel(Composite, composites.Parallel):
         return [child for child in self.children if child.status is not SUCCESS]
 
 
-class Decorator(TracedBehaviour, decorators.Decorator if TYPE_CHECKING else object):  # type: ignore[misc]
+class DecoratorBehaviour(TracedBehaviour, decorators.Decorator if TYPE_CHECKING else object):  # type: ignore[misc]
     pass
 
 
-PLAIN: dict[type[tree.TreeNode], type[Decorator]] = {
-    kind: type(kind.__name__, (Decorator, getattr(decorators, kind.__name__)), {})
+PLAIN: dict[type[tree.TreeNode], type[DecoratorBehaviour]] = {
+    kind: type(kind.__name__, (DecoratorBehaviour, getattr(decorators, kind.__name__)), {})
     for kind in tree.TreeNode.kinds.values()
     if issubclass(kind, tree.Decorator) and kind.model_fields.keys() == {"name", "child"}
 }
 """The decorators that take nothing but their child: the format's kind → py_trees' own of the same name, traced."""
 
 
-class Condition(Decorator, decorators.Condition):
+class ConditionBehaviour(DecoratorBehaviour, decorators.Condition):
     loops = True
 
 
-class OneShot(Decorator, decorators.OneShot):
+class OneShotBehaviour(DecoratorBehaviour, decorators.OneShot):
     def kept(self) -> dict[str, Any]:
         return {} if self.final_status is None else {"end": WORDS[self.final_status]}
 
@@ -199,7 +199,7 @@ class OneShot(Decorator, decorators.OneShot):
         return self.children if self.final_status is None else []
 
 
-class Retry(Decorator, decorators.Retry):
+class RetryBehaviour(DecoratorBehaviour, decorators.Retry):
     loops = counted = True
 
     def kept(self) -> dict[str, Any]:
@@ -209,7 +209,7 @@ class Retry(Decorator, decorators.Retry):
         self.failures = memory.get("failures", 0)
 
 
-class Repeat(Decorator, decorators.Repeat):
+class RepeatBehaviour(DecoratorBehaviour, decorators.Repeat):
     loops = True
 
     @property
@@ -238,7 +238,7 @@ class _Timed(decorators.Timeout):
         return self.decorated.status
 
 
-class Timeout(Decorator, _Timed):
+class TimeoutBehaviour(DecoratorBehaviour, _Timed):
     def kept(self) -> dict[str, Any]:
         return {"until": self.finish_time} if self.status is RUNNING else {}
 
@@ -256,7 +256,7 @@ class _Mirror(decorators.Decorator):
         return self.decorated.status
 
 
-class EternalGuard(Decorator, _Mirror):
+class EternalGuardBehaviour(DecoratorBehaviour, _Mirror):
     """py_trees' EternalGuard without its client of the global blackboard."""
 
     test: Test
@@ -287,7 +287,7 @@ class _Report(_Mirror):
         return status
 
 
-class StatusToBlackboard(Decorator, _Report):
+class StatusToBlackboardBehaviour(DecoratorBehaviour, _Report):
     pass
 
 

@@ -15,7 +15,7 @@ from rai_missions.keys import Key
 from rai_missions.states.tree import TreeNode
 from rai_missions.trees.builder import TreeBuilder
 from rai_missions.trees.dependencies import BehaviourWatch, TickReads
-from rai_missions.trees.leaves import ActivityLeaf, Ask
+from rai_missions.trees.leaves import ActivityLeaf, AskBehaviour
 from rai_missions.trees.nodes import INVALID, STATUSES, WORDS, TracedBehaviour
 from rai_missions.trees.tick import Tick, TickView
 
@@ -40,7 +40,7 @@ class TreeTicker:
         builder = TreeBuilder(place, keys, state, self.round)
         self.root: Any = builder.build(root)
         self.live: dict[str, TracedBehaviour] = builder.live
-        self.activity_leaves = [node for node in self.live.values() if isinstance(node, ActivityLeaf | Ask)]
+        self.activity_leaves = [node for node in self.live.values() if isinstance(node, ActivityLeaf | AskBehaviour)]
         self.watch = BehaviourWatch(self.live)
         self.loops = len(self.watch.turns)
         self._shown: TreeState | None = None

@@ -16,7 +16,7 @@ from typing import Any, Protocol, get_args, get_origin, get_type_hints
 
 from rai_missions.connectors.connector import Connector
 from rai_missions.errors import UsageError
-from rai_missions.kinds import Offer, offered
+from rai_missions.kinds import PackageOffer, offered
 
 __all__ = ("WORLDS", "World", "open_world", "world_offer")
 
@@ -56,7 +56,7 @@ class World(Protocol):
         """Free what is held (renderers, windows)."""
 
 
-def world_offer(name: str) -> Offer | None:
+def world_offer(name: str) -> PackageOffer | None:
     """Who has the world of a name; None where no package does.
 
     Raises:
