@@ -5,6 +5,8 @@ are."""
 from __future__ import annotations
 
 import copy
+import json
+import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any
 
@@ -19,7 +21,7 @@ from rai_missions.answerers.test_models import ScriptedModel
 from rai_missions.engine.decision import Offer, Question
 from rai_missions.image import Image
 from rai_missions.mission.files import dump
-from rai_missions.plain_data import apart
+from rai_missions.plain_data import apart, plain
 from rai_missions.profile import dump_profile
 from rai_missions.testing import QUESTION, ReplyCollector, call
 from tests.rigs.journals import MemoryJournal
@@ -113,6 +115,18 @@ def test_what_is_apart_is_equal_and_shares_nothing_that_can_be_changed(value: An
     made = apart(value)
     assert made == value
     assert not {id(part) for part in parts(made)} & {id(part) for part in parts(value)}
+
+
+@given(json_values)
+def test_what_is_plain_is_json(value: Any) -> None:
+    made = plain(value)
+    assert json.loads(json.dumps(made, allow_nan=False)) == made
+
+
+def test_what_json_has_not_becomes_text() -> None:
+    assert plain([math.inf, -math.inf, b"\x00", {1: {2}}]) == ["inf", "-inf", "AA==", {"1": [2]}]
+    assert plain(Tinkering) == str(Tinkering)
+    assert plain(IMAGE) == {"picture": "camera@1", "width": 1, "height": 1, "encoding": "rgb8"}
 
 
 @pytest.mark.parametrize("profile", [{}, {"tool_calling": True, "structured_output": False}])

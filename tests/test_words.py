@@ -86,3 +86,5 @@ def test_each_word_of_the_list_is_found(words: ModuleType) -> None:
         "lest",
     ):
         assert words.findings_in("a.md", sample, listed), sample
+    assert words.findings_in("rai_missions/engine/a.py", "the rows", listed)
+    assert not words.findings_in("rai_missions/journal/a.py", "the rows", listed)

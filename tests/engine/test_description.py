@@ -1,0 +1,31 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A step as JSON for its readers."""
+
+from __future__ import annotations
+
+import json
+
+from hypothesis import given
+
+from rai_missions.engine.description import describe, step_json
+from rai_missions.engine.step import Step
+from tests.rigs.journals import steps
+
+made = steps.map(lambda step: step._replace(verdicts=()))
+"""Steps whose verdicts would name notes that are not in them."""
+
+
+@given(made)
+def test_a_step_is_json_with_the_words_of_its_description(step: Step) -> None:
+    found, described = step_json(step), describe(step)
+    assert json.loads(json.dumps(found, allow_nan=False)) == found
+    assert [each["about"] for each in found["effects"]] == list(described.effects)
+    assert (found["verdicts"], found["notes"]) == (list(described.verdicts), list(described.remarks))
+    assert [found["exited"], found["entered"]] == [list(step.exited), list(step.entered)]
+
+
+@given(made)
+def test_a_field_that_a_reader_does_not_want_is_left_out_by_its_name(step: Step) -> None:
+    whole = step_json(step)
+    for name in whole:
+        assert step_json(step, without=(name,)) == {word: value for word, value in whole.items() if word != name}
