@@ -4,27 +4,21 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Annotated, ClassVar
+from typing import Annotated, ClassVar
 
 from pydantic import Field
 
 from rai_missions.guards.guard import Guard
 from rai_missions.kinds import TEMPLATE
-from rai_missions.model import ActionName, Bool, Json, OneOf, Seconds, Text
+from rai_missions.model import ActionName, Bool, Json, MissionModel, OneOf, Seconds, Text
 from rai_missions.states.effects import call_lines
 from rai_missions.states.state import ResultKey, State
 
-if TYPE_CHECKING:
-    from rai_missions.states.tree.leaves import ActionLeaf
-
-__all__ = ("Action", "goal_lines")
+__all__ = ("Action", "GoalFields")
 
 
-class Action(State, word="action"):
-    """Pursues a goal. Its success counts only while `achieved` is true."""
-
-    positional: ClassVar = ("action",)
-    reports_robot: ClassVar = True
+class GoalFields(MissionModel):
+    """What an action's goal is sent with, and when its success counts."""
 
     action: ActionName
     """The profile's name of it."""
@@ -40,6 +34,23 @@ class Action(State, word="action"):
     """How long the end of a canceled goal may take to be confirmed before it counts as orphaned."""
     over_orphan: Bool = False
     """Start even though an earlier goal on the same resources never confirmed its end."""
+    timeout_s: Seconds | None = Field(default=None, gt=0)
+
+    def goal_lines(self) -> Iterator[str]:
+        """What is sent, how long it may take, and when its success counts."""
+        yield from call_lines("goal", self.goal, self.result, self.timeout_s)
+        if self.achieved is not None:
+            settle = f" (within {self.settle_s:g} s)" if self.settle_s else ""
+            yield f"achieved when {self.achieved.words()}{settle}"
+        if self.over_orphan:
+            yield "starts over an orphan"
+
+
+class Action(GoalFields, State, word="action"):
+    """Pursues a goal. Its success counts only while `achieved` is true."""
+
+    positional: ClassVar = ("action",)
+    reports_robot: ClassVar = True
 
     def outcomes(self) -> frozenset[str]:
         ends = {"succeeded", "failed", "rejected", "canceled"}
@@ -52,14 +63,4 @@ class Action(State, word="action"):
         return f"action {self.action}"
 
     def details(self) -> Iterator[str]:
-        return goal_lines(self)
-
-
-def goal_lines(work: Action | ActionLeaf) -> Iterator[str]:
-    """What is sent, how long it may take, and when its success counts."""
-    yield from call_lines("goal", work.goal, work.result, work.timeout_s)
-    if work.achieved is not None:
-        settle = f" (within {work.settle_s:g} s)" if work.settle_s else ""
-        yield f"achieved when {work.achieved.words()}{settle}"
-    if work.over_orphan:
-        yield "starts over an orphan"
+        return self.goal_lines()

@@ -9,19 +9,15 @@ from typing import Annotated, ClassVar
 from pydantic import Field
 
 from rai_missions.kinds import TEMPLATE
-from rai_missions.model import Json, ServiceName, Text
+from rai_missions.model import Json, MissionModel, Seconds, ServiceName, Text
 from rai_missions.states.effects import call_lines
 from rai_missions.states.state import ResultKey, State
 
-__all__ = ("Call",)
+__all__ = ("Call", "CallFields")
 
 
-class Call(State, word="call"):
-    """Calls a service once; leaving the state drops the reply."""
-
-    positional: ClassVar = ("call",)
-    yields: ClassVar = False
-    reports_robot: ClassVar = True
+class CallFields(MissionModel):
+    """What a service is called with, and what is kept of its reply."""
 
     call: ServiceName
     """The profile's name of it."""
@@ -29,6 +25,19 @@ class Call(State, word="call"):
     """The request's fields; `{"from": key}` takes a value from the blackboard."""
     result: dict[ResultKey, Text] = Field(default_factory=dict)
     """Mission key → the field of the reply that it takes."""
+    timeout_s: Seconds | None = Field(default=None, gt=0)
+
+    def call_lines(self) -> Iterator[str]:
+        """What is sent, what is taken of the reply, and how long it may take."""
+        return call_lines("request", self.request, self.result, self.timeout_s)
+
+
+class Call(CallFields, State, word="call"):
+    """Calls a service once; leaving the state drops the reply."""
+
+    positional: ClassVar = ("call",)
+    yields: ClassVar = False
+    reports_robot: ClassVar = True
 
     def outcomes(self) -> frozenset[str]:
         return super().outcomes() | {"succeeded", "failed", "rejected"}
@@ -40,4 +49,4 @@ class Call(State, word="call"):
         return f"call {self.call}"
 
     def details(self) -> Iterator[str]:
-        return call_lines("request", self.request, self.result, self.timeout_s)
+        return self.call_lines()

@@ -50,9 +50,7 @@ Holder = Literal[Controller, "nobody"]
 """Who can hold control."""
 HOLDERS: tuple[Holder, ...] = get_args(Holder)
 
-Effects = Annotated[
-    tuple[OneOf[Effect], ...], BeforeValidator(lambda given: tuple(given) if isinstance(given, list) else given)
-]
+Effects = tuple[OneOf[Effect], ...]
 ResultKey = Annotated[Name, Refers("key", "result")]
 """A key of the mission that a field of a result is written to."""
 TriggerName = Annotated[str, Field(pattern=r"^(\*|[a-z][a-z0-9_]*(/[a-z][a-z0-9_]*)*)$", strict=True)]
@@ -110,11 +108,7 @@ class Transition(MissionModel):
         return f"{trigger} {guard}".strip()
 
 
-def _transitions(given: Any) -> Any:
-    return tuple(given) if isinstance(given, list) else given
-
-
-Transitions = Annotated[tuple[Transition, ...], BeforeValidator(_transitions)]
+Transitions = tuple[Transition, ...]
 
 
 class State(TaggedModel, family="state", group="rai_missions.activities", word=""):

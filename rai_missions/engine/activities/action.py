@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import Any, Literal, NamedTuple, Protocol
+from typing import Any, Literal, NamedTuple
 
 from rai_missions.engine.activities.activity import (
     GOALS,
@@ -21,26 +21,13 @@ from rai_missions.engine.activities.activity import (
 from rai_missions.engine.step import CancelGoal, StartGoal
 from rai_missions.event import Event
 from rai_missions.guards.guard import Guard, Instant, Site, Test, View
-from rai_missions.states.action import Action
+from rai_missions.states.action import GoalFields
 from rai_missions.states.effects import filled
-from rai_missions.states.tree import ActionLeaf
 
 __all__ = ("GoalActivity", "GoalMachine")
 
 ENDS = ("failed", "canceled", "rejected")
 """How a server reports that a goal did not succeed; any other word is a failure."""
-
-
-class ActionFields(Protocol):
-    """What a state and a leaf that run an action have in common."""
-
-    action: str
-    goal: Mapping[str, Any]
-    result: Mapping[str, str]
-    achieved: Guard | None
-    settle_s: float
-    cancel_s: float
-    over_orphan: bool
 
 
 @remembered("Pursuit")
@@ -67,9 +54,15 @@ class GoalMachine(Machine):
     """
 
     def __init__(
-        self, definition: Any, owner: str, site: Site, *, succeeded: Guard | None = None, failed: Guard | None = None
+        self,
+        definition: GoalFields,
+        owner: str,
+        site: Site,
+        *,
+        succeeded: Guard | None = None,
+        failed: Guard | None = None,
     ) -> None:
-        self.definition: ActionFields = definition
+        self.definition = definition
         self.owner, self.site = owner, site
         self.achieved: Test | None = definition.achieved.compile(site) if definition.achieved is not None else None
         self.settling_reads, self.settling_instants = site.watched, tuple(site.instants)
@@ -176,8 +169,7 @@ class GoalMachine(Machine):
         return state._replace(until=state.until + by_s)
 
 
-@machine_of.register(Action)
-@machine_of.register(ActionLeaf)
-def _(definition: Action | ActionLeaf, bench: Bench) -> GoalMachine:
+@machine_of.register(GoalFields)
+def _(definition: GoalFields, bench: Bench) -> GoalMachine:
     succeeded, failed = (each.get(definition.action) for each in (bench.robot.succeeded, bench.robot.failed))
     return GoalMachine(definition, bench.owner, bench.site("achieved"), succeeded=succeeded, failed=failed)

@@ -3,15 +3,14 @@
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from rai_missions.engine.activities.activity import ActivityHost, Bench, Machine, Outcome, Turn, machine_of, remembered
 from rai_missions.engine.step import CallService
 from rai_missions.event import Event
 from rai_missions.guards.guard import Site
-from rai_missions.states.call import Call
+from rai_missions.states.call import CallFields
 from rai_missions.states.effects import filled
-from rai_missions.states.tree import CallLeaf
 
 __all__ = ("CallActivity", "CallMachine")
 
@@ -34,7 +33,7 @@ class CallActivity(NamedTuple):
 class CallMachine(Machine):
     """Calls one service."""
 
-    def __init__(self, definition: Any, owner: str, site: Site) -> None:
+    def __init__(self, definition: CallFields, owner: str, site: Site) -> None:
         self.definition, self.owner, self.site = definition, owner, site
 
     def begin(self, host: ActivityHost) -> Turn:
@@ -59,7 +58,6 @@ class CallMachine(Machine):
         return frozenset({state.number})
 
 
-@machine_of.register(Call)
-@machine_of.register(CallLeaf)
-def _(definition: Call | CallLeaf, bench: Bench) -> CallMachine:
+@machine_of.register(CallFields)
+def _(definition: CallFields, bench: Bench) -> CallMachine:
     return CallMachine(definition, bench.owner, bench.site())

@@ -11,61 +11,43 @@ from pydantic import Field, model_validator
 from rai_missions.guards.guard import Guard
 from rai_missions.kinds import TEMPLATE, KeyValue, Refers
 from rai_missions.model import (
-    ActionName,
-    Bool,
     Json,
     Name,
     Number,
     OneOf,
     Path,
     Seconds,
-    ServiceName,
-    Text,
     TopicName,
     fault,
     suggestion,
 )
-from rai_missions.states.action import goal_lines
+from rai_missions.states.action import GoalFields
+from rai_missions.states.call import CallFields
 from rai_missions.states.decision import DecisionSpec, Option
-from rai_missions.states.effects import Publish, Set, call_lines
-from rai_missions.states.state import ResultKey
+from rai_missions.states.effects import Publish, Set
 from rai_missions.states.tree.node import TreeNode
 
 __all__ = ("ActionLeaf", "CallLeaf", "CheckLeaf", "DecisionLeaf", "PublishLeaf", "SetLeaf", "WaitLeaf")
 
 
-class ActionLeaf(TreeNode, word="action"):
+class ActionLeaf(GoalFields, TreeNode, word="action"):
     """A goal; as the state of the same word."""
 
     positional: ClassVar = ("action",)
     takes_time: ClassVar = True
-    action: ActionName
-    goal: Annotated[dict[Text, Json], TEMPLATE] = Field(default_factory=dict)
-    result: dict[ResultKey, Text] = Field(default_factory=dict)
-    achieved: OneOf[Guard] | None = None
-    settle_s: Seconds = 0.0
-    cancel_s: Seconds = 5.0
-    over_orphan: Bool = False
-    timeout_s: Seconds | None = Field(default=None, gt=0)
 
     def words(self) -> str:
-        return "; ".join((f"action {self.action}", *goal_lines(self)))
+        return "; ".join((f"action {self.action}", *self.goal_lines()))
 
 
-class CallLeaf(TreeNode, word="call"):
+class CallLeaf(CallFields, TreeNode, word="call"):
     """A call; as the state of the same word."""
 
     positional: ClassVar = ("call",)
     takes_time: ClassVar = True
-    call: ServiceName
-    request: Annotated[dict[Text, Json], TEMPLATE] = Field(default_factory=dict)
-    result: dict[ResultKey, Text] = Field(default_factory=dict)
-    timeout_s: Seconds | None = Field(default=None, gt=0)
 
     def words(self) -> str:
-        return "; ".join(
-            (f"call {self.call}", *call_lines("request", self.request, self.result, self.timeout_s))
-        )  # fmt: skip
+        return "; ".join((f"call {self.call}", *self.call_lines()))
 
 
 class CheckLeaf(TreeNode, word="check"):
