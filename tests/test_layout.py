@@ -43,20 +43,11 @@ INNER = {
 }
 """A folder in a package's tests that is no package → what it holds."""
 
-PY_TREES = "a node of the format, and the behaviour of py_trees that runs it"
 SHARED_NAMES = {
-    **dict.fromkeys(
-        (
-            "Ask", "Condition", "Decorator", "EternalGuard", "OneShot", "Parallel", "Publish", "Repeat", "Retry",
-            "Selector", "Sequence", "StatusToBlackboard", "Timeout",
-        ),
-        PY_TREES,
-    ),
     "Call": "`call` of the format: a state that calls a service, and an effect that does",
     "CallService": "the effect, and the arguments of the tool of that name",
     "PublishMessage": "the effect, and the arguments of the tool of that name",
     "Command": "a command of the terminal, and one that a client sends to a mission; neither package sees the other's",
-    "Offer": "an option that is open, in a question; what a package offers, in the table of kinds",
     "Limits": "public in both packages: of one answer, and of one proof",
     "NavigateToPose": "the action of nav2_msgs, served by each world",
     "ReplyCallback": "one protocol; visualize may not import the node, nor the node visualize",
