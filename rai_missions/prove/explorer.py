@@ -246,7 +246,7 @@ class Space(StateGraph):
             environment.settle()
             read |= (looked | world.asked_at_the_end) & world.own_keys
             way = Edge(happening.words, at, environment.choices.trail)
-            self._learn(source, way, is_paused=is_idle)
+            self.learn(source, way, is_paused=is_idle)
             arrival = self._arrival(way, happening, place.store, kept)
         asked = instruments.asked.union(self._stores.looked_at(read, written))
         return Made(arrival, frozenset(asked), environment.choices.next())
@@ -305,7 +305,7 @@ class Space(StateGraph):
             kept = arrival.kept
             if kept is not None and not arrival.is_of_goal:
                 kept |= self._goal_words
-            self._join(source, number, arrival.kind, kept)
+            self.join(source, number, arrival.kind, kept)
 
     # -- what is wrong --------------------------------------------------------------------------------------------
 
@@ -326,7 +326,8 @@ class Space(StateGraph):
         if loose:
             self._flaw("stopped", source, f"the mission ends while '{loose[0]}' continues", way)
 
-    def _learn(self, source: int, way: Edge, *, is_paused: bool) -> None:
+    def learn(self, source: int, way: Edge, *, is_paused: bool) -> None:
+        """Take note of what the step that was just made shows."""
         environment, chart = self.environment, self.environment.chart
         draft, seen = chart.state.draft, environment.instruments.seen
         for move in draft.moves:

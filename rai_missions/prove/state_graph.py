@@ -71,7 +71,7 @@ class StateGraph:
         self.waiting[number] = self._set_numbers.setdefault(words, len(self._set_numbers))
         return self.waiting[number]
 
-    def _join(self, source: int, target: int, kind: HappeningKind, kept: frozenset[str] | None = None) -> None:
+    def join(self, source: int, target: int, kind: HappeningKind, kept: frozenset[str] | None = None) -> None:
         """Note a step from one to another, but for what an operator does who need not."""
         if kind == "command":
             return

@@ -20,11 +20,12 @@ from rai_missions.prove.abstraction import INDIFFERENT, Abstraction
 from rai_missions.prove.activity_key import key_of, plain, timer_key
 from rai_missions.prove.instruments import Instruments
 from rai_missions.prove.open_world import OpenWorld
+from rai_missions.prove.step_chains import StepChains
 from rai_missions.prove.store import ALL_GOALS, MANY
 
 __all__ = ("StepCircles",)
 
-PATIENCE = 32
+PATIENCE = 8
 """Microsteps after which it looks whether the step goes round."""
 MARGIN = 2
 """Where one limit comes by no more circles before another, the run goes there by itself."""
@@ -50,6 +51,7 @@ class StepCircles:
 
     def __init__(self, chart: Chart, world: OpenWorld, rest: Abstraction, instruments: Instruments) -> None:
         self._world, self._rest, self._instruments = world, rest, instruments
+        self._chains = StepChains(world, instruments)
         self._macrostep: tuple[Any, int] = (None, 0)
         self._jumps = 0
         self._passed: dict[str, Visit] | None = None
@@ -57,7 +59,7 @@ class StepCircles:
         keys_by_kind: Mapping[Holds, Callable[[Any], Any]] = {
             "configuration": lambda config: config.key, "state": lambda node: node and node.name,
             "goals": lambda goals: _many((goal.owner, goal.action, goal.phase) for goal in goals.values()),
-            "calls": lambda calls: _many(calls.values()), "board": self._known,
+            "calls": lambda calls: _many(calls.values()), "board": self._reported,
             "timers": lambda timers: _many(timer_key(key, timer) for key, timer in timers.items()),
             "activities": lambda running: [(name, key_of(activity)) for name, activity in running.items()],
         }  # fmt: skip
@@ -68,14 +70,19 @@ class StepCircles:
         macrostep = (state.draft, state.draft.macrosteps)
         if self._macrostep != macrostep:
             self._macrostep, self._jumps, self._passed = macrostep, 0, {}
+            self._chains.begin()
         self._jumps += 1
         if self._jumps <= PATIENCE or state.outcome is not None or self._passed is None:
             return True
         rounds = state.draft.tree_rounds
         self._instruments.asked.add(ALL_GOALS)
         visit = Visit(state.draft.microsteps, {name: each.room for name, each in rounds.items()})
-        before = self._passed.setdefault(repr((self._place(state), step.move)), visit)
-        return before is visit or not self._is_endless(state, before, visit)
+        place = repr((self._place(state), step.move))
+        before = self._passed.setdefault(f"{place} {self._counted()}", visit)
+        if before is not visit:
+            return not self._is_endless(state, before, visit)
+        self._chains.take(state.draft, place)
+        return True
 
     def _is_endless(self, state: RunState, before: Visit, now: Visit) -> bool:
         """Whether the circle that has closed is gone until the limit of microsteps; else it is gone almost to the end.
@@ -105,10 +112,19 @@ class StepCircles:
             [node.name for node in draft.starting],
         )  # fmt: skip
 
-    def _known(self, board: Any) -> list[Any]:
-        """What is known; of a counter no more than guards distinguish."""
-        found, bounds, idle = [], self._rest.saturating, self._rest.idle
-        for key, entry in board.entries():
+    def _reported(self, board: Any) -> list[Any]:
+        """What is known but of the mission's own keys."""
+        own = self._world.own_keys
+        return sorted(
+            (key, None if entry is None else plain(entry[0])) for key, entry in board.entries() if key not in own
+        )
+
+    def _counted(self) -> list[Any]:
+        """What the mission's own keys hold; of a counter no more than guards distinguish."""
+        found, bounds, idle, own = [], self._rest.saturating, self._rest.idle, self._world.own_keys
+        for key, entry in self._world.board.entries():
+            if key not in own:
+                continue
             value: Any = None if entry is None else plain(entry[0])
             if key in bounds and entry is not None:
                 low, high = bounds[key]

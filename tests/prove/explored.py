@@ -40,8 +40,8 @@ class Seeing(Space):
         super().__init__(chart, Limits(most, work=work * most))
         self.seen: set[Seen] = set()
 
-    def _learn(self, source: int, way: Edge, *, is_paused: bool) -> None:
-        super()._learn(source, way, is_paused=is_paused)
+    def learn(self, source: int, way: Edge, *, is_paused: bool) -> None:
+        super().learn(source, way, is_paused=is_paused)
         self.seen.add(seen(self.environment.chart))
 
 

@@ -96,10 +96,18 @@ def hold_against_patient(document: Json, most: int, work: float = WORK) -> None:
         space.explore()
         if work < math.inf:
             assume(not space.meter.ended)  # what is reported again costs less
-    for what in ("_sources", "_targets", "_kept", "_parents", "ends", "flaws", "taken", "entered", "steps", "seen"):
-        assert getattr(quick, what) == getattr(patient, what), what
-    one, other = quick.environment.instruments, patient.environment.instruments
-    assert one.seen == other.seen and one.answered == other.answered
+    hold_alike(quick, patient)
+
+
+def hold_alike(one: Seeing, other: Seeing) -> None:
+    """The same states in the same order, the same steps between them, and the same learned of them."""
+    for what in ("states", "sets", "waiting", "ends", "flaws", "taken", "entered", "steps", "seen"):
+        assert getattr(one, what) == getattr(other, what), what
+    assert [one.path(number) for number in range(one.states)] == [other.path(number) for number in range(other.states)]
+    assert list(one.edges()) == list(other.edges()) and list(one.silent()) == list(other.silent())
+    assert list(one.edges(time_only=True)) == list(other.edges(time_only=True))
+    measured, expected = one.environment.instruments, other.environment.instruments
+    assert measured.seen == expected.seen and measured.answered == expected.answered
 
 
 @pytest.mark.drill

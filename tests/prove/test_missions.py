@@ -161,13 +161,13 @@ def test_no_shorter_run_leads_to_a_state_than_the_one_that_is_reported() -> None
     steps: dict[int, set[int]] = {}
 
     class Joining(Space):
-        def _join(self, source: int, target: int, *rest: Any) -> None:
-            super()._join(source, target, *rest)
+        def join(self, source: int, target: int, *rest: Any) -> None:
+            super().join(source, target, *rest)
             steps.setdefault(source, set()).add(target)
 
     space = Joining(Environment(document(TRACTOR), default_ticker(document(TRACTOR))), 10_000)
     space.explore()
-    starts = [number for number in range(space.states) if space._parents[number] < 0]
+    starts = [number for number in range(space.states) if len(space.path(number)) == 1]
     far, waiting = dict.fromkeys(starts, 1), deque(starts)
     while waiting:
         number = waiting.popleft()

@@ -1,0 +1,107 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What a step repeats of an earlier one is not made again, and comes to the same."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+from hypothesis import assume, given
+from hypothesis import strategies as st
+
+from rai_missions.mission.mission import Mission
+from rai_missions.prove import step_circles
+from rai_missions.prove.environment import Environment
+from rai_missions.replay.rebuild import default_ticker
+from tests.prove.explored import WORK, Seeing
+from tests.prove.test_laws import hold_alike, lenient, settings
+from tests.strategies import mission_documents
+
+Json = dict[str, Any]
+ENDS = ["failed", "timed_out", "rejected", "unverified"]
+MOST = 4_000
+FEW = 150
+NEVER = 1_000_000
+
+
+def counting(most: int, again: list[str], do: list[Json] | None = None, **guard: Any) -> Json:
+    """An action that is started again, and rejected at once while the goal before it has not ended."""
+    when: Json = {"key": "n", **(guard or {"<": most})}
+    again_transition = {"on": again, "when": when, "to": "going", "do": [{"set": "n", "add": 1}, *(do or [])]}
+    return {
+        "format": 1, "name": "counting", "initial": "going",
+        "blackboard": {"n": {"type": "integer", "initial": 0}, "m": {"type": "integer", "initial": 0},
+                       "ok": {"type": "boolean", "source": "robot"}},
+        "events": {"look": {}},
+        "states": {
+            "going": {
+                "action": "drive", "achieved": {"key": "ok", "==": True}, "timeout_s": 10,
+                "transitions": [{"on": "succeeded", "to": "over"}, again_transition,
+                                {"on": ENDS, "when": {"key": "m", ">=": 3}, "to": "looking"},
+                                {"on": ENDS, "to": "lost"}],
+            },
+            "looking": {"transitions": [{"on": "look", "when": {"key": "m", "<": 9}, "to": "lost"}]},
+            "over": {"final": "succeeded"}, "lost": {"final": "aborted"},
+        },
+    }  # fmt: skip
+
+
+def space_of(document: Json, most: int = MOST, work: float = 1_000) -> Seeing:
+    mission = Mission.model_validate(document)
+    space = Seeing(Environment(mission, default_ticker(mission)), most, work)
+    space.explore()
+    return space
+
+
+def hold_against_every_microstep(document: Json, patience: int = 0, **limits: Any) -> bool:
+    """What is explored where whatever a step repeats is looked for at once, and where every microstep is made.
+
+    Returns:
+        Whether all was explored.
+    """
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(step_circles, "PATIENCE", NEVER)
+        every = space_of(document, **limits)
+        if every.meter.ended:
+            return False
+        patch.setattr(step_circles, "PATIENCE", patience)
+        hold_alike(space_of(document, **limits), every)
+    return True
+
+
+@pytest.mark.parametrize("again", [["rejected"], ENDS], ids=["rejected", "every end"])
+def test_a_counter_costs_as_much_as_it_has_values(again: list[str]) -> None:
+    some, many = (space_of(counting(bound, again)) for bound in (60, 180))
+    assert some.is_whole and many.is_whole and many.states < 3.1 * some.states
+    assert many.meter.work < 3.1 * some.meter.work
+
+
+SIDE_EFFECTS: dict[str, list[Json]] = {
+    "nothing else": [], "another counter": [{"set": "m", "add": 1}], "a copy": [{"set": "m", "from": "n"}],
+    "a constant": [{"set": "m", "value": 3}], "a message": [{"publish": "again"}],
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("guard", [{"<": 25}, {"!=": 20}], ids=["less", "not equal"])
+@pytest.mark.parametrize("do", SIDE_EFFECTS.values(), ids=SIDE_EFFECTS)
+def test_what_is_not_made_again_comes_to_the_same(do: list[Json], guard: Json) -> None:
+    assert hold_against_every_microstep(counting(25, ENDS, do, **guard))
+
+
+def test_a_counter_without_bound_reaches_the_limit_of_microsteps_from_each_value() -> None:
+    document = counting(1, ["rejected"], [], **{">=": 0})
+    document["states"]["going"]["transitions"][1]["on"] = "rejected"
+    assert hold_against_every_microstep(document, 8)
+
+
+@settings(lenient, max_examples=2)
+@given(mission_documents())
+def test_any_mission_is_explored_alike(document: Json) -> None:
+    assume(hold_against_every_microstep(document, most=FEW, work=WORK))
+
+
+@pytest.mark.drill
+@settings(lenient, max_examples=1000)
+@given(st.one_of(mission_documents(), st.builds(counting, st.integers(1, 40), st.just(ENDS))))
+def test_any_mission_is_explored_alike_however_often_it_is_tried(document: Json) -> None:
+    assume(hold_against_every_microstep(document, most=FEW, work=WORK))
