@@ -124,10 +124,14 @@ class BufferedWriter:
         until, why = time.monotonic() + LONGEST_S, f"its disk has not answered for {LONGEST_S:g} s"
         if self._is_lost:
             raise ConnectorError(why)
-        outcome: list[Exception | None] = []
+        outcome: list[BaseException | None] = []
 
         def do() -> None:
-            outcome.append(raised_by(lambda: write(journal)))
+            try:
+                write(journal)
+                outcome.append(None)
+            except BaseException as error:  # noqa: BLE001 - raised below, on the thread that waits
+                outcome.append(error)
             self._bell.put(False)
 
         self._worker.post(do)
@@ -143,7 +147,7 @@ class BufferedWriter:
             raise outcome[0]
 
 
-def raised_by(write: Callable[[], object]) -> Exception | None:
+def raised_by(write: Callable[[], None]) -> Exception | None:
     """What writing raises: whatever the reason, what is not written down may not be done."""
     try:
         write()
