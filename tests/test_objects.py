@@ -13,11 +13,22 @@ ROOT = Path(__file__).parents[1]
 OURS = ("rai_missions", "visualize")
 CHANGES = frozenset(
     (
-        "add", "append", "appendleft", "clear", "discard", "extend", "insert", "pop", "popitem", "popleft", "remove",
-        "reverse", "setdefault", "sort", "update",
+        "add", "append", "appendleft", "clear", "difference_update", "discard", "extend", "extendleft", "insert",
+        "intersection_update", "move_to_end", "pop", "popitem", "popleft", "remove", "reverse", "rotate", "setdefault",
+        "sort", "symmetric_difference_update", "update",
     )
 )  # fmt: skip
 """Methods that change a list, a set, a dict or a deque."""
+SWITCHES = frozenset(
+    (
+        "atexit.register", "faulthandler.enable", "gc.disable", "gc.freeze", "gc.set_threshold", "locale.setlocale",
+        "logging.basicConfig", "logging.disable", "logging.setLogRecordFactory", "logging.setLoggerClass", "os.chdir",
+        "os.nice", "os.putenv", "os.umask", "random.seed", "resource.setrlimit", "signal.signal", "socket.setdefaulttimeout",
+        "sys.setrecursionlimit", "sys.setswitchinterval", "threading.setprofile", "threading.settrace",
+        "warnings.filterwarnings", "warnings.simplefilter",
+    )
+)  # fmt: skip
+"""Functions that change the whole process."""
 
 PROCESS = "the process was started for this alone, and ends with it"
 READS = "a library reads nothing but the variables of the process, once, when it begins"
@@ -27,6 +38,13 @@ GLOBALS = {
     ("rai_missions/answerers/model/process/worker.py", "sys.path"): PROCESS,
     ("rai_missions/connectors/ros2/fastdds.py", "os.environ"): f"{READS}; it is put back at once",
     ("rai_missions/worlds/opengl.py", "os.environ"): READS,
+    ("rai_missions/answerers/model/process/guard.py", "os.nice"): PROCESS,
+    ("rai_missions/answerers/model/process/guard.py", "signal.signal"): PROCESS,
+    ("rai_missions/cli/signals.py", "signal.signal"): "the program's own, and put back when the run ends",
+    ("rai_missions/connectors/ros2/connector.py", "atexit.register"): "a method of the connector, taken back when it stops",
+    ("rai_missions/prove/__init__.py", "gc.set_threshold"): "put back when the proof ends",
+    ("rai_missions/recording/recording.py", "atexit.register"): "a method of the recording, taken back when it closes",
+    ("rai_missions/runtime/interrupts.py", "signal.signal"): "put back when the run ends",
     ("rai_missions/engine/activities/activity.py", "_remembered"): "filled as classes are defined, like the classes",
     ("rai_missions/mission/python_file.py", "sys.modules"): "the interpreter looks a class's module up there",
     ("rai_missions/redaction.py", "_living"): "weak: each entry lives as long as the object that holds its secrets",
@@ -47,6 +65,8 @@ SHARED = {
     ("rai_missions/cli/command.py", "action"): THIRD,
     ("rai_missions/connectors/mqtt/connector.py", "timer"): THIRD,
     ("rai_missions/connectors/ros2/services.py", "response"): THIRD,
+    ("rai_missions/connectors/ros2/messages.py", "message"): "a new message of ROS, of which the first caller keeps hold",
+    ("rai_missions/trees/builder.py", "behaviour"): "made by the caller, who gives it away with all that it needs",
     ("rai_missions/journal/sqlite.py", "connection"): "of a class of sqlite3's, with a note of what was cut off",
     ("rai_missions/redaction.py", "record"): THIRD,
     ("rai_missions/trees/ticker.py", "node"): THIRD,
@@ -123,10 +143,14 @@ def changed(function: Function) -> Iterator[tuple[str, str]]:
     for node in ast.walk(function):
         if isinstance(node, ast.Attribute | ast.Subscript) and not isinstance(node.ctx, ast.Load):
             yield first_name(node), ast.unparse(node.value)
+        elif isinstance(node, ast.Call) and ast.unparse(node.func) == "setattr":
+            yield first_name(node.args[0]), ast.unparse(node.args[0])
         elif isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute) and node.func.attr in CHANGES:
             if ast.unparse(node.func.value) == "np":  # its functions are called so, and change nothing of it
                 continue
             yield first_name(node.func), ast.unparse(node.func.value)
+        elif isinstance(node, ast.Call) and ast.unparse(node.func) in SWITCHES:
+            yield "", ast.unparse(node.func)
         elif isinstance(node, ast.Global):
             yield from ((name, name) for name in node.names)
 
@@ -136,7 +160,7 @@ def changed_globals(tree: ast.Module) -> set[str]:
     found: set[str] = set()
     for function in functions(tree):
         outer = known - local_names(function)
-        found |= {what for name, what in changed(function) if name in outer}
+        found |= {what for name, what in changed(function) if name in outer or what in SWITCHES}
     return found
 
 
@@ -177,6 +201,12 @@ def assigned(tree: ast.Module) -> set[str]:
     for function in functions(tree):
         own = made(function) | {"self", "cls"}
         found |= {
+            ast.unparse(node.args[0])
+            for node in ast.walk(function)
+            if isinstance(node, ast.Call) and ast.unparse(node.func) == "setattr"
+            and ast.unparse(node.args[0]) not in own
+        }  # fmt: skip
+        found |= {
             ast.unparse(node.value)
             for node in ast.walk(function)
             if isinstance(node, ast.Attribute) and not isinstance(node.ctx, ast.Load)
@@ -209,8 +239,12 @@ def test_what_changes_a_module_or_another_object_is_found() -> None:
         "def keep(KNOWN): KNOWN.clear()\n"
         "def show(): os.environ['A'] = '1'\n"
         "def close(other): other.is_open = False\n"
+        "def mark(mine): setattr(mine, 'is_open', False)\n"
+        "def open_all(): os.umask(0)\n"
+        "def keep_some(): KNOWN.intersection_update({})\n"
         "def make():\n    other = Thing()\n    other.is_open = False\n"
         "def count(thing): thing.number = 1\n"
         "class Thing:\n    number: int\n    def end(self): self.is_shut = self.inner.is_done = False\n"
     )
-    assert changed_globals(tree) == {"KNOWN", "os.environ"} and assigned(tree) == {"other", "self.inner"}
+    assert changed_globals(tree) == {"KNOWN", "os.environ", "os.umask"}
+    assert assigned(tree) == {"mine", "other", "self.inner"}

@@ -17,12 +17,15 @@ SENTENCES = frozenset({"sentence", "sentences"})
 """These may be equal to each other: what is shown already is not shown twice."""
 HOLDERS = frozenset({"note", "row", "record", "entry", "fault", "finding"})
 """Whose `text`, `message` and `sentence` are the same."""
+ERRORS = frozenset({"error", "exc", "exception", "cause", "reason", "failure"})
+"""What is raised; its text is for people too."""
 PARSERS = frozenset({
     "startswith", "endswith", "split", "rsplit", "partition", "rpartition", "find", "rfind", "index", "rindex", "count",
     "removeprefix", "removesuffix", "splitlines",
 })  # fmt: skip
 PATTERNS = frozenset({"match", "search", "fullmatch", "findall", "finditer"})
 ELSEWHERE = {
+    "rai_missions/redaction.py": "what is hidden may be in any text: it is searched for in each",
     "rai_missions/connectors/ros2/services.py": "a ROS reply has a message, and no field for the reason of a failure",
     "rai_missions/connectors/ros2/names.py": "rclpy reports where a name is invalid in its exception alone",
     "rai_missions/connectors/contract.py": "the contract that a reply quotes what a service raised",
@@ -43,13 +46,16 @@ class Reader(ast.NodeVisitor):
             return node.id in PROSE or node.id in self.names
         if isinstance(node, ast.Attribute):
             held = isinstance(node.value, ast.Name) and (node.value.id in HOLDERS or node.value.id in self.names)
-            return node.attr in PROSE or (node.attr in ("text", "message") and held)
+            return node.attr in PROSE or (node.attr in ("text", "message", "sentence") and held)
         if isinstance(node, ast.Subscript):
             return self.is_prose(node.value)
         if isinstance(node, ast.Call):
             inner = node.func.value if isinstance(node.func, ast.Attribute) else None
             named = node.func.id if isinstance(node.func, ast.Name) else getattr(node.func, "attr", "")
-            shown = named in ("str", "tuple", "list", "sorted") and any(map(self.is_prose, node.args))
+            worded = named in ("str", "repr", "in_words") and any(
+                getattr(each, "id", "") in ERRORS for each in node.args
+            )
+            shown = worded or (named in ("str", "tuple", "list", "sorted") and any(map(self.is_prose, node.args)))
             return shown or named == "getMessage" or (inner is not None and named in ("lower", "strip", "casefold")
                                                       and self.is_prose(inner))  # fmt: skip
         return False
@@ -68,6 +74,8 @@ class Reader(ast.NodeVisitor):
         super().visit(node)
 
     def visit_Assign(self, node: ast.Assign) -> None:
+        if self.is_prose(node.value):
+            self.names.update(each.id for each in node.targets if isinstance(each, ast.Name))
         taken = node.value.args[0] if isinstance(node.value, ast.Call) and node.value.args else node.value
         if isinstance(taken, ast.GeneratorExp):
             self.visit(taken)
@@ -124,6 +132,10 @@ def modules() -> Iterator[Path]:
         '"x" in str(step.why)',
         'step.notes[0].lower().startswith("x")',
         'sentence.startswith("x")',
+        'lines = step.notes\n"paused" in lines',
+        '"refused" in str(error)',
+        'text = str(error)\ntext.startswith("no server")',
+        '"no state" in fault.sentence',
     ],
 )  # fmt: skip
 def test_a_look_into_prose_is_found(line: str) -> None:
