@@ -23,9 +23,9 @@ SWITCHES = frozenset(
     (
         "atexit.register", "faulthandler.enable", "gc.disable", "gc.freeze", "gc.set_threshold", "locale.setlocale",
         "logging.basicConfig", "logging.disable", "logging.setLogRecordFactory", "logging.setLoggerClass", "os.chdir",
-        "os.nice", "os.putenv", "os.umask", "random.seed", "resource.setrlimit", "signal.signal", "socket.setdefaulttimeout",
-        "sys.setrecursionlimit", "sys.setswitchinterval", "threading.setprofile", "threading.settrace",
-        "warnings.filterwarnings", "warnings.simplefilter",
+        "os.nice", "os.putenv", "os.umask", "random.seed", "resource.setrlimit", "signal.signal",
+        "socket.setdefaulttimeout", "sys.setrecursionlimit", "sys.setswitchinterval", "threading.setprofile",
+        "threading.settrace", "warnings.filterwarnings", "warnings.simplefilter",
     )
 )  # fmt: skip
 """Functions that change the whole process."""
@@ -41,9 +41,9 @@ GLOBALS = {
     ("rai_missions/answerers/model/process/guard.py", "os.nice"): PROCESS,
     ("rai_missions/answerers/model/process/guard.py", "signal.signal"): PROCESS,
     ("rai_missions/cli/signals.py", "signal.signal"): "the program's own, and put back when the run ends",
-    ("rai_missions/connectors/ros2/connector.py", "atexit.register"): "a method of the connector, taken back when it stops",
+    ("rai_missions/connectors/ros2/connector.py", "atexit.register"): "taken back when it stops",
     ("rai_missions/prove/__init__.py", "gc.set_threshold"): "put back when the proof ends",
-    ("rai_missions/recording/recording.py", "atexit.register"): "a method of the recording, taken back when it closes",
+    ("rai_missions/recording/recording.py", "atexit.register"): "taken back when it closes",
     ("rai_missions/runtime/interrupts.py", "signal.signal"): "put back when the run ends",
     ("rai_missions/engine/activities/activity.py", "_remembered"): "filled as classes are defined, like the classes",
     ("rai_missions/mission/python_file.py", "sys.modules"): "the interpreter looks a class's module up there",
@@ -65,7 +65,7 @@ SHARED = {
     ("rai_missions/cli/command.py", "action"): THIRD,
     ("rai_missions/connectors/mqtt/connector.py", "timer"): THIRD,
     ("rai_missions/connectors/ros2/services.py", "response"): THIRD,
-    ("rai_missions/connectors/ros2/messages.py", "message"): "a new message of ROS, of which the first caller keeps hold",
+    ("rai_missions/connectors/ros2/messages.py", "message"): "a message of ROS, just made by its caller",
     ("rai_missions/trees/builder.py", "behaviour"): "made by the caller, who gives it away with all that it needs",
     ("rai_missions/journal/sqlite.py", "connection"): "of a class of sqlite3's, with a note of what was cut off",
     ("rai_missions/redaction.py", "record"): THIRD,

@@ -100,7 +100,7 @@ class StepChains:
         draft.microsteps = after
         for key in chain.written & chain.own.keys():
             self._world.board.put(key, chain.own[key])
-        self._instruments.asked |= (chain.looked | chain.written) & self._world.own_keys
+        self._instruments.asked.update((chain.looked | chain.written) & self._world.own_keys)
         self._world.board.looked |= chain.looked
         return self._own()
 
