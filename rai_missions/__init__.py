@@ -5,8 +5,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from rai_missions.errors import lazy_names
 from rai_missions.event import Event
-from rai_missions.lazy_names import lazy_names
 
 # `event` is a module's name too: imported at once, it is this one, whatever is imported later.
 from rai_missions.mission.references import answer, event

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """The errors a caller can meet, by who mends them, and the words for what was given and what there is.
 
+Also what every package may use before anything else is loaded: its public names, each imported at its first use.
+
 Rule: a refused proposal, an ignored event and a failed action are values, never one of these.
 """
 
@@ -8,9 +10,10 @@ from __future__ import annotations
 
 import os
 import stat
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable, Mapping
+from importlib import import_module
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 __all__ = (
     "ConnectorError",
@@ -21,6 +24,7 @@ __all__ = (
     "escaped",
     "in_words",
     "irregular",
+    "lazy_names",
     "pointer",
     "suggestion",
     "unescaped",
@@ -121,3 +125,24 @@ def irregular(path: Path | str) -> str:
     except (OSError, ValueError):
         return ""
     return next((name for is_so, name in SORTS if is_so(mode)), "")
+
+
+def lazy_names(
+    scope: dict[str, Any], rooms: Mapping[str, Iterable[str]]
+) -> tuple[Callable[[str], Any], Callable[[], list[str]]]:
+    """The `__getattr__` and `__dir__` (PEP 562) of a package or a module that offers names of others.
+
+    Args:
+        scope: Its `globals()`, where a name is kept once it was used.
+        rooms: Module below the package → the names that it offers; `Call as CallEffect` has another name here.
+    """
+    homes = {each.rpartition(" as ")[2]: (room, each.partition(" as ")[0]) for room, names in rooms.items()
+             for each in names}  # fmt: skip
+
+    def load(name: str) -> Any:
+        if name not in homes:
+            raise AttributeError(f"module {scope['__name__']!r} has no attribute {name!r}")
+        room, own = homes[name]
+        return scope.setdefault(name, getattr(import_module(f".{room}", scope["__package__"]), own))
+
+    return load, lambda: sorted({*scope, *homes})

@@ -22,7 +22,7 @@ LISTED = {
     "rai_missions/connectors/ros2/msg_definitions.py:_prefixes": "the package of a message type",
     "rai_missions/connectors/ros2/names.py:find_type": "the package of a message type",
     "rai_missions/kinds.py:load_kinds": "the modules of a folder of ours, each a kind",
-    "rai_missions/lazy_names.py:lazy_names": "a module of ours, by the table of its package",
+    "rai_missions/errors.py:lazy_names": "a module of ours, by the table of its package",
     "rai_missions/worlds/world.py:_ours": "one of our own worlds, by the table of their names",
 }
 """A function that may import what a string names → what that is."""

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from rai_missions.lazy_names import lazy_names
+from rai_missions.errors import lazy_names
 
 if TYPE_CHECKING:
     from rai_missions.agents.agent import Agent

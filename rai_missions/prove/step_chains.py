@@ -23,7 +23,7 @@ REMEMBERED = 50_000
 """So many places within steps are remembered; past that all are forgotten and it starts again."""
 
 
-class Chain:
+class StepChain:
     """The places of one step that differ in the mission's own keys alone, in the order in which it passed them."""
 
     __slots__ = ("looked", "microsteps", "own", "seen", "written")
@@ -48,7 +48,7 @@ class Chain:
 class Link(NamedTuple):
     """A place in a chain."""
 
-    chain: Chain
+    chain: StepChain
     microsteps: int
 
 
@@ -63,7 +63,7 @@ class StepChains:
     def __init__(self, world: OpenWorld, instruments: Instruments) -> None:
         self._world, self._instruments = world, instruments
         self._links: dict[bytes, Link] = {}
-        self._here: dict[tuple[str, int], Chain] = {}
+        self._here: dict[tuple[str, int], StepChain] = {}
         """The chains of the macrostep in hand: place but for own keys, and how often trees were ticked → chain."""
 
     def begin(self) -> None:
@@ -82,7 +82,7 @@ class StepChains:
         waiting = (unpolled, sorted(draft.presence_changes), sorted(draft.news.items()), draft.goal_ended)
         place = repr((place, waiting))
         mark = fingerprint((place, sorted((key, plain(entry[0])) for key, entry in own.items() if entry is not None)))
-        chain = self._here.setdefault((place, self._instruments.ticks), Chain(len(draft.written)))
+        chain = self._here.setdefault((place, self._instruments.ticks), StepChain(len(draft.written)))
         link = self._links.get(mark)
         if link is None:
             if len(self._links) >= REMEMBERED:

@@ -37,7 +37,7 @@ def test_every_public_name_is_there() -> None:
         rai_missions.Chrat  # type: ignore[attr-defined]  # noqa: B018
 
 
-LIGHT = ("errors", "event", "lazy_names", "mission", "mission.references")
+LIGHT = ("errors", "event", "mission", "mission.references")
 
 
 def test_importing_the_package_loads_no_model_and_nothing_heavy() -> None:

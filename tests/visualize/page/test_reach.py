@@ -13,8 +13,8 @@ from rai_missions.mission.files import load
 from rai_missions.mission.mission import Mission
 from rai_missions.prove.environment import Environment
 from rai_missions.prove.explorer import CANCEL, Arrival, Edge, Space
-from rai_missions.prove.state_key import Own
-from rai_missions.prove.stimulus import HappeningKind
+from rai_missions.prove.stimulus import Stimulus
+from rai_missions.prove.store import Store
 from rai_missions.replay.rebuild import default_ticker
 from tests.strategies import KEYS, missions
 from tests.visualize.runs import ROOT, tractor
@@ -33,13 +33,13 @@ class Moving(Space):
         self.came: list[tuple[int, bool, tuple[Move, ...]]] = []
         self._moves: dict[int, tuple[Arrival, tuple[Move, ...]]] = {}
 
-    def _arrival(self, way: Edge, kind: HappeningKind, before: Own, kept: frozenset[str] | None) -> Arrival:
+    def _arrival(self, way: Edge, happening: Stimulus, before: Store, kept: frozenset[str] | None) -> Arrival:
         moves = tuple(self.environment.chart.state.draft.moves)
-        arrival = super()._arrival(way, kind, before, kept)
+        arrival = super()._arrival(way, happening, before, kept)
         self._moves[id(arrival)] = arrival, moves  # the arrival is kept, so that no other gets its id
         return arrival
 
-    def _arrive(self, source: int, arrival: Arrival, before: Own) -> None:
+    def _arrive(self, source: int, arrival: Arrival, before: Store) -> None:
         super()._arrive(source, arrival, before)
         if len(self.came) < self.states:
             self.came.append((source, arrival.way.words == CANCEL, self._moves[id(arrival)][1]))
