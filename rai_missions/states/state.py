@@ -155,7 +155,8 @@ class State(TaggedModel, family="state", group="rai_missions.activities", word="
             raise fault("kinds", f"a state is one thing, this is {len(given)}: {', '.join(given)}; nest or split it")
         if not given:
             for word in unknown:
-                raise fault("kind", f"a state has no '{word}'" + suggestion(word, [*cls.kinds, *cls.known_words()]))
+                known = {*cls.kinds, *cls.known_words()} - {""}  # a plain state has no word
+                raise fault("kind", f"a state has no '{word}'" + suggestion(word, known))
         return given[0] if given else ""
 
     @classmethod

@@ -83,6 +83,11 @@ TRANSITION, ENTRY = "/states/a/transitions/0", "/states/a/entry/0"
         (SMALL | {"ready_s": -1}, "/ready_s: -1 is too small; it must be 0 or more"),
         (SMALL | {"settle_s": "5"}, "/settle_s: '5' is not a number; write one, without quotes"),
         (state(timeout_s=0), "/states/a/timeout_s: 0 is too small; it must be more than 0"),
+        (
+            state(wait=5),
+            "/states/a: a state has no 'wait'; there is: about, action, call, control, decision, each, entry, exit, "
+            "final, handover_s, history, mission, …",
+        ),
         (state(acton="go"), "/states/a: a state has no 'acton'; did you mean 'action'?"),
         (state(action="go", gaol={}), "/states/a/gaol: a state with 'action' has no 'gaol'; did you mean 'goal'?"),
         (state(action="go", goal=[]), "/states/a/goal: [] is not an object; write {…}"),
