@@ -25,7 +25,9 @@ from rai_missions.states.compound import Each
 __all__ = ("Carried", "carry")
 
 UNCHANGED: tuple[Holds, ...] = ("value", "number", "past", "end", "payload", "deadline")
-"""What names nothing of the mission, and is what it was. What is not carried follows from the rest, or begins again."""
+"""What names nothing of the mission, and is what it was."""
+LEFT: tuple[Holds, ...] = ("passing", "controls", "begins", "board")
+"""What follows from the rest, begins again, or is carried elsewhere."""
 
 
 class Carried(NamedTuple):
@@ -82,7 +84,7 @@ class _Transfer:
             "memory": self._memory, "ages": self._ages, "since": self._since,
             **dict.fromkeys(UNCHANGED, lambda value: value),
         }  # fmt: skip
-        snapshot = {word: carries[holds](self.was[word]) for _, word, holds in TABLE if holds in carries}
+        snapshot = {word: carries[holds](self.was[word]) for _, word, holds in TABLE if holds not in LEFT}
         snapshot["_order"] = self.order
         begins = tuple(each for each in self.begins if each[0] not in snapshot["_pending"])
         effects = (*self._under_way(under), *cancels)
