@@ -29,7 +29,11 @@ class CompiledStep:
         self.shifts: frozenset[str] = frozenset()
         """The states that it makes active or inactive, by their `presence`."""
         self.plain = False
-        """Nothing but the move and its acts: no timer, activity, final, history, or transition without an event."""
+        """Nothing but the move and its acts: no timer, activity, final, history, or transition without an event.
+
+        `Chart.send` makes such a step by itself, without `macrostep.jump`: what must happen at each entry or exit has
+        to be done in both places.
+        """
 
 
 class Configuration:

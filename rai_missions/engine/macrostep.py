@@ -210,6 +210,7 @@ def _forget_waiting(state: RunState, node: Node) -> None:
 
 
 def _enter(program: Program, state: RunState, node: Node) -> None:
+    """Become active; a plain step (`CompiledStep.plain`) of the short way in `Chart.send` does without this."""
     if node.control is not None:
         program.surroundings.before_entry(state, node)
     if node.clocked:

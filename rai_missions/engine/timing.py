@@ -94,12 +94,10 @@ def _reject_late_handovers(program: Program, state: RunState) -> None:
 
 def _give_up_goals(program: Program, state: RunState) -> None:
     """Goals whose end was not confirmed in time are orphans from now on."""
-    for goal in goal_ledger.overdue(state.goals, state.at) if state.goals else ():
+    for goal in goal_ledger.give_up_overdue(state.goals, state.at) if state.goals else ():
         state.draft.goal_ended = True
         state.draft.notes.append(f"goal {goal.number} of '{goal.action}' never confirmed its end: orphaned")
-        if (
-            goal.phase == "withdrawn"
-        ):  # nothing may wait for its acceptance any more: the server is asked to cancel beforehand
+        if goal.phase == "withdrawn":  # no acceptance may come any more: the server is asked to cancel all the same
             state.draft.effects.append(CancelGoal(goal.number, goal.action))
         react(program, state, Trigger("orphaned", {"action": goal.action, "number": goal.number}))
 

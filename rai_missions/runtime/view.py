@@ -76,7 +76,10 @@ class RunView:
 
     @property
     def open_goals(self) -> int:
-        """How many goals have an end that has not been confirmed and that the run waits for."""
+        """How many goals have an end that has not been confirmed and that the run waits for.
+
+        Not those that `Result` and the status call `open_goals`: these are `loose_goals`.
+        """
         return self._chart.open_goals
 
     @property

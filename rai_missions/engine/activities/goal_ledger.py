@@ -24,11 +24,11 @@ __all__ = (
     "OpenGoal",
     "awaited",
     "cancel",
+    "give_up_overdue",
     "loose",
     "may_move",
     "next_overdue",
     "obstruction",
-    "overdue",
     "report",
     "stop_all",
 )  # fmt: skip
@@ -194,8 +194,8 @@ def _chase(goals: Goals, event: Event) -> tuple[CancelGoal, ...]:
     return (CancelGoal(goal.number, goal.action),)
 
 
-def overdue(goals: Goals, at: float) -> list[Goal]:
-    """Goals whose cancel was not confirmed in time; they are orphaned from now on."""
+def give_up_overdue(goals: Goals, at: float) -> list[Goal]:
+    """Make orphans of the goals whose cancel was not confirmed in time; returns them as they were before."""
     late = [goal for goal in goals.values() if goal.phase in ("withdrawn", "canceling") and at >= goal.until]
     for goal in late:
         goals[goal.number] = goal._replace(phase="orphaned", until=math.inf)
