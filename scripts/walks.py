@@ -11,7 +11,7 @@ A walk is a list of stays: functions or classes. Each is reached from the stay b
 - `up`, by a callback, a queue or a protocol: the same the other way round, or its class has each method of the
   protocol. It is on the floor of what it registers for or implements, or above.
 
-What is not so, such as a call that is somewhere else now, is a fault.
+What is not so, such as a call that is somewhere else now, is a fault. So is a file of a `change` that is not there.
 """
 
 from __future__ import annotations
@@ -69,6 +69,32 @@ class Walk:
         known = {stay.name: stay for stay in self.stays}
         for before, stay in zip(self.stays, self.stays[1:], strict=False):
             yield known[stay.by] if stay.by else before, stay
+
+
+@dataclass(frozen=True)
+class Change:
+    """Where something is changed."""
+
+    what: str
+    files: tuple[str, ...]
+    tests: tuple[str, ...]
+    note: str
+
+
+def read_changes(path: Path = WALKS) -> tuple[Change, ...]:
+    written = tomllib.loads(path.read_text(encoding="utf-8"))
+    return tuple(
+        Change(each["what"], tuple(each["files"]), tuple(each["tests"]), each["note"].strip())
+        for each in written["change"]
+    )
+
+
+def absent(changes: tuple[Change, ...]) -> Iterator[str]:
+    """Files that are not there."""
+    for change in changes:
+        for name in (*change.files, *change.tests):
+            if not (ROOT / name).exists():
+                yield f"to change {change.what}: there is no {name}"
 
 
 def read_walks(path: Path = WALKS) -> tuple[Walk, ...]:
@@ -231,7 +257,15 @@ def wrapped(lines: Iterator[str]) -> Iterator[str]:
         yield row
 
 
-def page(walks: tuple[Walk, ...]) -> str:
+def changes_text(changes: tuple[Change, ...]) -> Iterator[str]:
+    """A paragraph for each change; the files below `rai_missions` without it."""
+    for change in changes:
+        files = ", ".join(f"`{name.removeprefix('rai_missions/')}`" for name in change.files)
+        tests = ", ".join(f"`{name}`" for name in change.tests)
+        yield f"- **{change.what[0].upper()}{change.what[1:]}**: {files}. {change.note} Tests: {tests}."
+
+
+def page(walks: tuple[Walk, ...], changes: tuple[Change, ...]) -> str:
     text = [
         "# Architecture",
         "",
@@ -246,6 +280,13 @@ def page(walks: tuple[Walk, ...]) -> str:
         *wrapped(rooms()),
         "",
         RESERVED,
+        "",
+        "## Where to change what",
+        "",
+        "The files, in the order in which one leads to the next; those of `rai_missions` without its name. All are held to be",
+        "there. Narrow tests of each come last: the whole suite takes long.",
+        "",
+        *wrapped(changes_text(changes)),
     ]
     for walk in walks:
         text += ["", f"## {walk.title}", "", *wrapped(iter([walk.about])), "", *picture(walk), ""]
@@ -257,13 +298,13 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
     parser.add_argument("--write", action="store_true", help="write the page")
     given = parser.parse_args()
-    walks = read_walks()
-    if wrong := [fault for walk in walks for fault in faults(walk)]:
+    walks, changes = read_walks(), read_changes()
+    if wrong := [*absent(changes), *(fault for walk in walks for fault in faults(walk))]:
         print(*wrong, sep="\n", file=sys.stderr)
         return 1
     if given.write:
-        PAGE.write_text(page(walks), encoding="utf-8")
-    elif PAGE.read_text(encoding="utf-8") != page(walks):
+        PAGE.write_text(page(walks, changes), encoding="utf-8")
+    elif PAGE.read_text(encoding="utf-8") != page(walks, changes):
         print("docs/architecture.md is not what scripts/walks.py writes; run it with --write", file=sys.stderr)
         return 1
     return 0

@@ -28,7 +28,13 @@ def test_every_walk_leads_down_through_functions_that_are_there(walks: ModuleTyp
 
 def test_the_page_is_what_the_code_makes_of_it(walks: ModuleType) -> None:
     written = (ROOT / "docs/architecture.md").read_text(encoding="utf-8")
-    assert written == walks.page(walks.read_walks()), "run: python scripts/walks.py --write"
+    assert written == walks.page(walks.read_walks(), walks.read_changes()), "run: python scripts/walks.py --write"
+
+
+def test_a_file_of_a_change_that_is_not_there_is_a_fault(walks: ModuleType) -> None:
+    assert list(walks.absent(walks.read_changes())) == []
+    change = walks.Change("a guard", ("rai_missions/guards/near.py", "rai_missions/guards/far.py"), (), "")
+    assert list(walks.absent((change,))) == ["to change a guard: there is no rai_missions/guards/far.py"]
 
 
 CHART, RUNNER = "rai_missions.engine.chart:Chart.send", "rai_missions.runtime.runner:Runner"
