@@ -11,11 +11,15 @@ import pytest
 
 from rai_missions.connectors.connector import Message, Report
 from rai_missions.connectors.contract import Inbox
+from rai_missions.engine.activities.goal_ledger import OpenGoal
+from rai_missions.engine.decision import Offer, Question
+from rai_missions.node.status_message import OpenQuestion, StatusMessage
 from tests.node.conftest import Scene
 from tests.node.scenes import mission
 
 RUN = "rai_missions_msgs/action/RunMission"
 MESSAGES = Path(__file__).parents[2] / "interfaces/rai_missions_msgs/msg"
+GUIDE = Path(__file__).parents[2] / "docs/guide/ros2.md"
 
 
 @pytest.fixture
@@ -163,3 +167,20 @@ def test_a_step_has_the_fields_of_its_definition_and_verdict_mode_holder_and_ref
     assert (verdict["accepted"], verdict["kind"], verdict["number"], verdict["option"]) == (True, "proposal", 1, "left")
     assert (step["mode"], step["holder"], step["refusal"], step["kept"]) == ("aborted", "autonomy", "", False)
     assert step["remarks"] == []
+
+
+def test_a_status_has_the_fields_of_its_definition_and_the_guide_names_its_words() -> None:
+    question = Question(1, "assessing", "operator", "what now?", (Offer("left"),))
+    goal = OpenGoal(1, "move", "moving", "orphaned")
+    status = StatusMessage(
+        1, "/errand", "a", "active", "errand", "1", "r", "running", "agent", questions=(OpenQuestion(question, 1.0),),
+        open_goals=(goal,),
+    )  # fmt: skip
+    fields, data = status.fields(), status.data()
+    assert fields.keys() == fields_of("MissionStatus")
+    assert fields["questions"][0].keys() == fields_of("Question")
+    assert fields["open_goals"][0].keys() == fields_of("OpenGoal")
+    only_json = {"instance", "waits", "fault", "question", "at"}
+    assert data.keys() - only_json == fields.keys() - {"stamp"}, "add what is new to fields() and MissionStatus.msg too"
+    guide = GUIDE.read_text(encoding="utf-8").partition("- `~/status`")[2].partition("\n- `")[0]
+    assert [word for word in data if f"`{word}`" not in guide] == []
