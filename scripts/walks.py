@@ -283,8 +283,8 @@ def page(walks: tuple[Walk, ...], changes: tuple[Change, ...]) -> str:
         "",
         "## Where to change what",
         "",
-        "The files, in the order in which one leads to the next; those of `rai_missions` without its name. All are held to be",
-        "there. Narrow tests of each come last: the whole suite takes long.",
+        "The files, in the order in which one leads to the next; those of `rai_missions` without its name. All are",
+        "held to be there. Narrow tests of each come last: the whole suite takes long.",
         "",
         *wrapped(changes_text(changes)),
     ]
