@@ -16,7 +16,7 @@ from rai_missions.image import Image
 from rai_missions.model import Bool, Json, MissionModel, Name, Seconds, Text, fault
 from rai_missions.redaction import clipped
 
-__all__ = ("Blackboard", "Key", "Source", "Stamped", "TypeName", "fits", "is_number", "stale_at")
+__all__ = ("Blackboard", "Key", "Source", "Stamped", "TypeName", "is_number", "stale_at", "type_error")
 
 TypeName = Literal["string", "number", "integer", "boolean", "object", "list", "pose", "image"]
 Source = Literal["robot", "argument", "mission", "answer"]
@@ -73,7 +73,7 @@ class Key(MissionModel):
             raise fault("initial", "a robot key has no 'initial': it is unknown until the robot reports it")
         if self.fields is not None and self.type != "object":
             raise fault("fields", f"only an object has 'fields', this is of type '{self.type}'")
-        if self.initial is not None and (why := fits(self, self.initial)):
+        if self.initial is not None and (why := type_error(self, self.initial)):
             raise fault("initial", f"'initial' does not fit: {why}")
         return self
 
@@ -106,7 +106,7 @@ _FITS: Mapping[str, Callable[[Any], bool]] = {
 }
 
 
-def fits(key: Key, value: Any) -> str:
+def type_error(key: Key, value: Any) -> str:
     """Why a value does not fit a key; empty if it does."""
     if not _FITS[key.type](value):
         return f"{clipped(repr(value), 80)} is not of type '{key.type}'"

@@ -150,7 +150,7 @@ def _decorated(node: Decorator, ends: Ends) -> Ends:
 
 
 def _is_settled(guard: Guard, keys: Mapping[str, Key]) -> bool:
-    """Whether nothing can make a guard state something else in the course of a run."""
+    """Whether the value of a guard stays the same for the whole of a run."""
     site = Site("", keys)
     guard.compile(site)
     if site.clocked or site.holds or site.states or site.named:

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from rai_missions.check.index import KeyWrite, MissionIndex, Read, Scope
 from rai_missions.check.paths import meaning
 from rai_missions.guards.compare import NUMBERS, comparable
-from rai_missions.keys import Key, fits
+from rai_missions.keys import Key, type_error
 from rai_missions.states.effects import references
 
 __all__ = ("mismatched_comparisons", "mismatched_lists", "mismatched_poses", "mismatched_writes")
@@ -89,6 +89,6 @@ def _written(survey: MissionIndex, write: KeyWrite, key: Key) -> tuple[str, str]
             )
     elif write.by == "status" and key.type != "string":
         return write.place, f"'{write.key}' is of type '{key.type}', and a status is a string; write one that is"
-    elif write.by == "set" and next(references(write.value), None) is None and (why := fits(key, write.value)):
+    elif write.by == "set" and next(references(write.value), None) is None and (why := type_error(key, write.value)):
         return f"{write.place}/value", f"'{write.key}' cannot hold this: {why}; write one that is"
     return None

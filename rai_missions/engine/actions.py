@@ -18,7 +18,7 @@ from rai_missions.engine.state import RunState, Trigger
 from rai_missions.engine.step import CallService, LogLine, PublishMessage, SayAloud
 from rai_missions.engine.timers import drop, next_number, set_timer
 from rai_missions.guards.guard import Operand, Site
-from rai_missions.keys import Key, Stamped, fits, is_number
+from rai_missions.keys import Key, Stamped, is_number, type_error
 from rai_missions.redaction import clipped
 from rai_missions.states.effects import Call, Drop, Effect, Log, Publish, Raise, Say, Set, filled
 
@@ -70,7 +70,7 @@ def _set(effect: Set, site: Site) -> Act:
     if effect.source is not None:
         return _copy(name, effect.source, site)
     value = effect.value
-    if key is None or fits(key, value):
+    if key is None or type_error(key, value):
         return partial(_write, name, value)
 
     def put(program: Program, run: RunState) -> None:

@@ -10,7 +10,7 @@ from rai_missions.engine.program import Program
 from rai_missions.engine.state import RunState
 from rai_missions.errors import in_words
 from rai_missions.guards.guard import Truth
-from rai_missions.keys import Stamped, fits, stale_at
+from rai_missions.keys import Stamped, stale_at, type_error
 
 __all__ = ("ask_named", "known", "note_news", "write_key")
 
@@ -47,7 +47,7 @@ def write_key(program: Program, state: RunState, key: str, value: Any, by: str =
     Returns:
         Whether trees that look at the key have something to see.
     """
-    why = fits(program.keys[key], value) if key in program.keys else "the mission has no such key"
+    why = type_error(program.keys[key], value) if key in program.keys else "the mission has no such key"
     if why:
         state.draft.notes.append(f"'{key}' was not written: {why}")
         return False

@@ -27,7 +27,7 @@ from rai_missions.engine.step import Move
 from rai_missions.engine.timers import late_s
 from rai_missions.engine.timing import look_ahead
 from rai_missions.event import Event
-from rai_missions.keys import Stamped, fits
+from rai_missions.keys import Stamped, type_error
 from rai_missions.model import suggestion
 
 __all__ = ("receive_command", "resync")
@@ -111,7 +111,7 @@ def resync(program: Program, state: RunState, event: Event) -> None:
     for name in [name for name in board if keys[name].source == "robot" and keys[name].max_age_s is not None]:
         del board[name]
     for name, (value, at) in received.items():
-        if name in keys and not fits(keys[name], value):
+        if name in keys and not type_error(keys[name], value):
             board[name] = Stamped(value, float(at))
             state.draft.written.append((name, value))
     for name, value in before.items():

@@ -16,7 +16,7 @@ from rai_missions.engine.state import RunState, Trigger
 from rai_missions.engine.step import Cause
 from rai_missions.engine.timers import begins_at, late_s, now_of
 from rai_missions.guards.guard import Operand, Site
-from rai_missions.keys import fits
+from rai_missions.keys import type_error
 from rai_missions.states.compound import Each
 from rai_missions.states.final import Final, FinalOutcome, worst
 
@@ -44,7 +44,7 @@ def set_item(program: Program, state: RunState, node: Node, item: Any) -> bool:
     """Make an item the current one. One that does not fit its key ends the `each`: its round would use another."""
     assert isinstance(node.state, Each)
     key, internal = program.keys.get(node.state.item), state.draft.internal
-    why = fits(key, item) if key is not None else "the mission has no such key"
+    why = type_error(key, item) if key is not None else "the mission has no such key"
     if why and not any(trigger.source is node for trigger in internal):
         internal.append(outcome_of(node, Outcome("failed", why=f"an item cannot be '{node.state.item}': {why}")))
     if not why:

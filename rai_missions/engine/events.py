@@ -19,7 +19,7 @@ from rai_missions.engine.reports import WATCHED, receive_answer, receive_report,
 from rai_missions.engine.running import poll
 from rai_missions.engine.state import RunState, Trigger, refuse
 from rai_missions.event import KINDS, Event, EventKind
-from rai_missions.keys import Stamped, fits, stale_at
+from rai_missions.keys import Stamped, stale_at, type_error
 from rai_missions.model import suggestion
 
 __all__ = ("NOT_STARTED", "handle", "handle_before_start")
@@ -108,7 +108,7 @@ def _write(program: Program, state: RunState, event: Event) -> None:
     if key is None:
         refuse(state, "unknown", f"the mission has no key '{name}'{suggestion(name, program.keys)}")
         return
-    if why := fits(key, value):
+    if why := type_error(key, value):
         refuse(state, "unfit", f"'{name}' was not written: {why}")
         return
     entry = state.board.get(name)

@@ -162,7 +162,7 @@ def _blob_faults(record: Record) -> Iterator[Fault]:
 
 
 class Shown(NamedTuple):
-    """A picture whose bytes a journal's rows state to be kept."""
+    """A picture whose bytes a journal keeps, as its rows state."""
 
     row: int
     """The first that has it."""

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from rai_missions.errors import DefinitionError, Fault, irregular, pointer, suggestion
-from rai_missions.keys import Key, fits
+from rai_missions.keys import Key, type_error
 from rai_missions.kinds import reference_word
 from rai_missions.mission.mission import Mission
 from rai_missions.redaction import shown
@@ -99,7 +99,7 @@ def _key_faults(key: Key, given: Any, parent: Mission) -> Iterator[str]:
     if name is None:
         if key.source in ("robot", "answer"):
             yield f'a key of the {key.source} takes no value; share one of this mission\'s: {{"from": key}}'
-        elif why := fits(key, given):
+        elif why := type_error(key, given):
             yield why
     elif name not in parent.blackboard:
         yield f"no key {shown(name)}{suggestion(name, parent.blackboard)}"

@@ -62,7 +62,7 @@ def lacking(mission: Mission, robot: Robot, why: Callable[[str, Kind], str]) -> 
     Args:
         mission: What is to run.
         robot: On which robot.
-        why: Reports about a type and its kind why it is not here; empty if it is.
+        why: Takes a type and its kind, and gives why it is not here; empty if it is.
     """
     reasons = {each: why(each.type, each.kind) for each in typed(mission, robot)}
     return tuple(Fault(each.place, sentence) for each, sentence in reasons.items() if sentence)

@@ -153,7 +153,7 @@ def _records(file: IO[bytes], end: int) -> Iterator[Any]:
 
 
 def _checked_size(chunk: Chunk) -> int:
-    """A few bytes can be packed so that they fill the memory: what they report about their size is looked at first.
+    """A few bytes can be packed so that they fill the memory: the size that they claim is checked first.
 
     Returns:
         How many bytes are in it.

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from rai_missions.errors import DefinitionError, Fault
-from rai_missions.keys import fits
+from rai_missions.keys import type_error
 from rai_missions.mission.mission import Mission
 
 __all__ = ("accepted",)
@@ -30,7 +30,7 @@ def accepted(mission: Mission, arguments: Mapping[str, Any]) -> Mapping[str, Any
     ]
     for name in takes:
         key = mission.blackboard[name]
-        if name in arguments and (why := fits(key, arguments[name])):
+        if name in arguments and (why := type_error(key, arguments[name])):
             faults.append(Fault(f"/blackboard/{name}", f"the argument does not fit: {why}"))
         if name not in arguments and key.initial is None and not key.optional:
             faults.append(Fault(f"/blackboard/{name}", f"the mission needs the argument '{name}'; give --set {name}=…"))

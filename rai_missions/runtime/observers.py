@@ -15,7 +15,7 @@ from typing import Any
 from rai_missions.connectors.connector import Close, Connector, Message, Reply
 from rai_missions.errors import ConnectorError
 from rai_missions.event import Event
-from rai_missions.keys import Key, fits
+from rai_missions.keys import Key, type_error
 from rai_missions.profile import EventSource, Robot, Source, absent_field, why_unreadable
 from rai_missions.redaction import cut_repr, logger
 from rai_missions.runtime.readings import Readings, SourceState, in_words
@@ -151,7 +151,7 @@ class RobotListener:
                 self._miss(key, source, message.data)
                 return
             stamp = _stamp(message, now)
-            if why := fits(self._keys[key], value) if key in self._keys else "":
+            if why := type_error(self._keys[key], value) if key in self._keys else "":
                 readings.misread(why)
             else:
                 readings.understood(now - stamp)

@@ -12,7 +12,7 @@ from rai_missions.engine import Chart
 from rai_missions.engine.step import StartGoal
 from rai_missions.event import Event
 from rai_missions.journal.buffer import BufferedWriter
-from rai_missions.keys import fits, stale_at
+from rai_missions.keys import stale_at, type_error
 from rai_missions.replay.resume import Resumption
 from rai_missions.runtime.effects import EffectExecutor
 
@@ -66,7 +66,7 @@ class ResyncWindow:
     def take(self, event: Event) -> None:
         """Something has come."""
         value, is_first = event.data.get("value"), event.name in self._known and event.name not in self.received
-        if event.kind != "write" or not is_first or fits(self._keys[event.name], value):
+        if event.kind != "write" or not is_first or type_error(self._keys[event.name], value):
             self.rest.append(event)
             return
         self.received[event.name] = (value, min(float(event.data.get("stamp", event.at)), event.at))

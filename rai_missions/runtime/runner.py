@@ -77,15 +77,15 @@ class Runner(RunCommands):
             raise DefinitionError(faults, robot.name)
         self.mission, self.run_id = mission, begin.run or uuid.uuid4().hex[:12]
         self._clock: Clock = clock if clock is not None else WallClock()
-        self._redaction, self._scribe = Redaction(), BufferedWriter(journal, self._stop_at_once)
-        self._mailbox = Mailbox(self._redaction.known, self._clock.now, self._scribe.call)
+        self._redaction, self._writer = Redaction(), BufferedWriter(journal, self._stop_at_once)
+        self._mailbox = Mailbox(self._redaction.known, self._clock.now, self._writer.call)
         self._lifecycle, self._connector = Lifecycle(), connector
         control, scheduler = self._lifecycle.control, Scheduler(self._clock, self._mailbox)
-        self._performer = EffectExecutor(
+        self._executor = EffectExecutor(
             mission, run=self.run_id, robot=robot, connector=connector, answerers=dict(answerers or {}),
             scheduler=scheduler, control=control, note=self.note,
         )  # fmt: skip
-        super().__init__(scheduler, control, self._performer.handovers)
+        super().__init__(scheduler, control, self._executor.handovers)
         self._resumed = begin if isinstance(begin, Resumption) else None
         self._chart = begin.chart if isinstance(begin, Resumption) else Chart(
             mission, begin.ticker or default_ticker(mission), terms=terms(robot) if robot is not None else None,
@@ -94,7 +94,7 @@ class Runner(RunCommands):
         self._arguments = accepted(mission, begin.arguments) if isinstance(begin, NewRun) else {}
         self._moved_aside = begin.moved_aside if isinstance(begin, NewRun) else None
         self._decisions = begin.decisions if isinstance(begin, Resumption) else 0
-        self.view = RunView(self._chart, scheduler, control, self._performer)
+        self.view = RunView(self._chart, scheduler, control, self._executor)
         """What others may read of it."""
         for each in (answerers or {}).values():
             if isinstance(each, ReadsRun):
@@ -137,16 +137,16 @@ class Runner(RunCommands):
                 self._connector.start()
             if isinstance(self._clock, ContinuedClock):
                 self._clock.begin()
-            self._performer.open()
+            self._executor.open()
             if self._resumed is not None:
                 self._resume(self._resumed)
             if self._chart.mode == "ready":
                 self._get_ready()
             if self._chart.mode == "ready" and self._chart.outcome is None:
-                self._performer.begin()
+                self._executor.begin()
                 self._step(lambda: self._chart.start(self._clock.now()))
             self._loop(lambda: self._chart.outcome is not None)
-            self._loop(lambda: not self._chart.open_goals and not self._performer.handovers.letting_go)
+            self._loop(lambda: not self._chart.open_goals and not self._executor.handovers.letting_go)
             self._write_notes()
             self._write_carried()
             return self._result(began)
@@ -154,8 +154,8 @@ class Runner(RunCommands):
             self._break_off(error)
             raise
         finally:
-            self._scribe.close()
-            self._performer.close()
+            self._writer.close()
+            self._executor.close()
             if self._connector is not None and ours:
                 self._disconnect(self._connector)
 
@@ -170,13 +170,13 @@ class Runner(RunCommands):
         if resumed.last is not None:
             self._report_status(resumed.last)
         self._lifecycle.control.keep(is_kept=self._chart.taken)
-        self._scribe.resume(resumed.at)
+        self._writer.resume(resumed.at)
         if self._mailbox.urgent:
             resumed.under.stop()
-        resume_effects(resumed, self._performer, self._scribe)
+        resume_effects(resumed, self._executor, self._writer)
         if self._chart.outcome is None:
             self._resync()
-        self._performer.ask_again(resumed.under, self._chart.questions)
+        self._executor.ask_again(resumed.under, self._chart.questions)
 
     def _resync(self) -> None:
         """Receive again what the robot had reported, before anything else happens; what arrives meanwhile waits."""
@@ -200,25 +200,25 @@ class Runner(RunCommands):
         for key, value in self._arguments.items():
             if key not in chart.view.board or chart.view.board[key].value != value:
                 self._step(lambda key=key, value=value: chart.write(key, value, self._clock.now()))  # type: ignore[misc]
-        until, rivalry = self._clock.now() + self.mission.ready_s, self._performer.rivalry
+        until, rivalry = self._clock.now() + self.mission.ready_s, self._executor.rivalry
         rivalry.ask(actions_of(self.mission), self.mission.ready_s)
         self._loop(lambda: chart.outcome is not None or not self._unheard or self._clock.now() >= until, until)
         if self._unheard and chart.outcome is None:
-            missed = {name: self._performer.source(name) for name in self._unheard}
+            missed = {name: self._executor.source(name) for name in self._unheard}
             sentence = refused(missed, self.mission.blackboard, self.mission.ready_s)
             raise UsageError(f"{sentence} Its profile notes: {self._about}" if self._about else sentence)
         until += SURVEYED_S
         self._loop(lambda: chart.outcome is not None or rivalry.is_known or self._clock.now() >= until, until)
         if rivalry.contests and chart.outcome is None:
             raise UsageError("; ".join(rivalry.contests))
-        holder = self._performer.holder
+        holder = self._executor.holder
         if holder is not None and holder != chart.holder and chart.outcome is None:
             self._step(lambda: chart.send(Event(holder, self._clock.now(), {"by": "robot"}, "control")))
 
     @property
     def _unheard(self) -> tuple[str, ...]:
         """What the robot has yet to report."""
-        return (*self._chart.unheard, *(() if self._performer.holder != "" else ("who holds control",)))
+        return (*self._chart.unheard, *(() if self._executor.holder != "" else ("who holds control",)))
 
     def _loop(self, done: Callable[[], bool], until: float = math.inf) -> None:
         while not done():
@@ -226,7 +226,7 @@ class Runner(RunCommands):
             event = self._mailbox.take()
             if event is not None:
                 self._take(event)
-                self._clock.taken(self._mailbox, paced=self._performer.thinking)
+                self._clock.taken(self._mailbox, paced=self._executor.thinking)
             elif not done() and self._scheduler.due > -math.inf:  # a wake may be taken before what it was for
                 self._idle(until)
 
@@ -247,7 +247,7 @@ class Runner(RunCommands):
             return
         wake = self._chart.wake_at
         due = min(until, math.inf if wake is None else wake, self._scheduler.due)
-        self._clock.wait(self._mailbox, min(due, self._due), paced=self._performer.thinking)
+        self._clock.wait(self._mailbox, min(due, self._due), paced=self._executor.thinking)
         now = self._clock.now()
         if wake is not None and wake <= now and self._mailbox.empty:
             self._step(lambda: self._chart.send(Tick(now)))
@@ -260,23 +260,23 @@ class Runner(RunCommands):
             return
         self._step(lambda: self._chart.send(event))
         if event.kind == "proposal":
-            self._performer.answered(event.number)
+            self._executor.answered(event.number)
 
     def _step(self, make: Callable[[], Step], *, quiet: bool = True) -> None:
         """Step, journal, effects."""
         since = self._chart.at
         step = make()
         if quiet and self._chart.quiet and step.event.kind in ("write", "tick"):
-            self._scribe.carry(step, self._chart.view.board)
+            self._writer.carry(step, self._chart.view.board)
         elif not self._write(step, since):
             return
         if self._mailbox.urgent:  # nothing is begun any more by what waited for the disk
-            self._performer.leave(step.effects, "an emergency stop came before it")
+            self._executor.leave(step.effects, "an emergency stop came before it")
             self._report(step)
             return
         self._lifecycle.control.follow(self._chart.holder, taken=self._chart.taken)  # an effect may ask for it
-        self._performer.perform(step.effects)
-        lost = raised_by(lambda: self._scribe.confirm(step))
+        self._executor.perform(step.effects)
+        lost = raised_by(lambda: self._writer.confirm(step))
         self._report(step)
         if lost is not None:
             self._lose_journal(lost)
@@ -285,24 +285,24 @@ class Runner(RunCommands):
         """The emergency stop: the actuators first, the journal after."""
         since = self._chart.at
         step = self._chart.send(event)
-        self._performer.perform(step.effects)
+        self._executor.perform(step.effects)
         self._report(step)
         self._write(step, since)
 
     def _stop_at_once(self) -> None:
         """The emergency stop of a run that waits for its disk: it is taken when the disk answers, or never does."""
         if self._mailbox.urgent:
-            self._performer.stop_everything()
-            self._performer.handovers.let_go(self._scheduler.wake)
+            self._executor.stop_everything()
+            self._executor.handovers.let_go(self._scheduler.wake)
 
     def _break_off(self, error: BaseException) -> None:
         """The run cannot continue, whatever the reason: nothing that it started may continue without it."""
-        self._performer.stop_everything()
+        self._executor.stop_everything()
         sentence = f"the run breaks off: {type(error).__name__}: {self._redaction.known(str(error))}"
         if not isinstance(error, UsageError):
             log.critical("%s", sentence)
         try:
-            self._scribe.note(cut(sentence, 1000), {"broken_off": type(error).__name__})
+            self._writer.note(cut(sentence, 1000), {"broken_off": type(error).__name__})
         except (ConnectorError, UsageError) as silent:
             log.error("nor can that be written down: %s", self._redaction.known(str(silent)))
         except Exception:
@@ -333,7 +333,7 @@ class Runner(RunCommands):
         )
         is_stop = chart.outcome is not None and step.event.kind != "control"
         if status is not None and status.control == "nobody" and is_stop:
-            self._performer.handovers.let_go(self._scheduler.wake)
+            self._executor.handovers.let_go(self._scheduler.wake)
         if status is not None and self._observer.on_status is not None:
             self._observe(self._observer.on_status, status, "on_status")
 
@@ -349,7 +349,7 @@ class Runner(RunCommands):
     # -- the journal ----------------------------------------------------------------------------------------------
 
     def _write(self, step: Step, since: float) -> bool:
-        lost = raised_by(lambda: self._scribe.write(step, since))
+        lost = raised_by(lambda: self._writer.write(step, since))
         if lost is not None:
             self._lose_journal(lost)
         return lost is None
@@ -357,14 +357,14 @@ class Runner(RunCommands):
     def _write_notes(self) -> None:
         while self._notes:
             each = self._notes.popleft()
-            if lost := raised_by(lambda each=each: self._scribe.note(*each)):  # type: ignore[misc]
+            if lost := raised_by(lambda each=each: self._writer.note(*each)):  # type: ignore[misc]
                 self._lose_journal(lost)
 
     @property
     def _due(self) -> float:
         """When a row must be written: what travels must not travel for long, nor time that a timer is running."""
         timed = self._chart.wake_at is not None and self._chart.mode != "ready"
-        return min(self._scribe.due, self._scribe.silent_from) if timed else self._scribe.due
+        return min(self._writer.due, self._writer.silent_from) if timed else self._writer.due
 
     def _write_carried(self) -> None:
         """Have what travels written down: with a step in which only time passes."""
@@ -374,16 +374,16 @@ class Runner(RunCommands):
     def _lose_journal(self, error: Exception) -> None:
         """What cannot be written down does not continue."""
         log.critical("the journal cannot be written, the mission is killed: %s", error)
-        self._scribe.give_up()
+        self._writer.give_up()
         by = self._redaction.known(f"the journal: {error}")
         step = self._chart.send(Event("kill", self._clock.now(), {"by": by}, "command"))
-        self._performer.perform(step.effects)
+        self._executor.perform(step.effects)
         self._report(step)
 
     def _result(self, began: float) -> Result:
         chart = self._chart
         return Result(
-            chart.outcome or "failed", chart.why, chart.seq, self._scribe.path, self.run_id,
+            chart.outcome or "failed", chart.why, chart.seq, self._writer.path, self.run_id,
             tuple(sorted(chart.active)), self._decisions, self._clock.now() - began, chart.loose_goals,
             self._moved_aside,
         )  # fmt: skip

@@ -11,7 +11,7 @@ from py_trees.behaviour import Behaviour
 from py_trees.common import Status
 
 from rai_missions.guards.guard import Test, View
-from rai_missions.keys import Key, fits
+from rai_missions.keys import Key, type_error
 from rai_missions.trees.nodes import FAILURE, INVALID, RUNNING, SUCCESS, WORDS, TracedBehaviour
 from rai_missions.trees.tick import Tick
 
@@ -100,7 +100,7 @@ class WriteBehaviour(TreeLeaf):
 
     def act(self) -> Status:
         value = self.value(self.round.sight)
-        if value is None or (self.definition is not None and fits(self.definition, value)):
+        if value is None or (self.definition is not None and type_error(self.definition, value)):
             return FAILURE
         self.round.write(self.key, value)
         return SUCCESS

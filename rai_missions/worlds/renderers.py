@@ -2,7 +2,7 @@
 """The renderers of one compiled world, and the thread that they live on.
 
 Rule: everything of OpenGL happens on one thread, since a context belongs to the thread that made it. What was made
-there is freed there, also when no one reports that it is over: a garbage collection happens on any thread.
+there is freed there, also when no one closes it: a garbage collection happens on any thread.
 """
 
 from __future__ import annotations

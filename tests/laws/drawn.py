@@ -336,7 +336,7 @@ class Happening(NamedTuple):
     """One thing that happens, and when."""
 
     drawn: Drawn
-    """As `ScriptedRobot.event` reads it."""
+    """As `tests.rigs.charts.ScriptedRobot.event` reads it."""
     at: float
 
 

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from rai_missions.engine import Chart
 from rai_missions.engine.step import Ask, CallService, StartGoal, Step
 from rai_missions.event import Event
-from rai_missions.keys import fits
+from rai_missions.keys import type_error
 from rai_missions.mission.mission import Mission
 from rai_missions.trees import PyTrees
 
@@ -90,14 +90,14 @@ def known(made: Chart) -> Any:
 def test_a_key_holds_nothing_but_its_type(door: str, type_name: str, before: Any, value: Any, amount: float) -> None:
     mission = mission_of(door, type_name, amount)
     made, key = Chart(mission, PyTrees()), mission.blackboard["k"]
-    old = None if fits(key, before) else before
+    old = None if type_error(key, before) else before
     made.write("k", before, at=0.0)
     steps = through(door, made, value)
     now = known(made)
-    assert now is None or not fits(key, now)
+    assert now is None or not type_error(key, now)
     if "add" not in door:
-        assert now == (old if fits(key, value) else value)
-        if fits(key, value):
+        assert now == (old if type_error(key, value) else value)
+        if type_error(key, value):
             assert any(step.notes or any(move.trigger == "failed" for move in step.moves) for step in steps)
     elif type_name == "integer" and amount == int(amount) and isinstance(old, int):
         assert now > old and isinstance(now, int)

@@ -18,9 +18,9 @@ class Patrol(Trip):
     """One run of the patrol.
 
     Args:
-        house: What the world takes; no camera unless it states it.
+        house: What the world takes; no camera unless named here.
         moments: When → what happens then.
-        words: Fields of `Setting`.
+        words: Fields of `RunConfig`.
     """
 
     def __init__(self, house: Mapping[str, Any], moments: Moments, **words: Any) -> None:

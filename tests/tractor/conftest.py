@@ -18,10 +18,10 @@ class Drive(Trip):
     """One run of the tractor's mission.
 
     Args:
-        orchard: What the world takes; no camera, but the detector, unless it states it.
+        orchard: What the world takes; no camera, but the detector, unless named here.
         moments: When → what happens then.
         events_of: The profile whose anomaly is listened for.
-        words: Fields of `Setting`.
+        words: Fields of `RunConfig`.
     """
 
     def __init__(

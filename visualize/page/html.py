@@ -36,7 +36,7 @@ def document(data: Json, *, title: str, scripts: tuple[str, ...] = SCRIPTS, conn
     """The page.
 
     Args:
-        data: What it shows; `kind` reports which page it is.
+        data: What it shows; `kind` names the page.
         title: Of the window.
         scripts: The files of `assets` that run, in order.
         connect: Where the page may connect to, as its policy has it: a live one to `'self'`.

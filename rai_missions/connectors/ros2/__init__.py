@@ -26,7 +26,7 @@ def open_connector(options: Mapping[str, Any], *, now: Callable[[], float] | Non
     """A connector to the ROS 2 graph, not started.
 
     Args:
-        options: What a profile's `connector` states besides its `kind`; see `options.Options`.
+        options: What a profile's `connector` states besides its `kind`; see `config.Options`.
         now: Seconds on the run's clock; stamps what is received. Left out, ROS time.
 
     Raises:
@@ -55,7 +55,7 @@ def installation() -> dict[str, str]:
 
 
 def fields_of(type_name: str, kind: Literal["msg", "srv"]) -> Mapping[str, Any] | None:
-    """The fields of a message, or of a service's reply, as `describe.describe_type` reports them; None if it cannot."""
+    """The fields of a message, or of a service's reply, as `types.describe_type` reports them; None if it cannot."""
     from rai_missions.connectors.ros2.types import describe_type
 
     try:

@@ -50,7 +50,7 @@ class Runtime:
 
     Args:
         options: Names, domain, arguments and parameters of the node.
-        fell: Reported on this thread if ROS was shut down from outside (such as by the user's Ctrl-C).
+        fell: Called on this thread if ROS was shut down from outside (such as by the user's Ctrl-C).
 
     Raises:
         UsageError: A name or an argument that ROS does not take.

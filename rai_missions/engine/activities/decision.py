@@ -15,7 +15,7 @@ from rai_missions.engine.decision import Evidence, Limits, Offer, Proposal, Ques
 from rai_missions.engine.step import Ask, Withdraw
 from rai_missions.event import Event
 from rai_missions.guards.guard import Operand, Site, View
-from rai_missions.keys import fits
+from rai_missions.keys import type_error
 from rai_missions.redaction import clipped
 from rai_missions.states.decision import Decision, DecisionSpec
 from rai_missions.states.tree import DecisionLeaf
@@ -104,7 +104,7 @@ class DecisionMachine(Machine):
         given = data.get("parameters")
         proposal = Proposal(data["option"], given if isinstance(given, Mapping) else {}, str(data.get("why", "")))
         verdict = judge(question, proposal, host.view, self.tests)
-        if verdict.accepted and (why := self._misfit(proposal.parameters)):
+        if verdict.accepted and (why := self._parameter_fault(proposal.parameters)):
             verdict = Verdict(False, f"the parameters of '{proposal.option}' are not valid: {why}")
         option = clipped(proposal.option, 60)
         verdict = verdict._replace(number=question.number, by=event.name, option=option)
@@ -122,9 +122,11 @@ class DecisionMachine(Machine):
             if key is not None and key.source == "answer":
                 yield name, value
 
-    def _misfit(self, parameters: Mapping[str, Any]) -> str:
+    def _parameter_fault(self, parameters: Mapping[str, Any]) -> str:
         """Why a parameter cannot be written to its key; empty if each can."""
-        each = (f"{name}: {why}" for name, value in self._written(parameters) if (why := fits(self.keys[name], value)))
+        each = (
+            f"{name}: {why}" for name, value in self._written(parameters) if (why := type_error(self.keys[name], value))
+        )
         return next(each, "")
 
     def _again(self, state: DecisionActivity, host: ActivityHost, verdict: Verdict, text: str, *, refusal: str) -> Turn:

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from rai_missions.errors import Fault
-from rai_missions.keys import Key, Stamped, fits
+from rai_missions.keys import Key, Stamped, type_error
 from rai_missions.replay.migrate.names import Naming
 
 __all__ = ("board",)
@@ -62,7 +62,7 @@ def _refused(naming: Naming, old: str, new: str, entry: Stamped) -> list[Fault]:
     if now.source == "robot" and was.source != "robot":
         sentence = f"'{new}' is what the robot reports, and '{old}' was not"
         return [Fault("/keys", f'{sentence}; drop its value: "{old}": null')]
-    if why := fits(now, entry.value):
+    if why := type_error(now, entry.value):
         remedy = "drop it" if now.source == "robot" else "give another in 'values'"
         return [Fault("/keys", f"the value of '{old}' does not fit '{new}': {why}; {remedy}")]
     return []
@@ -71,6 +71,6 @@ def _refused(naming: Naming, old: str, new: str, entry: Stamped) -> list[Fault]:
 def _not_to_be(name: str, key: Key, value: object) -> list[Fault]:
     if key.source == "robot":
         return [Fault(f"/values/{name}", f"'{name}' is what the robot reports; leave it out, it is received again")]
-    if why := fits(key, value):
+    if why := type_error(key, value):
         return [Fault(f"/values/{name}", why)]
     return []
