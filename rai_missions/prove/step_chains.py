@@ -12,6 +12,8 @@ from typing import Any, NamedTuple
 
 from rai_missions.engine.macrostep import MOST_MICROSTEPS
 from rai_missions.engine.state import StepDraft
+from rai_missions.engine.step import Move
+from rai_missions.guards.guard import Truth
 from rai_missions.prove.activity_key import plain
 from rai_missions.prove.instruments import Instruments
 from rai_missions.prove.open_world import OpenWorld
@@ -26,23 +28,28 @@ REMEMBERED = 50_000
 class StepChain:
     """The places of one step that differ in the mission's own keys alone, in the order in which it passed them."""
 
-    __slots__ = ("looked", "microsteps", "own", "seen", "written")
+    __slots__ = ("guards", "looked", "microsteps", "moves", "own", "seen", "written")
 
-    def __init__(self, seen: int) -> None:
+    def __init__(self, draft: StepDraft) -> None:
         self.own: Mapping[str, Any] = {}
         """Own key → its entry in the last place."""
         self.microsteps = 0
         """How many the step had made there."""
         self.looked, self.written = set[str](), set[str]()
-        self.seen = seen
-        """So many of the draft's writes are known."""
+        self.moves, self.guards = dict[Move, int](), dict[tuple[str, Truth], int]()
+        """Move, and guard with its value → the microsteps at the last place after it."""
+        self.seen = len(draft.written), len(draft.moves), len(draft.looked)
+        """So many of the draft's are known."""
 
     def add(self, own: Mapping[str, Any], looked: set[str], draft: StepDraft) -> None:
         """The step has come to another place."""
         self.own, self.microsteps = own, draft.microsteps
         self.looked |= looked
-        self.written.update(key for key, _ in draft.written[self.seen :])
-        self.seen = len(draft.written)
+        writes, moves, guards = self.seen
+        self.written.update(key for key, _ in draft.written[writes:])
+        self.moves.update(dict.fromkeys(draft.moves[moves:], draft.microsteps))
+        self.guards.update(dict.fromkeys(draft.looked[guards:], draft.microsteps))
+        self.seen = len(draft.written), len(draft.moves), len(draft.looked)
 
 
 class Link(NamedTuple):
@@ -82,7 +89,7 @@ class StepChains:
         waiting = (unpolled, sorted(draft.presence_changes), sorted(draft.news.items()), draft.goal_ended)
         place = repr((place, waiting))
         mark = fingerprint((place, sorted((key, plain(entry[0])) for key, entry in own.items() if entry is not None)))
-        chain = self._here.setdefault((place, self._instruments.ticks), StepChain(len(draft.written)))
+        chain = self._here.setdefault((place, self._instruments.ticks), StepChain(draft))
         link = self._links.get(mark)
         if link is None:
             if len(self._links) >= REMEMBERED:
@@ -98,6 +105,8 @@ class StepChains:
         if after >= MOST_MICROSTEPS:
             return own
         draft.microsteps = after
+        draft.moves += [move for move, at in chain.moves.items() if at > link.microsteps]
+        draft.looked += [guard for guard, at in chain.guards.items() if at > link.microsteps]
         for key in chain.written & chain.own.keys():
             self._world.board.put(key, chain.own[key])
         self._instruments.asked.update((chain.looked | chain.written) & self._world.own_keys)

@@ -88,6 +88,22 @@ def test_what_is_not_made_again_comes_to_the_same(do: list[Json], guard: Json) -
     assert hold_against_every_microstep(counting(25, ENDS, do, **guard))
 
 
+def test_what_begins_again_on_a_way_that_is_not_made_again_does_not_wait_on() -> None:
+    """At 15, and there alone, another region moves: what it has waited for begins from the beginning."""
+    document = counting(25, ENDS)
+    document["transitions"] = [{"on": "look", "to": "lost"}]
+    right: Json = {
+        "here": {"transitions": [{"after_s": 5, "to": "there"}, {"when": {"key": "n", "==": 15}, "to": "there"}]},
+        "there": {"transitions": [{"after_s": 5, "to": "here"}, {"when": {"key": "n", "==": 16}, "to": "here"}]},
+    }
+    going = document["states"].pop("going")
+    document["states"]["both"] = {"parallel": {
+        "left": {"initial": "going", "states": {"going": going}}, "right": {"initial": "here", "states": right},
+    }}  # fmt: skip
+    document["initial"] = "both"
+    assert hold_against_every_microstep(document)
+
+
 def test_a_counter_without_bound_reaches_the_limit_of_microsteps_from_each_value() -> None:
     document = counting(1, ["rejected"], [], **{">=": 0})
     document["states"]["going"]["transitions"][1]["on"] = "rejected"
