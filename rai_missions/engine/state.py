@@ -82,7 +82,8 @@ Holds = Literal[
 | `since`         | guard inside `held` → since when it has been true                        |
 
 A new one has an entry in each table by which it is not left as it is: `snapshot.FORMS`, `hold.SHIFTS`,
-`carries` in `replay.migrate.activities`, and in `prove` `INDIFFERENT`, `rests` and `keys_by_kind`.
+`carries` in `replay.migrate.activities`, and in `prove` `rests` and one of `INDIFFERENT`, `AS_IT_IS` and
+`keys_by_kind`.
 """
 HOLDS: tuple[Holds, ...] = get_args(Holds)
 

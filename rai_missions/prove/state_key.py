@@ -30,6 +30,8 @@ from rai_missions.states.tree.leaves import ActionLeaf
 __all__ = ("Place", "Saved", "StateCodec")
 
 NONE: dict[Any, Any] = {}
+AS_IT_IS: frozenset[Holds] = frozenset(("value", "states", "begins"))
+"""What is compared as it is."""
 NO_DRAFT = StepDraft()
 """Saved states have gathered nothing."""
 A_LITTLE_S = 1e-3
@@ -78,8 +80,9 @@ class StateCodec:
             "ages": self._ages_key, "since": _since_key, "payload": _payload_key,
         }  # fmt: skip
         keyed = [(each.name, keys_by_kind[each.holds]) for each in TABLE if each.holds in keys_by_kind]
-        plain_fields = [each.name for each in TABLE if each.holds not in keys_by_kind and each.holds not in INDIFFERENT]
-        assert keys_by_kind.keys() | INDIFFERENT <= set(HOLDS)
+        plain_fields = [each.name for each in TABLE if each.holds in AS_IT_IS]
+        unclear = set(HOLDS) ^ (keys_by_kind.keys() | INDIFFERENT | AS_IT_IS)
+        assert not unclear, f"{sorted(unclear)}: to be compared as it is, by a key of its own, or not at all"
         self._keys_of = tuple(to_key for _, to_key in keyed)
         self._keyed_values = attrgetter(*(name for name, _ in keyed))
         self._plain_values = attrgetter(*plain_fields)
