@@ -110,6 +110,24 @@ def test_a_counter_without_bound_reaches_the_limit_of_microsteps_from_each_value
     assert hold_against_every_microstep(document, 8)
 
 
+@st.composite
+def counting_documents(draw: st.DrawFn) -> Json:
+    """A counter with other effects, and a value at which it goes another way."""
+    effects = st.lists(st.sampled_from([each[0] for each in SIDE_EFFECTS.values() if each]), max_size=2)
+    again = draw(st.sampled_from([["rejected"], ENDS]))
+    found = counting(draw(st.integers(5, 25)), again, draw(effects))
+    other: Json = {"on": again, "when": {"key": "n", "==": draw(st.integers(1, 20))}, "to": "going"}
+    other["do"] = [{"set": "n", "add": draw(st.integers(1, 3))}, *draw(effects)]
+    found["states"]["going"]["transitions"].insert(draw(st.integers(0, 2)), other)
+    return found
+
+
+@settings(lenient, max_examples=3)
+@given(counting_documents())
+def test_any_counter_is_counted_alike(document: Json) -> None:
+    assume(hold_against_every_microstep(document, most=2_000))
+
+
 @settings(lenient, max_examples=2)
 @given(mission_documents())
 def test_any_mission_is_explored_alike(document: Json) -> None:
@@ -118,6 +136,6 @@ def test_any_mission_is_explored_alike(document: Json) -> None:
 
 @pytest.mark.drill
 @settings(lenient, max_examples=1000)
-@given(st.one_of(mission_documents(), st.builds(counting, st.integers(1, 40), st.just(ENDS))))
+@given(st.one_of(mission_documents(), counting_documents()))
 def test_any_mission_is_explored_alike_however_often_it_is_tried(document: Json) -> None:
     assume(hold_against_every_microstep(document, most=FEW, work=WORK))
