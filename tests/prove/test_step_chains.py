@@ -6,7 +6,7 @@ from __future__ import annotations
 from typing import Any
 
 import pytest
-from hypothesis import assume, given
+from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from rai_missions.mission.mission import Mission
@@ -14,7 +14,7 @@ from rai_missions.prove import step_circles
 from rai_missions.prove.environment import Environment
 from rai_missions.replay.rebuild import default_ticker
 from tests.prove.explored import WORK, Seeing
-from tests.prove.test_laws import hold_alike, lenient, settings
+from tests.prove.test_laws import hold_alike, lenient
 from tests.strategies import mission_documents
 
 Json = dict[str, Any]
@@ -128,14 +128,8 @@ def test_any_counter_is_counted_alike(document: Json) -> None:
     assume(hold_against_every_microstep(document, most=2_000))
 
 
-@settings(lenient, max_examples=2)
-@given(mission_documents())
-def test_any_mission_is_explored_alike(document: Json) -> None:
-    assume(hold_against_every_microstep(document, most=FEW, work=WORK))
-
-
 @pytest.mark.drill
 @settings(lenient, max_examples=1000)
 @given(st.one_of(mission_documents(), counting_documents()))
-def test_any_mission_is_explored_alike_however_often_it_is_tried(document: Json) -> None:
+def test_any_mission_is_explored_alike(document: Json) -> None:
     assume(hold_against_every_microstep(document, most=FEW, work=WORK))
