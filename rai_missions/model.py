@@ -51,6 +51,7 @@ from rai_missions.validation_errors import faults_of
 __all__ = (
     "FAMILY",
     "ActionName",
+    "AnyOf",
     "Bool",
     "EventName",
     "Integer",
@@ -59,7 +60,6 @@ __all__ = (
     "MissionModel",
     "Name",
     "Number",
-    "OneOf",
     "Path",
     "Seconds",
     "ServiceName",
@@ -375,12 +375,12 @@ def kind_of(family: type[TaggedModel]) -> Any:
 Member = TypeVar("Member", bound=TaggedModel)
 
 if TYPE_CHECKING:
-    OneOf = Annotated[Member, "one of a family's kinds"]
-    """`OneOf[Guard]`: the field type for any member of a family."""
+    AnyOf = Annotated[Member, "one of a family's kinds"]
+    """`AnyOf[Guard]`: the field type for any member of a family."""
 else:
 
-    class OneOf:
-        """`OneOf[Guard]`: the field type for any member of a family."""
+    class AnyOf:
+        """`AnyOf[Guard]`: the field type for any member of a family."""
 
         def __class_getitem__(cls, family: type[TaggedModel]) -> Any:
             return kind_of(family)

@@ -8,13 +8,13 @@ from collections.abc import Iterable
 from rai_missions.check.index import MissionIndex, StateRef
 from rai_missions.states import Compound, Each, Final, History, Include, Parallel
 
-__all__ = ("Reported", "reported")
+__all__ = ("OutcomeReports", "reported")
 
 ENDS = frozenset({"succeeded", "failed", "aborted", "canceled", "unverified"})
 """What finals can report."""
 
 
-class Reported:
+class OutcomeReports:
     """Outcomes, by the index of the state."""
 
     def __init__(self, spots: list[StateRef], top: Iterable[StateRef]) -> None:
@@ -67,9 +67,9 @@ class Reported:
         return worst | ({"succeeded"} if all("succeeded" in each for each in ends) else frozenset())
 
 
-def reported(survey: MissionIndex) -> Reported:
+def reported(survey: MissionIndex) -> OutcomeReports:
     """Which outcomes the states of a mission can report; worked out once."""
     found = survey.remembered.get("reported")
-    if not isinstance(found, Reported):
-        found = survey.remembered["reported"] = Reported(survey.spots, survey.top)
+    if not isinstance(found, OutcomeReports):
+        found = survey.remembered["reported"] = OutcomeReports(survey.spots, survey.top)
     return found

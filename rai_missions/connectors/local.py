@@ -14,7 +14,7 @@ from typing import Any
 
 from rai_missions.connectors.connector import ActionServer, Close, Data, Message, Mode, Reply, Report
 from rai_missions.connectors.local_goals import LocalGoal
-from rai_missions.connectors.stamps import Dated, dated, stamp_of
+from rai_missions.connectors.stamps import ReadingDate, dated, stamp_of
 from rai_missions.connectors.worker import SerialQueue
 from rai_missions.errors import ConnectorError, UsageError
 from rai_missions.redaction import logger
@@ -180,7 +180,7 @@ class LocalConnector:
         known = self._types.get((mode, name), type_name)
         return f"{name} is a {known}, not a {type_name}" if type_name and known != type_name else ""
 
-    def _date(self, data: Data) -> Dated:
+    def _date(self, data: Data) -> ReadingDate:
         """A stamp is of the run's clock, or of the time of day where it is nearer to that."""
         stamp, now, today = stamp_of(data), self._now(), time.time()
         is_of_day = stamp is not None and abs(stamp - today) < abs(stamp - now)

@@ -12,10 +12,10 @@ from typing import Any, NamedTuple
 
 from rai_missions.redaction import cut_repr
 
-__all__ = ("Dated", "dated", "stamp_of")
+__all__ = ("ReadingDate", "dated", "stamp_of")
 
 
-class Dated(NamedTuple):
+class ReadingDate(NamedTuple):
     """The date of a reading."""
 
     at: float
@@ -42,7 +42,7 @@ def stamp_of(message: Mapping[str, Any]) -> float | None:
     return seconds if seconds and math.isfinite(seconds) else None
 
 
-def dated(stamp: float | None, *, now: float, sender_now: float) -> Dated:
+def dated(stamp: float | None, *, now: float, sender_now: float) -> ReadingDate:
     """Date a reading that is received now.
 
     Args:
@@ -51,8 +51,8 @@ def dated(stamp: float | None, *, now: float, sender_now: float) -> Dated:
         sender_now: The receipt on the clock that stamps are of: ROS time, the time of day, or the run's own.
     """
     if stamp is None:
-        return Dated(now, None)
-    return Dated(min(now, stamp + (now - sender_now)), sender_now - stamp)
+        return ReadingDate(now, None)
+    return ReadingDate(min(now, stamp + (now - sender_now)), sender_now - stamp)
 
 
 def _whole(number: Any) -> int:

@@ -40,7 +40,7 @@ def _listed(names: tuple[str, ...] | list[str]) -> str:
     return (", ".join(names[:SHOWN]) or "none") + more
 
 
-class Refused(Exception):
+class RefusedDocument(Exception):
     """The document is more than a robot's description."""
 
 
@@ -55,7 +55,7 @@ class _Listener:
 
     def begin(self, tag: str, attributes: Mapping[str, str]) -> None:
         if not self.path and tag != "robot":
-            raise Refused(f"is no URDF: it begins with <{cut(tag, LONGEST_NAME)}> instead of <robot>")
+            raise RefusedDocument(f"is no URDF: it begins with <{cut(tag, LONGEST_NAME)}> instead of <robot>")
         name = cut(attributes.get("name", ""), LONGEST_NAME)
         if not self.path:
             self.name = name
@@ -65,9 +65,9 @@ class _Listener:
             self.joints.append((name, cut(attributes.get("type", ""), LONGEST_NAME)))
         self.path.append(tag)
         if max(len(self.links), len(self.joints)) > MOST:
-            raise Refused(f"has more than {MOST} links or joints")
+            raise RefusedDocument(f"has more than {MOST} links or joints")
         if len(self.path) > DEEPEST:
-            raise Refused(f"is nested more than {DEEPEST} deep")
+            raise RefusedDocument(f"is nested more than {DEEPEST} deep")
 
     def end(self, _tag: str) -> None:
         self.path.pop()
@@ -82,13 +82,13 @@ def read_body(_name: str, data: bytes) -> Body:
     listener, parser = _Listener(), expat.ParserCreate()
 
     def refuse(*_: object) -> None:
-        raise Refused("brings a document type (<!DOCTYPE …>), which a URDF does not need; remove it")
+        raise RefusedDocument("brings a document type (<!DOCTYPE …>), which a URDF does not need; remove it")
 
     parser.StartElementHandler, parser.EndElementHandler = listener.begin, listener.end
     parser.StartDoctypeDeclHandler = refuse
     try:
         parser.Parse(data, True)
-    except Refused as refused:
+    except RefusedDocument as refused:
         raise ValueError(str(refused)) from None
     except expat.ExpatError as error:
         raise ValueError(f"is not well-formed XML: {error}") from None

@@ -15,13 +15,13 @@ from rai_missions.states.final import Final
 from rai_missions.states.history import History
 from rai_missions.states.state import OUTCOMES, State, Transition
 
-__all__ = ("Compiled",)
+__all__ = ("CompiledMission",)
 
 CONFIGURATIONS = 4096
 """So many configurations are remembered, or four for each state; past that all are forgotten and it starts again."""
 
 
-class Compiled:
+class CompiledMission:
     """A mission, ready to be stepped.
 
     Args:

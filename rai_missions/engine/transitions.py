@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import Any
 
-from rai_missions.engine.compile import Compiled
+from rai_missions.engine.compile import CompiledMission
 from rai_missions.engine.configuration import CompiledStep, Configuration
 from rai_missions.engine.nodes import Act, CompiledTransition, Memory, Node
 from rai_missions.engine.step import Move
@@ -20,7 +20,7 @@ from rai_missions.states.history import History
 __all__ = ("Graph",)
 
 
-class Graph(Compiled):
+class Graph(CompiledMission):
     """A compiled mission that knows its moves."""
 
     # -- selecting ------------------------------------------------------------------------------------------------

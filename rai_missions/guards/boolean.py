@@ -13,7 +13,7 @@ from pydantic import BeforeValidator, Field
 
 from rai_missions.guards.form import Form, Junction, form_of
 from rai_missions.guards.guard import Guard, Site, Sources, Test, Truth, View
-from rai_missions.model import OneOf
+from rai_missions.model import AnyOf
 
 __all__ = ("All", "Any_", "Not")
 
@@ -37,7 +37,7 @@ def _flat(word: str) -> BeforeValidator:
     return BeforeValidator(flatten)
 
 
-GUARD = OneOf[Guard]
+GUARD = AnyOf[Guard]
 
 
 class _Junction(Guard):

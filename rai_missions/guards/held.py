@@ -9,7 +9,7 @@ from typing import ClassVar
 
 from rai_missions.guards.form import Atom, Form, Junction, form_of, text_of
 from rai_missions.guards.guard import Guard, Site, Sources, Test, Truth, View
-from rai_missions.model import OneOf, Seconds
+from rai_missions.model import AnyOf, Seconds
 
 __all__ = ("Held",)
 
@@ -22,7 +22,7 @@ class Held(Guard, word="held"):
 
     positional: ClassVar = ("held", "for_s")
 
-    held: OneOf[Guard]
+    held: AnyOf[Guard]
     for_s: Seconds
 
     def compile(self, site: Site) -> Test:

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from typing import ClassVar
 
 from rai_missions.guards.guard import Guard, Site, Sources, Test, Truth
-from rai_missions.model import OneOf
+from rai_missions.model import AnyOf
 
 __all__ = ("Possible",)
 
@@ -17,7 +17,7 @@ class Possible(Guard, word="possible"):
 
     positional: ClassVar = ("possible",)
 
-    possible: OneOf[Guard]
+    possible: AnyOf[Guard]
 
     def compile(self, site: Site) -> Test:
         inner = self.possible.compile(site)

@@ -16,7 +16,7 @@ from typing import Any, TypeVar
 from rai_missions.engine.step import Step
 from rai_missions.errors import DefinitionError, Fault, UsageError
 from rai_missions.journal.rows import Blob, Confirmation, Header, JournalRow, Note, Raw, StepRow, parsed, read_header
-from rai_missions.journal.sqlite import Closing, SqliteError, open_to_read
+from rai_missions.journal.sqlite import Closable, SqliteError, open_to_read
 from rai_missions.redaction import cut
 
 __all__ = ("Record",)
@@ -26,7 +26,7 @@ BAD = (ValueError, TypeError, KeyError, AttributeError, OverflowError, Recursion
 """What a row that is none raises on its way to a value."""
 
 
-class Record(Closing):
+class Record(Closable):
     """What was in a journal when it was opened. A context manager.
 
     Made by `read`, which checks it first; opened by itself, nothing is known of it but that it is a journal.

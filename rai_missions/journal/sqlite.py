@@ -23,7 +23,7 @@ __all__ = (
     "FORMAT",
     "LONGEST_BYTES",
     "ROW",
-    "Closing",
+    "Closable",
     "JournalReader",
     "Lock",
     "SqliteError",
@@ -61,7 +61,7 @@ TRIES = 20
 """How often a journal that is being written is copied before its reader gives up."""
 
 
-class Closing(ABC):
+class Closable(ABC):
     """What is closed at the end of a `with`."""
 
     @abstractmethod

@@ -23,7 +23,7 @@ from rai_missions.image import Image, media_type
 from rai_missions.journal.codec import encode
 from rai_missions.journal.json_values import to_json
 from rai_missions.journal.rows import GENESIS, Blob, Header, Raw, chained, text_of, written_header
-from rai_missions.journal.sqlite import BLOB, ROW, Closing, Lock, SqliteError, open_to_write
+from rai_missions.journal.sqlite import BLOB, ROW, Closable, Lock, SqliteError, open_to_write
 
 __all__ = ("Journal", "versions")
 
@@ -51,7 +51,7 @@ def _version() -> str:
     return ""
 
 
-class Journal(Closing):
+class Journal(Closable):
     """Appends rows to a journal. Made by `create` or `open`; safe to use from several threads.
 
     Survives: the end of the process at any instant, `kill -9` included, loses no row that `write` has returned from.

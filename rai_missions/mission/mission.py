@@ -16,11 +16,11 @@ from rai_missions.guards.guard import Guard
 from rai_missions.keys import Key
 from rai_missions.kinds import PackageOffer, lacking, named
 from rai_missions.model import (
+    AnyOf,
     EventName,
     KeyName,
     MissionModel,
     Name,
-    OneOf,
     Seconds,
     StateName,
     StateNames,
@@ -87,7 +87,7 @@ class Mission(MissionModel):
     states: States = Field(min_length=1)
     transitions: Transitions = ()
     """The mission's own transitions, tried after those of the states."""
-    invariants: dict[Name, OneOf[Guard]] = Field(default_factory=dict)
+    invariants: dict[Name, AnyOf[Guard]] = Field(default_factory=dict)
     """What must never be false; a run that finds one false is killed."""
     on_cancel: StateName | None = None
     """The state in which a cancel is carried out; without it everything is left and canceled."""

@@ -15,7 +15,7 @@ from rai_missions.guards.guard import Guard, Site, Test, Truth, View
 from rai_missions.keys import Blackboard
 from rai_missions.mission.mission import Mission
 
-__all__ = ("Closed",)
+__all__ = ("ClosedOptions",)
 
 NOTHING: Mapping[str, Any] = {}
 WORDS = {False: "this does not hold", None: "this is unknown"}
@@ -37,7 +37,7 @@ class Seen(NamedTuple):
         return None
 
 
-class Closed:
+class ClosedOptions:
     """The guards of a mission's options.
 
     Args:

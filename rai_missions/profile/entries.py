@@ -13,7 +13,7 @@ from pydantic import BeforeValidator, Field, PlainSerializer, model_validator
 
 from rai_missions.errors import ConnectorError
 from rai_missions.guards.guard import Guard
-from rai_missions.model import Bool, Json, MissionModel, Name, OneOf, Seconds, Text, fault
+from rai_missions.model import AnyOf, Bool, Json, MissionModel, Name, Seconds, Text, fault
 from rai_missions.plain_data import apart
 from rai_missions.profile.convert import at_path, plain, pose_message
 from rai_missions.profile.sources import truth_of
@@ -36,7 +36,7 @@ class ServiceEntry(MissionModel):
     type: Text = TRIGGER
     request: dict[Text, Json] = Field(default_factory=dict)
     """What it is asked with, next to and below what the mission gives; or a template with `{"from": field}`."""
-    good: OneOf[Guard] | None = Field(default=None, alias="succeeded")
+    good: AnyOf[Guard] | None = Field(default=None, alias="succeeded")
     """Over the fields of the reply; left out, a reply whose `success` is false has failed, any other has succeeded."""
     repeat: Bool = False
     """Asking twice does no harm: after a crash it may be asked again."""
@@ -90,9 +90,9 @@ class ActionEntry(MissionModel):
     """The service that begins a composed action; a reply that fails rejects the start."""
     cancel: OneService | None = None
     """The service that ends it."""
-    succeeded: OneOf[Guard] | None = None
+    succeeded: AnyOf[Guard] | None = None
     """Over the mission's blackboard: when a composed action has succeeded."""
-    failed: OneOf[Guard] | None = None
+    failed: AnyOf[Guard] | None = None
     """Over the mission's blackboard: when it has failed."""
     uses: Annotated[
         tuple[Name, ...], BeforeValidator(lambda given: tuple(given) if isinstance(given, list) else given)

@@ -12,12 +12,12 @@ from rai_missions.mission.mission import Mission
 from rai_missions.profile.profile import Robot
 from rai_missions.profile.sources import EventSource, Source
 
-__all__ = ("Kind", "Typed", "lacking", "listened", "typed")
+__all__ = ("Kind", "TypeUse", "lacking", "listened", "typed")
 
 Kind = Literal["msg", "srv", "action"]
 
 
-class Typed(NamedTuple):
+class TypeUse(NamedTuple):
     """A type that a profile names, and where."""
 
     place: str
@@ -25,7 +25,7 @@ class Typed(NamedTuple):
     type: str
 
 
-def typed(mission: Mission | None, robot: Robot) -> Iterator[Typed]:
+def typed(mission: Mission | None, robot: Robot) -> Iterator[TypeUse]:
     """The types of what the mission uses, of everything without one; a type not written is left out."""
     used = _used(mission) if mission is not None else _all(robot)
     for sort, name, source in listened(mission, robot):
@@ -68,9 +68,9 @@ def lacking(mission: Mission, robot: Robot, why: Callable[[str, Kind], str]) -> 
     return tuple(Fault(each.place, sentence) for each, sentence in reasons.items() if sentence)
 
 
-def _one(type_name: str, kind: Kind, *place: str) -> Iterator[Typed]:
+def _one(type_name: str, kind: Kind, *place: str) -> Iterator[TypeUse]:
     if type_name:
-        yield Typed(pointer(list(place)), kind, type_name)
+        yield TypeUse(pointer(list(place)), kind, type_name)
 
 
 def _all(robot: Robot) -> dict[str, set[str]]:

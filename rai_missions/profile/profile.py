@@ -14,7 +14,7 @@ from pydantic import BeforeValidator, Field, field_validator, model_validator
 from rai_missions.engine.robot_facts import RobotFacts
 from rai_missions.errors import suggestion
 from rai_missions.guards.guard import Guard
-from rai_missions.model import Json, MissionModel, Name, OneOf, Text, fault, without_schema
+from rai_missions.model import AnyOf, Json, MissionModel, Name, Text, fault, without_schema
 from rai_missions.profile.entries import ActionEntry, AliveEntry, OneService, ServiceEntry, TopicEntry
 from rai_missions.profile.sources import EventSource, Source
 from rai_missions.states.state import HOLDERS
@@ -28,7 +28,7 @@ HANDS_OVER = ("agent", "operator")
 class Rule(MissionModel):
     """One row of a policy: the option to answer with, and when."""
 
-    when: OneOf[Guard] | None = None
+    when: AnyOf[Guard] | None = None
     """Over the mission's blackboard; left out, always."""
     answer: Name
 

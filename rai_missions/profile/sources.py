@@ -16,7 +16,7 @@ from rai_missions.errors import ConnectorError
 from rai_missions.guards.guard import Guard, Site, Truth, View
 from rai_missions.image import Image
 from rai_missions.keys import Key, Stamped
-from rai_missions.model import Bool, Json, MissionModel, Name, OneOf, Seconds, Text, fault
+from rai_missions.model import AnyOf, Bool, Json, MissionModel, Name, Seconds, Text, fault
 from rai_missions.profile.convert import at_path, image_of, json_of, plain, pose_of
 from rai_missions.redaction import cut_repr
 
@@ -135,7 +135,7 @@ class EventSource(SourceFields):
 
     json_: Bool = Field(default=False, alias="json")
     """`data` is JSON text; `when` and `fields` name fields of what it reports."""
-    when: OneOf[Guard] | None = None
+    when: AnyOf[Guard] | None = None
     """Over the fields of the message: `{"key": "message", "==": "WAITING"}`."""
     fields: dict[Name, Text] = Field(default_factory=dict)
     """The payload's fields → where they are in the message; left out, the whole message."""

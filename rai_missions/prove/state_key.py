@@ -27,7 +27,7 @@ from rai_missions.prove.parts import guards_in, parts
 from rai_missions.prove.store import Rivals, Store, StoreQuery, Stores, fingerprint, first_alike
 from rai_missions.states.tree.leaves import ActionLeaf
 
-__all__ = ("Place", "Saved", "StateCodec")
+__all__ = ("Place", "SavedState", "StateCodec")
 
 NONE: dict[Any, Any] = {}
 AS_IT_IS: frozenset[Holds] = frozenset(("value", "states", "begins"))
@@ -38,7 +38,7 @@ A_LITTLE_S = 1e-3
 """A state is older than a guard asks for by so much, so that a sum of floats does not fall short."""
 
 
-class Saved(NamedTuple):
+class SavedState(NamedTuple):
     """All that a run remembers but its store, to put it back."""
 
     run: RunState
@@ -48,7 +48,7 @@ class Saved(NamedTuple):
 class Place(NamedTuple):
     """A state of a run, to put it back into it."""
 
-    saved: Saved
+    saved: SavedState
     store: Store
 
 
@@ -125,17 +125,17 @@ class StateCodec:
         store = self.stores.store(self.own(), first_alike(self.given_up(), self._rest.rivals))
         return Place(self._saved(copied(self._chart.state)), store)
 
-    def take(self) -> Saved:
+    def take(self) -> SavedState:
         """The state without its store, and without a copy; the run is only used again once a state was loaded."""
         return self._saved(self._chart.state)
 
-    def _saved(self, state: RunState) -> Saved:
+    def _saved(self, state: RunState) -> SavedState:
         own = self._world.own_keys
         state.board = {key: entry for key, entry in self._world.board.entries() if key not in own}
         if state.goals:
             state.goals = {number: goal for number, goal in state.goals.items() if goal.phase in PURSUED}
         state.draft = NO_DRAFT
-        return Saved(state, self.groups or NONE)
+        return SavedState(state, self.groups or NONE)
 
     def own(self) -> dict[str, Any]:
         """What the mission's own keys hold."""

@@ -11,7 +11,7 @@ from typing import Generic, NamedTuple, TypeVar
 
 from rai_missions.prove.loops import Loop
 from rai_missions.prove.state_graph import Edge
-from rai_missions.prove.state_key import Saved
+from rai_missions.prove.state_key import SavedState
 from rai_missions.prove.stimulus import HappeningKind
 from rai_missions.prove.store import Store, StoreChange, StoreQuery
 
@@ -28,7 +28,7 @@ class Arrival(NamedTuple):
     ended: tuple[str, str] | None
     """Outcome and why; None where the mission continues."""
     core: bytes = b""
-    state: Saved | None = None
+    state: SavedState | None = None
     change: StoreChange | None = None
     question: StoreQuery | None = None
     """Asks for what makes a difference of the store afterwards."""

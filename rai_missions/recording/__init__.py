@@ -10,14 +10,14 @@ Imports `connectors`, `engine`, `journal`, `mission` and `runtime`, and the modu
 from __future__ import annotations
 
 from rai_missions.recording.connector import RecordedConnector, recorded
-from rai_missions.recording.journal import Replayed, is_mcap, journal_of
+from rai_missions.recording.journal import JournalSource, is_mcap, journal_of
 from rai_missions.recording.observers import observers
 from rai_missions.recording.recording import Recording, Summary, check_name
 
 __all__ = (
+    "JournalSource",
     "RecordedConnector",
     "Recording",
-    "Replayed",
     "Summary",
     "check_name",
     "is_mcap",

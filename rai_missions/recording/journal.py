@@ -15,13 +15,13 @@ from typing import NamedTuple
 from rai_missions.errors import DefinitionError, UsageError
 from rai_missions.recording.recording import ENDING, check_name
 
-__all__ = ("MAGIC", "Replayed", "is_mcap", "journal_of")
+__all__ = ("MAGIC", "JournalSource", "is_mcap", "journal_of")
 
 MAGIC = b"\x89MCAP0\r\n"
 """How a file begins; the MCAP specification."""
 
 
-class Replayed(NamedTuple):
+class JournalSource(NamedTuple):
     """A journal, wherever it came from."""
 
     path: Path
@@ -42,7 +42,7 @@ def is_mcap(path: Path) -> bool:
 
 
 @contextmanager
-def journal_of(given: Path | str) -> Iterator[Replayed]:
+def journal_of(given: Path | str) -> Iterator[JournalSource]:
     """The journal that a file is, or that a recording holds; for as long as the context lasts.
 
     Raises:
@@ -51,7 +51,7 @@ def journal_of(given: Path | str) -> Iterator[Replayed]:
     """
     path = Path(given)
     if not is_mcap(path) and (path.suffix != ENDING or not path.is_file()):
-        yield Replayed(path)
+        yield JournalSource(path)
         return
     check_name(path if path.suffix == ENDING else path.with_suffix(ENDING))
     from rai_missions.recording.mcap_reader import restore  # loads mcap
@@ -59,7 +59,7 @@ def journal_of(given: Path | str) -> Iterator[Replayed]:
     with tempfile.TemporaryDirectory(prefix="rai_missions-") as folder:
         journal = Path(folder) / "journal"
         try:
-            yield Replayed(journal, restore(path, journal))
+            yield JournalSource(journal, restore(path, journal))
         except DefinitionError as error:
             raise DefinitionError(error.faults, error.source.replace(str(journal), str(path))) from None
         except UsageError as error:

@@ -19,7 +19,7 @@ BY = "operator (interrupt)"
 """Who cancels and stops a run by Ctrl-C, as its journal has it."""
 
 
-class Interrupted(Protocol):
+class InterruptedRun(Protocol):
     """What an interrupt does to a run."""
 
     def cancel(self, by: str = ...) -> None: ...
@@ -28,7 +28,7 @@ class Interrupted(Protocol):
 
 
 @contextmanager
-def interruptible(run: Interrupted) -> Iterator[None]:
+def interruptible(run: InterruptedRun) -> Iterator[None]:
     """Let the first Ctrl-C cancel a run, the second stop it at once, and the third raise where it is.
 
     Where the program or another thread has a handler of its own, that one stays.

@@ -10,7 +10,7 @@ from pydantic import Field
 
 from rai_missions.guards.guard import Guard
 from rai_missions.kinds import TEMPLATE
-from rai_missions.model import ActionName, Bool, Json, MissionModel, OneOf, Seconds, Text
+from rai_missions.model import ActionName, AnyOf, Bool, Json, MissionModel, Seconds, Text
 from rai_missions.states.effects import call_lines
 from rai_missions.states.state import ResultKey, State
 
@@ -26,7 +26,7 @@ class GoalFields(MissionModel):
     """The goal's fields; `{"from": key}` takes a value from the blackboard."""
     result: dict[ResultKey, Text] = Field(default_factory=dict)
     """Mission key → the field of the result that it takes."""
-    achieved: OneOf[Guard] | None = None
+    achieved: AnyOf[Guard] | None = None
     """What must be true of the robot before a `succeeded` is believed; else `unverified`."""
     settle_s: Seconds = 0.0
     """How long after the server's `succeeded` the facts may take to agree."""

@@ -9,7 +9,7 @@ from typing import Annotated, Any, ClassVar, Self
 from pydantic import Field, model_validator
 
 from rai_missions.guards.guard import Guard
-from rai_missions.model import Json, MissionModel, Name, OneOf, Path, Text, fault, suggestion
+from rai_missions.model import AnyOf, Json, MissionModel, Name, Path, Text, fault, suggestion
 from rai_missions.states.state import OUTCOMES, State
 
 __all__ = ("Budget", "Decision", "DecisionSpec", "Option")
@@ -22,7 +22,7 @@ class Option(MissionModel):
 
     about: Text = ""
     """What it means, for anyone who is asked."""
-    when: OneOf[Guard] | None = None
+    when: AnyOf[Guard] | None = None
     """Where this is not true the option is not offered, and not taken."""
     parameters: dict[str, Json] | None = None
     """JSON Schema of what the answer brings along, read as `answer.<name>` in the option's transition."""

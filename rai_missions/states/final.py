@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from typing import ClassVar, Literal
 
 from rai_missions.guards.guard import Guard
-from rai_missions.model import OneOf
+from rai_missions.model import AnyOf
 from rai_missions.states.state import State
 
 __all__ = ("Final", "FinalOutcome", "worst")
@@ -21,7 +21,7 @@ class Final(State, word="final"):
     positional: ClassVar = ("final",)
 
     final: FinalOutcome
-    requires: OneOf[Guard] | None = None
+    requires: AnyOf[Guard] | None = None
     """What must be true then: else the mission `failed`, or a parent's outcome is `unverified`."""
 
     def title(self) -> str:

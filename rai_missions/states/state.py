@@ -15,10 +15,10 @@ from rai_missions.guards.guard import Distinctions, Guard
 from rai_missions.guards.purity import impurity
 from rai_missions.kinds import PATH, TRIGGER, Refers, fields_of
 from rai_missions.model import (
+    AnyOf,
     Bool,
     MissionModel,
     Name,
-    OneOf,
     Seconds,
     StateName,
     TaggedModel,
@@ -50,7 +50,7 @@ Holder = Literal[Controller, "nobody"]
 """Who can hold control."""
 HOLDERS: tuple[Holder, ...] = get_args(Holder)
 
-Effects = tuple[OneOf[Effect], ...]
+Effects = tuple[AnyOf[Effect], ...]
 ResultKey = Annotated[Name, Refers("key", "result")]
 """A key of the mission that a field of a result is written to."""
 TriggerName = Annotated[str, Field(pattern=r"^(\*|[a-z][a-z0-9_]*(/[a-z][a-z0-9_]*)*)$", strict=True)]
@@ -67,7 +67,7 @@ class Transition(MissionModel):
     """The state whose outcome is meant, if not that of the state it is written in."""
     after_s: Seconds | None = None
     """Fires so long after the entry, once; if the guard is not true then, it is lost."""
-    when: OneOf[Guard] | None = None
+    when: AnyOf[Guard] | None = None
     to: Annotated[tuple[StateName, ...], *one_or_many] = ()
     """The target, or one a region; without one the state is not left."""
     do: Effects = ()
@@ -274,7 +274,7 @@ def _states(given: Any) -> Any:
     return dict(given)
 
 
-States = Annotated[dict[StateName, OneOf[State]], BeforeValidator(_states)]
+States = Annotated[dict[StateName, AnyOf[State]], BeforeValidator(_states)]
 
 
 def descendants(states: Mapping[str, State], place: str = "/states") -> Iterator[tuple[str, str, State]]:

@@ -17,7 +17,7 @@ from rai_missions.tools.access import AllowedConnector, until
 from rai_missions.tools.goals import GoalState, ToolGoals
 from rai_missions.tools.result import ToolResult
 
-__all__ = ("Acting",)
+__all__ = ("ActuatorTools",)
 
 LONGEST_MESSAGE = 100_000
 """Characters of a message, request or goal, as JSON."""
@@ -29,7 +29,7 @@ REPLIES: Mapping[str, str] = {
 }
 
 
-class Acting:
+class ActuatorTools:
     """The tools that act.
 
     Args:

@@ -21,7 +21,7 @@ from rai_missions.tools.ranging import PinholeCamera, Range, camera_of, cloud_po
 from rai_missions.tools.result import ToolResult
 from rai_missions.tools.transforms import Found, Frames, Transform
 
-__all__ = ("Measuring",)
+__all__ = ("GeometryTools",)
 
 log = logger(__name__)
 
@@ -29,7 +29,7 @@ TF_TYPE = "tf2_msgs/msg/TFMessage"
 TOPICS = (("/tf", False), ("/tf_static", True))
 
 
-class Measuring:
+class GeometryTools:
     """The tools that measure.
 
     Args:

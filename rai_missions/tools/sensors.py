@@ -16,12 +16,12 @@ from rai_missions.tools.access import AllowedConnector, Sample, until
 from rai_missions.tools.images import block, image_of
 from rai_missions.tools.result import ToolResult, at_path
 
-__all__ = ("Looking",)
+__all__ = ("SensorTools",)
 
 MOST_LISTED = 200
 
 
-class Looking:
+class SensorTools:
     """The tools that look.
 
     Args:

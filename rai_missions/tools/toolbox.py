@@ -11,11 +11,11 @@ from collections.abc import Callable
 from rai_missions.connectors.connector import Connector
 from rai_missions.tools import arguments as args
 from rai_missions.tools.access import AllowedConnector, until
-from rai_missions.tools.actuators import Acting
+from rai_missions.tools.actuators import ActuatorTools
 from rai_missions.tools.allowlist import Allowed
-from rai_missions.tools.geometry import Measuring
+from rai_missions.tools.geometry import GeometryTools
 from rai_missions.tools.goals import GoalState, ToolGoals
-from rai_missions.tools.sensors import Looking
+from rai_missions.tools.sensors import SensorTools
 from rai_missions.tools.tool import RobotTool, robot_tool
 
 __all__ = ("Toolbox",)
@@ -37,8 +37,8 @@ class Toolbox:
         self.allowed = allowed or Allowed()
         self._reach = AllowedConnector(connector, self.allowed, now)
         self._goals = ToolGoals(self._reach)
-        self.looking, self.measuring = Looking(self._reach), Measuring(self._reach)
-        self.acting = Acting(self._reach, self._goals)
+        self.looking, self.measuring = SensorTools(self._reach), GeometryTools(self._reach)
+        self.acting = ActuatorTools(self._reach, self._goals)
         self.tools: tuple[RobotTool, ...] = (*_that_look(self), *_that_act(self))
 
     @property

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from rai_missions.engine.activities.ticker import Leaf, LoopRound, Ticked, TreeState
+from rai_missions.engine.activities.ticker import Leaf, LoopRound, TickResult, TreeState
 from rai_missions.guards.guard import View
 from rai_missions.keys import Key
 from rai_missions.states.tree import TreeNode
@@ -49,7 +49,7 @@ class TreeTicker:
 
     def tick(
         self, state: TreeState, view: View, outcomes: Mapping[str, str], late_s: float = 0.0
-    ) -> Ticked:  # fmt: skip
+    ) -> TickResult:  # fmt: skip
         sight = self._restore(state, view)
         sight.late_s = late_s
         self._shown = None
@@ -60,7 +60,7 @@ class TreeTicker:
         begun, ended = self.watch.turned(before, self.round.trace) if self.loops else ((), ())
         return self._ticked(sight, begun, ended)
 
-    def stop(self, state: TreeState, view: View) -> Ticked:
+    def stop(self, state: TreeState, view: View) -> TickResult:
         sight = self._restore(state, view)
         self._shown = None
         self.round.begin(sight, {path: leaf.outcome for path, leaf in state.leaves.items() if leaf.outcome})
@@ -110,7 +110,7 @@ class TreeTicker:
                 node.refused = state.leaves[node.path].outcome == "rejected"
         self._shown = state
 
-    def _ticked(self, sight: TickView, begun: tuple[str, ...] = (), rounds: tuple[LoopRound, ...] = ()) -> Ticked:
+    def _ticked(self, sight: TickView, begun: tuple[str, ...] = (), rounds: tuple[LoopRound, ...] = ()) -> TickResult:
         done, status = self.round, WORDS[self.root.status]
         if done.writes:
             sight = self.watch.hold(sight)
@@ -118,7 +118,7 @@ class TreeTicker:
         self._shown = TreeState(self._memories(sight), leaves)
         started, ended = tuple(done.started), tuple(done.ended)
         writes, published, trace = tuple(done.writes), tuple(done.published), tuple(done.trace)
-        return Ticked(self._shown, status, started, ended, writes, published, trace, begun, rounds)
+        return TickResult(self._shown, status, started, ended, writes, published, trace, begun, rounds)
 
     def _memories(self, sight: TickView) -> dict[str, Any]:
         memories: dict[str, Any] = {}

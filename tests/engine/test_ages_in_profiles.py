@@ -9,14 +9,14 @@ from rai_missions.engine import Chart
 from rai_missions.engine.robot_facts import RobotFacts
 from rai_missions.event import Event
 from rai_missions.guards.guard import Guard
-from rai_missions.model import OneOf
+from rai_missions.model import AnyOf
 from tests.rigs.charts import mission, ticked, transition
 
 BOARD = {"still": {"type": "boolean", "source": "robot", "max_age_s": 60}}
 
 
 def guard(written: dict[str, object]) -> Guard:
-    made: Guard = TypeAdapter(OneOf[Guard]).validate_python(written)
+    made: Guard = TypeAdapter(AnyOf[Guard]).validate_python(written)
     return made
 
 

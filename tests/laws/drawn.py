@@ -13,7 +13,7 @@ from pydantic import TypeAdapter
 
 from rai_missions.engine.robot_facts import RobotFacts
 from rai_missions.guards import Guard
-from rai_missions.model import OneOf
+from rai_missions.model import AnyOf
 from tests.rigs.charts import Drawn
 
 __all__ = ("EVENTS", "GRID_S", "KEYS", "Happening", "document", "happenings", "is_far", "terms")
@@ -35,7 +35,7 @@ EVENTS = ("a", "b", "c")
 SPANS = (0.25, 0.5, 1.0, 1.0, 1.5, 3.0)
 """Durations, short enough that several end within a script."""
 OPTIONS = ("left", "right", "wait_here")
-GUARD: TypeAdapter[Guard] = TypeAdapter(OneOf[Guard])
+GUARD: TypeAdapter[Guard] = TypeAdapter(AnyOf[Guard])
 RESULTS = ("succeeded", "succeeded", "failed", "canceled", "rejected")
 
 

@@ -18,7 +18,7 @@ from hypothesis import strategies as st
 from rai_missions.engine import Chart
 from rai_missions.engine.activities.action import GoalActivity, GoalMachine
 from rai_missions.engine.activities.goal_ledger import obstruction
-from rai_missions.engine.activities.ticker import Ticked, TreeState
+from rai_missions.engine.activities.ticker import TickResult, TreeState
 from rai_missions.engine.activities.tree import TreeActivity
 from rai_missions.engine.hold import live as live_activities
 from rai_missions.engine.macrostep import enabled
@@ -94,7 +94,7 @@ def unticked(chart: Chart, name: str, state: TreeActivity, ends: dict[str, str])
         yield f"the tree in '{name}' could tick: {what_runs(state.tree)} → {ticked.status} {what_runs(ticked.state)}"
 
 
-def again(name: str, ticked: Ticked, before: TreeState, ends: dict[str, str]) -> dict[str, str]:
+def again(name: str, ticked: TickResult, before: TreeState, ends: dict[str, str]) -> dict[str, str]:
     """The leaves that a tick has begun though they have ended before, with how they end."""
     found = {path: ends.get(f"{name}#{path}", "") for path in ticked.started}
     for path in found:

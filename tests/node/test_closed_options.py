@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from rai_missions.engine import Chart
 from rai_missions.event import Event
 from rai_missions.mission.mission import Mission
-from rai_missions.node.closed_options import Closed
+from rai_missions.node.closed_options import ClosedOptions
 from rai_missions.trees import PyTrees
 
 GUARDS: dict[str, Any] = {
@@ -57,7 +57,7 @@ def test_an_option_is_closed_exactly_where_its_answer_would_be_refused(
         at += wait_s
         if value is not None:
             chart.write("n", value, at)
-    closed = Closed(mission).now([asked], chart.view, at).get(asked.number, {})
+    closed = ClosedOptions(mission).now([asked], chart.view, at).get(asked.number, {})
     for offer in asked.options:
         tried = Chart.restore(mission, chart.snapshot(), ticker=PyTrees())
         step = tried.send(Event("operator", at, {"option": offer.name}, "proposal", asked.number))
@@ -81,5 +81,5 @@ def test_a_predicate_of_a_program_is_the_engine_s_alone_to_ask() -> None:
     question = chart.start(0.0).question
     assert question is not None and [offer.name for offer in question.options] == ["named", "out"]
     before = len(asked_of)
-    assert Closed(mission).now([question], chart.view, 100.0) == {}
+    assert ClosedOptions(mission).now([question], chart.view, 100.0) == {}
     assert len(asked_of) == before

@@ -10,7 +10,7 @@ import pytest
 from rai_missions.mission.files import load
 from rai_missions.mission.mission import Mission
 from rai_missions.profile import Robot, lacking, load_profile
-from rai_missions.profile.message_types import Typed, typed
+from rai_missions.profile.message_types import TypeUse, typed
 
 MISSIONS = Path(__file__).parents[2] / "missions"
 SHIPPED = sorted(
@@ -71,12 +71,12 @@ ROBOT = Robot.model_validate(
 
 def test_what_the_mission_does_not_use_need_not_be_here() -> None:
     assert list(typed(MISSION, ROBOT)) == [
-        Typed("/blackboard/here/type", "msg", "p/msg/Here"),
-        Typed("/actions/go/type", "action", "p/action/Go"),
-        Typed("/actions/made/start", "srv", "p/srv/S"),
-        Typed("/services/bell/type", "srv", "p/srv/Bell"),
-        Typed("/topics/light/type", "msg", "p/msg/Light"),
-        Typed("/control/agent", "srv", "p/srv/Hand"),
+        TypeUse("/blackboard/here/type", "msg", "p/msg/Here"),
+        TypeUse("/actions/go/type", "action", "p/action/Go"),
+        TypeUse("/actions/made/start", "srv", "p/srv/S"),
+        TypeUse("/services/bell/type", "srv", "p/srv/Bell"),
+        TypeUse("/topics/light/type", "msg", "p/msg/Light"),
+        TypeUse("/control/agent", "srv", "p/srv/Hand"),
     ]
 
 

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 import pytest
 from hypothesis import event, given
 
-from rai_missions.engine.activities.ticker import Ticked, TreeState
+from rai_missions.engine.activities.ticker import TickResult, TreeState
 from rai_missions.states.tree import TreeNode
 from rai_missions.trees import PyTrees
 from tests.trees.growing import Moment, lives, often, seen, trees
@@ -21,7 +21,7 @@ Calls = list[tuple[str, str, str]]
 class Lived(NamedTuple):
     """One tick in both."""
 
-    ours: Ticked
+    ours: TickResult
     calls: Calls
     before: dict[str, str]
     after: dict[str, str]

@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from rai_missions.engine.activities.ticker import Leaf, LoopRound, Ticked, TreeState
+from rai_missions.engine.activities.ticker import Leaf, LoopRound, TickResult, TreeState
 from rai_missions.keys import Key, Stamped
 from rai_missions.states.tree import TreeNode
 from rai_missions.trees import PyTrees
@@ -30,7 +30,7 @@ class Run:
         self.ticker = PyTrees().compile(TreeNode.read(tree), "/states/s/tree", KEYS, "s")
         self.state = TreeState()
 
-    def tick(self, at: float = 0.0, outcomes: dict[str, str] | None = None, **facts: Any) -> Ticked:
+    def tick(self, at: float = 0.0, outcomes: dict[str, str] | None = None, **facts: Any) -> TickResult:
         ticked = self.ticker.tick(self.state, seen(at, facts), outcomes or {})
         self.state = ticked.state
         return ticked

@@ -11,7 +11,7 @@ from typing import Any
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from rai_missions.engine.activities.ticker import Leaf, Ticked, Ticker, TreeState
+from rai_missions.engine.activities.ticker import Leaf, Ticker, TickResult, TreeState
 from rai_missions.keys import Key, Stamped
 from rai_missions.states.tree import TreeNode
 from rai_missions.trees import PyTrees
@@ -45,7 +45,7 @@ def view(at: float, moment: Moment) -> Any:
     return seen(at, {**moment.facts, "n": 1, "m": 2})
 
 
-def life_of(ticker: Ticker, life: list[Moment]) -> Iterator[tuple[TreeState, Any, dict[str, str], Ticked]]:
+def life_of(ticker: Ticker, life: list[Moment]) -> Iterator[tuple[TreeState, Any, dict[str, str], TickResult]]:
     """Each tick: the state before, the view, the outcomes, and what came of them."""
     state, at = TreeState(), 0.0
     for moment in life:
@@ -56,7 +56,7 @@ def life_of(ticker: Ticker, life: list[Moment]) -> Iterator[tuple[TreeState, Any
         state = ticked.state
 
 
-def essence(ticked: Ticked) -> Any:
+def essence(ticked: TickResult) -> Any:
     """What a tick did, without the instants that it noted."""
     return ticked._replace(state=TreeState())
 

@@ -15,10 +15,10 @@ from rai_missions.states import State, Transition
 from visualize.build import parents_of
 from visualize.diff.similarity import ComparedMissions, alike_keys, alike_options, alike_states
 
-__all__ = ("Renamed", "aligned", "paired")
+__all__ = ("NameChange", "aligned", "paired")
 
 
-class Renamed(NamedTuple):
+class NameChange(NamedTuple):
     """Something that is the same but for its name."""
 
     sort: str
@@ -31,17 +31,17 @@ class Renamed(NamedTuple):
     """For an option the state that asks, as the new mission calls it."""
 
 
-def aligned(old: Mission, new: Mission) -> tuple[Mission, tuple[Renamed, ...]]:
+def aligned(old: Mission, new: Mission) -> tuple[Mission, tuple[NameChange, ...]]:
     """The old mission under the names of the new one, and what was renamed for it."""
-    found: list[Renamed] = []
+    found: list[NameChange] = []
     for sort, of in (("key", "blackboard"), ("event", "events")):
         for (was, now), score in alike_keys(old, new, of).items():
-            found.append(Renamed(sort, was, now, score))
+            found.append(NameChange(sort, was, now, score))
     old = _called(old, {each.old: each.new for each in found if each.sort == "key"},
                   {each.old: each.new for each in found if each.sort == "event"}, {})  # fmt: skip
     known = ComparedMissions(old, new, parents_of(old), parents_of(new))
     states = alike_states(known)
-    found += [Renamed("state", was, now, score) for (was, now), score in states.items()]
+    found += [NameChange("state", was, now, score) for (was, now), score in states.items()]
     old = _called(old, {}, {}, dict(states.keys()))
     options: dict[str, dict[str, str]] = {}
     now_there = {name: state for _, name, state in new.walk()}
@@ -49,7 +49,7 @@ def aligned(old: Mission, new: Mission) -> tuple[Mission, tuple[Renamed, ...]]:
         other = now_there.get(name)
         if state.options and other is not None:
             options[name] = alike_options(state, other)
-            found += [Renamed("option", was, now, 1.0, name) for was, now in options[name].items()]
+            found += [NameChange("option", was, now, 1.0, name) for was, now in options[name].items()]
     if any(options.values()):
         old = old.model_copy(update={"states": _with_options(old.states, options)})
     return old, tuple(found)

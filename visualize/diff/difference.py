@@ -9,7 +9,7 @@ from functools import cached_property
 
 from rai_missions.mission.mission import Mission
 from visualize.build import picture
-from visualize.diff.align import Renamed, aligned
+from visualize.diff.align import NameChange, aligned
 from visualize.diff.as_text import lines
 from visualize.diff.change import Change, weight
 from visualize.diff.compare import changes
@@ -29,7 +29,7 @@ class Difference:
     old: Mission
     """With the names of the new one, for what was only renamed."""
     new: Mission
-    names: tuple[Renamed, ...]
+    names: tuple[NameChange, ...]
     """What is called otherwise: states, keys, events and options."""
     changes: tuple[Change, ...]
     """What is for a reviewer to judge first, by what it is about, else in the order of the new mission."""
@@ -81,7 +81,7 @@ def difference(old: Mission, new: Mission) -> Difference:
     return Difference(before, new, names, tuple(sorted(found, key=weight)), (old.version, new.version), own)
 
 
-def _renames(names: Iterable[Renamed], old: Mission, new: Mission) -> Iterator[Change]:
+def _renames(names: Iterable[NameChange], old: Mission, new: Mission) -> Iterator[Change]:
     places = [{name: place for place, name, _ in each.walk()} for each in (old, new)]
     around = {each.new: each.old for each in names if each.sort == "state"}
     for each in names:
@@ -102,7 +102,7 @@ def _renames(names: Iterable[Renamed], old: Mission, new: Mission) -> Iterator[C
         yield Change("~", "name", sentence, was, now, outside, "", severity_if(bool(outside)), subject)
 
 
-def _known_outside(each: Renamed, old: Mission, new: Mission) -> str:
+def _known_outside(each: NameChange, old: Mission, new: Mission) -> str:
     """Who else knows a thing by its old name, in words; empty for no one.
 
     A person reads an option's name next to its other words; anyone who else is asked goes by the name.

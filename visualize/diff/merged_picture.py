@@ -14,7 +14,7 @@ from visualize.model import Choice, Mark, Picture, PictureEdge, PictureNode, Twi
 __all__ = ("merged",)
 
 
-class Compared(Protocol):
+class MissionPair(Protocol):
     """The two missions, under the same names."""
 
     @property
@@ -27,7 +27,7 @@ class Compared(Protocol):
     def versions(self) -> tuple[str, str]: ...
 
 
-def merged(old: Picture, new: Picture, compared: Compared) -> Picture:
+def merged(old: Picture, new: Picture, compared: MissionPair) -> Picture:
     """One picture of both missions."""
     before = {node.name: node for node in old.nodes}
     after = {node.name for node in new.nodes}
@@ -81,7 +81,7 @@ def _twigs(old: PictureNode, new: PictureNode) -> tuple[Twig, ...]:
     return tuple(found)
 
 
-def _edges(old: Picture, new: Picture, compared: Compared) -> Iterator[PictureEdge]:
+def _edges(old: Picture, new: Picture, compared: MissionPair) -> Iterator[PictureEdge]:
     """The new edges in their order, each with those that are gone from its state behind it."""
     before, after = _by_transition(old), _by_transition(new)
     transitions = {name: state.transitions for _, name, state in compared.old.walk()} | {"": compared.old.transitions}

@@ -13,7 +13,7 @@ from rai_missions.mission.mission import Mission
 from rai_missions.states import DecisionSpec, Final, State
 from visualize.model import Picture, PictureEdge
 from visualize.page.as_json import Json
-from visualize.page.reachability import Reached, Roads
+from visualize.page.reachability import ReachableParts, Roads
 from visualize.text import child_pointer
 
 __all__ = ("asked_of", "lens", "lenses", "questions")
@@ -251,7 +251,7 @@ def _ends_after(targets: list[str], roads: Roads) -> str:
     return f"; from there never {', '.join(missed)}"
 
 
-def _end_words(name: str, state: Final, direct: set[str], at_once: frozenset[str], after: Reached) -> str:
+def _end_words(name: str, state: Final, direct: set[str], at_once: frozenset[str], after: ReachableParts) -> str:
     facts = f", and only if {state.requires.words()}" if state.requires is not None else ""
     if name in at_once:
         behind = "" if name in direct else " where the transitions behind it hold already"

@@ -18,10 +18,10 @@ from rai_missions.states.effects import Raise
 from rai_missions.states.state import OUTCOMES, Transition
 from visualize.build import parents_of
 
-__all__ = ("Reached", "Roads")
+__all__ = ("ReachableParts", "Roads")
 
 
-class Reached(NamedTuple):
+class ReachableParts(NamedTuple):
     """What may be entered, and the transitions that lead there."""
 
     states: frozenset[str] = frozenset()
@@ -47,7 +47,7 @@ class Roads:
             yield parent
             name = parent
 
-    def onward(self, targets: Iterable[str]) -> Reached:
+    def onward(self, targets: Iterable[str]) -> ReachableParts:
         """Everything that may be entered once these have been, themselves included.
 
         Args:
@@ -68,7 +68,7 @@ class Roads:
                     for place, transition in self.transitions[around]:
                         transitions.add(place)
                         waiting += self._with(set(self.above(around)), transition.to)
-        return Reached(frozenset(entered), frozenset(transitions))
+        return ReachableParts(frozenset(entered), frozenset(transitions))
 
     def waiting_in(self, name: str) -> tuple[str, ...]:
         """Whose transitions may fire while a state is active, the mission's own (`""`) last; none where it ends."""

@@ -23,7 +23,7 @@ __all__ = ("reach", "wanted")
 WITHIN_S = 10.0
 
 
-class Wanted(NamedTuple):
+class RobotEntry(NamedTuple):
     """Something that a profile names."""
 
     place: str
@@ -74,34 +74,34 @@ def reach(robot: Robot, environment: Mapping[str, str] | None = None) -> Iterato
     yield from (_looked_for(each, there[each.how].get(each.mode, {})) for each in names)
 
 
-def wanted(robot: Robot) -> Iterator[Wanted]:
+def wanted(robot: Robot) -> Iterator[RobotEntry]:
     """All topics, services and actions that a profile names; a handover's, whose name depends on who asks, left out."""
     yield from _received(robot)
     yield from _done(robot)
     for name, topic in robot.topics.items():
-        yield Wanted(f"topics/{name}", "topics", topic.topic, topic.type, is_listener=True)
+        yield RobotEntry(f"topics/{name}", "topics", topic.topic, topic.type, is_listener=True)
 
 
-def _received(robot: Robot) -> Iterator[Wanted]:
+def _received(robot: Robot) -> Iterator[RobotEntry]:
     received = (("blackboard", robot.blackboard), ("events", robot.events), ("", {"holder": robot.holder}))
     for sort, sources in received:
         for name, source in sources.items():
             place = f"{sort}/{name}".lstrip("/")
             if source is not None and source.topic is not None:
-                yield Wanted(place, "topics", source.topic, source.type, may_be_silent=sort == "events")
+                yield RobotEntry(place, "topics", source.topic, source.type, may_be_silent=sort == "events")
             elif source is not None and source.service is not None:
-                yield Wanted(place, "services", source.service, source.type)
+                yield RobotEntry(place, "services", source.service, source.type)
 
 
-def _done(robot: Robot) -> Iterator[Wanted]:
+def _done(robot: Robot) -> Iterator[RobotEntry]:
     services = {f"services/{name}": service for name, service in robot.services.items()}
     for name, action in robot.actions.items():
         if action.action is not None:
-            yield Wanted(f"actions/{name}", "actions", action.action, action.type)
+            yield RobotEntry(f"actions/{name}", "actions", action.action, action.type)
         parts = (("start", action.start), ("cancel", action.cancel))
         services |= {f"actions/{name}/{word}": part for word, part in parts if part is not None}
     services |= {f"control/{name}": each for name, each in robot.control.items() if "{" not in each.service}
-    yield from (Wanted(place, "services", each.service, each.type) for place, each in services.items())
+    yield from (RobotEntry(place, "services", each.service, each.type) for place, each in services.items())
 
 
 def _local(kind: str, robot: Robot) -> MachineFinding:
@@ -148,7 +148,7 @@ def _fields(robot: Robot, given: Mapping[str, str]) -> Iterator[MachineFinding]:
         yield MachineFinding("missing", fault.place.lstrip("/"), fault.sentence)
 
 
-def _looked_for(each: Wanted, there: Mapping[str, str]) -> MachineFinding:
+def _looked_for(each: RobotEntry, there: Mapping[str, str]) -> MachineFinding:
     what = f"{each.place}: {each.mode[:-1]} {each.name}"
     if each.name not in there:
         if each.is_listener:

@@ -147,7 +147,7 @@ class RunPage:
 
     def run(self, prepared: PreparedRun, run: Callable[[Runner], Result]) -> Result:
         """Run it by `run`, with the page next to it."""
-        from rai_missions.node.closed_options import Closed
+        from rai_missions.node.closed_options import ClosedOptions
         from rai_missions.node.run_session import RunSession
         from rai_missions.node.web_operator import WebCommands
         from visualize.live import RunFeed
@@ -155,7 +155,7 @@ class RunPage:
         runner, journal = prepared.runner, prepared.journal
         self._course = RunSession(runner, prepared.robot)
         desk = WebCommands(self._course, answers=self._operator, note=runner.note)
-        closed = Closed(prepared.mission)
+        closed = ClosedOptions(prepared.mission)
         self._feed = RunFeed(
             self._look, runner.view.now, lambda: closed.now(self._asked(), runner.view, runner.view.now()),
             lambda: runner.view.loose_goals,

@@ -17,7 +17,7 @@ from typing import Any
 
 from rai_missions.connectors.connector import ActionServer, Close, Data, Message, Mode, Reply, Report
 from rai_missions.connectors.mqtt.codec import decode, encode
-from rai_missions.connectors.stamps import Dated, dated, stamp_of
+from rai_missions.connectors.stamps import ReadingDate, dated, stamp_of
 from rai_missions.errors import ConnectorError, UsageError
 from rai_missions.redaction import logger
 
@@ -247,7 +247,7 @@ class MqttConnector:
             except Exception:
                 log.exception("a subscriber of %s failed", topic)
 
-    def _date(self, data: Data) -> Dated:
+    def _date(self, data: Data) -> ReadingDate:
         """A stamp is a time of day."""
         return dated(stamp_of(data), now=self._now(), sender_now=time.time())
 

@@ -12,7 +12,7 @@ from typing import Any
 
 from rai_missions.connectors.ros2.node_thread import Work
 
-__all__ = ("Mixed",)
+__all__ = ("MessageSorter",)
 
 Info = Mapping[str, Any]
 """What the middleware knows of a message: rclpy's message info."""
@@ -22,7 +22,7 @@ REMEMBERED = 1000
 """Messages by which copies are known."""
 
 
-class Mixed:
+class MessageSorter:
     """Sorts what two readers receive. On the runtime's thread only.
 
     Args:

@@ -17,7 +17,7 @@ from rai_missions.connectors.connector import Data, Reply
 from rai_missions.connectors.ros2.endpoints import Peers, are_gone, servers_of_service, types_of_service
 from rai_missions.connectors.ros2.messages import name_of, to_data, to_message
 from rai_missions.connectors.ros2.node_thread import Runtime, Work, guarded
-from rai_missions.connectors.stamps import Dated
+from rai_missions.connectors.stamps import ReadingDate
 from rai_missions.redaction import logger
 
 __all__ = ("AT_ONCE", "MANY", "Client", "InFlightLimit", "Service")
@@ -82,7 +82,7 @@ class Client:
     """
 
     def __init__(
-        self, runtime: Runtime, service: str, cls: Any, patience_s: float, date: Callable[[Any], Dated]
+        self, runtime: Runtime, service: str, cls: Any, patience_s: float, date: Callable[[Any], ReadingDate]
     ) -> None:
         self._runtime, self._service, self._type, self._date = runtime, service, name_of(cls), date
         self._client = runtime.node.create_client(cls, service, qos_profile=MANY, callback_group=runtime.group)

@@ -21,7 +21,7 @@ from rai_missions.connectors.ros2.publishers import Publication
 from rai_missions.connectors.ros2.recovered_goal import RecoveredGoal
 from rai_missions.connectors.ros2.services import Client, Service
 from rai_missions.connectors.ros2.subscriptions import Listener, Subscriptions
-from rai_missions.connectors.stamps import Dated, dated, stamp_of
+from rai_missions.connectors.stamps import ReadingDate, dated, stamp_of
 from rai_missions.errors import UsageError
 from rai_missions.redaction import logger
 
@@ -96,7 +96,7 @@ class Session:
             self._publications[topic] = Publication(self.runtime, topic, cls, quality, patience_s)
         return self._publications[topic]
 
-    def _date(self, message: Any) -> Dated:
+    def _date(self, message: Any) -> ReadingDate:
         """The date of a message, or of a service's response, that is received now; stamps are of ROS time."""
         ros_now = self.runtime.now()
         now = ros_now if self._now is None else self._now()

@@ -19,11 +19,11 @@ from rclpy.serialization import deserialize_message
 from rai_missions.connectors.connector import Close, Message, RawMessage
 from rai_missions.connectors.ros2.config import QosProfile
 from rai_missions.connectors.ros2.messages import name_of, to_data
-from rai_missions.connectors.ros2.mixed import Mixed
+from rai_missions.connectors.ros2.mixed import MessageSorter
 from rai_missions.connectors.ros2.node_thread import Runtime, guarded
 from rai_missions.connectors.ros2.offers import offered_quality
 from rai_missions.connectors.ros2.publishers import profile
-from rai_missions.connectors.stamps import Dated
+from rai_missions.connectors.stamps import ReadingDate
 from rai_missions.redaction import logger
 
 __all__ = ("Listener", "Subscriptions")
@@ -67,7 +67,9 @@ class Subscriptions:
         date: Dates a message that is received now.
     """
 
-    def __init__(self, runtime: Runtime, quality: Callable[[str], QosProfile], date: Callable[[Any], Dated]) -> None:
+    def __init__(
+        self, runtime: Runtime, quality: Callable[[str], QosProfile], date: Callable[[Any], ReadingDate]
+    ) -> None:
         self._runtime, self._quality, self._date = runtime, quality, date
         self._readers: dict[tuple[str, bool], _Reader] = {}
 
@@ -102,7 +104,14 @@ class _Reader:
     """One topic's reader. On the runtime's thread only."""
 
     def __init__(
-        self, runtime: Runtime, topic: str, cls: Any, *, quality: QosProfile, date: Callable[[Any], Dated], is_raw: bool
+        self,
+        runtime: Runtime,
+        topic: str,
+        cls: Any,
+        *,
+        quality: QosProfile,
+        date: Callable[[Any], ReadingDate],
+        is_raw: bool,
     ) -> None:
         self._runtime, self._topic, self._class, self._quality = runtime, topic, cls, quality
         self._date, self._is_raw = date, is_raw
@@ -110,7 +119,7 @@ class _Reader:
         self._last: deque[Any] = deque(maxlen=quality.depth if quality.durability == "latched" else 0)
         self._entities: dict[str, Any] = {}
         self._offers = ""
-        self._mixed = Mixed(runtime.later, self._arrived, self._count_reliable)
+        self._mixed = MessageSorter(runtime.later, self._arrived, self._count_reliable)
         self._is_open = True
         self._is_puzzled = self._is_fitted = self._has_arrived = False
         self._open("reliable")

@@ -13,7 +13,7 @@ from typing import Any, Literal, NamedTuple, Protocol
 from rai_missions.guards.guard import View
 from rai_missions.states.tree import TreeNode
 
-__all__ = ("Leaf", "LoopRound", "Ticked", "Ticker", "TreeState", "Trees")
+__all__ = ("Leaf", "LoopRound", "TickResult", "Ticker", "TreeState", "Trees")
 
 Status = Literal["invalid", "running", "success", "failure"]
 
@@ -52,7 +52,7 @@ class LoopRound(NamedTuple):
     """The loop still runs: its next tick begins the next round."""
 
 
-class Ticked(NamedTuple):
+class TickResult(NamedTuple):
     """What a tick did."""
 
     state: TreeState
@@ -85,7 +85,7 @@ class Ticker(Protocol):
 
     def tick(
         self, state: TreeState, view: View, outcomes: Mapping[str, str], late_s: float = 0.0
-    ) -> Ticked:  # fmt: skip
+    ) -> TickResult:  # fmt: skip
         """Tick once, as py_trees does.
 
         Args:
@@ -96,7 +96,7 @@ class Ticker(Protocol):
             late_s: How much later than now what is begun is carried out, in seconds; a `timeout` counts from then.
         """
 
-    def stop(self, state: TreeState, view: View) -> Ticked:
+    def stop(self, state: TreeState, view: View) -> TickResult:
         """End whatever runs: the state that holds the tree is left."""
 
     def wake_at(self, state: TreeState, view: View) -> float:

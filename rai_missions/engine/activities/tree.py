@@ -23,7 +23,7 @@ from rai_missions.engine.activities.activity import (
     remembered,
 )
 from rai_missions.engine.activities.decision import DecisionActivity
-from rai_missions.engine.activities.ticker import Ticked, Ticker, TreeState
+from rai_missions.engine.activities.ticker import Ticker, TickResult, TreeState
 from rai_missions.engine.activities.tree_rounds import Rounds
 from rai_missions.engine.decision import Question, VerdictNote
 from rai_missions.engine.step import Effect, PublishMessage
@@ -198,7 +198,7 @@ class TreeMachine(Machine):
             if not self._again(draft, ticked, self._rounds(host)):
                 return self._rest(draft, host)
 
-    def _again(self, draft: _TurnDraft, ticked: Ticked, rounds: Rounds) -> bool:
+    def _again(self, draft: _TurnDraft, ticked: TickResult, rounds: Rounds) -> bool:
         """Whether the next tick is due in this step.
 
         It is where a loop begins its next round, a leaf has ended as soon as it was started, or the tree has given
@@ -223,7 +223,7 @@ class TreeMachine(Machine):
         draft.wake = self.ticker.wake_at(draft.tree, host.view)
         return draft.turn(None)
 
-    def _apply(self, draft: _TurnDraft, ticked: Ticked, host: ActivityHost) -> None:
+    def _apply(self, draft: _TurnDraft, ticked: TickResult, host: ActivityHost) -> None:
         draft.tree = ticked.state
         draft.write(host, ticked.writes, self.owner)
         draft.effects += [PublishMessage(topic, message) for topic, message in ticked.published]

@@ -6,7 +6,7 @@ Rule: no tree fails for going round, and every step ends.
 
 from __future__ import annotations
 
-from rai_missions.engine.activities.ticker import Ticked
+from rai_missions.engine.activities.ticker import TickResult
 
 __all__ = ("MOST_ROUNDS", "MOST_WAKES", "Rounds")
 
@@ -34,7 +34,7 @@ class Rounds:
         self.others = 0
         """Ticks that keys written by others have caused."""
 
-    def next_begins(self, ticked: Ticked) -> bool:
+    def next_begins(self, ticked: TickResult) -> bool:
         """Whether a loop begins its next round in this step.
 
         One with a number always does; one without where the round took time: it had begun in an earlier step.

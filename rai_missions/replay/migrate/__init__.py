@@ -5,6 +5,6 @@ Imports `engine`, `guards`, `journal`, `mission`, `profile` and `states`, and th
 """
 
 from rai_missions.replay.migrate.map import Map, load_map, map_schema
-from rai_missions.replay.migrate.migrate import Migrated, follow, migrate
+from rai_missions.replay.migrate.migrate import MigratedRun, follow, migrate
 
-__all__ = ("Map", "Migrated", "follow", "load_map", "map_schema", "migrate")
+__all__ = ("Map", "MigratedRun", "follow", "load_map", "map_schema", "migrate")

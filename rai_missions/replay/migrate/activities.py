@@ -22,7 +22,7 @@ from rai_missions.replay.migrate.configuration import ReachedStates
 from rai_missions.replay.migrate.names import Naming
 from rai_missions.states.compound import Each
 
-__all__ = ("Carried", "carry")
+__all__ = ("CarriedState", "carry")
 
 UNCHANGED: tuple[Holds, ...] = ("value", "number", "past", "end", "payload", "deadline")
 """What names nothing of the mission, and is what it was."""
@@ -30,7 +30,7 @@ LEFT: tuple[Holds, ...] = ("passing", "controls", "begins", "board")
 """What follows from the rest, begins again, or is carried elsewhere."""
 
 
-class Carried(NamedTuple):
+class CarriedState(NamedTuple):
     """What a run remembers in the other mission, but for its blackboard."""
 
     snapshot: dict[str, Any]
@@ -42,7 +42,7 @@ class Carried(NamedTuple):
     faults: tuple[Fault, ...]
 
 
-def carry(naming: Naming, was: Mapping[str, Any], found: ReachedStates, under: InFlight) -> Carried:
+def carry(naming: Naming, was: Mapping[str, Any], found: ReachedStates, under: InFlight) -> CarriedState:
     """Take over what a run remembers.
 
     Args:
@@ -71,7 +71,7 @@ class _Transfer:
         }  # fmt: skip
         """Place now → place then."""
 
-    def carried(self, under: InFlight) -> Carried:
+    def carried(self, under: InFlight) -> CarriedState:
         self._activities()
         goals, cancels = self._goals(under)
         carries: Mapping[Holds, Callable[[Any], Any]] = {
@@ -88,7 +88,7 @@ class _Transfer:
         snapshot["_order"] = self.order
         begins = tuple(each for each in self.begins if each[0] not in snapshot["_pending"])
         effects = (*self._under_way(under), *cancels)
-        return Carried(snapshot, begins, effects, tuple(self.notes), tuple(self.faults))
+        return CarriedState(snapshot, begins, effects, tuple(self.notes), tuple(self.faults))
 
     # -- what runs ------------------------------------------------------------------------------------------------
 

@@ -30,10 +30,10 @@ from rai_missions.replay.migrate.names import Naming
 from rai_missions.replay.rebuild import Predicates, default_ticker, mission_of, robot_of
 from rai_missions.replay.resume import Resumption, resumption
 
-__all__ = ("Migrated", "follow", "migrate")
+__all__ = ("MigratedRun", "follow", "migrate")
 
 
-class Migrated(NamedTuple):
+class MigratedRun(NamedTuple):
     """A run that has another mission now."""
 
     journal: Path
@@ -45,7 +45,7 @@ class Migrated(NamedTuple):
 def migrate(
     journal: str | Path, mission: Mission, map_: Map, *, to: str | Path, robot: Robot | None = None,
     named: Predicates | None = None, source: str = "",
-) -> Migrated:  # fmt: skip
+) -> MigratedRun:  # fmt: skip
     """Move a run that was cut short into a mission that has changed; nothing is started by this.
 
     Args:
@@ -88,7 +88,7 @@ def migrate(
             _write(Path(to), _header(record, naming, profile, Path(to)), step)
             with read(to) as new:
                 _leave(old, new)
-    return Migrated(Path(to), mission, tuple(data["notes"]))
+    return MigratedRun(Path(to), mission, tuple(data["notes"]))
 
 
 def follow(record: Record) -> None:

@@ -8,13 +8,13 @@ from typing import Annotated, ClassVar, Literal, Self
 
 from pydantic import Field, model_validator
 
-from rai_missions.model import Bool, Integer, OneOf, fault
+from rai_missions.model import AnyOf, Bool, Integer, fault
 from rai_missions.states.tree.node import TreeNode
 
 __all__ = ("Branch", "ParallelTree", "Selector", "Sequence")
 
 
-Children = Annotated[tuple[OneOf[TreeNode], ...], Field(min_length=1)]
+Children = Annotated[tuple[AnyOf[TreeNode], ...], Field(min_length=1)]
 Numbers = Annotated[tuple[Integer, ...], Field(min_length=1)]
 
 

@@ -9,7 +9,7 @@ from pydantic import Field
 
 from rai_missions.guards.guard import Guard
 from rai_missions.kinds import Refers
-from rai_missions.model import Integer, Name, Number, OneOf
+from rai_missions.model import AnyOf, Integer, Name, Number
 from rai_missions.states.tree.node import Decorator, TreeNode
 
 __all__ = (
@@ -22,55 +22,55 @@ __all__ = (
 class Inverter(Decorator, word="inverter"):
     """Success is failure, failure is success."""
 
-    child: OneOf[TreeNode] = Field(alias="inverter")
+    child: AnyOf[TreeNode] = Field(alias="inverter")
 
 
 class FailureIsSuccess(Decorator, word="failure_is_success"):
     """Never fails."""
 
-    child: OneOf[TreeNode] = Field(alias="failure_is_success")
+    child: AnyOf[TreeNode] = Field(alias="failure_is_success")
 
 
 class FailureIsRunning(Decorator, word="failure_is_running"):
     """Begins its child again until it succeeds."""
 
-    child: OneOf[TreeNode] = Field(alias="failure_is_running")
+    child: AnyOf[TreeNode] = Field(alias="failure_is_running")
 
 
 class SuccessIsFailure(Decorator, word="success_is_failure"):
     """Never succeeds."""
 
-    child: OneOf[TreeNode] = Field(alias="success_is_failure")
+    child: AnyOf[TreeNode] = Field(alias="success_is_failure")
 
 
 class SuccessIsRunning(Decorator, word="success_is_running"):
     """Begins its child again until it fails."""
 
-    child: OneOf[TreeNode] = Field(alias="success_is_running")
+    child: AnyOf[TreeNode] = Field(alias="success_is_running")
 
 
 class RunningIsFailure(Decorator, word="running_is_failure"):
     """Fails where its child would need time; what the child has begun is ended."""
 
-    child: OneOf[TreeNode] = Field(alias="running_is_failure")
+    child: AnyOf[TreeNode] = Field(alias="running_is_failure")
 
 
 class RunningIsSuccess(Decorator, word="running_is_success"):
     """Succeeds where its child would need time; what the child has begun is ended."""
 
-    child: OneOf[TreeNode] = Field(alias="running_is_success")
+    child: AnyOf[TreeNode] = Field(alias="running_is_success")
 
 
 class PassThrough(Decorator, word="pass_through"):
     """Reports what its child reports: a name in the picture."""
 
-    child: OneOf[TreeNode] = Field(alias="pass_through")
+    child: AnyOf[TreeNode] = Field(alias="pass_through")
 
 
 class OneShot(Decorator, word="one_shot"):
     """Runs to its end once in the life of the tree; afterwards that end is repeated."""
 
-    child: OneOf[TreeNode] = Field(alias="one_shot")
+    child: AnyOf[TreeNode] = Field(alias="one_shot")
     policy: Literal["on_completion", "on_successful_completion"] = "on_completion"
     """Which end counts: any, or only success."""
 
@@ -104,7 +104,7 @@ class EternalGuard(Decorator, word="eternal_guard"):
     """Runs its child while a guard is true; else it fails and what runs inside is ended."""
 
     positional: ClassVar = ("child", "guard")
-    guard: OneOf[Guard] = Field(alias="eternal_guard")
+    guard: AnyOf[Guard] = Field(alias="eternal_guard")
 
     def words(self) -> str:
         return f"while {self.guard.words()}"

@@ -11,10 +11,10 @@ from pydantic import Field, model_validator
 from rai_missions.guards.guard import Guard
 from rai_missions.kinds import TEMPLATE, KeyValue, Refers
 from rai_missions.model import (
+    AnyOf,
     Json,
     Name,
     Number,
-    OneOf,
     Path,
     Seconds,
     TopicName,
@@ -54,7 +54,7 @@ class CheckLeaf(TreeNode, word="check"):
     """Success while a guard is true, failure while it is false or unknown."""
 
     positional: ClassVar = ("check",)
-    check: OneOf[Guard]
+    check: AnyOf[Guard]
 
     def words(self) -> str:
         return f"check {self.check.words()}"
@@ -115,7 +115,7 @@ class DecisionLeaf(TreeNode, word="decision"):
     takes_time: ClassVar = True
 
     decision: DecisionSpec
-    then: dict[Name, OneOf[TreeNode]] = Field(default_factory=dict)
+    then: dict[Name, AnyOf[TreeNode]] = Field(default_factory=dict)
     """Option → what is done then."""
 
     def branches(self) -> Iterator[tuple[str, TreeNode]]:

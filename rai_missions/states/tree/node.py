@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any, ClassVar
 
-from rai_missions.model import OneOf, TaggedModel, Text
+from rai_missions.model import AnyOf, TaggedModel, Text
 from rai_missions.states.decision import DecisionSpec, Option
 
 if TYPE_CHECKING:
@@ -68,7 +68,7 @@ class Decorator(TreeNode):
 
     positional: ClassVar[tuple[str, ...]] = ("child",)
 
-    child: OneOf[TreeNode]
+    child: AnyOf[TreeNode]
 
     def branches(self) -> Iterator[tuple[str, TreeNode]]:
         yield type(self).model_fields["child"].alias or "child", self.child

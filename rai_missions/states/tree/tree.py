@@ -8,7 +8,7 @@ from typing import Annotated, Any, ClassVar
 
 from pydantic import BeforeValidator, model_validator
 
-from rai_missions.model import OneOf, fault
+from rai_missions.model import AnyOf, fault
 from rai_missions.states.state import State
 from rai_missions.states.tree.behaviour import BehaviourLeaf
 from rai_missions.states.tree.node import TreeNode, depth
@@ -32,7 +32,7 @@ class Tree(State, word="tree"):
 
     positional: ClassVar = ("tree",)
 
-    tree: Annotated[OneOf[TreeNode], BeforeValidator(_shallow)]
+    tree: Annotated[AnyOf[TreeNode], BeforeValidator(_shallow)]
 
     @model_validator(mode="before")
     @classmethod

@@ -61,12 +61,12 @@ def test_two_readers_deliver_each_message_once_and_reliable_in_order(
     given_: list[tuple[bool, Any, float]],
 ) -> None:
     """Published 10 ms apart by a reliable and by a best-effort publisher, whose messages may be lost on their way."""
-    from rai_missions.connectors.ros2.mixed import Mixed
+    from rai_missions.connectors.ros2.mixed import MessageSorter
 
     queue: list[tuple[float, int, Any]] = []
     now = [0.0]
     results: list[int] = []
-    mixed = Mixed(
+    mixed = MessageSorter(
         lambda delay_s, work: heapq.heappush(queue, (now[0] + delay_s, 10_000 + len(queue), work)),
         lambda message, _info: results.append(message), lambda: 1,
     )  # fmt: skip
