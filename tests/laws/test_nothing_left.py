@@ -62,7 +62,8 @@ def left(chart: Chart, step: Step, ends: dict[str, str]) -> Iterator[str]:
             if name not in step.resting:
                 yield from unticked(chart, name, state, ends)
             for path, tended in state.leaves.items():
-                yield from unsettled(chart, f"{name}#{path}", machine.limbs[path].machine, tended.state)  # type: ignore[attr-defined]
+                leaf = machine.leaf_machines[path].machine  # type: ignore[attr-defined]
+                yield from unsettled(chart, f"{name}#{path}", leaf, tended.state)
         else:
             yield from unsettled(chart, name, machine, state)
 

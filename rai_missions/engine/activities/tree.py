@@ -115,7 +115,7 @@ class TreeMachine(Machine):
 
     Args:
         ticker: The tree, compiled.
-        limbs: Path → the leaf that runs there when a tick asks for it.
+        leaf_machines: Path → the leaf that runs there when a tick asks for it.
         owner: The state.
     """
 

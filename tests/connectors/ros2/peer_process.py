@@ -54,6 +54,8 @@ class Peer:
     def _read(self) -> None:
         assert self._process.stdout is not None
         for line in self._process.stdout:
+            if not line.startswith("["):
+                continue  # Fast DDS prints its errors there too
             self.lines(reported := json.loads(line))
             if reported == ["ready"]:
                 self._ready(reported)
