@@ -11,7 +11,7 @@ from rai_missions.engine.chart import Chart
 from rai_missions.engine.snapshot_json import packed, unpacked
 from rai_missions.engine.step import Ask, CallService, StartGoal, Step
 from rai_missions.event import Event
-from rai_missions.guards.purity import impurity
+from rai_missions.guards.contract import check_kind
 from rai_missions.keys import Key
 from rai_missions.mission.mission import Mission
 from rai_missions.states import Final, State, Transition
@@ -37,12 +37,7 @@ def check_activity(
     Raises:
         AssertionError: A promise is broken; the text names it.
     """
-    kind = type(state)
-    why = impurity(kind) if kind in State.foreign else ""
-    assert not why, f"'{state.word}' is no pure activity: {why}"
-    assert kind.model_validate(state.written()) == state, f"'{state.word}' is not what it is written as"
-    lines = (state.activity(), *state.lines())
-    assert all(line.strip() and "\n" not in line for line in lines), f"'{state.word}' has no words, or more than a line"
+    check_kind(state, "activity", lambda: (state.activity(), *state.lines()))
     assert state.made() == state.made(), f"'{state.word}' makes another tree each time"
     ends = state.outcomes()
     away = (Transition(on=sorted(ends), to="over"),) if ends else ()

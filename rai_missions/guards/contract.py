@@ -3,14 +3,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
 from rai_missions.guards.guard import Guard, Site
 from rai_missions.guards.purity import impurity
 from rai_missions.keys import Key, Stamped
+from rai_missions.model import TaggedModel
 
-__all__ = ("check_guard",)
+__all__ = ("check_guard", "check_kind")
 
 
 class _View:
@@ -28,6 +29,26 @@ class _View:
         return None
 
 
+def check_kind(part: TaggedModel, sort: str, lines: Callable[[], Iterable[str]]) -> None:
+    """Hold one of a kind to what kinds of every sort promise: pure code, the form it is written in, words.
+
+    Args:
+        part: One of the kind.
+        sort: What it is, for the text: `guard` or `activity`.
+        lines: Its words, called once its code is known to be pure.
+
+    Raises:
+        AssertionError: A promise is broken; the text names it.
+    """
+    kind = type(part)
+    why = impurity(kind) if kind in kind.foreign else ""
+    assert not why, f"'{part.word}' is no pure {sort}: {why}"
+    assert kind.model_validate(part.written()) == part, f"'{part.word}' is not what it is written as"
+    assert all(line.strip() and "\n" not in line for line in lines()), (
+        f"'{part.word}' has no words, or more than a line"
+    )
+
+
 def check_guard(guard: Guard, keys: Mapping[str, Key], facts: Iterable[Mapping[str, Any]]) -> None:
     """Hold a guard to the contract of `Guard`.
 
@@ -39,11 +60,7 @@ def check_guard(guard: Guard, keys: Mapping[str, Key], facts: Iterable[Mapping[s
     Raises:
         AssertionError: A promise is broken; the text has which.
     """
-    kind = type(guard)
-    why = impurity(kind) if kind in Guard.foreign else ""
-    assert not why, f"'{guard.word}' is no pure guard: {why}"
-    assert kind.model_validate(guard.written()) == guard, f"'{guard.word}' is not what it is written as"
-    assert guard.words().strip() and "\n" not in guard.words(), f"'{guard.word}' has no words, or more than a line"
+    check_kind(guard, "guard", lambda: (guard.words(),))
     first, second = Site("/when", keys), Site("/when", keys)
     tests, site = (guard.compile(first), guard.compile(second)), first
     named = {path.partition(".")[0] for each in guard.walk() for path in each.paths()}
