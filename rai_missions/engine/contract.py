@@ -21,6 +21,8 @@ __all__ = ("check_activity",)
 MOST = 300
 """So many instants of runs are tried."""
 Stimulus = Callable[[Chart], Step]
+Awaited = tuple[str, str, int]
+"""What a reply is waited for: `goal`, `call` or `option`, the option's name, and the number."""
 
 
 def check_activity(
@@ -44,17 +46,17 @@ def check_activity(
     mission = Mission("contract", blackboard=dict(keys), initial="it", uses=_uses(state), states={
         "it": state.model_copy(update={"transitions": away}), "over": Final("aborted"),
     })  # fmt: skip
-    chart, open_numbers = Chart(mission, ticker=ticker), frozenset[tuple[str, int]]()
-    waiting = [(_Instant(state, mission, ticker), chart.start(0.0), chart, open_numbers)]
+    instant, chart = _Instant(state, mission, ticker), Chart(mission, ticker=ticker)
+    waiting = [(chart.start(0.0), chart, frozenset[Awaited]())]
     for _ in range(MOST):
         if not waiting:
             return
-        instant, step, chart, open_numbers = waiting.pop(0)
-        open_numbers |= frozenset(_asked(step))
+        step, chart, awaited = waiting.pop(0)
+        awaited |= frozenset(_asked(step))
         if chart.outcome is not None or "it" not in chart.active:
             continue
-        for stimulus in _stimuli(step, open_numbers, chart, facts):
-            waiting.append((instant, *instant.after(chart, stimulus), open_numbers))
+        for stimulus in _stimuli(step, awaited, chart, facts):
+            waiting.append((*instant.after(chart, stimulus), awaited))
 
 
 def _uses(state: State) -> tuple[str, ...]:
@@ -85,25 +87,25 @@ class _Instant:
         return step, first
 
 
-def _asked(step: Step) -> Iterator[tuple[str, int]]:
-    """What a step waits for: `goal`, `call`, or the option of a question, and the number."""
+def _asked(step: Step) -> Iterator[Awaited]:
+    """What a step waits for."""
     for effect in step.effects:
         if isinstance(effect, StartGoal):
-            yield "goal", effect.number
+            yield "goal", "", effect.number
         elif isinstance(effect, CallService):
-            yield "call", effect.number
+            yield "call", "", effect.number
         elif isinstance(effect, Ask):
-            yield from ((f"option {offer.name}", effect.question.number) for offer in effect.question.options)
+            yield from (("option", offer.name, effect.question.number) for offer in effect.question.options)
 
 
 def _stimuli(
-    step: Step, open_numbers: frozenset[tuple[str, int]], chart: Chart, facts: Sequence[Mapping[str, Any]]
+    step: Step, awaited: frozenset[Awaited], chart: Chart, facts: Sequence[Mapping[str, Any]]
 ) -> Iterator[Stimulus]:  # fmt: skip
     """What may happen next: a reply of each kind, the next instant that it asks for, and what may be written."""
     at = chart.at + 0.1
-    for sort, number in sorted(open_numbers):
-        if sort.startswith("option "):
-            yield lambda chart, number=number, name=sort[7:]: chart.propose(number, name, at=at)  # type: ignore[misc]
+    for sort, option, number in sorted(awaited):
+        if sort == "option":
+            yield lambda chart, number=number, name=option: chart.propose(number, name, at=at)  # type: ignore[misc]
         else:
             for name in ("succeeded", "failed"):
                 yield _sending(Event(name, at, {}, "result", number))
