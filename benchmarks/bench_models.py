@@ -2,7 +2,7 @@
 """What a model's own process costs, and what it saves: `python -m benchmarks.bench_models`.
 
 The way there and back: one question to a model that answers at once, on a thread of this process and in a process of
-its own, without pictures and with one of 640x480. The emergency stop, under the load of `bench_stop`, while the model
+its own, without pictures and with one of 640x480. The e-stop, under the load of `bench_stop`, while the model
 holds its interpreter's lock: in a process of its own, and, for half a second at a time, on a thread of the engine's.
 """
 
@@ -80,7 +80,7 @@ def there_and_back() -> None:
 
 
 def stops(name: str, agent_of: Any, count: int) -> None:
-    """Emergency stops while the model holds its lock."""
+    """E-stops while the model holds its lock."""
     spent = []
     with tempfile.TemporaryDirectory() as folder:
         for number in range(count):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""From an emergency stop to the cancel that the actuator's server receives, under load: `python -m
+"""From an e-stop to the cancel that the actuator's server receives, under load: `python -m
 benchmarks.bench_stop`.
 
 A model hangs, events flood in from another thread, pictures of 640x480 arrive thirty times a second, and the journal is

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""An emergency stop over ROS 2, for `bench_stop.py`: this process is the robot, others are the mission and the gate.
+"""An e-stop over ROS 2, for `bench_stop.py`: this process is the robot, others are the mission and the gate.
 
 Who stops speaks from the robot's process. So does the camera, which fills the shared memory that Fast DDS gives a
 process (`together`); the same with our profile for a process that publishes pictures (`roomy`); or the camera is a

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any, Literal, NamedTuple, get_args
 
-__all__ = ("KINDS", "Event", "EventKind", "Tick", "is_operator", "is_taken")
+__all__ = ("KINDS", "Event", "EventKind", "Tick", "is_e_stop", "is_operator", "is_taken")
 
 NOTHING: Mapping[str, Any] = {}
 EventKind = Literal[
@@ -64,6 +64,11 @@ class Event(NamedTuple):
 def Tick(at: float) -> Event:  # noqa: N802 - reads as the event it makes
     """Time has passed: whatever was due until `at` happens now."""
     return Event("tick", at, NOTHING, "tick")
+
+
+def is_e_stop(event: Event) -> bool:
+    """Whether it is the e-stop: the command that Python and the journal's rows name `kill`."""
+    return event.kind == "command" and event.name == "kill"
 
 
 def is_operator(by: str) -> bool:

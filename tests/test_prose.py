@@ -122,7 +122,7 @@ def modules() -> Iterator[Path]:
         'for note in step.notes:\n    if note.endswith(": accepted"):\n        pass',
         'note = next((each for each in step.notes if each.startswith("question 1:")), "")\nnote.endswith("x")',
         'if "paused" in step.notes:\n    pass',
-        'step.outcome == "aborted" and step.why.startswith("killed by ")',
+        'step.outcome == "aborted" and step.why.startswith("e-stop by ")',
         'if step.why == NOT_STARTED:\n    pass',
         'if row.text.startswith("the run breaks off"):\n    pass',
         'went = [note.data for note in before.notes() if note.text == MIGRATED]',

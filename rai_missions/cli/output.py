@@ -148,7 +148,7 @@ def wait_for_output() -> None:
 
 @contextmanager
 def nonblocking_output() -> Iterator[None]:
-    """Print without waiting: a terminal that takes nothing delays only the end, no run and no emergency stop."""
+    """Print without waiting: a terminal that takes nothing delays only the end, no run and no e-stop."""
     out, error = BufferedStream(sys.stdout), BufferedStream(sys.stderr)
     with redirect_stdout(cast(TextIO, out)), redirect_stderr(cast(TextIO, error)):
         try:

@@ -25,7 +25,7 @@ def on_signals(do: Callable[[int, Any], object]) -> Iterator[None]:
 
 @contextmanager
 def interruptible(stop: Callable[[], object], kill: Callable[[], object], doing: str) -> Iterator[None]:
-    """The first interrupt stops in good order, the second is an emergency stop.
+    """The first interrupt stops in good order, the second is an e-stop.
 
     Args:
         stop: What the first does.
@@ -41,7 +41,7 @@ def interruptible(stop: Callable[[], object], kill: Callable[[], object], doing:
             return
         stop()
         with suppress(OSError):  # the terminal may be gone, which may be why there is an interrupt
-            print(f"\n{doing}; once more for an emergency stop", file=sys.stderr)
+            print(f"\n{doing}; once more for an e-stop", file=sys.stderr)
 
     with on_signals(interrupt):
         yield

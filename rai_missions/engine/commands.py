@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Pause, resume, cancel and kill: what a person may do to any mission, drawn in none; and a run that is resumed.
+"""Pause, resume, cancel and e-stop: what a person may do to any mission, drawn in none; and a run that is resumed.
+
+The e-stop is the command `kill` of events and of Python; for people it has that one word everywhere.
 
 Rule: in which mode a command makes sense is read from `modes`, and nowhere else.
 """
@@ -48,7 +50,7 @@ def receive_command(program: Program, state: RunState, event: Event) -> None:
     elif why := refusal(state.mode, event.name):
         refuse(state, "mode" if state.outcome is None else "ended", why)
     elif event.name == "kill":
-        kill(program, state, f"killed by {by}")
+        kill(program, state, f"e-stop by {by}")
     elif event.name == "cancel":
         _cancel(program, state, by)
     elif event.name == "pause":

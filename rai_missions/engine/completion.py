@@ -198,7 +198,7 @@ def end(
         state: Of the run.
         outcome: How it ended.
         why: The rule that decided it.
-        killed: By an emergency stop or an invariant: no `exit` is done, and a cancel under way makes no difference.
+        killed: By an e-stop or an invariant: no `exit` is done, and a cancel under way makes no difference.
         cause: What it was, where no rule of the mission ended it; a cancel under way ends as a cancel all the same.
     """
     if state.outcome is not None:

@@ -10,7 +10,7 @@ from collections.abc import Collection, Sequence
 from typing import Any, NamedTuple
 
 from rai_missions.engine.step import Step
-from rai_missions.event import Event
+from rai_missions.event import Event, is_e_stop
 from rai_missions.plain_data import plain
 
 __all__ = ("Description", "describe", "effect_word", "event_words", "resting_words", "step_json", "way_words")
@@ -78,11 +78,13 @@ def effect_word(kind: type[Any]) -> str:
 
 
 def event_words(event: Event) -> str:
-    """An event by its name, and the number of what it answers."""
+    """An event by its name, and the number of what it answers; the command `kill` as the e-stop that it is."""
     if event.kind in ("accepted", "result"):
         return f"{event.name} ({event.number})"
     if event.kind == "proposal":
         return f"{event.name} answers"
+    if is_e_stop(event):
+        return "e-stop"
     return {"tick": "time", "control": "control"}.get(event.kind, event.name)
 
 

@@ -2,7 +2,7 @@
 """Writes a run down: steps at once, blackboard writes that enabled nothing along with the next row.
 
 Rule: of each key only the newest value travels, and none travels longer than a second.
-Rule: a run continues only when its row is written, but a disk that hangs holds up no emergency stop.
+Rule: a run continues only when its row is written, but a disk that hangs holds up no e-stop.
 """
 
 from __future__ import annotations
@@ -48,7 +48,7 @@ class BufferedWriter:
 
     Args:
         journal: The journal; None: nothing is written down.
-        called: What a runner that waits for the disk does when `call` is: an emergency stop.
+        called: What a runner that waits for the disk does when `call` is: an e-stop.
     """
 
     def __init__(self, journal: JournalSink | None, called: Callable[[], None] = lambda: None) -> None:

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from typing import Any
 
 from rai_missions.engine.step import Step
@@ -16,14 +16,16 @@ LATER = ("mode", "holder", "verdicts", "refusal", "kept")
 """Fields that a row has only if it was written by a version that knew them; then it has a mode."""
 
 
-def difference(expected: Step, got: Step) -> str:
+def difference(expected: Step, got: Step, *, without: Collection[str] = ()) -> str:
     """The first difference between two steps, in the order of their fields; empty where there is none.
 
-    A step that was stored before steps had a mode is compared by the fields that it has.
+    A step that was stored before steps had a mode is compared by the fields that it has. Those of `without` are
+    left out.
 
     Such as `step 12 (anomaly, 3.2 s): moves[0].entered[1] was 'driving', now it is 'assessing'`.
     """
-    for name in [name for name in Step._fields if expected.mode is not None or name not in LATER]:
+    left_out = {*without, *(LATER if expected.mode is None else ())}
+    for name in [name for name in Step._fields if name not in left_out]:
         found = _parted(name, getattr(expected, name), getattr(got, name))
         if found:
             return f"step {expected.seq} ({expected.event.name}, {expected.at:g} s): {found}"

@@ -22,7 +22,7 @@ from rai_missions.engine.step import (
     StopBehaviour,
     Withdraw,
 )
-from rai_missions.event import Event
+from rai_missions.event import Event, is_e_stop
 from rai_missions.journal.rows import Confirmation, JournalRow, StepRow
 
 __all__ = ("InFlight", "needs_confirmation", "underway")
@@ -64,7 +64,7 @@ class InFlight:
             self._step(row.step)
 
     def stop(self) -> None:
-        """An emergency stop, which is carried out before it is written: only goals still have an end to come.
+        """An e-stop, which is carried out before it is written: only goals still have an end to come.
 
         What waited for the disk when it came was not begun; and no one begins anything again after one.
         """
@@ -100,7 +100,7 @@ class InFlight:
         if event.kind == "command" and event.name == "migrate":  # what was under way in the run that it continues with
             accepted = event.data.get("accepted")
             self.accepted |= {number for number in self.open if isinstance(accepted, list) and number in accepted}
-        if event.kind == "command" and event.name == "kill":
+        if is_e_stop(event):
             self.stop()
         else:
             weighs = tuple(effect for effect in step.effects if isinstance(effect, WEIGHTY))

@@ -88,7 +88,7 @@ class Mission(MissionModel):
     transitions: Transitions = ()
     """The mission's own transitions, tried after those of the states."""
     invariants: dict[Name, AnyOf[Guard]] = Field(default_factory=dict)
-    """What must never be false; a run that finds one false is killed."""
+    """What must never be false; a run that finds one false ends as by an e-stop."""
     on_cancel: StateName | None = None
     """The state in which a cancel is carried out; without it everything is left and canceled."""
     cancel_s: Seconds = 30.0

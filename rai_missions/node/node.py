@@ -32,7 +32,7 @@ LOOK_S = 4.0
 """How long another node of the same name may take to answer; longer than a connector's `discovery_s`, within which it
 is found or is not there."""
 FAREWELL_S = 2.0
-"""How much longer than its `cancel_s` a canceled run may take before it is killed."""
+"""How much longer than its `cancel_s` a canceled run may take before the e-stop."""
 
 
 class MissionNode:
@@ -139,7 +139,7 @@ class MissionNode:
         """Cancel what runs and finalize the node, as its lifecycle has it.
 
         Args:
-            at_once: The run is not canceled but killed.
+            at_once: The run is not canceled; it gets the e-stop.
         """
         session = self._commands.live
         if at_once and session is not None:

@@ -78,7 +78,7 @@ def prove(
     """Explore every run of a mission.
 
     Values are distinguished as far as the mission's guards do; timers run out in any order; named guards are free. The
-    operator pauses, resumes, takes control and gives it to anybody. A cancel and an emergency stop are tried in every
+    operator pauses, resumes, takes control and gives it to anybody. A cancel and an e-stop are tried in every
     state, those of a pause included.
 
     Args:

@@ -130,7 +130,7 @@ class Environment:
             yield from self.inputs.of_goals()
 
     def happenings(self) -> Iterator[Stimulus]:
-        """Everything else that can happen now but a cancel and an emergency stop."""
+        """Everything else that can happen now but a cancel and an e-stop."""
         mode = self.chart.mode
         if mode == "paused":
             yield from self._meanwhile()
@@ -172,7 +172,7 @@ class Environment:
         begin_run(self.chart.program, self.chart.state, NOW)
 
     def ordering(self, command: str) -> Callable[[], None]:
-        """The operator's order to `pause`, `resume` or `cancel`, or to stop at once (`kill`)."""
+        """The operator's order to `pause`, `resume` or `cancel`, or the e-stop (`kill`)."""
 
         def order() -> None:
             self.inputs.handle(Event(command, NOW, {"by": "operator"}, "command"))

@@ -25,7 +25,7 @@ NOW_AND_THEN = 1000
 MOST_COURSES = 20_000
 """So many states are remembered with all that happened in them."""
 Progress = Callable[[int, int], None]
-START, CANCEL, KILL = "the mission starts", "the operator cancels", "the operator stops the mission at once"
+START, CANCEL, KILL = "the mission starts", "the operator cancels", "the operator gives the e-stop"
 
 
 class Violation(NamedTuple):
@@ -176,7 +176,7 @@ class Space(StateGraph):
         return inside
 
     def _happenings(self, number: int, place: Place) -> tuple[list[Stimulus], list[Stimulus]]:
-        """Everything that can happen there but an emergency stop; what is about goals that nothing pursues apart."""
+        """Everything that can happen there but an e-stop; what is about goals that nothing pursues apart."""
         self.environment.load(place)
         found, others = list(self.environment.happenings()), list(self.environment.of_goals())
         if number not in self.canceling:
@@ -310,15 +310,13 @@ class Space(StateGraph):
     # -- what is wrong --------------------------------------------------------------------------------------------
 
     def _stop(self, number: int, place: Place) -> None:
-        """An emergency stop here ends the mission and every goal; it asks for nothing that is known."""
+        """An e-stop here ends the mission and every goal; it asks for nothing that is known."""
         environment, chart = self.environment, self.environment.chart
         environment.load(place)
         environment.choices.begin()
         environment.make(environment.ordering("kill"))
         if chart.outcome != "aborted":
-            self._flaw(
-                "stop", number, f"an emergency stop leaves the mission {chart.outcome or chart.mode}", Edge(KILL)
-            )
+            self._flaw("stop", number, f"an e-stop leaves the mission {chart.outcome or chart.mode}", Edge(KILL))
         self._end(number, Edge(KILL))
 
     def _end(self, source: int, way: Edge) -> None:

@@ -23,7 +23,7 @@ CLAIMS = {
     "answers": "no answer alone makes the mission succeed",
     "options": "every option and every fallback can be taken",
     "rules": "every requires, achieved and option guard can be true, and every option can be out of the question",
-    "stop": "an emergency stop ends the mission in every state",
+    "stop": "an e-stop ends the mission in every state",
     "cancel": "a cancel ends the mission from every state",
     "stopped": "every action that was started is ended with the mission",
 }

@@ -27,7 +27,7 @@ class Edge(NamedTuple):
     words: str
     """What happens."""
     at: int = -1
-    """The happening's place among those of its state; -1 for the start, a cancel and an emergency stop."""
+    """The happening's place among those of its state; -1 for the start, a cancel and an e-stop."""
     trail: tuple[int, ...] = ()
     """What was chosen meanwhile."""
 

@@ -17,6 +17,7 @@ from rai_missions.engine import Chart
 from rai_missions.engine.activities.ticker import Trees
 from rai_missions.engine.step import Step
 from rai_missions.errors import DefinitionError, Fault, MissionError
+from rai_missions.event import is_e_stop
 from rai_missions.guards.guard import Truth
 from rai_missions.journal import Record, StepRow
 from rai_missions.mission.json_reader import parse_json
@@ -44,6 +45,9 @@ class JournalReplayer:
         self, record: Record, mission: Mission, ticker: Trees | None = None, named: Predicates | None = None
     ) -> None:
         robot = robot_of(record)
+        self.reworded: tuple[str, ...] = ()
+        """The fields of steps that mean the same in other words than when they were recorded. After an e-stop `why` is
+        made of that event alone, and earlier versions had another word for the stop."""
         self._source, self._live = str(record.path), named or {}
         self._recorded: deque[tuple[str, Truth]] | None = deque()
         """The values of predicates that the step in hand has looked at; None once the predicates are asked."""
@@ -62,6 +66,8 @@ class JournalReplayer:
         """
         chart, step = self.chart, row.step
         self._recorded = deque((place[6:], value) for place, value in step.guards if place.startswith("named:"))
+        if is_e_stop(step.event) and step.outcome:
+            self.reworded = ("why",)
         try:
             chart.absorb(row.before, at=row.since, seq=step.seq - 1)
             if step.event.kind == "command" and step.event.name == "start":

@@ -57,7 +57,7 @@ def replay(
         chart, count, found = replayer.chart, 0, ""
         for row in record.entries():
             got = replayer.again(row)
-            if found := difference(row.step, got):
+            if found := difference(row.step, got, without=replayer.reworded):
                 break
             count += 1
             if on_step is not None:

@@ -67,7 +67,8 @@ def resumption(
             raise UsageError(f"the run of {record.path} continues in another mission: --resume {successor}")
         if not isinstance(row, StepRow):
             continue
-        if found := difference(row.step, replayer.again(row)):
+        got = replayer.again(row)
+        if found := difference(row.step, got, without=replayer.reworded):
             sentence = f"the run cannot continue, because this program does not do what was done: {found}"
             raise DefinitionError([Fault(f"row {row.row}", sentence)], str(record.path))
         began = row.since if last is None else began

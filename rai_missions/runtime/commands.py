@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a person or a program may do to a run, from any thread: pause, resume, cancel, kill, hand over, answer, post.
+"""What a person or a program may do to a run, from any thread: pause, resume, cancel, e-stop, hand over, answer, post.
 
-Rule: nothing is done here and now. The run does it on its own thread, in its turn; an emergency stop overtakes.
+Rule: nothing is done here and now. The run does it on its own thread, in its turn; an e-stop overtakes.
 """
 
 from __future__ import annotations

@@ -40,7 +40,7 @@ class Handovers:
         self._robot, self._connector = robot, connector
         self._scheduler, self._lost = scheduler, on_lost
         self.letting_go: bool | None = None
-        """True while an emergency stop waits for control to be with `nobody`; None where it never had to."""
+        """True while an e-stop waits for control to be with `nobody`; None where it never had to."""
 
     def open(self) -> None:
         """Report that the run is alive, for as long as its scheduler is run."""
@@ -59,7 +59,7 @@ class Handovers:
             self._call(self._connector, entry, to, by, lambda: None)
 
     def let_go(self, done: Callable[[], None]) -> None:
-        """The emergency stop has taken control from everybody: so it shall be where the actuators are.
+        """The e-stop has taken control from everybody: so it shall be where the actuators are.
 
         Args:
             done: Called when it is, or cannot be; from any thread. `letting_go` is false by then.

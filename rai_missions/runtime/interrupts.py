@@ -51,7 +51,7 @@ def interruptible(run: InterruptedRun) -> Iterator[None]:
             return
         run.cancel(BY)
         with suppress(OSError):  # the terminal may be gone, which is why someone interrupts
-            sys.stderr.write("\ncanceling; once more for an emergency stop\n")
+            sys.stderr.write("\ncanceling; once more for an e-stop\n")
 
     signal.signal(signal.SIGINT, interrupt)
     try:

@@ -18,7 +18,7 @@ from rai_missions.engine.activities.goal_ledger import OpenGoal, may_move
 from rai_missions.engine.decision import Answerer, ReadsRun
 from rai_missions.engine.step import Step
 from rai_missions.errors import ConnectorError, DefinitionError, UsageError
-from rai_missions.event import Event, Tick
+from rai_missions.event import Event, Tick, is_e_stop
 from rai_missions.journal.buffer import BufferedWriter, JournalSink, raised_by
 from rai_missions.mission.mission import Mission
 from rai_missions.profile import Robot, actions_of, missing, terms
@@ -124,7 +124,7 @@ class Runner(RunCommands):
         Raises:
             ConnectorError: The robot cannot be reached.
             UsageError: The robot did not report what the mission needs to know before it starts; the error names it.
-            KeyboardInterrupt: Ctrl-C was pressed, and the run has ended: the first cancels it, the second kills it.
+            KeyboardInterrupt: Ctrl-C was pressed, and the run has ended: the first cancels it, the second is an e-stop.
         """
         with interruptible(self):
             return self._run()
@@ -186,7 +186,7 @@ class Runner(RunCommands):
             event = self._mailbox.take()
             if event is None:
                 self._clock.wait(self._mailbox, min(window.until, self._scheduler.due), paced=False)
-            elif event.kind == "command" and event.name == "kill":
+            elif is_e_stop(event):
                 self._kill(event)
                 break
             else:
@@ -255,7 +255,7 @@ class Runner(RunCommands):
     def _take(self, event: Event) -> None:
         now = self._clock.now()
         event = event if event.at <= now else event._replace(at=now)
-        if event.kind == "command" and event.name == "kill":
+        if is_e_stop(event):
             self._kill(event)
             return
         self._step(lambda: self._chart.send(event))
@@ -271,7 +271,7 @@ class Runner(RunCommands):
         elif not self._write(step, since):
             return
         if self._mailbox.urgent:  # nothing is begun any more by what waited for the disk
-            self._executor.leave(step.effects, "an emergency stop came before it")
+            self._executor.leave(step.effects, "an e-stop came before it")
             self._report(step)
             return
         self._lifecycle.control.follow(self._chart.holder, taken=self._chart.taken)  # an effect may ask for it
@@ -282,7 +282,7 @@ class Runner(RunCommands):
             self._lose_journal(lost)
 
     def _kill(self, event: Event) -> None:
-        """The emergency stop: the actuators first, the journal after."""
+        """The e-stop: the actuators first, the journal after."""
         since = self._chart.at
         step = self._chart.send(event)
         self._executor.perform(step.effects)
@@ -290,7 +290,7 @@ class Runner(RunCommands):
         self._write(step, since)
 
     def _stop_at_once(self) -> None:
-        """The emergency stop of a run that waits for its disk: it is taken when the disk answers, or never does."""
+        """The e-stop of a run that waits for its disk: it is taken when the disk answers, or never does."""
         if self._mailbox.urgent:
             self._executor.stop_everything()
             self._executor.handovers.let_go(self._scheduler.wake)
@@ -373,7 +373,7 @@ class Runner(RunCommands):
 
     def _lose_journal(self, error: Exception) -> None:
         """What cannot be written down does not continue."""
-        log.critical("the journal cannot be written, the mission is killed: %s", error)
+        log.critical("the journal cannot be written, e-stop: %s", error)
         self._writer.give_up()
         by = self._redaction.known(f"the journal: {error}")
         step = self._chart.send(Event("kill", self._clock.now(), {"by": by}, "command"))

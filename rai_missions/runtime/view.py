@@ -99,7 +99,7 @@ class RunView:
 
     @property
     def urgent(self) -> bool:
-        """An emergency stop waits to be taken."""
+        """An e-stop waits to be taken."""
         return self._scheduler.mailbox.urgent
 
     def snapshot(self) -> Snapshot:

@@ -369,11 +369,11 @@ def test_an_operator_watches_answers_and_stops_a_tractor(tmp_path: Path, look: L
         window.click("[data-act=e_stop]")
         window.wait_for_selector("#mode[data-mode=aborted]")
         window.click("#tab-now")
-        assert "killed by operator Anna (page)" in window.inner_text("#ended")
+        assert "e-stop by operator Anna (page)" in window.inner_text("#ended")
         until(window, "document.querySelector('#line').dataset.line === 'over'")
     finally:
         tractor_.end()
-    assert tractor_.results[0].why == "killed by operator Anna (page)"
+    assert tractor_.results[0].why == "e-stop by operator Anna (page)"
     with read(tractor_.journal) as record:
         did = [(step.event.kind, step.event.data.get("by")) for step in record.steps()]
     assert ("proposal", "operator Anna (page)") in did

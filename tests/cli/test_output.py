@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Anyone who takes what is printed, late or never: the run continues, and so does its emergency stop."""
+"""Anyone who takes what is printed, late or never: the run continues, and so does its e-stop."""
 
 from __future__ import annotations
 

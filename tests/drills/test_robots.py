@@ -248,7 +248,7 @@ class Mute(LocalConnector):
         pass
 
 
-def test_an_emergency_stop_ends_even_if_no_one_ever_reports_that_control_is_let_go() -> None:
+def test_an_e_stop_ends_even_if_no_one_ever_reports_that_control_is_let_go() -> None:
     profile = robot(control={"nobody": {"service": "/let_go", "type": "std_srvs/srv/Trigger"}})
     states = {"moving": {"action": "move", "timeout_s": 50, "transitions": []}}
     rig = Rig(states, robot=profile, connector=Mute())

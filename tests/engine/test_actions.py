@@ -203,7 +203,7 @@ def test_kill_stops_every_goal_accepted_or_not() -> None:
     made, number = started(driving())
     step = made.send(Event("kill", 1.0, {"by": "button"}, "command"))
     assert cancels(step) == [number]
-    assert (step.outcome, step.why, made.holder) == ("aborted", "killed by button", "nobody")
+    assert (step.outcome, step.why, made.holder) == ("aborted", "e-stop by button", "nobody")
 
 
 def test_pause_cancels_the_goal_and_resume_starts_it_again_with_the_time_that_was_left() -> None:

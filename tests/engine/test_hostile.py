@@ -69,7 +69,7 @@ def test_an_integer_beyond_all_floating_point_numbers_is_not_written(kind: str) 
     assert not step.writes and "is not of type" in step.why
 
 
-def test_an_acceptance_after_an_emergency_stop_is_canceled_once_more() -> None:
+def test_an_acceptance_after_an_e_stop_is_canceled_once_more() -> None:
     made = Chart(mission(DRIVE))
     made.start(0.0)
     made.send(Event("kill", 1.0, {}, "command"))

@@ -29,7 +29,7 @@ def test_a_kill_is_a_kill_while_the_mission_is_being_canceled_too() -> None:
     made.start(0.0)
     made.send(Event("cancel", 1.0, {"by": "operator"}, "command"))
     step = made.send(Event("kill", 2.0, {"by": "button"}, "command"))
-    assert (step.outcome, step.why, step.effects) == ("aborted", "killed by button", ())
+    assert (step.outcome, step.why, step.effects) == ("aborted", "e-stop by button", ())
 
 
 def test_a_cancel_that_ends_in_an_aborted_final_is_a_cancel() -> None:

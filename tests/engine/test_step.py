@@ -107,7 +107,7 @@ def test_each_step_has_mode_and_holder() -> None:
     assert [step.refusal for step in seen] == ["", "unknown", "", "", "mode", "", ""]
 
 
-def test_after_an_emergency_stop_no_one_has_control() -> None:
+def test_after_an_e_stop_no_one_has_control() -> None:
     made, _ = asked()
     step = made.send(command("kill"))
     assert (step.mode, step.holder, step.outcome) == ("aborted", "nobody", "aborted")

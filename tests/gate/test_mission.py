@@ -194,7 +194,7 @@ def test_an_operator_who_asks_the_run_for_control_keeps_it_at_the_gate_too() -> 
     assert [holder for _, holder in shared.controls] == ["autonomy", "operator", "autonomy", "agent"]
 
 
-def test_an_emergency_stop_leaves_control_with_no_one_at_the_gate() -> None:
+def test_an_e_stop_leaves_control_with_no_one_at_the_gate() -> None:
     shared = Shared({3.0: lambda all_: all_.rig.post("go"), 4.0: lambda all_: all_.rig.runner.kill()})
     shared.run()
     assert shared.gate.gate.holder == "nobody"

@@ -36,7 +36,7 @@ ASKED = (OpenQuestion(Question(4, "asking", "operator", "Which way?", ()), 5.0),
         ({}, {"stale": ("battery", "pose")}, (WARN, "not fresh: battery, pose")),
         ({}, {"strangers": 1}, (WARN, "another node is called /errand too; give one of them another name with --node")),
         ({"mode": "failed", "why": "timed_out"}, {"stale": ("pose",)}, (ERROR, "failed: timed_out")),
-        ({"mode": "aborted", "why": "killed by Ann"}, {}, (ERROR, "aborted: killed by Ann")),
+        ({"mode": "aborted", "why": "e-stop by Ann"}, {}, (ERROR, "aborted: e-stop by Ann")),
         (
             {"mode": "failed", "why": "timed_out", "open_goals": LOOSE},
             {},

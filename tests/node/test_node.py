@@ -152,7 +152,7 @@ def test_cleaning_up_cancels_the_mission_and_ends_when_that_has_ended(scene: Sce
     assert scene.client.change("configure")
 
 
-def test_after_an_emergency_stop_nothing_begins_until_an_operator_has_taken_control(scene: Scene) -> None:
+def test_after_an_e_stop_nothing_begins_until_an_operator_has_taken_control(scene: Scene) -> None:
     scene.client.activate()
     scene.client.start()
     assert scene.client.call("e_stop")["success"]

@@ -265,7 +265,7 @@ class Walk:
         self.broken.setdefault("comes to rest", f"{SILENT} instants, and no rest in {sorted(chart.active)}")
 
     def order(self, command: str, many: int) -> None:
-        """A cancel, or an emergency stop, and so many instants."""
+        """A cancel, or an e-stop, and so many instants."""
         chart = self.chart
         if chart.outcome is not None or self.is_tired:
             return

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What an emergency stop held back is not begun by a process that takes the run up afterwards."""
+"""What an e-stop held back is not begun by a process that takes the run up afterwards."""
 
 from __future__ import annotations
 
@@ -73,7 +73,7 @@ def stopped(tmp_path: Path) -> Path:
 
 
 def test_a_stopped_run_has_ended(stopped: Path) -> None:
-    with pytest.raises(UsageError, match="has ended, aborted: killed by operator"):
+    with pytest.raises(UsageError, match="has ended, aborted: e-stop by operator"):
         open_run(stopped)
 
 
@@ -105,5 +105,5 @@ def test_a_run_that_is_stopped_before_it_continues_begins_nothing_again(stopped:
         rig.runner.kill()
         result = rig.run()
     taken.record.close()
-    assert (result.outcome, result.why) == ("aborted", "killed by operator")
+    assert (result.outcome, result.why) == ("aborted", "e-stop by operator")
     assert rig.done == []

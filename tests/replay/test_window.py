@@ -174,7 +174,7 @@ def tried(folder: Path, mission: Mission, seed: int) -> str:
     with read(path) as record:
         if any(step.event.kind == "doubt" for step in record.steps()):
             return "an effect was in doubt"
-    if (expected := course(slow_path, row)).why == f"killed by {ONLOOKER}":
+    if (expected := course(slow_path, row)).why == f"e-stop by {ONLOOKER}":
         return "it never rests"
     assert course(path, row) == expected, f"killed after row {row} of a step"
     return "same"

@@ -114,7 +114,7 @@ def test_a_low_battery_sends_it_to_its_dock_and_charged_it_continues_where_it_wa
 
 
 @pytest.mark.sim
-def test_an_emergency_stop_stops_it_where_it_is(patrol: Any) -> None:
+def test_an_e_stop_stops_it_where_it_is(patrol: Any) -> None:
     for how in ("kill", "event"):
         stop = (lambda one: one.runner.kill("the button")) if how == "kill" else (lambda one: one.post("e_stop"))
         one = patrol(moments={6.0: stop})

@@ -70,7 +70,7 @@ def test_a_journal_that_is_full_stops_the_robot(rows: int) -> None:
         }
     )
     result = rig.run()
-    assert result.outcome == "aborted" and result.why == "killed by the journal: the disk is full"
+    assert result.outcome == "aborted" and result.why == "e-stop by the journal: the disk is full"
     assert rig.move.canceled == rig.move.goals
     started = [step for step in rig.book.steps if any(isinstance(effect, StartGoal) for effect in step.effects)]
     assert len(rig.move.goals) == len(started), "what is not written down is not done"
@@ -89,14 +89,14 @@ def test_a_journal_that_raises_anything_else_stops_the_robot_too() -> None:
             2.5: lambda: rig.post("stop_now"),
         }
     )
-    assert rig.run().why == "killed by the journal: no such type" and rig.move.canceled == rig.move.goals
+    assert rig.run().why == "e-stop by the journal: no such type" and rig.move.canceled == rig.move.goals
 
 
 def test_a_journal_that_fails_in_a_kill_does_not_undo_it() -> None:
     rig = Rig(MOVING, journal=MemoryJournal(4))
     rig.stage.play({1.0: lambda: rig.post("go"), 2.0: rig.runner.kill})
     result = rig.run()
-    assert result.why.startswith("killed by") and rig.move.canceled == rig.move.goals != []
+    assert result.why.startswith("e-stop by") and rig.move.canceled == rig.move.goals != []
 
 
 class Connector(LocalConnector):

@@ -143,7 +143,7 @@ def test_a_kill_overtakes_a_full_mailbox() -> None:
 
     rig.stage.play({1.0: flood})
     result = rig.run()
-    assert (result.outcome, result.why) == ("aborted", "killed by the e-stop")
+    assert (result.outcome, result.why) == ("aborted", "e-stop by the e-stop")
     assert rig.runner.view.board["count"].value == 0
 
 
@@ -182,7 +182,7 @@ def test_a_kill_from_another_thread_ends_a_run_that_waits_for_nothing() -> None:
     assert waits.wait(5.0)
     rig.runner.kill("another thread")
     thread.join(5.0)
-    assert results[0].why == "killed by another thread"
+    assert results[0].why == "e-stop by another thread"
 
 
 def test_a_goal_that_outlives_a_kill_does_not_hang_the_run_on_the_wall_clock() -> None:

@@ -57,6 +57,6 @@ def test_an_interrupted_run_cancels_its_goal_and_its_journal_has_the_end_of_it()
     assert [step.event.name for step in rig.book.steps if step.event.kind == "result"] == ["canceled"]
 
 
-def test_a_second_interrupt_is_an_emergency_stop() -> None:
+def test_a_second_interrupt_is_an_e_stop() -> None:
     rig = interrupted(1.0, 2.0, winds_down=True)
-    assert (rig.runner.view.outcome, rig.runner.view.why) == ("aborted", "killed by operator (interrupt)")
+    assert (rig.runner.view.outcome, rig.runner.view.why) == ("aborted", "e-stop by operator (interrupt)")

@@ -70,7 +70,7 @@ def wait_for(holds: Callable[[], object]) -> None:
 Running = Callable[[Rig], list[Result]]
 
 
-def test_an_emergency_stop_reaches_the_robot_while_the_disk_hangs(running: Running) -> None:
+def test_an_e_stop_reaches_the_robot_while_the_disk_hangs(running: Running) -> None:
     book = MemoryJournal(hangs_at="again")
     rig = Rig(MOVING, {1.0: lambda: rig.post("go"), 2.0: lambda: rig.post("again")}, journal=book)
     results = running(rig)
@@ -80,12 +80,12 @@ def test_an_emergency_stop_reaches_the_robot_while_the_disk_hangs(running: Runni
     assert not results and not book.answers.is_set(), "the disk has not answered"
     book.answers.set()
     wait_for(lambda: results)
-    assert results[0].outcome == "aborted" and results[0].why.startswith("killed by operator")
+    assert results[0].outcome == "aborted" and results[0].why.startswith("e-stop by operator")
     names = [step.event.name for step in book.steps]
     assert names.index("again") < names.index("kill"), "in the order in which it happened"
 
 
-def test_what_waited_for_the_disk_while_an_emergency_stop_came_is_not_begun(running: Running) -> None:
+def test_what_waited_for_the_disk_while_an_e_stop_came_is_not_begun(running: Running) -> None:
     book = MemoryJournal(hangs_at="go")
     rig = Rig(MOVING, {1.0: lambda: rig.post("go")}, journal=book)
     results = running(rig)
@@ -128,7 +128,7 @@ def test_a_disk_that_never_answers_is_one_that_cannot_be_written(
     results = running(rig)
     wait_for(lambda: results)
     assert not book.answers.is_set(), "it ended although the disk still hangs"
-    assert results[0].why == "killed by the journal: its disk has not answered for 0.3 s"
+    assert results[0].why == "e-stop by the journal: its disk has not answered for 0.3 s"
     assert rig.move.canceled == rig.move.goals != [] and rig.turn.goals == []
     book.answers.set()
 

@@ -107,7 +107,7 @@ class TestOnRos:
         assert "because not touched_living is fresh" in mission.text, "what was no longer received is named there"
         assert replay(graph.folder / "run.journal").holds
 
-    def test_an_emergency_stop_from_a_third_process_stops_the_tractor(
+    def test_an_e_stop_from_a_third_process_stops_the_tractor(
         self, graph: Graph, monkeypatch: pytest.MonkeyPatch
     ) -> None:
         world = graph.world(alleys=1, obstacles=["none"])

@@ -117,7 +117,7 @@ def test_a_low_battery_brings_it_home(drive: Any) -> None:
 
 
 @pytest.mark.sim
-def test_an_emergency_stop_stops_it_at_once_from_anywhere(drive: Any) -> None:
+def test_an_e_stop_stops_it_at_once_from_anywhere(drive: Any) -> None:
     for at, how in ((10.0, "kill"), (10.0, "event"), (2.0, "kill")):
         stop = (lambda one: one.runner.kill("the button")) if how == "kill" else (lambda one: one.post("e_stop"))
         one = drive(moments={at: stop}, alleys=2, obstacles=["none", "none"])

@@ -61,6 +61,8 @@ class RunFeed:
         self._past: deque[Step] = deque(maxlen=TAIL)
         self._wake: Callable[[], None] | None = None
         self._is_notified = False
+        self._order: Step | None = None
+        """What paused or ended the run last: for who comes later."""
 
     def step(self, step: Step) -> None:
         """The run has made a step; on its own thread."""
@@ -69,6 +71,8 @@ class RunFeed:
             if not self._is_notified:
                 self._is_notified = True
                 self._wake()
+        if step.outcome or (step.event.kind == "command" and not step.refusal):
+            self._order = step
         if step.moves or step.effects or step.why:
             self._past.append(step)
 
@@ -103,5 +107,7 @@ class RunFeed:
     def _whole(self) -> RunScene:
         scene = self._look()
         scene.loosen([goal.data() for goal in self._loose()])
+        if self._order is not None:
+            scene.recall_order(self._order)
         scene.recall(step for step in tuple(self._past) if step.seq <= scene.seq)
         return scene

@@ -12,7 +12,7 @@ from typing import Any
 
 from rai_missions.engine.decision import Question
 from rai_missions.engine.step import Ask, Handover, Step, Withdraw
-from rai_missions.event import is_taken
+from rai_missions.event import is_e_stop, is_taken
 from rai_missions.image import Image
 from visualize.live.as_json import bounded, line, question_data
 from visualize.page.as_json import Json
@@ -47,6 +47,12 @@ class RunScene:
         self.board: dict[str, tuple[Any, float]] = dict(board or {})
         self.questions = {question.number: question for question in questions}
         self.paused_at: float | None = at if mode == "paused" else None
+        self.paused_by = ""
+        """Who paused it; empty while it is not paused, and where that is not known."""
+        self.e_stop_by = ""
+        """Whose e-stop ended it; empty where none did."""
+        self.ended_at: float | None = None
+        """When it ended, on the run's clock; None while it has not."""
         self.held_by = ""
         """Who holds the mission up: the `operator`, who has taken control, or `nobody`; empty while it is not held."""
         self.held_since: float | None = None
@@ -90,6 +96,14 @@ class RunScene:
     def recall(self, steps: Iterable[Step]) -> None:
         """Put steps into the tail that are in the scene already."""
         self.tail.extend(text for step in steps if (text := line(step)) is not None)
+
+    def recall_order(self, step: Step) -> None:
+        """Put in who gave the pause or the e-stop that is in the scene already."""
+        by = str(step.event.data.get("by", ""))
+        if self.mode == "paused" and step.mode == "paused":
+            self.paused_by = by
+        if self.outcome and step.outcome:
+            self.ended_at, self.e_stop_by = step.at, by if is_e_stop(step.event) else ""
 
     def fault(self, sentence: str) -> None:
         """State what is wrong, once."""
@@ -143,20 +157,22 @@ class RunScene:
         was = self.mode
         self._go(mode)
         if mode == "paused":
-            self.paused_at = step.at
+            self.paused_at, self.paused_by = step.at, str(event.data.get("by", ""))
         elif was == "paused":
+            self.paused_by = ""
             self._shift(step.at)
 
     def _end(self, step: Step) -> None:
         if not self.outcome:
             self.outcome, self.why = str(step.outcome), step.why
-            self._fields |= {"outcome", "why"}
+            self.recall_order(step)
+            self._fields |= {"outcome", "why", "e_stop_by", "ended_at"}
         if self.mode != step.outcome:
             self._go(str(step.outcome))
 
     def _go(self, mode: str) -> None:
         self.mode = mode
-        self._fields |= {"mode", "paused_at"}
+        self._fields |= {"mode", "paused_at", "paused_by"}
 
     def _hold(self, control: str) -> None:
         self.control = control
@@ -226,7 +242,7 @@ class RunScene:
     def whole(self) -> Json:
         """All of it."""
         names = ("mode", "control", "active", "questions", "outcome", "why", "closed", "paused_at", "cut", "faults",
-                 "open_goals", "held_by", "held_since")  # fmt: skip
+                 "open_goals", "held_by", "held_since", "paused_by", "e_stop_by", "ended_at")  # fmt: skip
         board = {key: self._entry(key) for key in sorted(self.board)}
         return {name: self._field(name) for name in names} | {"board": board, "steps": list(self.tail)}
 
@@ -262,6 +278,6 @@ def _holder(step: Step) -> str | None:
     event = step.event
     if step.mode is None and event.kind == "control" and not step.why:
         return event.name
-    if step.mode is None and event.kind == "command" and event.name == "kill" and step.outcome:
+    if step.mode is None and is_e_stop(event) and step.outcome:
         return "nobody"
     return step.holder

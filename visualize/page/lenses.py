@@ -41,7 +41,7 @@ def _operator(mission: Mission, picture: Picture) -> Json:
     commands = [
         item("pause and resume: timers keep the time left, goals are canceled and started again, events wait"),
         item(_cancel_words(mission), state=mission.on_cancel or ""),
-        item("e-stop (kill): acts at once, before it is written down; the mission ends aborted"),
+        item("e-stop: acts at once, before it is written down; the mission ends aborted"),
         item("take and return control; only an operator lifts control from no one"),
     ]
     return lens(
@@ -76,7 +76,7 @@ def _stops(mission: Mission, picture: Picture, roads: Roads) -> Json:
         states=[*ends, *moving, *(after.states if after else ())],
         transitions=[*(edge.place for edge in to_ends), *(after.transitions if after else ())],
         sections=[
-            ("E-stop (kill)", [
+            ("E-stop", [
                 item("from every state, at once: whatever runs is canceled, control goes to no one, it ends aborted"),
                 item("an invariant that is false does the same"),
             ]),

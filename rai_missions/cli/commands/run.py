@@ -76,7 +76,7 @@ class RunOptions(NamedTuple):
 def run(options: RunOptions) -> int:
     """Run a mission on a robot, simulated or real.
 
-    Ctrl-C cancels the mission; a second Ctrl-C is an emergency stop.
+    Ctrl-C cancels the mission; a second Ctrl-C is an e-stop.
 
     Exit status:
         0 the mission succeeded, 1 it ended otherwise, 2 the input is at fault

@@ -95,7 +95,7 @@ def _run(options: RunOptions, config: RunConfig, lines: Lines) -> tuple[Prepared
 
 
 def interruptible_run(runner: Runner) -> Any:
-    """The first interrupt cancels the mission, the second is an emergency stop."""
+    """The first interrupt cancels the mission, the second is an e-stop."""
     by = "operator (interrupt)"
     return interruptible(lambda: runner.cancel(by), lambda: runner.kill(by), "canceling")
 

@@ -144,7 +144,7 @@ def cancel(goals: Goals, number: int, at: float) -> tuple[CancelGoal, ...]:
 
 
 def stop_all(goals: Goals, at: float) -> tuple[CancelGoal, ...]:
-    """Cancel whatever may run, accepted or not: the emergency stop does not wait for an acceptance."""
+    """Cancel whatever may run, accepted or not: the e-stop does not wait for an acceptance."""
     for number, goal in goals.items():
         if goal.phase != "lost":
             goals[number] = goal._replace(phase="canceling", until=min(goal.until, at + goal.cancel_s))
@@ -180,7 +180,7 @@ def report(goals: Goals, event: Event) -> LedgerChange:
     elif event.kind == "accepted" and goal.phase == "sent":
         goals[event.number] = goal._replace(phase="running")
     elif event.kind == "accepted" and goal.phase in ("withdrawn", "canceling", "orphaned"):
-        # A cancel that was sent before the acceptance, by an emergency stop, may have reached no goal: once more.
+        # A cancel that was sent before the acceptance, by an e-stop, may have reached no goal: once more.
         goals[event.number] = goal._replace(phase="orphaned" if goal.phase == "orphaned" else "canceling")
         return LedgerChange((CancelGoal(goal.number, goal.action),))
     return LedgerChange()

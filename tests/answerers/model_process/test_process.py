@@ -203,7 +203,7 @@ class Motor:
         self._report(Report(goal_id, "canceled", {}))
 
 
-def test_an_emergency_stop_does_not_wait_for_a_model_that_holds_its_lock(mark: str, tmp_path: Path) -> None:
+def test_an_e_stop_does_not_wait_for_a_model_that_holds_its_lock(mark: str, tmp_path: Path) -> None:
     """On a thread of the engine's it would wait for an hour."""
     held, motor, robot = tmp_path / "held", Motor(), talking_robot("/somewhere")
     robot.offer("/move", ACTION, motor)

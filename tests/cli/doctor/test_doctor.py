@@ -162,7 +162,7 @@ def test_a_robot_that_is_there_is_found_and_what_it_lacks_is_named(environment: 
     assert other.status == "missing" and "std_srvs/srv/Trigger" in other.remedy
     assert found["topics/speech: topic /beacon/speech has no listener"].status == "absent"
     silent = found["events/stop_now: topic /beacon/flahs is not published now"]
-    assert silent.status == "absent" and not silent.remedy, "an emergency stop is published when it is pressed"
+    assert silent.status == "absent" and not silent.remedy, "an e-stop is published when it is pressed"
 
 
 @with_ros

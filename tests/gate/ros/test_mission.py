@@ -114,7 +114,7 @@ def test_control_goes_over_and_back_and_what_the_agent_does_follows_it(open_ros:
     assert [service for service, _ in robotic.orders.all] == ["/cross", "/halt", "/cross"]
 
 
-def test_an_emergency_stop_leaves_control_unheld_where_the_actuators_are(open_ros: Open, robotic: Robotic) -> None:
+def test_an_e_stop_leaves_control_unheld_where_the_actuators_are(open_ros: Open, robotic: Robotic) -> None:
     runner, end = begin(open_ros)
     robotic.orders.wait(lambda reported: ("/cross", "agent") in reported, "it crosses")
     runner.kill()

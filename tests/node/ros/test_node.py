@@ -92,7 +92,7 @@ def test_diagnostics_report_how_the_mission_fares(errand: Client) -> None:
     errand.command(command="post", event="ask")
     received.wait(states(1, "question 1 waits for operator: Which way?"), "a person should look")
     errand.call("e_stop")
-    received.wait(states(2, "aborted: killed by operator (~/e_stop)"), "it has failed")
+    received.wait(states(2, "aborted: e-stop by operator (~/e_stop)"), "it has failed")
 
 
 def _first(message: Message) -> tuple[int, str]:

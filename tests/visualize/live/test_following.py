@@ -43,7 +43,7 @@ def test_a_journal_that_grows_is_followed(tmp_path: Path, page: LivePage) -> Non
             journal.write(run.steps[-1], since=run.chart.at)
         wanted = {name: item for name, item in run.whole.items() if name != "board"}
         until(lambda: viewer.sees(**wanted), f"{viewer.seen} becomes {wanted}")
-    assert viewer.sees(outcome="aborted", why="killed by x", faults=[])
+    assert viewer.sees(outcome="aborted", why="e-stop by x", faults=[])
     assert viewer.seen["board"]["obstacle"] == run.whole["board"]["obstacle"]
     viewer.cut()
 

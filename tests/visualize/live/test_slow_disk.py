@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The page of a run whose disk hangs: its emergency stop waits for nothing."""
+"""The page of a run whose disk hangs: its e-stop waits for nothing."""
 
 from __future__ import annotations
 

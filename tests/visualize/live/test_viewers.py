@@ -176,7 +176,7 @@ def test_the_end_of_the_page_is_reported(run: Run) -> None:
     run.send("kill", "command", by="operator (page)")
     run.page.stop()
     until(lambda: viewer.kinds[-1:] == ["end"], "the end comes")
-    assert viewer.sees(mode="aborted", control="nobody", why="killed by operator (page)")
+    assert viewer.sees(mode="aborted", control="nobody", why="e-stop by operator (page)")
     viewer.cut()
 
 
