@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Values as plain data: copies that share nothing, JSON for readers, and one line of text.
+"""Values as plain data: copies that share nothing, JSON for readers, and one line of text for people.
 
 Rule: what a client, a server or an answerer receives is a copy; changing it changes neither mission nor blackboard.
 """
@@ -7,6 +7,7 @@ Rule: what a client, a server or an answerer receives is a copy; changing it cha
 from __future__ import annotations
 
 import base64
+import json
 import math
 from collections.abc import Mapping, Sequence
 from collections.abc import Set as AbstractSet
@@ -14,9 +15,13 @@ from typing import Any
 
 from rai_missions.image import Image
 
-__all__ = ("apart", "listed", "plain")
+__all__ = ("apart", "listed", "plain", "quoted", "rounded")
 
 LEAVES = frozenset({str, int, float, bool, type(None)})
+DECIMALS = {"m": 3, "s": 2}
+"""The decimals of a number whose name ends in a unit."""
+LEAST, MOST = 1e-5, 1e15
+"""A number below the one, or from the other on, is shown with its power of ten."""
 
 
 def apart(value: Any) -> Any:
@@ -46,10 +51,61 @@ def plain(value: Any) -> Any:
     return str(value)
 
 
-def listed(value: Any) -> str:
-    """A value in one line: `pose x 1.5, y 2, speed 1.2`."""
+def listed(value: Any, name: str = "") -> str:
+    """A value in one line: `pose x 1.5, y 2, speed 1.2`; numbers are rounded to their meaning.
+
+    Args:
+        value: Anything.
+        name: Of the key or field: its last part is the unit.
+    """
     if isinstance(value, Mapping):
-        return ", ".join(f"{name} {listed(item)}" for name, item in value.items())
+        return ", ".join(f"{each} {listed(item, str(each))}" for each, item in value.items())
     if isinstance(value, list | tuple):
-        return "[" + ", ".join(listed(item) for item in value) + "]"
-    return ("true" if value else "false") if isinstance(value, bool) else str(value)
+        return "[" + ", ".join(listed(item, name) for item in value) + "]"
+    if isinstance(value, Image):
+        return f"picture {value.ref}"
+    if isinstance(value, float):
+        return rounded(value, name)
+    if value is None or isinstance(value, bool):
+        return {None: "none", True: "true", False: "false"}[value]
+    return str(value)
+
+
+def quoted(value: Any, name: str = "") -> str:
+    """A value as JSON in one line, with `rounded` numbers: a text inside it cannot look like another field.
+
+    Args:
+        value: Anything; a text alone is as it is.
+        name: Of the key or field: its last part is the unit.
+    """
+    return value if isinstance(value, str) else json.dumps(_coarse(plain(value), name), ensure_ascii=False)
+
+
+def _coarse(value: Any, name: str) -> Any:
+    if isinstance(value, dict):
+        return {each: _coarse(item, each) for each, item in value.items()}
+    if isinstance(value, list):
+        return [_coarse(item, name) for item in value]
+    if not isinstance(value, float):
+        return value
+    coarse = float(rounded(value, name))
+    return int(coarse) if coarse.is_integer() and abs(coarse) < MOST else coarse
+
+
+def rounded(value: float, name: str = "") -> str:
+    """A number as a person reads it: `0.3` for 0.30000000000000004.
+
+    A millimetre of a name in `_m` and a hundredth of a second of one in `_s` are the least that is shown. Of other
+    numbers three decimals are, and of one below 0.1 three digits.
+
+    Args:
+        value: The number.
+        name: Of the key or field: its last part is the unit.
+    """
+    if not math.isfinite(value):
+        return str(value)
+    if not LEAST <= abs(value) < MOST:
+        return f"{value:.3g}"
+    places = DECIMALS.get(name.rpartition("_")[2]) or max(3, 2 - math.floor(math.log10(abs(value))))
+    text = f"{value:.{places}f}".rstrip("0").rstrip(".")
+    return "0" if text == "-0" else text

@@ -21,7 +21,7 @@ from rai_missions.answerers.test_models import ScriptedModel
 from rai_missions.engine.decision import Offer, Question
 from rai_missions.image import Image
 from rai_missions.mission.files import dump
-from rai_missions.plain_data import apart, plain
+from rai_missions.plain_data import apart, listed, plain, quoted, rounded
 from rai_missions.profile import dump_profile
 from rai_missions.testing import QUESTION, ReplyCollector, call
 from tests.rigs.journals import MemoryJournal
@@ -182,3 +182,30 @@ def test_a_server_that_changes_its_goal_changes_nothing_else() -> None:
     assert rig.move.given[0]["spoilt"]
     assert (dump(given), dump_profile(profile)) == before
     assert rig.runner.view.board["route"].value == ROUTE
+
+
+@pytest.mark.parametrize(
+    ("value", "name", "words"),
+    [
+        (0.1 + 0.2, "", "0.3"), (4.9411234, "distance_m", "4.941"), (-0.0001, "offset_m", "0"),
+        (12.3456, "left_s", "12.35"),
+        (1234.5678, "", "1234.568"), (0.000123456, "", "0.000123"), (100.0, "", "100"), (1e20, "", "1e+20"),
+        (5e-324, "", "4.94e-324"), (0.0, "", "0"), (float("nan"), "", "nan"), (float("-inf"), "_m", "-inf"),
+    ],
+)  # fmt: skip
+def test_a_number_is_rounded_to_its_meaning(value: float, name: str, words: str) -> None:
+    assert rounded(value, name) == words
+
+
+@given(st.floats(allow_nan=False, allow_infinity=False))
+def test_a_rounded_number_is_near_and_rounding_it_again_changes_nothing(value: float) -> None:
+    again = float(rounded(value))
+    assert abs(again - value) <= max(5.1e-4, abs(value) * 5.1e-3)
+    assert rounded(again) == rounded(value)
+
+
+def test_a_text_inside_a_value_cannot_look_like_another_field() -> None:
+    assert quoted({"kind": "crate, living false", "height_m": 0.30000000000000004}) == (
+        '{"kind": "crate, living false", "height_m": 0.3}'
+    )
+    assert listed({"held": None, "open": True, "at": [0.1 + 0.2, 2.0]}) == "held none, open true, at [0.3, 2]"

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping
 
-from rai_missions.engine.step import Move, Step
+from rai_missions.engine.step import Move, Step, step_count
 from rai_missions.mission.mission import Mission
 from rai_missions.states import Compound, Each, Final, History, State
 from rai_missions.states.state import Transition, descendants
@@ -29,12 +29,13 @@ class _Run:
         """The moves that entered something."""
         self.last: set[str] = set()
         """The states that were active when the mission ended, or are now."""
-        self.steps, self.outcome, self.why = 0, "", ""
+        self.outcome, self.why = "", ""
+        steps = tuple(steps)
+        self.steps = step_count(steps)
         for step in steps:
             self._add(step)
 
     def _add(self, step: Step) -> None:
-        self.steps += 1
         if step.outcome is not None and not self.outcome:
             self.outcome, self.why = step.outcome, step.why
         for move in step.moves:

@@ -89,9 +89,8 @@ class Screen(Lines):
 
     def _question(self, ask: Ask) -> None:
         if ask.question.asked == "operator":  # the operator's own prompt shows it
-            self._asked += 1
-        else:
-            super()._question(ask)
+            return
+        super()._question(ask)
 
     def _print(self, line: str, tone: Tone = "plain") -> None:
         self._console.print(Text(line, style=STYLES[tone]), soft_wrap=True)

@@ -6,16 +6,17 @@ Rule: it receives steps and prints; no other part needs anything that it keeps.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Sequence
 from typing import Any, Literal, Protocol, TextIO
 
+from rai_missions.answerers.model.providers import model_words
 from rai_missions.engine.activities.goal_ledger import OpenGoal, may_move
 from rai_missions.engine.decision import Answerer
 from rai_missions.engine.description import describe, event_words
-from rai_missions.engine.step import Ask, Step
+from rai_missions.engine.step import Ask, Effect, Step
 from rai_missions.event import Event
-from rai_missions.image import Image
 from rai_missions.mission.mission import Mission
+from rai_missions.plain_data import listed
 from rai_missions.runtime.lifecycle import Status
 from rai_missions.runtime.runner import Result
 from rai_missions.runtime.view import RunView
@@ -31,27 +32,30 @@ Tone = Literal["plain", "question", "refused", "remark", "ignored", FinalOutcome
 
 def trimmed(value: Any, width: int = WIDTH) -> str:
     """A value in one line of bounded length, without control characters."""
-    text = value if isinstance(value, str) else _plain(value)
+    text = value if isinstance(value, str) else listed(value)
     text = " ".join("".join(char if char.isprintable() else " " for char in text).split())
     return text if len(text) <= width else text[: width - 1] + "…"
-
-
-def _plain(value: Any) -> str:
-    if isinstance(value, Mapping):
-        return ", ".join(f"{name} {_plain(item)}" for name, item in value.items())
-    if isinstance(value, bool):
-        return "true" if value else "false"
-    if isinstance(value, float):
-        return f"{value:.3g}"
-    if isinstance(value, Image):
-        return f"picture {value.ref}"
-    return str(value)
 
 
 def _reasons(mission: Mission) -> dict[str, str]:
     """JSON pointer of a transition → its guard in words."""
     guarded = ((place, each.when) for place, each in mission.every_transition())
     return {place: guard.words() for place, guard in guarded if guard is not None}
+
+
+WHY_ABSENT = {
+    "agent": "no model configured; use --model",
+    "operator": "--no-operator, or standard input is no terminal",
+    "rules": "the profile has none",
+}
+"""Why an answerer that missions commonly ask cannot answer."""
+
+
+def _answerers(present: Sequence[str], absent: Sequence[str]) -> str:
+    """Who answers, in the order in which the mission asks, and who does not and why."""
+    skipped = ", ".join(f"{name} ({WHY_ABSENT.get(name, 'there is no such answerer')})" for name in absent)
+    who = ", ".join(present) or "no one, so each takes its fallback"
+    return f"{who}; skipped: {skipped}" if skipped else who
 
 
 class Person(Answerer, Protocol):
@@ -73,6 +77,8 @@ class Lines:
     def __init__(self, mission: Mission, out: TextIO, *, verbose: bool = False) -> None:
         self._mission, self._out, self._verbose = mission, out, verbose
         self._asked = 0
+        self._absent: frozenset[str] = frozenset()
+        """Who is asked by the mission and cannot answer in this run."""
         self._persons: list[Person] = []
         self._shown: tuple[str, ...] = ()
         self._answered: dict[str, int] = {}
@@ -84,18 +90,33 @@ class Lines:
     def begin(
         self,
         robot: str,
-        answerers: str,
+        answerers: Collection[str],
         journal: str,
         *,
         model: str | None,
         resumption: str = "",
         moved_aside: str = "",
     ) -> None:
-        """The head of a run: what runs on what, who answers, where it is written down, from where it resumes."""
+        """The head of a run: what runs on what, who answers, where it is written down, from where it resumes.
+
+        Args:
+            robot: Its name; empty for none.
+            answerers: Who answers, by the names in `ask`.
+            journal: Its file; empty for none.
+            model: The model that answers as 'agent'.
+            resumption: From where a run continues.
+            moved_aside: Where the journal is now that had this name.
+        """
+        decisions = (each for _, _, state in self._mission.walk() for each in state.decisions().values())
+        asked = tuple(dict.fromkeys(name for each in decisions for name in each.ask))
+        absent = [name for name in asked if name not in answerers]
+        self._absent = frozenset(absent)
         lines = (
             f"{self._mission.name} {self._mission.version} on {robot or 'no robot'}",
-            f"model: {model or 'none, no model is asked'}",
-            f"questions are answered by: {answerers or 'no one, so each takes its fallback'}",
+            model and f"model: {model_words(model)}",
+            f"questions are answered by: {_answerers([each for each in asked if each in answerers], absent)}"
+            if asked
+            else "",
             f"journal: {journal or 'none'}",
             moved_aside and MOVED_ASIDE.format(moved_aside),
             resumption,
@@ -131,7 +152,8 @@ class Lines:
         if step.ignored and not (step.why and step.event.kind != "write") and not self._verbose:
             return
         described = describe(step)
-        does = [trimmed(each, 100) for each in described.effects]
+        effects = zip(step.effects, described.effects, strict=True)
+        does = [trimmed(words, 100) for effect, words in effects if not self._is_vain(effect)]
         does += [f"{key} := {trimmed(value, 40)}" for key, value in step.writes if step.event.kind != "write"]
         parts = [described.way, *does]
         if step.ignored:
@@ -146,6 +168,7 @@ class Lines:
                 self._print(f"{'':13}{trimmed(reason)}")
             for remark in remarks if text else ():
                 self._print(f"{'':13}{trimmed(remark)}", "remark")
+        self._asked += step.questions
         self._verdicts(step, described.verdicts)
         if step.moves:
             self._shown = ()
@@ -187,7 +210,6 @@ class Lines:
     def _question(self, ask: Ask) -> None:
         """What is asked; printed once for all who are asked the same."""
         question = ask.question
-        self._asked += 1
         offered = ", ".join(offer.name for offer in question.options)
         words = (question.owner, offered, *(trimmed(shown.words().rpartition(", ")[0]) for shown in question.evidence))
         if words != self._shown:
@@ -196,12 +218,20 @@ class Lines:
             for shown in question.evidence:
                 self._print(f"{'':15}{trimmed(shown.words())}")
             self._print(f"{'':15}offered: {offered}", "question")
+        if self._is_vain(ask):
+            return
         again = f", attempt {question.attempt}" if question.attempt > 1 else ""
         self._print(f"{'':13}question {question.number} to {question.asked}{again}", "question")
+
+    def _is_vain(self, effect: Effect) -> bool:
+        """It asks one who cannot answer in this run, which the head of the run reports once."""
+        return isinstance(effect, Ask) and effect.question.asked in self._absent
 
     def _verdicts(self, step: Step, words: tuple[str, ...]) -> None:
         why = step.event.data.get("why") if step.event.kind == "proposal" else ""
         for verdict, text in zip((each for each in step.verdicts if each.note is not None), words, strict=True):
+            if verdict.kind == "absent" and verdict.by in self._absent:
+                continue
             if verdict.accepted or verdict.kind == "fallback":
                 who = verdict.by or "fallback"
                 self._answered[who] = self._answered.get(who, 0) + 1

@@ -13,7 +13,7 @@ from rai_missions.event import Event
 from rai_missions.guards.guard import Test, Truth, View
 from rai_missions.image import Image
 from rai_missions.mission.option_parameters import parameter_faults
-from rai_missions.plain_data import apart
+from rai_missions.plain_data import apart, quoted
 from rai_missions.redaction import clipped
 
 __all__ = (
@@ -46,7 +46,7 @@ class Evidence(NamedTuple):
         age = "never heard" if self.age_s is None else f"{self.age_s:.1f} s old"
         if not self.fresh or self.value is None:
             return f"{self.key}: unknown, {age}"
-        return f"{self.key}: {'a picture' if isinstance(self.value, Image) else self.value}, {age}"
+        return f"{self.key}: {'a picture' if isinstance(self.value, Image) else quoted(self.value, self.key)}, {age}"
 
 
 class Limits(NamedTuple):

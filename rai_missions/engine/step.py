@@ -6,7 +6,7 @@ Rule: a Step is a value. Who performs its effects, writes it down or draws it ne
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import Any, Literal, NamedTuple
 
 from rai_missions.engine.decision import Question, Verdict
@@ -19,7 +19,7 @@ from rai_missions.states.state import Holder
 
 __all__ = (
     "Ask", "CallService", "CancelGoal", "Cause", "Effect", "Handover", "LogLine", "Move", "PublishMessage",
-    "Refusal", "SayAloud", "StartBehaviour", "StartGoal", "Step", "StopBehaviour", "Withdraw",
+    "Refusal", "SayAloud", "StartBehaviour", "StartGoal", "Step", "StopBehaviour", "Withdraw", "step_count",
 )  # fmt: skip
 
 
@@ -251,6 +251,12 @@ class Step(NamedTuple):
         return next((effect.question for effect in self.effects if isinstance(effect, Ask)), None)
 
     @property
+    def questions(self) -> int:
+        """How many more questions were put to an answerer; -1 where the one that was asked before is absent."""
+        absent = sum(verdict.kind == "absent" for verdict in self.verdicts)
+        return sum(isinstance(effect, Ask) for effect in self.effects) - absent
+
+    @property
     def entered(self) -> tuple[str, ...]:
         """The states entered, in order."""
         return tuple(name for move in self.moves for name in move.entered)
@@ -269,3 +275,19 @@ class Step(NamedTuple):
         elif event.kind == "command" and event.name == "take_up":
             stamp = event.data.get("heard", {}).get(key, (None, self.at))[1]
         return min(float(stamp), self.at) if isinstance(stamp, int | float) else self.at
+
+
+def step_count(steps: Iterable[Step]) -> int:
+    """How many steps were made: of each run the number of its last one.
+
+    Readings that enabled nothing are steps as well; a journal holds them with the next one that did more.
+
+    Args:
+        steps: Of one run or of several, one after the other; some of a run may be left out.
+    """
+    count, last = 0, None
+    for step in steps:
+        if last is not None and (step.seq <= last.seq or step.at < last.at):  # another run begins
+            count += last.seq
+        last = step
+    return count + (last.seq if last is not None else 0)

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from rai_missions.engine.activities.ticker import Trees
-from rai_missions.engine.step import Step
+from rai_missions.engine.step import Step, step_count
 from rai_missions.journal import difference, read
 from rai_missions.mission.mission import Mission
 from rai_missions.replay.rebuild import JournalReplayer, mission_of
@@ -23,11 +23,13 @@ class Replay(NamedTuple):
     """What came of a replay."""
 
     steps: int
-    """How many were done again and were the same."""
+    """How many were done again and were the same, as `step_count` counts them."""
     difference: str = ""
     """The first step that was not, in words; empty if all were."""
     outcome: str | None = None
     why: str = ""
+    rows: int = 0
+    """The rows of the journal that hold them."""
 
     @property
     def holds(self) -> bool:
@@ -54,12 +56,12 @@ def replay(
     """
     with read(path) as record:
         replayer = JournalReplayer(record, mission if mission is not None else mission_of(record), ticker)
-        chart, count, found = replayer.chart, 0, ""
+        chart, count, rows, found = replayer.chart, 0, 0, ""
         for row in record.entries():
             got = replayer.again(row)
             if found := difference(row.step, got, without=replayer.reworded):
                 break
-            count += 1
+            count, rows = step_count((got,)), rows + 1
             if on_step is not None:
                 on_step(got)
-        return Replay(count, found, chart.outcome, chart.why)
+        return Replay(count, found, chart.outcome, chart.why, rows)

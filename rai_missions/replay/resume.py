@@ -73,7 +73,7 @@ def resumption(
             raise DefinitionError([Fault(f"row {row.row}", sentence)], str(record.path))
         began = row.since if last is None else began
         last = row.step
-        decisions += last.question is not None
+        decisions += last.questions
     if chart.outcome is not None and not chart.open_goals and not under.unsure:
         raise UsageError(f"the run of {record.path} has ended, {chart.outcome}: {chart.why}; start a new one")
     replayer.stop_replaying()

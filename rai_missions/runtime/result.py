@@ -19,13 +19,14 @@ class Result(NamedTuple):
     why: str
     """The rule that decided it."""
     steps: int
+    """As `step_count` counts those of its journal."""
     journal: str | None = None
     """The journal's file."""
     run: str = ""
     state: tuple[str, ...] = ()
     """The states in which it ended."""
     decisions: int = 0
-    """Questions that were asked."""
+    """Questions that were asked; those to an answerer that was absent are not counted."""
     duration_s: float = 0.0
     open_goals: tuple[OpenGoal, ...] = ()
     """The goals of the run that may still be executing: the robot may still move."""

@@ -94,6 +94,8 @@ class Runner(RunCommands):
         self._arguments = accepted(mission, begin.arguments) if isinstance(begin, NewRun) else {}
         self._moved_aside = begin.moved_aside if isinstance(begin, NewRun) else None
         self._decisions = begin.decisions if isinstance(begin, Resumption) else 0
+        self._steps = self._chart.seq
+        """The number of the last step that is in a row of its own in the journal, or would be."""
         self.view = RunView(self._chart, scheduler, control, self._executor)
         """What others may read of it."""
         for each in (answerers or {}).values():
@@ -309,7 +311,7 @@ class Runner(RunCommands):
             log.exception("that the run breaks off cannot be written into its journal")
 
     def _report(self, step: Step) -> None:
-        self._decisions += step.question is not None
+        self._decisions += step.questions
         self._report_status(step)
         if self._observer.on_step is not None:
             self._observe(self._observer.on_step, step, "on_step")
@@ -349,6 +351,7 @@ class Runner(RunCommands):
     # -- the journal ----------------------------------------------------------------------------------------------
 
     def _write(self, step: Step, since: float) -> bool:
+        self._steps = step.seq
         lost = raised_by(lambda: self._writer.write(step, since))
         if lost is not None:
             self._lose_journal(lost)
@@ -383,7 +386,7 @@ class Runner(RunCommands):
     def _result(self, began: float) -> Result:
         chart = self._chart
         return Result(
-            chart.outcome or "failed", chart.why, chart.seq, self._writer.path, self.run_id,
+            chart.outcome or "failed", chart.why, self._steps, self._writer.path, self.run_id,
             tuple(sorted(chart.active)), self._decisions, self._clock.now() - began, chart.loose_goals,
             self._moved_aside,
         )  # fmt: skip

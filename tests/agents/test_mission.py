@@ -57,7 +57,7 @@ def test_a_run_from_files_writes_a_journal_that_verifies(tmp_path: Path) -> None
     (tmp_path / "robot.json").write_text(json.dumps({"format": 1, "name": "tried", "rules": rules}))
     path = tmp_path / "deep" / "run.journal"
     result = run(tmp_path / "mission.json", tmp_path / "robot.json", journal=path)
-    assert (result.outcome, result.decisions, result.journal) == ("aborted", 2, str(path))
+    assert (result.outcome, result.decisions, result.journal) == ("aborted", 1, str(path))
     verify(path)
 
 

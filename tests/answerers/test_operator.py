@@ -142,7 +142,7 @@ def test_the_question_shows_what_is_known_and_what_may_be_chosen(desk: Desk) -> 
     desk.screen.wait(PROMPT)
     assert desk.screen.getvalue().splitlines()[1:] == [
         "Question 1 of 'assessing', 20 s left: Something blocks the alley. What should the tractor do?",
-        "  obstacle: {'kind': 'branch', 'height_m': 0.1}, 0.2 s old",
+        '  obstacle: {"kind": "branch", "height_m": 0.1}, 0.2 s old',
         "  battery: unknown, 3.2 s old",
         "  refused before: 'fly' was not offered",
         "  1  replan  take the next alley",

@@ -14,6 +14,7 @@ from typing import Any
 
 import pytest
 
+from rai_missions.cli.commands.run import run
 from rai_missions.cli.main import main
 from rai_missions.mission.files import load
 
@@ -45,7 +46,7 @@ def test_a_run_that_does_not_succeed_exits_with_1_and_reports_why(
     assert main(["run", "lamp.json", "--journal", "a.journal"]) == 1
     printed = capsys.readouterr().out
     assert "aborted: 'off' was reached" in printed
-    assert "model: none, no model is asked" in printed
+    assert "model" not in printed and "questions" not in printed.partition("aborted:")[0]
     assert "journal: a.journal" in printed
 
 
@@ -324,3 +325,17 @@ def test_words_of_a_simulated_world_warn_where_there_is_none(
     assert message in err and (message or "no effect" not in err)
     main(given)
     assert "no effect" not in capsys.readouterr().err, "an option that was not given causes no warning"
+
+
+@pytest.mark.parametrize("speed", ["0", "-1", "nan", "inf", "fast", ""])
+def test_a_speed_is_a_positive_number_or_max(folder: Path, capsys: pytest.CaptureFixture[str], speed: str) -> None:
+    with pytest.raises(SystemExit) as ended:
+        main(["run", "lamp.json", f"--speed={speed}"])
+    assert ended.value.code == 2
+    assert f"'{speed}' is no speed; give a positive number such as 5, or max" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(("speed", "means"), [("5", 5.0), ("0.5", 0.5), ("1", 1.0), ("max", float("inf"))])
+def test_a_simulated_world_has_the_speed_that_was_given(speed: str, means: float) -> None:
+    options = run.read(["lamp.json", "--speed", speed])["options"]
+    assert options.speed == means

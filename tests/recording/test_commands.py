@@ -42,7 +42,7 @@ def test_a_run_is_recorded_replayed_and_drawn(folder: Path, capsys: pytest.Captu
     assert main(["run", "lamp.json", "--journal", "a.journal", "--record", "out/run.mcap"]) == 1
     assert "recording: out/run.mcap (" in capsys.readouterr().out
     assert main(["replay", "out/run.mcap"]) == 0
-    assert "2 steps done again, all the same; aborted: 'off' was reached" in capsys.readouterr().out
+    assert "2 steps done again from 2 rows, all the same; aborted: 'off' was reached" in capsys.readouterr().out
     assert main(["draw", "lamp.json", "--journal", "a.journal", "-o", "journal.dot"]) == 0
     assert main(["draw", "lamp.json", "--journal", "out/run.mcap", "-o", "recording.dot"]) == 0
     assert (folder / "journal.dot").read_text() == (folder / "recording.dot").read_text()

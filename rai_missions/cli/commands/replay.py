@@ -113,9 +113,10 @@ def _as_json(result: Replay) -> dict[str, object]:
 
 
 def _sentence(name: str, result: Replay) -> str:
+    again = f"{result.steps} steps done again from {result.rows} rows"
     if not result.holds:
-        return f"{result.steps} steps were the same, then: {result.difference}"
+        return f"{again}, the same so far, then: {result.difference}"
     if not result.steps:
         return f"{name} holds no step of a run: there is nothing to compare"
     ended = f"{result.outcome}: {result.why}" if result.outcome else "it had not ended"
-    return f"{result.steps} steps done again, all the same; {ended}"
+    return f"{again}, all the same; {ended}"

@@ -3,13 +3,30 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal, NamedTuple
+import math
+from argparse import ArgumentTypeError
+from typing import Annotated, NamedTuple
 
 from rai_missions.cli.command import PAGE_PORT, Argument, GuardsFile, JournalFile, ProfileFile, command
 
 __all__ = ("RunOptions", "run")
 
 MISSION = Argument("MISSION", files=("*.json", "*.py"), is_positional=True)
+
+
+def _speed(text: str) -> float:
+    """A positive number, or infinity for `max`.
+
+    Raises:
+        ArgumentTypeError: It is neither.
+    """
+    try:
+        speed = math.inf if text == "max" else float(text)
+    except ValueError:
+        speed = math.nan
+    if not speed > 0 or (math.isinf(speed) and text != "max"):
+        raise ArgumentTypeError(f"'{text}' is no speed; give a positive number such as 5, or max")
+    return speed
 
 
 class RunOptions(NamedTuple):
@@ -22,7 +39,8 @@ class RunOptions(NamedTuple):
             changed (see: rai-missions schema map). What it does not name must be unchanged.
         robot: The robot profile, which connects the mission's names to a robot.
         set: Set an argument of the mission; may be repeated.
-        model: The model that answers as 'agent': openai:NAME, anthropic:NAME, ollama:NAME, local[:FILE.gguf].
+        model: The model that answers as 'agent': openai:NAME, anthropic:NAME, ollama:NAME, or local:FILE.gguf on this
+            machine; local alone is a toy of 135 M parameters that answers by chance.
         model_memory: The memory in GiB that the model's process may use, with what it starts.
         no_operator: Ask no operator, on the terminal or elsewhere.
         guards: A Python file with the predicates of 'named' guards. It is executed.
@@ -30,8 +48,8 @@ class RunOptions(NamedTuple):
         journal: The file in which the run is recorded. Without it: journals/NAME-TIME.journal.
         record: Record messages, pictures, steps and the journal as MCAP, for Foxglove and replay (extra 'record').
         picture: Draw the path taken when the run ends: .svg, .png, .dot, .mmd, .md.
-        speed: The speed of a simulated world: 1 is the wall clock's, max is as fast as possible, which it is without
-            this.
+        speed: The speed of a simulated world: 1 is the wall clock's, 5 is five times that, 0.5 is half, max is as
+            fast as possible, which it is without this. While a model or a person is asked it is 1 at most.
         seed: The simulated world's seed, instead of the profile's.
         json: Print one object at the end, and nothing else on stdout.
         verbose: Print also the steps that changed nothing.
@@ -59,7 +77,7 @@ class RunOptions(NamedTuple):
     journal: Annotated[str | None, Argument("FILE", files=("*",))] = None
     record: Annotated[str | None, Argument("FILE.mcap", files=("*.mcap",))] = None
     picture: Annotated[str | None, Argument("FILE", files=("*",))] = None
-    speed: Literal["1", "max"] | None = None
+    speed: Annotated[float | None, Argument("N|max", parse=_speed)] = None
     seed: Annotated[int | None, Argument("N")] = None
     json: bool = False
     verbose: bool = False

@@ -86,7 +86,7 @@ def _run(options: RunOptions, config: RunConfig, lines: Lines) -> tuple[Prepared
         if not options.json:
             robot = prepared.robot.name if prepared.robot is not None else ""
             lines.begin(
-                robot, ", ".join(sorted(prepared.answerers)), str(config.journal), model=options.model,
+                robot, prepared.answerers.keys(), str(config.journal), model=options.model,
                 resumption=prepared.resumption_notice, moved_aside=prepared.moved_aside or "",
             )  # fmt: skip
             lines.watch(prepared.runner.view)
@@ -172,7 +172,7 @@ def _config(options: RunOptions, mission: Mission, lines: Lines) -> RunConfig:
 
 
 def _speed(options: RunOptions) -> float:
-    return 1.0 if options.speed == "1" else math.inf
+    return math.inf if options.speed is None else options.speed
 
 
 def _journal_of(mission: Mission) -> str:

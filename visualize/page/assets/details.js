@@ -20,7 +20,7 @@ class Details {
       data.notes.length ? listed("Note", data.notes.map((note) => make("li", {}, note))) : "",
       make("p", { class: "muted" }, `${counted(data.states.length, "state")}, ${counted(new Set(data.transitions.map((transition) => transition.place)).size, "transition")}, ${kinds.join(", ")}, ${counted(data.invariants.length, "invariant")}. Choose a state or a transition.`),
       this.faults(this.findings),
-      this.runs.length ? listed("Runs", this.runs.map((run) => make("li", {}, make("b", {}, run.name), `: ${run.steps.length} steps, ${run.outcome || "not ended"}`, run.why ? ` – ${run.why}` : "",
+      this.runs.length ? listed("Runs", this.runs.map((run) => make("li", {}, make("b", {}, run.name), `: ${run.count} steps, ${run.outcome || "not ended"}`, run.why ? ` – ${run.why}` : "",
         run.faults.map((fault) => make("div", { class: "fault" }, "⚠ ", fault))))) : "",
       this.own(),
       this.keyTable(Object.keys(data.keys), "Blackboard"),
