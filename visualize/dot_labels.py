@@ -36,17 +36,18 @@ NOTES = 12
 
 
 def text(
-    given: str, size: float = 10, *, bold: bool = False, color: str = INK, limit: float = LINE
+    given: str, size: float = 10, *, bold: bool = False, color: str = INK, limit: float = LINE, name: str = ""
 ) -> str:  # fmt: skip
-    """A row with a cell that holds a text, broken into lines of at most `limit` points."""
+    """A row with a cell that holds a text, broken into lines of at most `limit` points; `name` is its id in an SVG."""
     broken = wrapped(given, size, limit, bold=bold)
     if not "".join(broken).strip():
         return ""
     parts = [f"<b>{shown(line)}</b>" if bold else shown(line) for line in broken]
     body = '<br align="left"/>'.join(parts) + ('<br align="left"/>' if len(parts) > 1 else "")
     wide = max(width(line, size, bold=bold) for line in broken) + 4
+    given_id = f' id="{escape(name)}"' if name else ""
     return (
-        f'<tr><td align="left" balign="left" width="{wide:.0f}">'
+        f'<tr><td align="left" balign="left" width="{wide:.0f}"{given_id}>'
         f'<font point-size="{size:g}" color="{color}">{body}</font></td></tr>'
     )
 
@@ -56,9 +57,9 @@ def shown(given: str) -> str:
     return escape(clean(given)).replace("\\", "\\\\")
 
 
-def small(given: str, *, bold: bool = False, color: str = MUTED, limit: float = LINE) -> str:
+def small(given: str, *, bold: bool = False, color: str = MUTED, limit: float = LINE, name: str = "") -> str:
     """A row in small print."""
-    return text(given, 9, bold=bold, color=color, limit=limit)
+    return text(given, 9, bold=bold, color=color, limit=limit, name=name)
 
 
 def table(rows: Iterable[str], more: str = 'border="0" cellborder="0" cellspacing="0" cellpadding="1"') -> str:
@@ -87,12 +88,15 @@ def _name(node: PictureNode) -> str:
 
 
 def _below(node: PictureNode, staying: Sequence[PictureEdge], limit: float = LINE) -> Iterable[str]:
-    """What is at the foot of every state: control, the transitions that do not leave it, and where the run was."""
+    """What is at the foot of every state: control, the transitions without an arrow, and where the run was."""
     if node.control:
         yield small(f"control: {node.control}", limit=limit)
     for edge in staying:
         count = f" ({edge.taken.words()})" if edge.taken.times else ""
-        yield small(f"stays: {transition_text(edge)}{count}", bold=bool(edge.taken.times), color=INK, limit=limit)
+        where = f"→ {edge.target}" if edge.target else "stays"
+        given = f"{where}: {transition_text(edge)}{count}"
+        name = f"{edge.place}>{edge.target}" if edge.target else ""
+        yield small(given, bold=bool(edge.taken.times), color=INK, limit=limit, name=name)
     if node.entered.times:
         yield small(f"entered {node.entered.words()}", bold=True, color=INK, limit=limit)
     if node.ended_here:

@@ -7,7 +7,7 @@ behaviour tree is one node: Graphviz keeps no order among the nodes of a cluster
 
 from __future__ import annotations
 
-from collections import defaultdict
+from collections import Counter, defaultdict
 from collections.abc import Iterator
 
 from visualize.dot_labels import (
@@ -31,6 +31,9 @@ ANYWHERE, START = "#anywhere", "#start"
 SMALL = 60
 """Up to so many edges the layout may take its time: transitions lead down the page even out of clusters. The time
 grows with the cube of the size, so larger missions are laid out cluster by cluster, with fewer passes."""
+HUB = 8
+"""In larger missions, transitions to a state that more than these lead to are written in the states that they leave:
+as arrows they would cross all others, and take most of the time."""
 HOLDERS = ("states", "parallel", "each")
 
 
@@ -61,11 +64,19 @@ class _Sheet:
 
     def __init__(self, picture: Picture) -> None:
         self.picture, self.children, self.begins = picture, picture.children, picture.begins
+        self.small = len(picture.edges) <= SMALL
+        into = Counter(edge.target for edge in picture.edges)
+        hubs = set() if self.small else {target for target, count in into.items() if count > HUB}
         self.staying: dict[str, list[PictureEdge]] = defaultdict(list)
+        """The transitions that are written in their source, for they keep it active or lead to a hub."""
+        self.arrows: list[PictureEdge] = []
         for edge in picture.edges:
-            if edge.source and not edge.target:
+            is_written = not edge.target or (edge.target in hubs and not edge.option)
+            if edge.source and is_written:
                 self.staying[edge.source].append(edge)
-        self.tabs = {edge.source for edge in picture.edges if self._from_tab(edge)}
+            elif edge.target:
+                self.arrows.append(edge)
+        self.tabs = {edge.source for edge in self.arrows if self._from_tab(edge)}
         """The holders with transitions to something inside themselves: those leave from a tab, not from the border."""
         self.own = {(edge.mark, edge.place): edge for edge in picture.edges if not edge.source}
         """The mission's own transitions, each once however many targets it has."""
@@ -73,11 +84,12 @@ class _Sheet:
         self.depth = _depths(picture)
 
     def lines(self, dpi: int | None) -> Iterator[str]:
-        run, small = bool(self.picture.steps), len(self.picture.edges) <= SMALL
+        run, small = bool(self.picture.steps), self.small
         graph = attributes(
             rankdir="TB", compound="true", newrank="true" if small else None, fontname=FONT, nodesep=0.35,
             ranksep=0.55, pad=0.3, labelloc="t", labeljust="l", label=title_table(self.picture),
             bgcolor="#FFFFFF", dpi=dpi, outputorder="edgesfirst",
+            splines=None if small else "polyline",
             nslimit=None if small else 2, nslimit1=None if small else 2, mclimit=None if small else 0.2,
         )  # fmt: skip
         yield f"digraph {quoted(self.picture.name)} {{"
@@ -91,7 +103,7 @@ class _Sheet:
             own = attributes(shape="plain", label=anywhere_table(ports), tooltip="the mission's own transitions")
             yield f"  {quoted(ANYWHERE)} {own};"
         yield from (f"  {self._begin(initial)};" for initials in self.begins.values() for initial in initials)
-        yield from (f"  {self._edge(edge)};" for edge in self.picture.edges if edge.target)
+        yield from (f"  {self._edge(edge)};" for edge in self.arrows)
         yield "}"
 
     def _states(self, parent: str, indent: str) -> Iterator[str]:

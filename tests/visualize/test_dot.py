@@ -3,16 +3,20 @@
 
 from __future__ import annotations
 
+import io
 import re
+import subprocess
 import sys
 import xml.etree.ElementTree as ElementTree
 from collections import Counter
+from html import unescape
 from pathlib import Path
 
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from benchmarks.bench_draw import chain
 from rai_missions.errors import UsageError
 from rai_missions.mission.mission import Mission
 from tests.strategies import missions
@@ -20,11 +24,13 @@ from tests.visualize.runs import document, hostile, tractor, tractor_path
 from visualize import graphviz as dot
 from visualize.build import picture
 from visualize.dot_text import dot_text, quoted
-from visualize.graphviz import layout_program, render
+from visualize.graphviz import KNOWN, layout_program, render
 from visualize.rasterize import can_raster, raster
 from visualize.style import clean, width, wrapped
 
 SVG = "{http://www.w3.org/2000/svg}"
+LACKED = "\u07ff\ue123"
+"""Characters that no font has, of two and of three bytes, which place their box differently."""
 TRANSITION = re.compile(r'id="([^"]*/transitions/\d+)>([a-z0-9_/]*)"')
 
 
@@ -41,6 +47,16 @@ def test_every_transition_is_an_arrow_for_each_target_or_is_in_its_state(mission
     )
     staying = {edge.place for edge in drawn.edges if not edge.target}
     assert text.count("stays: ") + text.count("stays where it is") == len(staying)
+
+
+def test_in_a_large_picture_transitions_into_a_hub_are_written_in_their_states() -> None:
+    drawn = picture(chain(100))
+    text = dot_text(drawn)
+    wanted = Counter((edge.place, edge.target) for edge in drawn.edges if edge.target)
+    assert Counter(TRANSITION.findall(unescape(text))) == wanted
+    assert '-> "done" ' not in text
+    assert text.count("→ done: on halt") >= 90
+    assert '-> "done" ' in dot_text(picture(chain(20)))
 
 
 @settings(max_examples=10)
@@ -189,6 +205,37 @@ def test_a_png_reports_of_characters_that_no_font_has(caplog: pytest.LogCaptureF
     caplog.clear()
     render(picture(tractor()), "png")
     assert not caplog.records
+
+
+def test_graphviz_has_letters_for_the_characters_of_which_it_draws_a_png() -> None:
+    """Each in a cell of its own, next to some that no font has; only spaces and hyphens may be as empty or as plain."""
+    image = pytest.importorskip("PIL.Image")
+    shown = [char for char in map(chr, range(0x21, 0x3000)) if KNOWN.fullmatch(char) and char not in "\u00a0\u00ad"]
+    cells = [f"&#{ord(char)};" for char in [*shown, *LACKED]]
+    rows = ["".join(f'<td width="30" height="30" fixedsize="true">{cell}</td>' for cell in cells[at : at + 20])
+            for at in range(0, len(cells), 20)]  # fmt: skip
+    table = f'<table border="0" cellborder="0" cellspacing="0">{"".join(f"<tr>{row}</tr>" for row in rows)}</table>'
+    source = f"graph {{ graph [margin=0, pad=0]; a [shape=plain, fontname=Helvetica, fontsize=12, label=<{table}>] }}"
+    made = subprocess.run(
+        [layout_program(), "-Tpng", "-Gdpi=72"], input=source.encode(), capture_output=True, check=True
+    )
+    picture_ = image.open(io.BytesIO(made.stdout)).convert("L")
+    edge = picture_.width // 20
+
+    def cell(index: int) -> bytes:
+        left, top = index % 20 * edge, index // 20 * edge
+        found: bytes = picture_.crop((left, top, left + edge, top + edge)).tobytes()
+        return found
+
+    lacking = {cell(len(shown) + index) for index in range(len(LACKED))}
+    assert all(min(each) < 200 for each in lacking)
+    assert [char for index, char in enumerate(shown) if cell(index) in lacking or min(cell(index)) > 200] == []
+
+
+def test_an_svg_is_as_large_as_its_viewer_at_most() -> None:
+    root = svg(tractor())
+    assert root.get("viewBox") and root.get("width") and root.get("height")
+    assert root.get("style") == "max-width:100%;max-height:100vh"
 
 
 def test_what_is_no_svg_gives_no_png() -> None:
