@@ -12,6 +12,7 @@ from rai_missions.event import Event
 from rai_missions.mission.references import answer, event
 
 if TYPE_CHECKING:
+    from rai_missions.connectors.python_robot import PythonRobot
     from rai_missions.engine import Chart
     from rai_missions.engine.step import Step
     from rai_missions.errors import ConnectorError, DefinitionError, Fault, MissionError, UsageError
@@ -49,6 +50,7 @@ __all__ = (
     "Named",
     "On",
     "Publish",
+    "PythonRobot",
     "Raise",
     "Ref",
     "Result",
@@ -69,6 +71,7 @@ if not TYPE_CHECKING:  # else a type checker would take any name for one of ours
     __getattr__, __dir__ = lazy_names(
         globals(),
         {
+            "connectors.python_robot": ("PythonRobot",),
             "keys": ("Key",),
             "mission.builder": ("After", "Keys", "On", "Ref", "When"),
             "engine": ("Chart",),

@@ -14,7 +14,7 @@ __all__ = ("KINDS", "Event", "EventKind", "Tick", "is_e_stop", "is_operator", "i
 NOTHING: Mapping[str, Any] = {}
 EventKind = Literal[
     "event", "tick", "write", "accepted", "feedback", "result", "proposal", "control", "behaviour", "command",
-    "doubt", "refused", "lost", "contested", "stray", "over", "outcome",
+    "doubt", "refused", "lost", "contested", "stray", "over", "overdue", "outcome",
 ]  # fmt: skip
 """The kinds of events; the table of `Event.kind` has what each means."""
 KINDS: tuple[EventKind, ...] = tuple(kind for kind in get_args(EventKind) if kind != "outcome")
@@ -46,6 +46,7 @@ class Event(NamedTuple):
     | `contested`  | the action that a second server serves            | number of start   |
     | `stray`      | the action that executes though its end was reported (`data["owner"]`) | number of start |
     | `over`       | the action that executes nowhere any more, after it was lost or stray  | number of start |
+    | `overdue`    | the action that was canceled and is not waited for any longer | number of start |
     | `proposal`   | the answerer that answers, declines or fails      | number of question|
     | `control`    | who holds control now                             | –                 |
     | `behaviour`  | `behaviour`; its end is in `data["status"]`   | number of start   |

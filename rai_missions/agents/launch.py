@@ -6,6 +6,7 @@ Rule: what is opened enters one `ExitStack` at once, which closes it in the oppo
 
 from __future__ import annotations
 
+import math
 import uuid
 from collections.abc import Callable, Iterable, Mapping
 from contextlib import ExitStack
@@ -13,10 +14,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+from rai_missions.agents.python_robot import is_program, open_python_robot
 from rai_missions.agents.run_config import RunConfig
 from rai_missions.check import check, faults_of
 from rai_missions.connectors.connector import Connector, SupportsRawMessages
 from rai_missions.connectors.local import LocalConnector
+from rai_missions.connectors.python_robot import PythonRobot, PythonRobotConnector, RobotTime
 from rai_missions.connectors.registry import CONNECTORS, connector_offer
 from rai_missions.embodiment import Identity
 from rai_missions.engine.decision import Answerer
@@ -32,6 +35,7 @@ from rai_missions.redaction import Redaction, logger
 from rai_missions.replay.open_run import OpenedRun, open_run
 from rai_missions.runtime.arguments import accepted
 from rai_missions.runtime.clock import Clock, ContinuedClock, PublishedClock, SimulatedClock, WallClock
+from rai_missions.runtime.robot_clock import RobotClock
 from rai_missions.runtime.run_options import NewRun, RunObserver
 from rai_missions.runtime.runner import Runner
 from rai_missions.worlds.world import World, open_world, world_offer
@@ -68,6 +72,8 @@ class RunPlan(NamedTuple):
     identity: Path | None
     """The folder of the robot's identity."""
     resumed: OpenedRun | None
+    python: PythonRobot | None = None
+    """The robot, where it is one in Python; `robot` is then its profile."""
 
     def refuse(self, faults: Iterable[Fault], *named: object) -> None:
         """Raise the faults of a file, if there are any.
@@ -170,10 +176,12 @@ def prepare(config: RunConfig) -> PreparedRun:
 
 def _read(config: RunConfig, closing: CleanupStack) -> RunPlan:
     mission = load(config.mission) if isinstance(config.mission, str | Path) else config.mission
-    robot = load_profile(config.robot) if isinstance(config.robot, str | Path) else config.robot
-    identity = (
-        identity_folder(robot, config.robot) if robot is not None and isinstance(config.robot, str | Path) else None
-    )
+    given, identity = config.robot, None
+    if isinstance(given, str | Path) and not is_program(given):
+        robot: Robot | None = load_profile(given)
+        identity = identity_folder(robot, given) if robot is not None else None
+    else:
+        robot = given if isinstance(given, Robot) else None
     resumed = None
     if config.resume is not None:
         resumed = open_run(config.resume, mission=mission, robot=robot, named=config.named)
@@ -185,12 +193,16 @@ def _read(config: RunConfig, closing: CleanupStack) -> RunPlan:
     plan.refuse(faults_of(check(mission)), config.mission)
     if resumed is None:
         accepted(mission, config.arguments)
-    plan.refuse(missing(mission, robot) if robot is not None else (), config.robot)
+    if (chosen := open_python_robot(given, mission, resumed.robot if resumed is not None else None)) is not None:
+        plan = plan._replace(python=chosen.robot, robot=chosen.profile)
+    plan.refuse(missing(mission, plan.robot) if plan.robot is not None else (), config.robot)
     return plan
 
 
 def _open_environment(plan: RunPlan, closing: CleanupStack) -> RunEnvironment:
     config = plan.config
+    if plan.python is not None and config.connector is None:
+        return _open_python(plan, plan.python)
     if config.connector is not None or plan.robot is None:
         return RunEnvironment(None, config.connector, plan.continued(config.clock or WallClock()))
     options = dict(plan.robot.connector)
@@ -203,6 +215,15 @@ def _open_environment(plan: RunPlan, closing: CleanupStack) -> RunEnvironment:
         clock = plan.continued(config.clock or WallClock())
         return RunEnvironment(None, LocalConnector(now=clock.now), clock)
     return _open_world(plan, str(world), options, closing)
+
+
+def _open_python(plan: RunPlan, robot: PythonRobot) -> RunEnvironment:
+    """A robot whose functions execute in this process: by the wall, or as fast as they wait."""
+    given, speed = plan.config.clock, plan.config.speed
+    robot_time = RobotTime(steered=given is None and speed not in (None, 1.0))
+    steered = RobotClock(robot_time, speed or math.inf) if robot_time.is_steered else WallClock()
+    clock = plan.continued(given or steered)
+    return RunEnvironment(None, PythonRobotConnector(robot, now=clock.now, robot_time=robot_time), clock)
 
 
 def _open_connector(
@@ -235,7 +256,10 @@ def _open_world(plan: RunPlan, name: str, options: dict[str, Any], closing: Clea
     connector = LocalConnector(now=lambda: world.at)
     world.open(connector)
     return RunEnvironment(
-        world, connector, config.clock or SimulatedClock(world, config.speed), _packages(world_offer(name))
+        world,
+        connector,
+        config.clock or SimulatedClock(world, math.inf if config.speed is None else config.speed),
+        _packages(world_offer(name)),
     )
 
 

@@ -9,6 +9,7 @@ from typing import Any
 
 from rai_missions.agents.launch import PreparedRun, prepare
 from rai_missions.agents.run_config import RunConfig
+from rai_missions.connectors.python_robot import PythonRobot
 from rai_missions.mission.mission import Mission
 from rai_missions.profile import Robot
 from rai_missions.redaction import logger
@@ -19,12 +20,12 @@ log = logger(__name__)
 __all__ = ("MissionAgent", "PreparedRun", "RunConfig", "prepare", "run")
 
 
-def run(mission: Mission | str | Path, robot: Robot | str | Path | None = None, **options: Any) -> Result:
+def run(mission: Mission | str | Path, robot: Robot | PythonRobot | str | Path | None = None, **options: Any) -> Result:
     """Run a mission to its end.
 
     Args:
         mission: A `Mission`, or the file of one.
-        robot: A profile, or the file of one.
+        robot: A profile or a robot in Python, or the file of one: `.json`, or `.py`, which is executed.
         options: The other fields of `RunConfig`: `model="openai:gpt-4o"`, `journal="out/run.journal"`, …
 
     Raises:

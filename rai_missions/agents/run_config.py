@@ -3,18 +3,18 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from rai_missions.connectors.connector import Connector
+from rai_missions.connectors.python_robot import PythonRobot
 from rai_missions.engine import Named
 from rai_missions.engine.decision import Answerer
 from rai_missions.engine.step import Step
 from rai_missions.mission.mission import Mission
-from rai_missions.profile import Robot
+from rai_missions.profile import Robot, RobotProgram
 from rai_missions.runtime.clock import Clock
 from rai_missions.runtime.lifecycle import Status
 
@@ -30,7 +30,8 @@ class RunConfig:
 
     mission: Mission | str | Path | None
     """Left out where `resume` names a run."""
-    robot: Robot | str | Path | None = None
+    robot: Robot | PythonRobot | RobotProgram | str | Path | None = None
+    """A profile or a robot in Python, or the file of one: `.json`, or `.py`, which is executed."""
     arguments: Mapping[str, Any] = field(default_factory=dict)
     model: BaseChatModel | str | None = None
     """Who answers as `agent`: `provider:name` or `local`, asked in a process of its own, or a langchain chat model.
@@ -52,8 +53,11 @@ class RunConfig:
     resume: str | Path | None = None
     """The journal of a run that was cut short, which continues there. Its arguments are in it."""
     named: Named | None = None
-    speed: float = math.inf
-    """Simulated seconds to one of the wall."""
+    speed: float | None = None
+    """Simulated seconds to one of the wall; infinity is as fast as it goes.
+
+    Left out, that is so in a simulated world, and a robot in Python has the time of the wall.
+    """
     seed: int | None = None
     """The simulated world's, instead of the profile's."""
     connector: Connector | None = None

@@ -22,6 +22,7 @@ __all__ = (
     "MissionFile",
     "Parser",
     "ProfileFile",
+    "RobotFile",
     "command",
 )
 
@@ -51,6 +52,7 @@ class Argument(NamedTuple):
 
 MissionFile = Annotated[str, Argument("MISSION", files=("*.json", "*.py"))]
 ProfileFile = Annotated[str, Argument("PROFILE", files=("*.json",))]
+RobotFile = Annotated[str, Argument("ROBOT", files=("*.json", "*.py"))]
 JournalFile = Annotated[str, Argument("JOURNAL", files=("*.journal", "*.mcap"))]
 GuardsFile = Annotated[str, Argument("FILE.py", files=("*.py",))]
 

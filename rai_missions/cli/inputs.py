@@ -15,7 +15,7 @@ from rai_missions.mission.mission import Mission
 if TYPE_CHECKING:
     from rai_missions.journal.reader import Record
 
-__all__ = ("journal_steps", "load_guards", "read_pairs", "warn")
+__all__ = ("is_robot_program", "journal_steps", "load_guards", "read_pairs", "warn")
 
 
 def warn(sentence: str) -> None:
@@ -47,6 +47,23 @@ def load_guards(path: str | None, *, python: bool = True) -> dict[str, Callable[
         raise DefinitionError([Fault("", f"{type(error).__name__}: {error}")], path) from error
     own = {name: each for name, each in found.items() if callable(each) and not name.startswith("_")}
     return {name: each for name, each in own.items() if getattr(each, "__module__", None) == "<run_path>"}
+
+
+def is_robot_program(path: str | None, *, python: bool = True) -> bool:
+    """Whether what is named as the robot is a file in Python.
+
+    Args:
+        path: The file, of which only the name is looked at.
+        python: Whether it may be executed.
+
+    Raises:
+        UsageError: It is, and may not be executed.
+    """
+    if path is None or not path.endswith(".py"):
+        return False
+    if not python:
+        raise UsageError(f"--robot {path} is Python, which --no-python refuses; give a profile in JSON, or drop one")
+    return True
 
 
 def journal_steps(journal: str | None, mission: Mission | None = None, *, remedy: str = "") -> tuple[Any, ...]:

@@ -14,6 +14,7 @@ __all__ = (
     "ActionServer",
     "Close",
     "Connector",
+    "HostsActions",
     "Message",
     "Mode",
     "Parametrized",
@@ -76,14 +77,15 @@ class Report(NamedTuple):
     `failed` is an action's `aborted`; `lost` reports that the server is gone or knows nothing of the goal. These two,
     `rejected`, `succeeded` and `canceled` are ends: one of them is reported, and no other report follows but two.
     `stray`: the goal is executing at some server although its end was reported; it is canceled there. `over`: a goal
-    that was lost or stray is executing nowhere any more. `cancel_rejected` reports that the server does not cancel the
-    goal, `contested` that a second server of the action was seen while the goal was under way.
+    that was lost or stray is executing nowhere any more. `overdue`: a goal that was canceled does not end, and is not
+    waited for any longer. `cancel_rejected` reports that the server does not cancel the goal, `contested` that a second
+    server of the action was seen while the goal was under way.
     """
 
     goal_id: str
     status: Literal[
         "accepted", "rejected", "feedback", "succeeded", "failed", "canceled", "cancel_rejected", "lost", "contested",
-        "stray", "over",
+        "stray", "over", "overdue",
     ]  # fmt: skip
     data: Data
     why: str = ""
@@ -144,6 +146,18 @@ class Parametrized(Protocol):
 
     def parameters(self) -> Mapping[str, Any]:
         """Name → value of what was given from outside; without the middleware's own, and those of the profile."""
+
+
+@runtime_checkable
+class HostsActions(Protocol):
+    """A connector whose actions are executed by this process: a goal that another process sent executes no more."""
+
+    def conclude(self, on_end: Callable[[], None]) -> None:
+        """The mission is over: wait for what is executed still, for a bounded time on the wall.
+
+        What has not ended by then is reported `overdue`. `on_end` is called once, from any thread, after the last
+        report.
+        """
 
 
 @runtime_checkable

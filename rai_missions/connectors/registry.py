@@ -10,14 +10,16 @@ from collections.abc import Mapping
 
 from rai_missions.kinds import PackageOffer, offered
 
-__all__ = ("CONNECTORS", "connector_offer")
+__all__ = ("CONNECTORS", "IN_PROCESS", "connector_offer")
 
 CONNECTORS: Mapping[str, str] = {"ros2": "rai_missions.connectors.ros2", "mqtt": "rai_missions.connectors.mqtt"}
-"""Ours: kind → the module that opens it. A connector inside the process is `local`, which a run opens itself."""
+"""Ours: kind → the module that opens it."""
+IN_PROCESS = ("local", "python")
+"""Kinds that a run opens itself: a simulated world with nothing around it, and a robot in Python that was named."""
 
 
 def connector_offer(kind: str) -> PackageOffer | None:
-    """Who opens connectors of a kind; None for `local`, and where no package does.
+    """Who opens connectors of a kind; None for those of `IN_PROCESS`, and where no package does.
 
     What it loads has `open_connector(options, *, now)`; where it also has `why_absent` and `fields_of`, a profile is
     compared with the types of messages that are there.
@@ -25,4 +27,4 @@ def connector_offer(kind: str) -> PackageOffer | None:
     Raises:
         UsageError: Two packages do.
     """
-    return None if kind == "local" else offered("rai_missions.connectors", kind, CONNECTORS)
+    return None if kind in IN_PROCESS else offered("rai_missions.connectors", kind, CONNECTORS)

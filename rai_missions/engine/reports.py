@@ -21,6 +21,7 @@ WATCHED: Mapping[EventKind, str] = {
     "contested": "more than one server has it",
     "stray": "it is executing although its end was reported; it is canceled",
     "over": "it is executing nowhere any more",
+    "overdue": "it is not waited for any longer",
 }
 """Kind of event about a goal outside its course → what is noted where its server gives no words."""
 

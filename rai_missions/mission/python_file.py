@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Missions written in Python: a file loaded by path, which offers one function, `mission() -> Mission`.
+"""Files in Python, executed by path; that of a mission offers one function, `mission() -> Mission`.
 
 Rule: what goes wrong in the file is the author's to mend and comes with its line; nothing is written next to the file.
 """
@@ -9,6 +9,7 @@ from __future__ import annotations
 import hashlib
 import sys
 import traceback
+from collections.abc import Callable
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -18,7 +19,7 @@ from rai_missions.mission.json_reader import file_bytes
 from rai_missions.mission.mission import Mission
 from rai_missions.redaction import shown
 
-__all__ = ("run_mission_file",)
+__all__ = ("call_offered", "run_file", "run_mission_file")
 
 
 def run_mission_file(file: Path) -> Mission:
@@ -29,32 +30,49 @@ def run_mission_file(file: Path) -> Mission:
         UsageError: There is no such file.
     """
     source = file_bytes(file)  # first: only of a file that is there it is known where it is
-    path = file.resolve()
-    module = _executed(path, source, str(file))
-    offered = getattr(module, "mission", None)
+    offered = getattr(run_file(file, source), "mission", None)
     if not callable(offered):
         raise _refused("the file offers no function 'mission'; write `def mission() -> Mission:`", file)
-    try:
-        mission: Any = offered()
-    except (Exception, SystemExit) as error:
-        raise _from(error, path, str(file)) from error
+    mission: Any = call_offered(offered, file)
     if not isinstance(mission, Mission):
         raise _refused(f"mission() returned {shown(repr(mission))}; return a Mission", file)
     return mission
 
 
-def _executed(path: Path, source: bytes, name: str) -> ModuleType:
+def run_file(file: Path, source: bytes) -> ModuleType:
+    """Execute a file's text, and give the module that it makes.
+
+    Args:
+        file: Where it is; what goes wrong comes with its line there.
+        source: Its text.
+
+    Raises:
+        DefinitionError: It cannot be executed.
+    """
+    path, name = file.resolve(), str(file)
     module = ModuleType(f"_mission_{hashlib.sha256(str(path).encode()).hexdigest()[:16]}")
     module.__file__ = str(path)
     # By its name there, dataclasses and type hints of the file find their way home.
     sys.modules[module.__name__] = module
     try:
-        exec(compile(source, str(path), "exec"), module.__dict__)  # noqa: S102 - a Python mission is a program
+        exec(compile(source, str(path), "exec"), module.__dict__)  # noqa: S102 - a file that is named is a program
     except SyntaxError as error:
         raise DefinitionError([Fault("", f"line {error.lineno or 1}: not Python: {error.msg}")], name) from None
     except (Exception, SystemExit) as error:
         raise _from(error, path, name) from error
     return module
+
+
+def call_offered(function: Callable[[], Any], file: Path) -> Any:
+    """What a function of such a file returns.
+
+    Raises:
+        DefinitionError: It raises.
+    """
+    try:
+        return function()
+    except (Exception, SystemExit) as error:
+        raise _from(error, file.resolve(), str(file)) from error
 
 
 def _from(error: BaseException, path: Path, name: str) -> DefinitionError:

@@ -10,12 +10,14 @@ from pathlib import Path
 from typing import Any
 
 from rai_missions.agents.mission import RunConfig
+from rai_missions.agents.python_robot import is_program
 from rai_missions.check import check, faults_of
+from rai_missions.connectors.python_robot import PythonRobot
 from rai_missions.engine.decision import Question
 from rai_missions.errors import DefinitionError, MissionError, UsageError
 from rai_missions.mission.files import load
 from rai_missions.mission.mission import Mission
-from rai_missions.profile import Robot, load_profile, missing
+from rai_missions.profile import Robot, RobotProgram, load_profile, missing
 
 __all__ = ("Clients", "about", "readied", "robot_of")
 
@@ -34,14 +36,18 @@ class Clients:
 
 
 def robot_of(setting: RunConfig) -> Robot | None:
-    """The profile.
+    """The profile; None for a robot in Python, which makes one when a run is prepared.
 
     Raises:
         DefinitionError: It is at fault.
         UsageError: There is no such file.
     """
     robot = setting.robot
-    return robot if robot is None or isinstance(robot, Robot) else load_profile(robot)
+    if robot is None or isinstance(robot, Robot):
+        return robot
+    if isinstance(robot, PythonRobot | RobotProgram) or is_program(robot):
+        return None
+    return load_profile(robot)
 
 
 def about(given: Mission | str | Path | None) -> tuple[str, tuple[str, str]]:

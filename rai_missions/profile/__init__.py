@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Robot profiles: the topics, services and actions of the names that a mission uses.
 
-Imports `check`, `engine`, `guards`, `mission` and `states`, and the modules of the root.
+Imports `check`, `connectors`, `engine`, `guards`, `mission` and `states`, and the modules of the root.
 """
 
 from rai_missions.profile.convert import plain
@@ -11,12 +11,14 @@ from rai_missions.profile.files import dump_profile, identity_folder, load_profi
 from rai_missions.profile.message_fields import absent_field, unknown_fields, why_unreadable
 from rai_missions.profile.message_types import lacking
 from rai_missions.profile.profile import Robot, Rule, terms
+from rai_missions.profile.python_robot import RobotProgram, lacking_functions, profile_of, read_program
 from rai_missions.profile.sources import EventSource, Source
 
 __all__ = (
     "ActionEntry",
     "EventSource",
     "Robot",
+    "RobotProgram",
     "Rule",
     "ServiceEntry",
     "Source",
@@ -26,10 +28,13 @@ __all__ = (
     "dump_profile",
     "identity_folder",
     "lacking",
+    "lacking_functions",
     "load_profile",
     "missing",
     "parse_profile",
     "plain",
+    "profile_of",
+    "read_program",
     "terms",
     "unknown_fields",
     "why_unreadable",

@@ -20,16 +20,23 @@ from rai_missions.states.effects import Raise
 
 __all__ = ("actions_of", "missing")
 
+NOTHING: Mapping[str, str] = {}
 FITTING: Mapping[str, frozenset[str]] = {"integer": frozenset({"integer", "number"})}
 """What a source gives → the types of the keys that can take it, where that is more than its own."""
 
 
-def missing(mission: Mission, robot: Robot) -> tuple[Fault, ...]:
-    """What a profile lacks, or has wrongly, for a mission; nothing if the mission can run on the robot."""
+def missing(mission: Mission, robot: Robot, *, remedies: Mapping[str, str] = NOTHING) -> tuple[Fault, ...]:
+    """What a profile lacks, or has wrongly, for a mission; nothing if the mission can run on the robot.
+
+    Args:
+        mission: The mission.
+        robot: The profile.
+        remedies: Section → what adds a name to it, with `{}` for the name; by default the profile's author names it.
+    """
     survey = MissionIndex(mission)
     return (
-        *_keys(mission, robot), *_events(survey, robot), *_interfaces(survey, robot), *_actions(survey, robot),
-        *_rules(survey, robot),
+        *_keys(mission, robot, remedies), *_events(survey, robot), *_interfaces(survey, robot, remedies),
+        *_actions(survey, robot), *_rules(survey, robot),
     )  # fmt: skip
 
 
@@ -38,17 +45,18 @@ def actions_of(mission: Mission) -> frozenset[str]:
     return frozenset(use.name for use in MissionIndex(mission).uses if use.sort == "action")
 
 
-def _lacks(sort: str, name: str, known: Mapping[str, Any], place: str) -> Fault:
+def _lacks(sort: str, name: str, known: Mapping[str, Any], place: str, remedies: Mapping[str, str] = NOTHING) -> Fault:
     near = suggestion(name, known) if known else ""
-    sentence = f"missing; the mission uses it at {place}{near or '; name what is behind it'}"
+    remedy = f"; {remedies[sort].replace('{}', name)}" if sort in remedies else ""
+    sentence = f"missing; the mission uses it at {place}{near + remedy or '; name what is behind it'}"
     return Fault(pointer([sort, name]), sentence)
 
 
-def _keys(mission: Mission, robot: Robot) -> Iterator[Fault]:
+def _keys(mission: Mission, robot: Robot, remedies: Mapping[str, str]) -> Iterator[Fault]:
     for name, key in mission.blackboard.items():
         source = robot.blackboard.get(name)
         if key.source == "robot" and source is None:
-            yield _lacks("blackboard", name, robot.blackboard, pointer(["blackboard", name]))
+            yield _lacks("blackboard", name, robot.blackboard, pointer(["blackboard", name]), remedies)
         elif key.source != "robot" and source is not None:
             sentence = f"the mission's '{name}' is of source '{key.source}' and not the robot's to write; drop it here"
             yield Fault(pointer(["blackboard", name]), sentence)
@@ -74,7 +82,7 @@ def _events(survey: MissionIndex, robot: Robot) -> Iterator[Fault]:
                 yield Fault(place, f"missing; the mission's '{name}' has it{suggestion(field, source.fields)}")
 
 
-def _interfaces(survey: MissionIndex, robot: Robot) -> Iterator[Fault]:
+def _interfaces(survey: MissionIndex, robot: Robot, remedies: Mapping[str, str]) -> Iterator[Fault]:
     """The actions, services and topics that are used and not there, each once."""
     first: dict[tuple[str, str], str] = {}
     for use in sorted(survey.uses, key=lambda use: use.sort):
@@ -82,7 +90,7 @@ def _interfaces(survey: MissionIndex, robot: Robot) -> Iterator[Fault]:
     for (sort, name), place in first.items():
         known = getattr(robot, f"{sort}s")
         if name not in known:
-            yield _lacks(f"{sort}s", name, known, place)
+            yield _lacks(f"{sort}s", name, known, place, remedies)
 
 
 def _actions(survey: MissionIndex, robot: Robot) -> Iterator[Fault]:

@@ -130,15 +130,22 @@ class SimulatedClock:
     def wait(self, mailbox: Mailbox, until: float, *, paced: bool) -> None:
         speed = self._go_at(paced=paced)
         while mailbox.empty and self.now() < until:
-            target = self.now() + self._world.period_s if self._world is not None else until
-            early_s = self._pace.early_s(target) if speed != math.inf else (math.inf if target == math.inf else 0.0)
-            if early_s > 0:
-                mailbox.wait(early_s if early_s != math.inf else None)
-                self._flow(target)
-                continue
-            if early_s < -LATE_S:
-                self._pace = Pace(speed, time.monotonic(), self.now())
-            self._advance(target)
+            self._go_to(mailbox, self.now() + self._world.period_s if self._world is not None else until, speed)
+        self._refill(mailbox)
+
+    def _go_to(self, mailbox: Mailbox, target: float, speed: float) -> None:
+        """Move to an instant once its turn has come; return before where something comes first."""
+        early_s = self._pace.early_s(target) if speed != math.inf else (math.inf if target == math.inf else 0.0)
+        if early_s > 0:
+            mailbox.wait(early_s if early_s != math.inf else None)
+            self._flow(target)
+            return
+        if early_s < -LATE_S:
+            self._pace = Pace(speed, time.monotonic(), self.now())
+        self._advance(target)
+
+    def _refill(self, mailbox: Mailbox) -> None:
+        """So many events may be taken before time passes although none of them ends."""
         self._left = mailbox.waiting + MOST_AT_ONCE
 
     def taken(self, mailbox: Mailbox, *, paced: bool) -> None:

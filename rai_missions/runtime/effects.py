@@ -11,7 +11,7 @@ from contextlib import suppress
 from functools import partial
 from typing import Any
 
-from rai_missions.connectors.connector import Connector, Reply, SupportsPreconnect
+from rai_missions.connectors.connector import Connector, HostsActions, Reply, SupportsPreconnect
 from rai_missions.engine.decision import Answerer, Question
 from rai_missions.engine.step import (
     Ask,
@@ -75,6 +75,8 @@ class EffectExecutor:
         self._scheduler, self._control = scheduler, control
         self.rivalry = Rivalry(robot, connector, scheduler.wake)
         self._goals = Goals(run, robot, connector, on_event=self._event)
+        self.is_concluding = False
+        """The end of actions that this process executes is waited for."""
         self._open: dict[int, str] = {}
         self.handovers = Handovers(robot, connector, scheduler, self._lose_handover)
         self._behaviours = Behaviours(mission.behaviours(), scheduler)
@@ -124,6 +126,16 @@ class EffectExecutor:
     def begin(self) -> None:
         """The mission starts."""
         self._senses.begin()
+
+    def conclude(self) -> None:
+        """The mission is over: actions that this process executes may have to be waited for."""
+        connector: object = self._connector
+        if isinstance(connector, HostsActions):
+            self.is_concluding = True
+            connector.conclude(lambda: self._scheduler.call_soon(self._concluded))
+
+    def _concluded(self) -> None:
+        self.is_concluding = False
 
     def perform(self, effects: tuple[Effect, ...]) -> None:
         """Carry out the effects of a step, in order; what fails comes back as an event and does not stop the rest."""
@@ -198,7 +210,7 @@ class EffectExecutor:
             self._senses.continue_action(effect.action)
             known = effect.number in under.accepted or effect.number in under.canceled
             if not self._goals.resume(effect, accepted=known):
-                self._doubt("action", effect.action, effect.number, "rejected")
+                self._doubt("action", effect.action, effect.number, "failed" if known else "rejected")
         elif isinstance(effect, CallService) and not self._may_repeat(effect):
             self._doubt("call", effect.service, effect.number, "failed")
         else:

@@ -12,7 +12,7 @@ from collections.abc import Callable, Mapping
 from contextlib import suppress
 from typing import Any
 
-from rai_missions.connectors.connector import Connector, Reply, Report
+from rai_missions.connectors.connector import Connector, HostsActions, Reply, Report
 from rai_missions.engine.step import CancelGoal, StartGoal
 from rai_missions.errors import in_words
 from rai_missions.event import EventKind
@@ -31,6 +31,7 @@ WATCHED: Mapping[str, EventKind] = {
     "contested": "contested",
     "stray": "stray",
     "over": "over",
+    "overdue": "overdue",
 }
 """What a connector reports of a goal next to its course → the kind of the event that it becomes."""
 BAD_REPLIES = ("failed", "timed_out", "unavailable")
@@ -102,6 +103,10 @@ class Goals:
         """
         entry = self._entry(effect.action)
         if entry is None or self._connector is None:
+            self.start(effect)
+        elif entry.action is not None and isinstance(self._connector, HostsActions):
+            if not entry.repeat:
+                return False
             self.start(effect)
         elif entry.action is not None:
             self._find(entry, effect, accepted=accepted)

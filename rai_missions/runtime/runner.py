@@ -148,7 +148,8 @@ class Runner(RunCommands):
                 self._executor.begin()
                 self._step(lambda: self._chart.start(self._clock.now()))
             self._loop(lambda: self._chart.outcome is not None)
-            self._loop(lambda: not self._chart.open_goals and not self._executor.handovers.letting_go)
+            self._executor.conclude()
+            self._loop(self._is_settled)
             self._write_notes()
             self._write_carried()
             return self._result(began)
@@ -160,6 +161,12 @@ class Runner(RunCommands):
             self._executor.close()
             if self._connector is not None and ours:
                 self._disconnect(self._connector)
+
+    def _is_settled(self) -> bool:
+        """Nothing that the ended mission has begun is waited for, and all that was reported of it is taken."""
+        if self._chart.open_goals or self._executor.handovers.letting_go or self._executor.is_concluding:
+            return False
+        return self._mailbox.empty or not self._chart.loose_goals
 
     def _disconnect(self, connector: Connector) -> None:
         try:

@@ -7,7 +7,7 @@ import math
 from argparse import ArgumentTypeError
 from typing import Annotated, NamedTuple
 
-from rai_missions.cli.command import PAGE_PORT, Argument, GuardsFile, JournalFile, ProfileFile, command
+from rai_missions.cli.command import PAGE_PORT, Argument, GuardsFile, JournalFile, RobotFile, command
 
 __all__ = ("RunOptions", "run")
 
@@ -37,19 +37,21 @@ class RunOptions(NamedTuple):
         resume: Resume a run that was cut short. Its mission and profile are in its journal.
         migrate: A .json file that maps the states and keys of the run of --resume to those of MISSION, which has
             changed (see: rai-missions schema map). What it does not name must be unchanged.
-        robot: The robot profile, which connects the mission's names to a robot.
+        robot: The robot profile, which connects the mission's names to a robot; or a robot in Python, a .py file with
+            a PythonRobot, which is executed.
         set: Set an argument of the mission; may be repeated.
         model: The model that answers as 'agent': openai:NAME, anthropic:NAME, ollama:NAME, or local:FILE.gguf on this
             machine; local alone is a toy of 135 M parameters that answers by chance.
         model_memory: The memory in GiB that the model's process may use, with what it starts.
         no_operator: Ask no operator, on the terminal or elsewhere.
         guards: A Python file with the predicates of 'named' guards. It is executed.
-        no_python: Refuse a mission and guards in Python.
+        no_python: Refuse a mission, a robot and guards in Python.
         journal: The file in which the run is recorded. Without it: journals/NAME-TIME.journal.
         record: Record messages, pictures, steps and the journal as MCAP, for Foxglove and replay (extra 'record').
         picture: Draw the path taken when the run ends: .svg, .png, .dot, .mmd, .md.
-        speed: The speed of a simulated world: 1 is the wall clock's, 5 is five times that, 0.5 is half, max is as
-            fast as possible, which it is without this. While a model or a person is asked it is 1 at most.
+        speed: The speed of simulated time: 1 is the wall clock's, 5 is five times that, 0.5 is half, max is as fast as
+            possible. Without this, it is max for a simulated world, and a robot in Python has the time of the wall.
+            While a model or a person is asked it is 1 at most.
         seed: The simulated world's seed, instead of the profile's.
         json: Print one object at the end, and nothing else on stdout.
         verbose: Print also the steps that changed nothing.
@@ -67,7 +69,7 @@ class RunOptions(NamedTuple):
     mission: Annotated[str | None, MISSION] = None
     resume: JournalFile | None = None
     migrate: Annotated[str | None, Argument("MAP", files=("*.json",))] = None
-    robot: ProfileFile | None = None
+    robot: RobotFile | None = None
     set: tuple[Annotated[str, Argument("KEY=VALUE")], ...] = ()
     model: Annotated[str | None, Argument("PROVIDER:NAME")] = None
     model_memory: Annotated[float, Argument("GIB")] = 2.0

@@ -5,7 +5,6 @@ from __future__ import annotations
 
 import itertools
 import json
-import math
 import sys
 import time
 from contextlib import ExitStack
@@ -15,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 from rai_missions.agents.mission import PreparedRun, RunConfig, prepare
 from rai_missions.check import check, faults_of
-from rai_missions.cli.inputs import journal_steps, load_guards, read_pairs, warn
+from rai_missions.cli.inputs import is_robot_program, journal_steps, load_guards, read_pairs, warn
 from rai_missions.cli.output import wait_for_output
 from rai_missions.cli.progress import Lines
 from rai_missions.cli.run.live_page import normalise_watch_args, page_of
@@ -26,7 +25,7 @@ from rai_missions.errors import DefinitionError, UsageError
 from rai_missions.journal import free_name, make_way, opened
 from rai_missions.mission.files import load
 from rai_missions.mission.mission import Mission
-from rai_missions.profile import load_profile
+from rai_missions.profile import load_profile, read_program
 from rai_missions.recording import check_name, is_mcap
 from rai_missions.replay.rebuild import mission_of
 
@@ -41,10 +40,11 @@ __all__ = ("interruptible_run", "run_mission")
 def run_mission(options: RunOptions) -> int:
     """Run a mission and print each step; returns the exit status."""
     options = normalise_watch_args(options)
+    is_python = is_robot_program(options.robot, python=not options.no_python)
     if options.record:
         check_name(Path(options.record))
     if options.managed:
-        return _run_managed(options)
+        return _run_managed(options, is_python=is_python)
     named = load_guards(options.guards, python=not options.no_python)
     if options.migrate:
         options = migrated(options, named)
@@ -58,7 +58,7 @@ def run_mission(options: RunOptions) -> int:
         )
     lines = _lines(mission, options)
     config = replace(_config(options, mission, lines), named=named)
-    warn(_without_effect(options))
+    warn(_without_effect(options, is_python=is_python))
     try:
         prepared, result = _run(options, config, lines)
     finally:
@@ -112,9 +112,11 @@ def _as_json(mission: Mission, result: Result, recording: str | None) -> dict[st
     return found | ({"recording": recording} if recording else {})
 
 
-def _without_effect(options: RunOptions) -> str:
+def _without_effect(options: RunOptions, *, is_python: bool) -> str:
     """The options of a simulated world that have no effect, in a sentence; empty where there is none."""
     words = [f"--{word}" for word in ("speed", "seed") if getattr(options, word) is not None]
+    if is_python:
+        return "--seed has no effect: the robot is in Python, and no world is simulated" if "--seed" in words else ""
     if not words:
         return ""
     connector = load_profile(options.robot).connector if options.robot else {"kind": "none"}
@@ -126,17 +128,18 @@ def _without_effect(options: RunOptions) -> str:
     return text + "for it has no robot"
 
 
-def _run_managed(options: RunOptions) -> int:
+def _run_managed(options: RunOptions, *, is_python: bool) -> int:
     """Serve the mission on a node, run by run."""
     reject_single_run_options(options)
-    warn(_without_effect(options))
+    warn(_without_effect(options, is_python=is_python))
     mission = _mission(options)
     base = Path(options.journal or _journal_of(mission))
     numbers = itertools.count(1)
     config = RunConfig(
-        Path(options.mission or ""), options.robot, _arguments(options, mission), model=options.model,
+        Path(options.mission or ""), read_program(options.robot) if options.robot and is_python else options.robot,
+        _arguments(options, mission), model=options.model,
         model_memory_gib=options.model_memory, seed=options.seed,
-        named=load_guards(options.guards, python=not options.no_python), speed=_speed(options),
+        named=load_guards(options.guards, python=not options.no_python), speed=options.speed,
         journal=base,
     )  # fmt: skip
     return serve_managed(options, config, lambda: base.with_stem(f"{base.stem}-{next(numbers)}"))
@@ -165,14 +168,10 @@ def _config(options: RunOptions, mission: Mission, lines: Lines) -> RunConfig:
         record=record,
         resume=options.resume,
         seed=options.seed,
-        speed=_speed(options),
+        speed=options.speed,
         on_step=None if options.json else lines.step,
         on_status=None if options.json else lines.status,
     )
-
-
-def _speed(options: RunOptions) -> float:
-    return math.inf if options.speed is None else options.speed
 
 
 def _journal_of(mission: Mission) -> str:

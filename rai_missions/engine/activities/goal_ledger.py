@@ -177,6 +177,8 @@ def report(goals: Goals, event: Event) -> LedgerChange:
         goals[event.number] = goal._replace(is_refused=True)
     elif event.kind == "lost":
         goals[event.number] = goal._replace(is_lost=True)
+    elif event.kind == "overdue":
+        goals[event.number] = goal._replace(until=min(goal.until, event.at))
     elif event.kind == "accepted" and goal.phase == "sent":
         goals[event.number] = goal._replace(phase="running")
     elif event.kind == "accepted" and goal.phase in ("withdrawn", "canceling", "orphaned"):

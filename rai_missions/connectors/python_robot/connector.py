@@ -1,0 +1,368 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The connector to a robot in Python: facts and events as topics, its functions as services and actions.
+
+Rule: no function of the robot runs on a thread of the mission's; one that hangs holds up itself alone.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import copy
+import inspect
+import threading
+import time
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from functools import partial
+from typing import Any
+
+from rai_missions.connectors.connector import Close, Data, Message, Reply, Report
+from rai_missions.connectors.local import LocalConnector
+from rai_missions.connectors.python_robot.action import ActionRun, AsyncActionRun, fault_of, response_of
+from rai_missions.connectors.python_robot.fact_poll import FactPoll, refresh
+from rai_missions.connectors.python_robot.robot import ActionFunction, PythonRobot, ServiceFunction
+from rai_missions.connectors.python_robot.robot_time import Execution, RobotTime, RunOver, TaskExecution
+from rai_missions.connectors.worker import Worker
+from rai_missions.connectors.wrapper import ConnectorWrapper
+from rai_missions.errors import suggestion
+from rai_missions.redaction import logger
+
+__all__ = ("EVENTS", "FACTS", "MESSAGES", "PythonRobotConnector")
+
+log = logger(__name__)
+
+FACTS, EVENTS, MESSAGES = "facts/", "events/", "messages/"
+"""What the topics of facts, of events and of published messages begin with; a name follows."""
+EXIT_S = 2.0
+"""So long on the wall the end of a run waits for actions that were canceled."""
+
+
+class EventLoop:
+    """The event loop of a robot's `async def` functions, on a thread that begins with the first of them."""
+
+    def __init__(self, name: str) -> None:
+        self._name, self._lock = name, threading.Lock()
+        self._loop: asyncio.AbstractEventLoop | None = None
+
+    def get(self) -> asyncio.AbstractEventLoop:
+        with self._lock:
+            if self._loop is None:
+                self._loop = asyncio.new_event_loop()
+                threading.Thread(target=_turn, args=(self._loop,), name=f"{self._name}/async", daemon=True).start()
+            return self._loop
+
+    def close(self) -> None:
+        """Cancel what is left, and end."""
+        with self._lock:
+            loop, self._loop = self._loop, None
+        if loop is not None:
+            asyncio.run_coroutine_threadsafe(_cancel_all(loop), loop)
+
+
+def _turn(loop: asyncio.AbstractEventLoop) -> None:
+    asyncio.set_event_loop(loop)
+    try:
+        loop.run_forever()
+    finally:
+        loop.close()
+
+
+async def _cancel_all(loop: asyncio.AbstractEventLoop) -> None:
+    left = asyncio.all_tasks(loop) - {asyncio.current_task(loop)}
+    for task in left:
+        task.cancel()
+    await asyncio.wait(left, timeout=EXIT_S) if left else None
+    loop.stop()
+
+
+class PythonRobotConnector(ConnectorWrapper):
+    """A robot's functions behind the three modes; a `Connector`.
+
+    Args:
+        robot: Whose functions.
+        now: Seconds on the run's clock.
+        robot_time: By which functions wait; as on the wall if left out.
+    """
+
+    def __init__(
+        self, robot: PythonRobot, *, now: Callable[[], float] = time.monotonic, robot_time: RobotTime | None = None
+    ) -> None:
+        self._robot, self._now, self.time = robot, now, robot_time or RobotTime()
+        self.loop = EventLoop(robot.name)
+        self._workers: dict[str, Worker] = {}
+        self._changed = threading.Condition()
+        self._goals: dict[str, ActionRun | AsyncActionRun] = {}
+        """Those whose function has not returned."""
+        self._polls: dict[str, FactPoll] = {}
+        """The facts that are read, by their names."""
+        self._listened: dict[str, int] = {}
+        """Topic → its subscribers, for those of events."""
+        self._puzzled: set[str] = set()
+        self._on_end: Callable[[], None] | None = None
+        """Called once no goal is executed any more; None until the run is over."""
+        super().__init__(LocalConnector(now=now))
+
+    # -- its life -----------------------------------------------------------------------------------------------------
+
+    def start(self) -> None:
+        if self.inner.running:
+            return
+        self._robot.attach(self)
+        self.time.open()
+        self._on_end = None
+        self.inner.start()
+        for name, service in self._robot.services.items():
+            self.inner.serve(name, "", partial(self._response, name, service))
+        for name, topic in self._robot.topics.items():
+            self.inner.subscribe(MESSAGES + name, "", partial(self._take_message, name, topic))
+        for name, action in self._robot.actions.items():
+            self.inner.offer(name, "", FunctionServer(self, name, action))
+
+    def stop(self) -> None:
+        must_wait = self.inner.running and self._on_end is None
+        self._stop_polls()
+        self.inner.stop()
+        self._robot.detach(self)
+        with self._changed:
+            if must_wait:
+                self._changed.wait_for(lambda: not self._goals, EXIT_S)
+            workers, self._workers = list(self._workers.values()), {}
+            self._listened.clear()
+        self.time.close()
+        self.loop.close()
+        for worker in workers:
+            worker.close(within_s=0.0)
+
+    def conclude(self, on_end: Callable[[], None]) -> None:
+        """As `HostsActions` has it."""
+        self._stop_polls()
+        self._on_end = on_end
+        self._worker("end").after(EXIT_S, self._give_up)
+        self._look_for_end()
+
+    def _give_up(self) -> None:
+        for run in list(self._goals.values()):
+            run.report("overdue", f"it has not ended {EXIT_S:g} s after the end of the run")
+        self._look_for_end(anyway=True)
+
+    def _look_for_end(self, *, anyway: bool = False) -> None:
+        with self._changed:
+            self._changed.notify_all()
+            on_end = self._on_end
+            if on_end is None or (self._goals and not anyway):
+                return
+            self._on_end = _nothing
+        on_end()
+
+    def _worker(self, name: str) -> Worker:
+        with self._changed:
+            if name not in self._workers:
+                self._workers[name] = Worker(f"{self._robot.name}/{name}")
+            return self._workers[name]
+
+    # -- facts, events and messages -----------------------------------------------------------------------------------
+
+    def subscribe(self, topic: str, type_name: str, on_message: Callable[[Message], None]) -> Close:
+        close = self.inner.subscribe(topic, type_name, on_message)
+        name = topic.removeprefix(FACTS)
+        if topic.startswith(FACTS):
+            if (written := self._robot.written.get(name)) is not None:
+                age_s = time.monotonic() - written.written
+                on_message(Message(topic, {"value": written.value}, self._now() - age_s, age_s, kept=True))
+            if (fact := self._robot.facts.get(name)) is not None and fact.read is not None:
+                self._begin_poll(name, fact.read, fact.every_s)
+        elif topic.startswith(EVENTS):
+            self._listened[topic] = self._listened.get(topic, 0) + 1
+        return close
+
+    def take_fact(self, name: str, value: Any) -> None:
+        """A value was written; from any thread."""
+        self.inner.publish(FACTS + name, "", {"value": value})
+
+    def take_event(self, name: str, data: Mapping[str, Any]) -> None:
+        """Something has happened; from any thread."""
+        if EVENTS + name in self._listened:
+            self.inner.publish(EVENTS + name, "", data)
+        elif name not in self._puzzled:
+            self._puzzled.add(name)
+            known = [topic.removeprefix(EVENTS) for topic in self._listened]
+            log.warning("the mission has no event '%s', which is dropped%s", name, suggestion(name, known))
+
+    def refresh(self) -> None:
+        """Have every fact read again, so that what was done is known before it is reported as done."""
+        refresh(list(self._polls.values()))
+
+    def _begin_poll(self, name: str, read: Callable[[], Any], every_s: float) -> None:
+        if name not in self._polls:
+            self._polls[name] = FactPoll(
+                name, partial(self._called, read), every_s, robot_time=self.time,
+                on_value=lambda value: self.take_fact(name, value),
+            )  # fmt: skip
+
+    def _stop_polls(self) -> None:
+        polls, self._polls = self._polls, {}
+        for poll in polls.values():
+            poll.stop()
+
+    def _take_message(self, name: str, topic: ServiceFunction, message: Message) -> None:
+        def take() -> None:
+            try:
+                self._called(topic.answer, copy.copy(message.data))
+            except BaseException as error:  # noqa: BLE001 - whatever a function raises, the next message comes
+                log.warning("topic '%s' failed: %s", name, fault_of(error))
+
+        self._later(f"topic '{name}'", take)
+
+    def _later(self, name: str, work: Callable[[], None]) -> None:
+        """Have something done on the thread of a name, one piece after the other."""
+        execution = Execution(name, self.time)
+        self.time.add(execution)
+
+        def do() -> None:
+            try:
+                work()
+            finally:
+                self.time.remove(execution)
+
+        self._worker(name).post(do)
+
+    def _called(self, function: Callable[..., Any], *arguments: Any) -> Any:
+        """What a function returns, an `async def` too; on the thread that calls."""
+        returned = function(*arguments)
+        if inspect.iscoroutine(returned):
+            return asyncio.run_coroutine_threadsafe(returned, self.loop.get()).result()
+        return returned
+
+    # -- services -----------------------------------------------------------------------------------------------------
+
+    def call(
+        self, service: str, type_name: str, request: Data, *, on_reply: Callable[[Reply], None],
+        timeout_s: float | None = None,
+    ) -> None:  # fmt: skip
+        once = OneReply(on_reply, lambda: self.inner.running)
+        own = self._robot.services.get(service) if self.inner.running else None
+
+        def work() -> None:
+            if once.is_given:  # it has timed out while another call was answered
+                return
+            if own is None:
+                self.inner.call(service, type_name, request, on_reply=once)
+                return
+            try:
+                response = self._response(service, own, request)
+                self.refresh()
+                once(Reply("succeeded", response))
+            except BaseException as error:  # noqa: BLE001 - whatever a function raises is the service's failure
+                why = fault_of(error)
+                log.warning("service '%s' failed: %s", service, why)
+                once(Reply("failed", {}, why))
+
+        if not self.inner.running:
+            on_reply(Reply("unavailable", {}, f"no server offers {service}"))
+            return
+        if timeout_s is not None:
+            late = Reply("timed_out", {}, f"{service} has not answered within {timeout_s:g} s")
+            self._worker("timeouts").after(timeout_s, lambda: once(late))
+        self._later(f"service '{service}'", work)
+
+    def _response(self, name: str, service: ServiceFunction, request: Data) -> Data:
+        return response_of(f"service '{name}'", "response", self._called(service.answer, dict(request)))
+
+    # -- actions ------------------------------------------------------------------------------------------------------
+
+    def begin(self, goal_id: str, run: ActionRun | AsyncActionRun) -> None:
+        """A function is about to pursue a goal."""
+        self._goals[goal_id] = run
+
+    def end(self, goal_id: str) -> None:
+        """It has returned, and its end is reported."""
+        with self._changed:
+            self._goals.pop(goal_id, None)
+        self._look_for_end()
+
+    def find(self, goal_id: str) -> ActionRun | AsyncActionRun | None:
+        """The run of a goal whose function has not returned."""
+        return self._goals.get(goal_id)
+
+
+class OneReply:
+    """Passes the first reply on, and no other."""
+
+    def __init__(self, on_reply: Callable[[Reply], None], is_wanted: Callable[[], bool]) -> None:
+        self._on_reply, self._is_wanted = on_reply, is_wanted
+        self._lock = threading.Lock()
+        self.is_given = False
+
+    def __call__(self, reply: Reply) -> None:
+        with self._lock:
+            if self.is_given:
+                return
+            self.is_given = True
+        if self._is_wanted():
+            self._on_reply(reply)
+
+
+class FunctionServer:
+    """The server of an action that a function pursues; an `ActionServer`."""
+
+    def __init__(self, connector: PythonRobotConnector, name: str, action: ActionFunction) -> None:
+        self._connector, self._name, self._action = connector, f"action '{name}'", action
+
+    def accept(self, goal_id: str, goal: Data, report: Callable[[Report], None]) -> None:
+        if inspect.iscoroutinefunction(self._action.pursue):
+            self._begin_task(goal_id, goal, report)
+        else:
+            self._begin_thread(goal_id, goal, report)
+
+    def cancel(self, goal_id: str) -> None:
+        if (run := self._connector.find(goal_id)) is not None:
+            run.ask_to_cancel()
+
+    def _begin_thread(self, goal_id: str, goal: Data, report: Callable[[Report], None]) -> None:
+        execution = Execution(self._name, self._connector.time)
+        run = ActionRun(goal_id, execution, self._connector.time, report)
+
+        def pursue() -> None:
+            with self._ending(goal_id, run, execution):
+                returned = self._action.pursue(dict(goal), run)
+                self._connector.refresh()
+                run.finish(returned)
+
+        self._begin(goal_id, run, execution)
+        threading.Thread(target=pursue, name=self._name, daemon=True).start()
+
+    def _begin_task(self, goal_id: str, goal: Data, report: Callable[[Report], None]) -> None:
+        loop = self._connector.loop.get()
+        execution = TaskExecution(self._name, self._connector.time, loop)
+        run = AsyncActionRun(goal_id, execution, self._connector.time, report)
+
+        async def pursue() -> None:
+            with self._ending(goal_id, run, execution):
+                returned = await self._action.pursue(dict(goal), run)
+                await asyncio.to_thread(self._connector.refresh)
+                run.finish(returned)
+
+        self._begin(goal_id, run, execution)
+        asyncio.run_coroutine_threadsafe(pursue(), loop)
+
+    def _begin(self, goal_id: str, run: ActionRun | AsyncActionRun, execution: Execution) -> None:
+        self._connector.begin(goal_id, run)
+        self._connector.time.add(execution)
+        run.report("accepted")
+
+    @contextmanager
+    def _ending(self, goal_id: str, run: ActionRun | AsyncActionRun, execution: Execution) -> Iterator[None]:
+        """Whatever the function raises is an end; its end is known before time moves without it."""
+        try:
+            yield
+        except RunOver:
+            log.info("%s was ended, because the run is over", self._name)
+        except BaseException as error:  # noqa: BLE001 - also an exit is the action's failure, never the process's
+            run.fail(error)
+        finally:
+            self._connector.end(goal_id)
+            self._connector.time.remove(execution)
+
+
+def _nothing() -> None:
+    """The end was reported already."""

@@ -1,0 +1,143 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A robot in Python as a profile, which is all that a run, its journal and a replay know of it.
+
+Rule: only a file that a person names is executed, and only as the bytes whose hash is in the journal. No profile in
+JSON and no journal leads here.
+"""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Mapping
+from pathlib import Path
+from types import ModuleType
+from typing import Any, NamedTuple
+
+from pydantic import ValidationError
+
+from rai_missions.connectors.python_robot import PythonRobot
+from rai_missions.connectors.python_robot.connector import EVENTS, FACTS, MESSAGES
+from rai_missions.errors import DefinitionError, Fault
+from rai_missions.mission.json_reader import file_bytes
+from rai_missions.mission.mission import Mission
+from rai_missions.mission.python_file import call_offered, run_file
+from rai_missions.profile.coverage import missing
+from rai_missions.profile.profile import Robot
+from rai_missions.redaction import shown
+from rai_missions.validation_errors import faults_of
+
+__all__ = ("KIND", "RobotProgram", "lacking_functions", "profile_of", "read_program")
+
+KIND = "python"
+"""The kind of its connector; a run opens it for a program that was named, and for nothing else."""
+
+
+class RobotProgram(NamedTuple):
+    """A file in Python that offers a robot, executed once."""
+
+    file: Path
+    sha256: str
+    """Of its bytes, in hex."""
+    module: ModuleType
+
+    def robot(self) -> PythonRobot:
+        """Its `robot`, or what its `robot()` makes for a run.
+
+        Raises:
+            DefinitionError: It offers none, or `robot()` raises.
+        """
+        offered = getattr(self.module, "robot", None)
+        if callable(offered) and not isinstance(offered, PythonRobot):
+            offered = call_offered(offered, self.file)
+            if not isinstance(offered, PythonRobot):
+                raise self._refused(f"robot() returned {shown(repr(offered))}; return a PythonRobot")
+        if not isinstance(offered, PythonRobot):
+            sentence = (
+                "the file offers no 'robot'; write `robot = PythonRobot(\"name\")`, or `def robot()` for one a run"
+            )
+            raise self._refused(sentence)
+        return offered
+
+    def _refused(self, sentence: str) -> DefinitionError:
+        return DefinitionError([Fault("", sentence)], str(self.file))
+
+
+def read_program(path: str | Path, *, expected: str | None = None) -> RobotProgram:
+    """Execute the file of a robot.
+
+    Args:
+        path: The file.
+        expected: The hash that it must have to be executed; None for any.
+
+    Raises:
+        DefinitionError: It has another hash, or cannot be executed.
+        UsageError: There is no such file.
+    """
+    file = Path(path)
+    source = file_bytes(file)
+    sha256 = hashlib.sha256(source).hexdigest()
+    if expected is not None and sha256 != expected:
+        sentence = (
+            f"the run's robot was another file, or has changed since (sha256 {expected[:12]}…, now {sha256[:12]}…)"
+        )
+        raise DefinitionError([Fault("", f"{sentence}; resume with the file as it was")], str(file))
+    return RobotProgram(file, sha256, run_file(file, source))
+
+
+def profile_of(robot: PythonRobot, mission: Mission, program: RobotProgram | None = None) -> Robot:
+    """The profile of a robot in Python, for a mission.
+
+    Args:
+        robot: The robot.
+        mission: Whose events and keys it may bring.
+        program: Where it comes from, if from a file.
+
+    Raises:
+        DefinitionError: Its rules are at fault.
+    """
+    origin = {} if program is None else {"file": program.file.name, "sha256": program.sha256}
+    facts = {
+        name: {"topic": FACTS + name, "field": "value"} for name in _facts(robot, mission) if name in mission.blackboard
+    }
+    return _profile(robot, mission, facts, {"kind": KIND, **origin})
+
+
+def lacking_functions(robot: PythonRobot, mission: Mission) -> tuple[Fault, ...]:
+    """What a mission uses and the robot has no function for."""
+    facts = {name: {"topic": FACTS + name, "field": "value"} for name in _facts(robot, mission)}
+    return missing(mission, _profile(robot, mission, facts, {"kind": KIND}), remedies=REMEDIES)
+
+
+REMEDIES: Mapping[str, str] = {
+    "blackboard": 'write `@robot.fact("{}")`, or `robot.fact("{}")` where robot.write brings it',
+    "services": 'write `@robot.service("{}")`',
+    "actions": 'write `@robot.action("{}")`',
+    "topics": 'write `@robot.topic("{}")`',
+}
+"""Section of a profile → what makes a robot in Python have a name in it."""
+
+
+def _facts(robot: PythonRobot, mission: Mission) -> dict[str, None]:
+    """The keys that it brings; one that need not be there may be written without being declared."""
+    optional = [name for name, key in mission.blackboard.items() if key.source == "robot" and key.optional]
+    return dict.fromkeys([*robot.facts, *robot.written, *optional])
+
+
+def _profile(robot: PythonRobot, mission: Mission, facts: Mapping[str, Any], connector: Mapping[str, Any]) -> Robot:
+    data = {
+        "format": 1, "name": robot.name, "connector": connector, "blackboard": facts,
+        "events": {name: {"topic": EVENTS + name} for name in mission.events},
+        "actions": {
+            name: {"action": name, "uses": list(action.uses), "keep": action.keep, "repeat": action.repeat}
+            for name, action in robot.actions.items()
+        },
+        "services": {
+            name: {"service": name, "type": "", "repeat": service.repeat} for name, service in robot.services.items()
+        },
+        "topics": {name: {"topic": MESSAGES + name, "type": ""} for name in robot.topics},
+        "rules": robot.rules,
+    } | ({"about": robot.about} if robot.about else {})  # fmt: skip
+    try:
+        return Robot.model_validate(data)
+    except ValidationError as error:
+        raise DefinitionError(faults_of(error, Robot, data), robot.name) from None
