@@ -8,7 +8,7 @@ import pytest
 from rai_missions.engine import Chart
 from rai_missions.errors import UsageError
 from rai_missions.event import Event
-from tests.rigs.charts import mission, sent, transition
+from tests.rigs.charts import chart, mission, sent, transition
 
 
 def test_a_result_of_another_type_is_not_written() -> None:
@@ -90,3 +90,25 @@ def test_an_item_that_does_not_fit_ends_its_each_whatever_was_raised_before() ->
         blackboard={"stops": {"type": "list", "initial": [1]}, "stop": {"type": "string"}}, events=["began"],
     ))  # fmt: skip
     assert made.start(0.0).entered == ("day", "tour", "no")
+
+
+def test_a_region_ends_as_the_final_that_it_reached_whatever_other_finals_it_has() -> None:
+    finals = {"bad": {"final": "failed"}, "good": {"final": "succeeded"}}
+    inner = {"initial": "on", "states": {"on": {"transitions": [transition("go", "good")]}, **finals}}
+    other = {"initial": "well", "states": {"well": {"final": "succeeded"}}}
+    both = {"parallel": {"one": inner, "two": other}, "transitions": [transition("succeeded", "c")]}
+    made = chart({"both": both, "c": {}}, events=["go"])
+    assert sent(made, "go").entered == ("good", "c")
+
+
+def test_a_success_that_rests_on_a_stale_fact_names_its_age() -> None:
+    there = {"key": "there", "==": True}
+    keys = {"there": {"type": "boolean", "source": "robot", "max_age_s": 2, "optional": True}}
+    made = chart(
+        {"a": {"transitions": [transition("go", "end")]}, "end": {"final": "succeeded", "requires": there}},
+        blackboard=keys,
+    )
+    made.write("there", True, at=1.0)
+    step = sent(made, "go", at=7.0)
+    assert step.outcome == "failed"
+    assert step.why.endswith("is unknown (there is 6.0 s old)")

@@ -45,3 +45,23 @@ def test_an_end_that_waits_for_the_facts_has_its_deadline_though_the_operator_ta
     made.send(Event("operator", 1.5, {"by": "operator"}, "control"))
     assert made.wake_at == 3.0
     assert made.send(Event("tick", 3.0, kind="tick")).outcome == "failed"
+
+
+def test_the_time_in_a_state_counts_each_time_where_only_the_guard_of_an_event_looks_at_it() -> None:
+    aged, way_out = {"elapsed_s": 5}, transition("back", "a")
+    made = chart({
+        "a": {"transitions": [transition("go", "b")]},
+        "b": {"transitions": [transition("on", "c", when=aged), way_out]},
+        "c": {"transitions": [way_out]},
+    })  # fmt: skip
+    for begin in (0.0, 20.0, 40.0):
+        for name, after_s, led_to in (("go", 2, "b"), ("on", 6.9, "b"), ("on", 7, "c"), ("back", 8, "a")):
+            made.send(Event(name, begin + after_s))
+            assert made.active == {led_to}, (begin, name)
+
+
+def test_the_active_states_are_those_of_the_last_event_each_time() -> None:
+    made = chart({"a": {"transitions": [transition("go", "b")]}, "b": {"transitions": [transition("go", "a")]}})
+    for led_to in ("b", "a", "b", "a", "b"):
+        assert sent(made, "go").entered == (led_to,)
+        assert made.active == {led_to}
