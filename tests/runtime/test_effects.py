@@ -1,0 +1,85 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What a run does on its robot besides goals: messages, control, polls; and what it reports when it breaks off."""
+
+from __future__ import annotations
+
+import logging
+from typing import Any
+
+import pytest
+
+from rai_missions.connectors.connector import Message
+from rai_missions.connectors.local import LocalConnector
+from rai_missions.engine import Chart
+from rai_missions.errors import UsageError
+from rai_missions.profile import Robot
+from rai_missions.runtime.observers import RobotListener
+from rai_missions.runtime.scheduler import Scheduler
+from tests.rigs.runs import ManualClock, Mailbox, Rig, robot
+
+LIT: Any = {
+    "waiting": {"transitions": [{"on": "go", "to": "over", "do": [{"publish": "lamp", "message": {"data": True}}]}]},
+    "over": {"final": "aborted"},
+}
+STRING, TRIGGER = "std_msgs/msg/String", "std_srvs/srv/Trigger"
+
+
+def test_a_message_is_published_where_the_profile_names_its_topic() -> None:
+    rig, seen = Rig(LIT), list[Message]()
+    rig.connector.subscribe("/lamp", "std_msgs/msg/Bool", seen.append)
+    rig.stage.play({1.0: lambda: rig.post("go")})
+    rig.run()
+    assert [message.data for message in seen] == [{"data": True}]
+
+
+def test_control_that_the_robot_tracks_goes_to_no_one_whom_the_profile_does_not_name() -> None:
+    states = {"moving": {"control": "agent", "handover_s": 3, "action": "move", "transitions": []}}
+    rig = Rig(states, robot=robot(control={"operator": "/give"}, holder={"topic": "/holder", "type": STRING}))
+    rig.stage.play({0.1: lambda: rig.connector.publish("/holder", STRING, {"data": "autonomy"})})
+    result = rig.run()
+    assert result.why == "moving: rejected (agent was not given control in time)"
+    assert rig.move.goals == []
+
+
+def test_a_listener_that_is_closed_asks_nothing_more() -> None:
+    polled = {"service": "/charge", "type": TRIGGER, "every_s": 1.0, "field": "message"}
+    connector, asked, clock = LocalConnector(), list[float](), ManualClock()
+    scheduler = Scheduler(clock, Mailbox())
+
+    def charge(_: object) -> dict[str, object]:
+        asked.append(clock.at)
+        return {"success": True, "message": "0.8"}
+
+    connector.serve("/charge", TRIGGER, charge)
+    connector.start()
+    listener = RobotListener(
+        Robot.model_validate({"name": "one", "blackboard": {"charge": polled}}), connector, scheduler
+    )
+    listener.open()
+    for clock.at in (1.0, 2.0):
+        scheduler.run_due()
+    listener.close()
+    for clock.at in (3.0, 4.0):
+        scheduler.run_due()
+    connector.stop()
+    assert asked == [0.0, 1.0, 2.0]
+
+
+@pytest.mark.parametrize(("fault", "is_logged"), [(RuntimeError("the wire"), True), (UsageError("the wire"), False)])
+def test_only_a_fault_that_the_caller_cannot_mend_is_logged_as_critical(
+    fault: Exception, is_logged: bool, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    rig = Rig(LIT)
+
+    def fails(*_: object) -> None:
+        raise fault
+
+    def breaks() -> None:
+        monkeypatch.setattr(Chart, "send", fails)
+        rig.post("go")
+
+    rig.stage.play({1.0: breaks})
+    with pytest.raises(type(fault), match="the wire"):
+        rig.run()
+    assert rig.book.notes == [f"the run breaks off: {type(fault).__name__}: the wire"]
+    assert any(record.levelno == logging.CRITICAL for record in caplog.records) is is_logged
