@@ -87,7 +87,8 @@ class Journal(Closable):
         except BaseException:
             lock.release()
             for left in (path, path.with_name(f"{path.name}-wal")):
-                left.unlink(missing_ok=True)
+                with suppress(OSError):  # a name that is too long is that of no file
+                    left.unlink(missing_ok=True)
             raise
         return journal
 

@@ -321,3 +321,33 @@ def test_control_taken_away_ends_the_goal_and_control_given_back_starts_it_again
     reports(made, "canceled", number)
     assert starts(made.send(Event("autonomy", 9.0, {}, "control")))
     assert made.waiting == {}
+
+
+def test_control_that_comes_in_a_pause_starts_what_waits_for_it_at_the_end_of_the_pause() -> None:
+    made = Chart(mission(driving(control="agent", handover_s=20)))
+    made.start(0.0)
+    made.send(Event("pause", 1.0, {"by": "operator"}, "command"))
+    assert not starts(made.send(Event("agent", 1.5, {}, "control")))
+    assert starts(made.send(Event("resume", 2.0, {"by": "operator"}, "command")))
+
+
+def test_a_held_state_that_is_left_waits_for_no_control() -> None:
+    work = {"initial": "drive", "states": driving(control="autonomy"), "transitions": [transition("away", "rest")]}
+    made = Chart(mission({"work": work, "rest": {}}, initial="work"))
+    made.start(0.0)
+    made.send(Event("operator", 1.0, {"by": "operator"}, "control"))
+    assert made.waiting == {"drive": "autonomy"}
+    assert made.send(Event("away", 2.0)).entered == ("rest",)
+    assert made.waiting == {}
+
+
+def test_control_taken_and_given_back_in_a_pause_starts_the_goal_once_at_its_end() -> None:
+    made = Chart(mission(driving(control="autonomy")))
+    number = starts(made.start(0.0))[0].number
+    reports(made, "accepted", number)
+    made.send(Event("pause", 1.0, {"by": "operator"}, "command"))
+    reports(made, "canceled", number)
+    taken = made.send(Event("operator", 2.0, {"by": "operator"}, "control"))
+    assert not [note for note in taken.notes if "waits until control" in note]
+    made.send(Event("autonomy", 3.0, {"by": "operator"}, "control"))
+    assert len(starts(made.send(Event("resume", 4.0, {"by": "operator"}, "command")))) == 1

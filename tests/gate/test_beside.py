@@ -56,6 +56,8 @@ def test_it_looks_by_itself_until_it_is_stopped(monkeypatch: pytest.MonkeyPatch)
     connector = Counted()
     connector.topics = {"/cmd_vel": 2}
     neighbours = BypassMonitor(connector, ["/cmd_vel"], lambda topic, count: found.set())
+    threads = set(threading.enumerate())
     neighbours.run()
     assert found.wait(10)
     neighbours.stop()
+    assert set(threading.enumerate()) <= threads

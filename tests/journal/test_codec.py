@@ -122,6 +122,7 @@ PICTURE = {"$image": "x", "width": "2", "height": 2, "encoding": "png"}
         [], {}, {"seq": "one"}, {**LEAST, "colour": 1}, {**LEAST, "event": 3}, {**LEAST, "effects": [{"fly": {}}]},
         {**LEAST, "event": {"name": "x", "data": {"a": {"$code": "x"}}}}, {**LEAST, "guards": [["a", 1]]},
         {**LEAST, "event": {"name": "x", "data": {"a": PICTURE}}}, {**LEAST, "notes": "n"}, {**LEAST, "effects": [7]},
+        {**LEAST, "seq": "one"}, {**LEAST, "at": "noon"}, {**LEAST, "why": 3}, {**LEAST, "kept": "yes"},
     ],
 )  # fmt: skip
 def test_what_is_no_step_is_not_read_as_one(written: Any) -> None:

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from rai_missions.engine.step import StartGoal, Step
-from rai_missions.errors import MissionError, UsageError
+from rai_missions.errors import DefinitionError, MissionError, UsageError
 from rai_missions.event import Event
 from rai_missions.journal import Header, Journal, StepRow, read, verify
 from rai_missions.journal.in_flight import underway
@@ -45,3 +45,18 @@ def test_what_a_server_had_accepted_before_a_migration_is_accepted_after_it() ->
     migrated = Event("migrate", 3.0, {"accepted": [4]}, "command")
     goals = tuple(StartGoal(number, "moving", "move", {}) for number in (4, 5))
     assert underway([StepRow(1, Step(1, 3.0, migrated, effects=goals), 0.0)]).accepted == {4}
+
+
+def test_a_file_that_is_no_database_next_to_a_log_is_no_journal(tmp_path: Path) -> None:
+    path = tmp_path / "run.journal"
+    path.write_bytes(b"no database" * 100)
+    path.with_name("run.journal-wal").write_bytes(b"no log" * 100)
+    with pytest.raises(DefinitionError, match="no journal"):
+        read(path)
+
+
+@pytest.mark.parametrize("length", [251, 252, 255])
+def test_a_name_that_has_no_room_for_that_of_its_log_is_reported_in_a_sentence(tmp_path: Path, length: int) -> None:
+    with pytest.raises(UsageError, match=r"a journal cannot be written at .*; name another file"):
+        Journal.create(tmp_path / ("n" * length), Header("{}"))
+    assert list(tmp_path.iterdir()) == []

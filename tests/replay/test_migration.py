@@ -309,3 +309,17 @@ def test_a_map_is_read_and_its_faults_are_reported_with_their_places(tmp_path: P
     with pytest.raises(DefinitionError) as refused:
         load_map(path)
     assert {fault.place for fault in refused.value.faults} >= {"/state", "/keys/k"}
+
+
+def test_a_final_that_was_reached_inside_may_have_another_name_and_no_other_end(tmp_path: Path) -> None:
+    """The body has moved after 6 s and its head still waits; a period is half a second."""
+    moving = {**DOCUMENT["states"]["work"]["parallel"]["body"]["states"]["moving"]}
+    moving["transitions"] = [{"on": "succeeded", "to": "there"}]
+    there, now = land(), changed((BODY, {"moving": moving, "there": {"final": "succeeded"}}))
+    assert continued(moved(tmp_path, there, now, waits=5, states={"moved": "there"}), there, now) == Ended(
+        "canceled", "'over' was reached"
+    )
+    now = changed((BODY, {"moving": moving, "there": {"final": "failed"}}))
+    (tmp_path / "again").mkdir()
+    with pytest.raises(DefinitionError, match="'there' is a final: a map ends no run"):
+        moved(tmp_path / "again", land(), now, waits=5, states={"moved": "there"})

@@ -15,7 +15,7 @@ from rai_missions.errors import UsageError
 from rai_missions.profile import Robot
 from rai_missions.runtime.observers import RobotListener
 from rai_missions.runtime.scheduler import Scheduler
-from tests.rigs.runs import ManualClock, Mailbox, Rig, robot
+from tests.rigs.runs import Mailbox, ManualClock, Rig, robot
 
 LIT: Any = {
     "waiting": {"transitions": [{"on": "go", "to": "over", "do": [{"publish": "lamp", "message": {"data": True}}]}]},
@@ -41,10 +41,11 @@ def test_control_that_the_robot_tracks_goes_to_no_one_whom_the_profile_does_not_
     assert rig.move.goals == []
 
 
-def test_a_listener_that_is_closed_asks_nothing_more() -> None:
+def test_a_listener_asks_a_service_until_it_is_closed_and_its_replies_are_of_their_receipt() -> None:
     polled = {"service": "/charge", "type": TRIGGER, "every_s": 1.0, "field": "message"}
     connector, asked, clock = LocalConnector(), list[float](), ManualClock()
-    scheduler = Scheduler(clock, Mailbox())
+    mailbox = Mailbox()
+    scheduler = Scheduler(clock, mailbox)
 
     def charge(_: object) -> dict[str, object]:
         asked.append(clock.at)
@@ -63,6 +64,10 @@ def test_a_listener_that_is_closed_asks_nothing_more() -> None:
         scheduler.run_due()
     connector.stop()
     assert asked == [0.0, 1.0, 2.0]
+    read = []
+    while (event := mailbox.take()) is not None:
+        read.append((event.at, event.data))
+    assert read == [(at, {"value": "0.8", "stamp": at}) for at in asked]
 
 
 @pytest.mark.parametrize(("fault", "is_logged"), [(RuntimeError("the wire"), True), (UsageError("the wire"), False)])
@@ -83,3 +88,11 @@ def test_only_a_fault_that_the_caller_cannot_mend_is_logged_as_critical(
         rig.run()
     assert rig.book.notes == [f"the run breaks off: {type(fault).__name__}: the wire"]
     assert any(record.levelno == logging.CRITICAL for record in caplog.records) is is_logged
+
+
+def test_control_that_is_refused_is_logged_with_the_reason_of_the_robot(caplog: pytest.LogCaptureFixture) -> None:
+    states = {"moving": {"control": "agent", "handover_s": 3, "action": "move"}}
+    rig = Rig(states, robot=robot(control={"agent": "/give"}))
+    rig.connector.serve("/give", TRIGGER, lambda _: {"success": False, "message": "not now"})
+    assert rig.run().outcome == "failed"
+    assert "control does not go to agent: not now" in caplog.messages

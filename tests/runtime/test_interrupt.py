@@ -10,6 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from rai_missions.engine.step import CancelGoal, StartGoal
+from rai_missions.runtime.interrupts import interruptible
 from tests.rigs.runs import Rig, mission
 
 OUTCOMES = ["succeeded", "failed", "canceled", "rejected", "timed_out"]
@@ -60,3 +61,26 @@ def test_an_interrupted_run_cancels_its_goal_and_its_journal_has_the_end_of_it()
 def test_a_second_interrupt_is_an_e_stop() -> None:
     rig = interrupted(1.0, 2.0, winds_down=True)
     assert (rig.runner.view.outcome, rig.runner.view.why) == ("aborted", "e-stop by operator (interrupt)")
+
+
+def test_a_third_interrupt_raises_where_it_is() -> None:
+    received: list[str] = []
+
+    class Run:
+        def cancel(self, by: str = "") -> None:
+            received.append("cancel")
+
+        def kill(self, by: str = "") -> None:
+            received.append("kill")
+
+    def press(times: int) -> None:
+        with interruptible(Run()):
+            for _ in range(times):
+                signal.raise_signal(signal.SIGINT)
+            received.append("over")
+
+    with pytest.raises(KeyboardInterrupt):
+        press(2)
+    with pytest.raises(KeyboardInterrupt):
+        press(3)
+    assert received == ["cancel", "kill", "over", "cancel", "kill"]

@@ -195,7 +195,6 @@ def _write(path: Path, header: Header, step: Step) -> None:
         raise UsageError(f"{path} is there already, and a journal is never overwritten; name another file")
     part = path.with_name(f".{path.name}.part")
     try:
-        path.parent.mkdir(parents=True, exist_ok=True)
         for left in (part, log_of(part), log_of(path)):
             left.unlink(missing_ok=True)  # of a process that died, or of a journal that is gone
         try:
