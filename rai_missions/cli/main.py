@@ -12,7 +12,7 @@ from collections.abc import Sequence
 from rai_missions.cli.command import Command
 from rai_missions.cli.commands import load_command, names, root_parser
 
-__all__ = ("main",)
+__all__ = ("main", "run")
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -32,6 +32,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return 0
     root.print_help()
     return 2
+
+
+def run() -> int:
+    """Run a mission: the command `run`, as an executable of that name."""
+    return main(["run", *sys.argv[1:]])
 
 
 def _run(command: Command, words: Sequence[str]) -> int:

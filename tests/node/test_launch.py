@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The tractor's launch file, as far as it can be tried without `launch`, which no package index has."""
+"""The launch file, as far as it can be tried without `launch`, which no package index has."""
 
 from __future__ import annotations
 
+import json
 import runpy
 import sys
 from pathlib import Path
@@ -16,56 +17,87 @@ from rai_missions.cli.main import main
 from rai_missions.mission.files import load
 from rai_missions.node import node_name
 
-FILE = Path(__file__).parents[2] / "missions" / "tractor" / "tractor.launch.py"
-NAMES = {
-    "launch": ["LaunchDescription"],
-    "launch.actions": ["DeclareLaunchArgument", "Shutdown"],
-    "launch.conditions": ["IfCondition", "UnlessCondition"],
-    "launch.substitutions": ["FindExecutable", "LaunchConfiguration"],
-    "launch_ros": [],
-    "launch_ros.actions": ["LifecycleNode", "Node"],
-    "launch_ros.parameter_descriptions": ["ParameterValue"],
+FILE = Path(__file__).parents[2] / "ros" / "launch" / "mission.launch.py"
+TRACTOR = Path(__file__).parents[2] / "missions" / "tractor"
+SIGNATURES: dict[str, dict[str, str]] = {
+    "launch": {"LaunchContext": "", "LaunchDescription": "entities"},
+    "launch.actions": {
+        "DeclareLaunchArgument": "name, *, default_value, description",
+        "OpaqueFunction": "*, function",
+        "Shutdown": "",
+    },
+    "launch.substitutions": {"LaunchConfiguration": "name"},
+    "launch_ros": {},
+    "launch_ros.actions": {
+        "LifecycleNode": "*, name, namespace, package, executable, arguments, parameters, output",
+        "Node": "*, package, executable, name, namespace, arguments, parameters, output, on_exit",
+    },
 }
+"""What the file uses of `launch` and `launch_ros`, and what their documentation has these take."""
 
 
 class LaunchPart:
-    """What was reported to a constructor."""
+    """What was reported to a constructor; `perform` is that of `LaunchConfiguration`."""
 
-    def __init__(self, *given: Any, **words: Any) -> None:
-        self.given, self.words = given, words
+    def __init__(self, **given: Any) -> None:
+        self.given = given
+
+    def perform(self, context: dict[str, str]) -> str:
+        return context[self.given["name"]]
+
+
+def part(name: str, takes: str) -> type[LaunchPart]:
+    """A class that takes what the documented one does, and nothing else."""
+    scope: dict[str, Any] = {}
+    exec(f"def __init__(self, {takes}): self.given = {{k: v for k, v in locals().items() if k != 'self'}}", scope)
+    return type(name, (LaunchPart,), {"__init__": scope["__init__"]})
 
 
 @pytest.fixture
-def described(monkeypatch: pytest.MonkeyPatch) -> list[LaunchPart]:
+def described(monkeypatch: pytest.MonkeyPatch) -> list[Any]:
     """The entries of the launch description."""
-    for module, names in NAMES.items():
-        fake_robot = ModuleType(module)
-        vars(fake_robot).update({name: type(name, (LaunchPart,), {}) for name in names})
-        monkeypatch.setitem(sys.modules, module, fake_robot)
-    description = runpy.run_path(str(FILE))["generate_launch_description"]()
-    return list(description.given[0])
+    for module, names in SIGNATURES.items():
+        made = ModuleType(module)
+        vars(made).update({name: part(name, takes) for name, takes in names.items()})
+        monkeypatch.setitem(sys.modules, module, made)
+    entities: list[Any] = runpy.run_path(str(FILE))["generate_launch_description"]().given["entities"]
+    return entities
 
 
-def test_the_command_lines_that_it_makes_are_understood(described: list[LaunchPart]) -> None:
-    defaults = {each.given[0]: each.words["default_value"] for each in described if "default_value" in each.words}
-    nodes = [each for each in described if "arguments" in each.words]
-    assert len(nodes) == 2
+def started(described: list[Any], **given: str) -> Any:
+    """The node that a launch with these arguments starts."""
+    *declared, begin = described
+    context = {each.given["name"]: each.given["default_value"] for each in declared}
+    assert set(given) <= set(context) and context.pop("mission") is None, "only the mission must be given"
+    (node,) = begin.given["function"]({**context, **given})
+    return node
 
-    def text(part: Any) -> str:
-        if isinstance(part, LaunchPart):
-            return str(defaults[part.given[0]])
-        return "".join(map(text, part)) if isinstance(part, list) else str(part)
 
-    for node in nodes:
-        appended = ["--ros-args", "-r", f"__node:={text(node.words['name'])}", "--params-file", "/tmp/launch_params_x"]
-        command, *words = map(text, node.words["arguments"])
-        given = load_command(command).read([*words, *appended])["options"]
-        assert given.managed is (type(node).__name__ == "LifecycleNode")
-        assert Path(given.mission).is_file() and Path(given.robot).is_file() and given.set == ()
-        ((name, value),) = node.words["parameters"][0].items()
-        assert name == "alleys" and value.words == {"value_type": int}, "parameters are the mission's arguments"
-        assert name in load(given.mission).blackboard
-        assert given.node == "" and node_name("other", ros_arguments=given.ros_args).path == "/tractor_mission"
+@pytest.mark.parametrize("managed", ["false", "True"])
+def test_the_command_line_that_it_makes_is_understood(described: list[Any], managed: str) -> None:
+    mission, robot = str(TRACTOR / "mission.json"), str(TRACTOR / "robot.ros2.json")
+    words = {"arguments": '{"alleys": 2}', "options": "--journal 'a b.journal'", "name": "tractor_mission"}
+    node = started(described, mission=mission, robot=robot, managed=managed, **words)
+    assert type(node).__name__ == ("LifecycleNode" if managed == "True" else "Node")
+    assert (node.given["package"], node.given["executable"]) == ("rai_missions", "rai-missions")
+    appended = ["--ros-args", "-r", f"__node:={node.given['name']}", "--params-file", "/tmp/launch_params_x"]
+    command, *rest = node.given["arguments"]
+    given = load_command(command).read([*rest, *appended])["options"]
+    assert given.managed is (managed == "True")
+    assert (str(given.mission), str(given.robot), given.set) == (mission, robot, ())
+    assert str(given.journal) == "a b.journal"
+    assert node.given["parameters"] == [{"alleys": 2}] and "alleys" in load(mission).blackboard
+    assert given.node == "" and node_name("other", ros_arguments=given.ros_args).path == "/tractor_mission"
+
+
+def test_what_ros_has_no_type_for_goes_as_json_and_a_file_comes_first(described: list[Any]) -> None:
+    arguments = {"target": {"x": 1.0}, "points": [{"x": 2.0}], "n": 3, "word": "a"}
+    node = started(described, mission="m.json", arguments=json.dumps(arguments), params_file="given.yaml")
+    assert node.given["parameters"] == [
+        "given.yaml", {"target": '{"x": 1.0}', "points": '[{"x": 2.0}]', "n": 3, "word": "a"},
+    ]  # fmt: skip
+    assert node.given["arguments"] == ["run", "m.json", "--node"]
+    assert started(described, mission="m.json").given["parameters"] == []
 
 
 @pytest.mark.parametrize(
