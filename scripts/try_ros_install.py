@@ -7,7 +7,6 @@ package are in `lib/<package>` of its prefix, its launch files anywhere in `shar
 
 from __future__ import annotations
 
-import importlib.util
 import os
 import subprocess
 import sys
@@ -55,10 +54,11 @@ def main(workspace: Path) -> None:
     ran = output(executable("run"), str(workspace / "lamp.json"), "--ros-args", "-r", "__node:=by_colcon", status=1)
     assert "aborted" in ran, ran
     output(executable("rai-missions"), "new", str(workspace / "own"), "--template", "tractor")
-    if importlib.util.find_spec("rai_missions_msgs") is not None:
+    if (workspace / "install" / "rai_missions_msgs").is_dir():
+        import rai_missions_msgs
         from rai_missions_msgs.action import RunMission
 
-        assert RunMission.Goal().arguments == ""
+        assert workspace in Path(rai_missions_msgs.__file__).parents and RunMission.Goal().arguments == ""
         print("rai_missions_msgs is built, and loads")
     print(f"{executable('run')} runs")
 
