@@ -13,6 +13,7 @@ from html import escape
 
 from visualize.model import Choice, Picture, PictureEdge, PictureNode, Twig
 from visualize.style import INK, LOOKS, MARKS, MUTED, clean, look_of, width, wrapped
+from visualize.text import controlled
 
 __all__ = (
     "anywhere_table",
@@ -90,7 +91,7 @@ def _name(node: PictureNode) -> str:
 def _below(node: PictureNode, staying: Sequence[PictureEdge], limit: float = LINE) -> Iterable[str]:
     """What is at the foot of every state: control, the transitions without an arrow, and where the run was."""
     if node.control:
-        yield small(f"control: {node.control}", limit=limit)
+        yield small(controlled(node.control), limit=limit)
     for edge in staying:
         count = f" ({edge.taken.words()})" if edge.taken.times else ""
         where = f"→ {edge.target}" if edge.target else "stays"

@@ -14,6 +14,7 @@ from pathlib import Path
 from visualize.dot_labels import transition_text
 from visualize.model import Picture, PictureEdge, PictureNode
 from visualize.style import clean, look_of, wrapped
+from visualize.text import controlled
 
 __all__ = ("MOST", "mermaid", "oversize")
 
@@ -110,7 +111,7 @@ def _states(parent: str, indent: str, picture: Picture, ids: Mapping[str, str]) 
 def _description(node: PictureNode, holder: bool) -> str:
     word = {"states": "", "decision": "decision", "tree": "tree", "parallel": "all at once"}.get(node.kind, node.title)
     lines = [f"{node.mark} {node.name}".strip(), word, *node.lines]
-    lines += [f"control: {node.control}"] if node.control else []
+    lines += [controlled(node.control)] if node.control else []
     for choice in node.choices:
         guard = f" when {choice.guard}" if choice.guard else ""
         lines.append(f"• {choice.name}{guard}" + (" (fallback)" if choice.fallback else ""))

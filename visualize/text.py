@@ -15,7 +15,7 @@ from rai_missions.states.effects import Effect
 from rai_missions.states.state import Transition
 from visualize.model import Choice, Twig
 
-__all__ = ("child_pointer", "choices", "effects", "trigger", "twigs")
+__all__ = ("child_pointer", "choices", "controlled", "effects", "trigger", "twigs")
 
 
 def child_pointer(place: str, *steps: str) -> str:
@@ -31,6 +31,19 @@ def trigger(transition: Transition) -> str:
         return f"after {transition.after_s:g} s"
     words = " or ".join("any event" if name == "*" else name for name in transition.on)
     return f"{words} of {transition.of}" if transition.of else words
+
+
+CONTROLLERS: Mapping[str, str] = {
+    "autonomy": "the autonomy stack", "agent": "the mission itself", "operator": "the operator", "nobody": "no one",
+}  # fmt: skip
+
+
+def controlled(holder: str) -> str:
+    """Who commands the actuators, by the word of `control`: `controlled by the mission itself`; empty for none.
+
+    The format's `agent` is the mission's own program here, and a model where a decision asks it; a reader sees neither.
+    """
+    return f"controlled by {CONTROLLERS.get(holder, holder)}" if holder else ""
 
 
 def effects(given: Iterable[Effect]) -> tuple[str, ...]:

@@ -8,7 +8,7 @@ from rai_missions.kinds import load_kinds
 from rai_missions.states.action import Action
 from rai_missions.states.call import Call
 from rai_missions.states.compound import Compound, Each, Parallel
-from rai_missions.states.decision import Budget, Decision, DecisionSpec, Option
+from rai_missions.states.decision import Budget, Decision, DecisionSpec, Option, answerer_words
 from rai_missions.states.final import Final
 from rai_missions.states.history import Default, History
 from rai_missions.states.include import Include
@@ -32,6 +32,7 @@ __all__ = (
     "State",
     "Transition",
     "Tree",
+    "answerer_words",
 )  # fmt: skip
 
 load_kinds(__name__, __path__)

@@ -12,7 +12,15 @@ from rai_missions.guards.guard import Guard
 from rai_missions.model import AnyOf, Json, MissionModel, Name, Path, Text, fault, suggestion
 from rai_missions.states.state import OUTCOMES, State
 
-__all__ = ("Budget", "Decision", "DecisionSpec", "Option")
+__all__ = ("Budget", "Decision", "DecisionSpec", "Option", "answerer_words")
+
+ANSWERERS: Mapping[str, str] = {"agent": "the model", "operator": "the operator", "rules": "the fixed rules"}
+"""By the word of `ask`. Where control is meant `agent` is the mission itself, so no reader sees the word alone."""
+
+
+def answerer_words(name: str) -> str:
+    """Whom a decision asks, for a reader: `the model`; any other name is a script of the program."""
+    return ANSWERERS.get(name, f"the script '{name}'")
 
 
 class Option(MissionModel):
@@ -92,7 +100,7 @@ class DecisionSpec(MissionModel):
             yield "shows " + ", ".join(self.evidence)
         often = f", {self.attempts} attempts each" if self.attempts > 1 else ""
         within = f", {self.within_s:g} s each" if self.within_s is not None else ""
-        yield f"asks {', then '.join(self.ask)}{often}{within}"
+        yield f"asks {', then '.join(map(answerer_words, self.ask))}{often}{within}"
         yield f"at most {self.deadline_s:g} s" if self.deadline_s is not None else "no deadline"
         if self.tools:
             yield "may use " + ", ".join(self.tools)
