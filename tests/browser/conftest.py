@@ -45,7 +45,7 @@ def opened(browser: Any, tmp_path: Path) -> Iterator[Open]:
     def open_page(page: bytes, at: str = "", **more: Any) -> Any:
         path = tmp_path / f"page{len(contexts)}.html"
         path.write_bytes(page)
-        context = browser.new_context(viewport={"width": 1400, "height": 900}, offline=True, **more)
+        context = browser.new_context(**{"viewport": {"width": 1400, "height": 900}, "offline": True, **more})
         contexts.append(context)
         window = context.new_page()
         window.set_default_timeout(PATIENCE)
@@ -72,3 +72,10 @@ def until(window: Any, condition: str) -> None:
 
 def is_ours(url: str, path: Path) -> bool:
     return url.startswith(("data:image/png;", "data:image/jpeg;")) or url.partition("#")[0] == path.as_uri()
+
+
+def assert_accessible(window: Any) -> None:
+    """Axe finds no violation in what a page shows now."""
+    axe = pytest.importorskip("axe_playwright_python.sync_playwright", reason="no axe: pip install '.[browser]'").Axe()
+    found = axe.run(window).response["violations"]
+    assert [(each["id"], [node["html"][:120] for node in each["nodes"][:3]]) for each in found] == []

@@ -96,9 +96,9 @@ def _lenses(given: Difference, chart: Json, changes: Iterable[Json]) -> list[Jso
     }
     ends = {name for transition in marked for name in (transition.get("source"), transition.get("target")) if name}
     return [
-        lens("safety", "What is safety-relevant?", "s", states=_ends(unsafe, chart),
+        lens("safety", "What is safety-relevant?", "s", label="Safety", states=_ends(unsafe, chart),
              transitions=_named(unsafe, "transition"), options=_named(unsafe, "option")),
-        lens("changed", "What changed?", "d", states=states | ends | _named(changes, "state"),
+        lens("changed", "What changed?", "d", label="Changes", states=states | ends | _named(changes, "state"),
              transitions={transition["place"] for transition in marked}, options=options),
     ]  # fmt: skip
 

@@ -10,7 +10,7 @@ import json
 from collections.abc import Mapping
 from typing import Any
 
-__all__ = ("Json", "Pool", "without_empty")
+__all__ = ("Json", "Pool", "named", "without_empty")
 
 Json = dict[str, Any]
 
@@ -18,6 +18,13 @@ Json = dict[str, Any]
 def without_empty(given: Mapping[str, Any]) -> Json:
     """Less what is empty; the page takes what is not there for that."""
     return {name: item for name, item in given.items() if item not in ("", (), None, False, {}, [])}
+
+
+def named(value: Any) -> Any:
+    """Named tuples, however deep, as objects with the names of their fields."""
+    if isinstance(value, tuple) and hasattr(value, "_asdict"):
+        return {name: named(item) for name, item in value._asdict().items()}
+    return [named(item) for item in value] if isinstance(value, tuple) else value
 
 
 class Pool:

@@ -14,6 +14,7 @@ from rai_missions.states import State
 from visualize.model import Picture, PictureEdge, PictureNode
 from visualize.page.as_json import Json, without_empty
 from visualize.parts import document_of, parts
+from visualize.text import controlled
 
 __all__ = ("chart_data",)
 
@@ -63,7 +64,15 @@ def _state(node: PictureNode, state: State, mission: Mission) -> Json:
     ]
     fields.pop("entered")
     fields.pop("ended_here")
-    return without_empty({**fields, "definition": _definition(state), "reads": reads, "writes": writes})
+    return without_empty(
+        {
+            **fields,
+            "controlled": controlled(node.control),
+            "definition": _definition(state),
+            "reads": reads,
+            "writes": writes,
+        }
+    )
 
 
 def _transition(edge: PictureEdge, source: State | None) -> Json:

@@ -14,12 +14,13 @@ from typing import Any, Protocol
 from rai_missions.errors import DefinitionError, Fault
 from rai_missions.mission.mission import Mission
 from visualize.build import picture
-from visualize.page.as_json import Json
+from visualize.page.as_json import Json, named
 from visualize.page.chart_data import chart_data
 from visualize.page.html import document
 from visualize.page.images import Gallery
 from visualize.page.lenses import lenses
 from visualize.page.runs import Run, read_run, run_data
+from visualize.page.summary import summary
 
 __all__ = ("Journal", "PageFinding", "review", "review_data")
 
@@ -75,6 +76,7 @@ def review_data(
     return {
         "kind": "review",
         "chart": chart_data(drawn, mission),
+        "summary": named(summary(mission)),
         "lenses": lenses(mission, drawn),
         "findings": [{"place": each.place, "sentence": each.sentence, "severity": each.severity} for each in findings],
         "runs": played,

@@ -10,7 +10,7 @@ from collections.abc import Iterable, Iterator
 from typing import NamedTuple
 
 from rai_missions.mission.mission import Mission
-from rai_missions.states import DecisionSpec, Final, State
+from rai_missions.states import DecisionSpec, Final, State, answerer_words
 from visualize.model import Picture, PictureEdge
 from visualize.page.as_json import Json
 from visualize.page.reachability import ReachableParts, Roads
@@ -45,7 +45,7 @@ def _operator(mission: Mission, picture: Picture) -> Json:
         item("take and return control; only an operator lifts control from no one"),
     ]
     return lens(
-        "operator", "What may the operator do?", "o",
+        "operator", "What may the operator do?", "o", label="Operator",
         states=[each.state for each in asked] + held + ([mission.on_cancel] if mission.on_cancel else []),
         transitions=transitions, options=[place for each in asked for place in each.options()],
         sections=[
@@ -72,7 +72,8 @@ def _stops(mission: Mission, picture: Picture, roads: Roads) -> Json:
         finals = [name for name in roads.states if name in after.states and roads.states[name].word == "final"]
         cancel.append(item(f"from there it may reach {', '.join(finals) or 'no final'}"))
     return lens(
-        "stops", "Where do e-stop and cancel lead?", "e",
+        "stops", "Where do e-stop and cancel lead?", "e", label="E-stop, cancel",
+        focus=[*([mission.on_cancel] if mission.on_cancel else []), *ends],
         states=[*ends, *moving, *(after.states if after else ())],
         transitions=[*(edge.place for edge in to_ends), *(after.transitions if after else ())],
         sections=[
@@ -106,7 +107,7 @@ def _invariants(mission: Mission, picture: Picture, roads: Roads) -> Json:
         sections.append((name, items))
     none = [("Invariants", [item("none: nothing ends this mission at once but the e-stop")])]
     return lens(
-        "invariants", "What must never be false?", "i", states=states, transitions=transitions,
+        "invariants", "What must never be false?", "i", label="Invariants", states=states, transitions=transitions,
         sections=sections or none,
     )  # fmt: skip
 
@@ -123,23 +124,27 @@ def item(text: str, *, state: str = "", transition: str = "") -> Json:
 
 
 def lens(
-    name: str, title: str, key: str, *, states: Iterable[str], transitions: Iterable[str], options: Iterable[str] = (),
-    sections: Iterable[tuple[str, list[Json]]] = (),
+    name: str, title: str, key: str, *, label: str, states: Iterable[str], transitions: Iterable[str],
+    options: Iterable[str] = (), sections: Iterable[tuple[str, list[Json]]] = (), focus: Iterable[str] | None = None,
 ) -> Json:  # fmt: skip
     """A switch of the page.
 
     Args:
         name: What links name it.
-        title: The question, as the switch has it.
+        title: The question that it answers.
         key: The key that turns it.
+        label: The question in a word or two, as the switch has it.
         states: The names of those that stay lit.
         transitions: The JSON pointers of those that stay lit.
         options: The JSON pointers of those that stay lit.
         sections: Heading and sentences, for next to the picture.
+        focus: The states that the window moves to, the most important first; left out, all that stay lit.
     """
+    lit = sorted(set(states))
     return {
-        "name": name, "title": title, "key": key,
-        "states": sorted(set(states)), "transitions": sorted(set(transitions)), "options": sorted(set(options)),
+        "name": name, "title": title, "key": key, "label": label,
+        "focus": list(dict.fromkeys(focus)) if focus is not None else lit,
+        "states": lit, "transitions": sorted(set(transitions)), "options": sorted(set(options)),
         "sections": [{"heading": heading, "items": items} for heading, items in sections],
     }  # fmt: skip
 
@@ -189,11 +194,13 @@ def _model_lens(mission: Mission, picture: Picture, roads: Roads) -> Json:
     finals = [(name, state) for name, state in mission.states.items() if isinstance(state, Final)]
     at_once = roads.at_once(direct)
     ends = [item(_end_words(name, state, direct, at_once, after), state=name) for name, state in finals]
-    sections.insert(0, ("Ends", [*ends, *_success_words(finals, at_once)]))
+    sections.append(("Ends", [*ends, *_success_words(finals, at_once)]))
     none = [("Decisions", [item("none: no model is asked anything in this mission")])]
     states = [*(each.state for each in asked), *direct, *(name for name, _ in finals if name in after.states)]
     return lens(
-        "model", "Where does the model decide?", "m", states=states if asked else (), transitions=transitions,
+        "model", "Where does the model decide?", "m", label="Model",
+        focus=[*(each.state for each in asked), *sorted(direct)],
+        states=states if asked else (), transitions=transitions,
         options=[place for each in asked for place in each.options()], sections=sections if asked else none,
     )  # fmt: skip
 
@@ -201,7 +208,10 @@ def _model_lens(mission: Mission, picture: Picture, roads: Roads) -> Json:
 def _decision_items(each: DecisionSite, edges: list[PictureEdge], roads: Roads) -> Iterator[Json]:
     asked = each.asked
     often = f"{asked.attempts} attempts" if asked.attempts > 1 else "1 attempt"
-    yield item(f"bounded: asks {', then '.join(asked.ask)}, {often} each, {_within(asked)}", state=each.state)
+    yield item(
+        f"bounded: asks {', then '.join(map(answerer_words, asked.ask))}, {often} each, {_within(asked)}",
+        state=each.state,
+    )
     yield item(f"fallback: {asked.fallback}" if asked.fallback else "no fallback: without an answer it has failed")
     for name, option in asked.options.items():
         bound = f"only when {option.when.words()}" if option.when is not None else "always open"
@@ -224,7 +234,7 @@ def _within(asked: DecisionSpec) -> str:
         return most
     share = asked.deadline_s / len(asked.ask)
     shares = ", ".join(
-        f"{share:.3g} s{'' if index else ' of these'} for the {who}" for index, who in enumerate(asked.ask)
+        f"{share:.3g} s{'' if index else ' of these'} for {answerer_words(who)}" for index, who in enumerate(asked.ask)
     )
     return f"{most}, {shares}; an attempt has an equal share of the time that is left by then"
 

@@ -217,7 +217,7 @@ def test_time_that_passes_may_lead_to_an_end() -> None:
 
 
 @pytest.mark.parametrize(("asked", "message"), [
-    ({"ask": ["agent", "operator"]}, "at most 20 s, 10 s of these for the agent, 10 s for the operator; an attempt"),
+    ({"ask": ["agent", "operator"]}, "at most 20 s, 10 s of these for the model, 10 s for the operator; an attempt"),
     ({"ask": ["agent"]}, "at most 20 s"),
     ({"ask": ["agent", "operator"], "within_s": 4}, "at most 20 s, 4 s at most for an attempt"),
 ])  # fmt: skip

@@ -57,7 +57,7 @@ function headed(column, state) {
 }
 
 function footed(column, state, staying) {
-  if (state.control) column.add(`control: ${state.control}`, 10, { tone: "muted" });
+  column.add(state.controlled, 10, { tone: "muted" });
   const lost = (transition) => (transition.target && transition.target !== state.name ? ` → ${transition.target}, which is not there` : "");
   staying.slice(0, 3).forEach((transition) => column.add(`↻ ${transitionWords(transition)}${lost(transition)}`, 10, { most: 2 }));
   if (staying.length > 3) column.add(`↻ ${staying.length - 3} more that stay`, 10);

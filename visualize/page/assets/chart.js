@@ -242,6 +242,19 @@ class Chart {
     if (place) this.gestures.center(place.x, place.y + Math.min(place.h, 200) / 2);
   }
 
+  /** The part of the chart that holds these states: the longest beginning of the list that stays readable. */
+  frame(names, least = 0) {
+    const box = this.svg.getBoundingClientRect();
+    let around = null;
+    for (const place of names.map((name) => this.place(name)).filter(Boolean)) {
+      const left = place.x - place.w / 2, [l, t, r, b] = around || [left, place.y, left + place.w, place.y + place.h];
+      const more = [Math.min(l, left), Math.min(t, place.y), Math.max(r, left + place.w), Math.max(b, place.y + place.h)];
+      if (around && Math.min((box.width - 60) / (more[2] - more[0]), (box.height - 60) / (more[3] - more[1])) < least) break;
+      around = more;
+    }
+    if (around) this.gestures.frame({ x: around[0], y: around[1], w: around[2] - around[0], h: around[3] - around[1] });
+  }
+
   /** All of it; with a least scale, where the mission begins if not all can be seen. */
   fit(least) {
     this.gestures.fit(least, least ? this.place(this.first()) : null);

@@ -49,7 +49,7 @@ class Details {
       state.about ? make("p", {}, state.about) : "",
       state.title ? make("p", {}, make("b", {}, state.title)) : "",
       this.faults(this.findings.filter((each) => each.place === state.place || (each.place.startsWith(`${state.place}/`) && !this.inside(name, each.place)))),
-      state.lines ? listed("What holds here", [...state.lines, ...(state.control ? [`control: ${state.control}`] : [])].map((line) => make("li", {}, line))) : "",
+      state.lines || state.controlled ? listed("What holds here", [...(state.lines || []), state.controlled].filter(Boolean).map((line) => make("li", {}, line))) : "",
       state.choices ? this.choices("Options", state.choices) : "",
       ...(state.twigs || []).filter((twig) => twig.choices).map((twig) => this.choices(twig.text, twig.choices)),
       this.transitionList("Leads away, tried in this order", away),
@@ -165,7 +165,7 @@ function counted(number, word) {
 }
 
 function defined(written) {
-  return written ? make("details", { open: true }, make("summary", {}, "Definition"), make("pre", {}, JSON.stringify(written, null, 2))) : "";
+  return written ? make("details", { open: true }, make("summary", {}, "Definition"), make("pre", { tabindex: "0" }, JSON.stringify(written, null, 2))) : "";
 }
 
 function hashOf(parts) {

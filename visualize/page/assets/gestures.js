@@ -79,6 +79,15 @@ class Gestures {
     this.apply();
   }
 
+  /** A part of the chart, as large as it can be seen whole, at most in its own size. */
+  frame({ x, y, w, h }) {
+    const box = this.svg.getBoundingClientRect();
+    this.scale = Math.min((box.width - 60) / Math.max(w, 1), (box.height - 60) / Math.max(h, 1), 1);
+    this.x = box.width / 2 - (x + w / 2) * this.scale;
+    this.y = box.height / 2 - (y + h / 2) * this.scale;
+    this.apply();
+  }
+
   /** All of it, however small; or at least so large that it can be read, and then from a place that is to be seen. */
   fit(least = 0, first = null) {
     const box = this.svg.getBoundingClientRect(), { w, h } = this.size();

@@ -7,8 +7,8 @@ class Lenses {
     Object.assign(this, { bar, host, lenses, listener, on: "" });
     this.buttons = new Map(lenses.map((lens) => [lens.name, make("button", {
       type: "button", "aria-pressed": "false", title: `${lens.title} (${lens.key})`, "data-lens": lens.name, on: { click: () => this.turn(lens.name) },
-    }, lens.title)]));
-    bar.append(...this.buttons.values());
+    }, lens.label)]));
+    bar.append(make("span", { class: "muted" }, "Show"), ...this.buttons.values());
   }
 
   /** Turns a switch on, or off where it is on. */
@@ -18,7 +18,7 @@ class Lenses {
     const lens = this.lenses.find((each) => each.name === this.on);
     this.host.hidden = !lens;
     this.host.replaceChildren(...(lens ? this.words(lens) : []));
-    this.listener.show(lens ? { states: new Set(lens.states), transitions: new Set(lens.transitions), options: new Set(lens.options) } : null, lens);
+    this.listener.show(lens ? { states: new Set(lens.states), transitions: new Set(lens.transitions), options: new Set(lens.options), focus: lens.focus } : null);
   }
 
   byKey(key) {

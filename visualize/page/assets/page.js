@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // The review page put together: what the keys, the search and the address ask for, and which part shows it.
 
+const TABS = ["summary", "step", "details", "transitions"];
+const NAMES_READABLE = 0.45; // a switch shows fewer states rather than smaller ones
+
 class Page {
   constructor(data) {
     this.data = data;
@@ -10,12 +13,14 @@ class Page {
     this.model = this.chart.model;
     const go = (kind, name) => this.go(kind, name);
     this.details = new Details(byId("details"), this.model, { findings: this.findings, coverage: data.coverage, runs: data.runs, go });
-    this.player = data.runs.length ? new Player(byId("player"), byId("step"), data, this.model, { step: (frame) => this.played(frame), go }) : null;
+    this.player = data.runs.length ? new Player(byId("player"), byId("step"), data, this.model, { step: (frame) => this.played(frame), used: () => this.tab("step"), go }) : null;
+    this.summary = data.summary ? new Summary(byId("summary"), data, this.details, { go }) : null;
+    this.legend = new Legend(byId("legend"), data);
     this.coverage = new Coverage(byId("transitions"), data, this.model, { go });
     this.lenses = new Lenses(byId("lenses"), byId("lens"), data.lenses, { show: (lens) => this.lit(lens), go });
     this.dress();
     this.listen();
-    this.chart.fit(READABLE);
+    this.chart.fit();
     this.details.nothing();
     this.follow();
   }
@@ -26,6 +31,8 @@ class Page {
     byId("version").textContent = shown(chart.version);
     byId("player").hidden = !this.player;
     byId("tab-step").hidden = !this.player;
+    byId("tab-summary").hidden = !this.summary;
+    if (this.summary) this.summary.draw();
     byId("tab-transitions").textContent = runs.length ? "Coverage" : "Transitions";
     if (runs.length) this.chart.show({ counts: this.data.coverage });
     const faults = [...this.findings.filter((each) => each.severity === "error").map((each) => each.sentence), ...runs.flatMap((run) => run.faults.map((fault) => `${run.name}: ${fault}`))];
@@ -43,7 +50,10 @@ class Page {
     click("theme", () => this.theme());
     click("help", () => byId("keys").showModal());
     click("keys-close", () => byId("keys").close());
-    for (const name of ["details", "step", "transitions"]) click(`tab-${name}`, () => this.tab(name));
+    click("menu", () => this.menu(byId("menu").getAttribute("aria-expanded") !== "true"));
+    byId("more").addEventListener("click", (event) => event.target.closest("button") && !event.target.closest(".tools") && this.menu(false));
+    for (const name of TABS) click(`tab-${name}`, () => this.tab(name));
+    byId("tab-details").parentElement.addEventListener("keydown", (event) => this.alongTabs(event));
     this.chart.svg.addEventListener("click", () => this.select("", ""));
     byId("search").addEventListener("input", () => this.search(byId("search").value));
     byId("search").addEventListener("keydown", (event) => this.searched(event));
@@ -58,8 +68,8 @@ class Page {
     const acts = {
       "/": () => byId("search").focus(), f: () => this.chart.fit(), "+": () => this.chart.gestures.zoom(1.25), "=": () => this.chart.gestures.zoom(1.25), "-": () => this.chart.gestures.zoom(0.8),
       a: () => this.chart.openAll(), c: () => this.chart.closeAll(), t: () => this.theme(), "?": () => byId("keys").showModal(), Escape: () => this.clear(),
-      ",": () => this.player && this.player.seek(this.player.index - 1), ".": () => this.player && this.player.seek(this.player.index + 1),
-      "<": () => this.player && this.player.jump(-1), ">": () => this.player && this.player.jump(1),
+      ",": () => this.play((player) => player.seek(player.index - 1)), ".": () => this.play((player) => player.seek(player.index + 1)),
+      "<": () => this.play((player) => player.jump(-1)), ">": () => this.play((player) => player.jump(1)),
       n: () => this.walk(1), p: () => this.walk(-1), Enter: () => this.at.state && this.chart.toggle(this.at.state),
     };
     if (event.key === "Enter" && event.target.closest("button, a, summary")) return;
@@ -70,6 +80,15 @@ class Page {
     event.preventDefault();
   }
 
+  play(act) {
+    if (this.player) this.player.use(() => act(this.player));
+  }
+
+  /** The bar's menu, on a narrow screen. */
+  menu(open) {
+    byId("menu").setAttribute("aria-expanded", String(open));
+  }
+
   /** To the next state, or the one before, in the order in which they are written. */
   walk(way) {
     const names = [...this.model.states.keys()];
@@ -78,6 +97,7 @@ class Page {
   }
 
   clear() {
+    this.menu(false);
     byId("search").value = "";
     this.search("");
     if (this.lenses.on) this.lenses.turn(this.lenses.on);
@@ -90,17 +110,43 @@ class Page {
   }
 
   tab(name) {
-    for (const each of ["details", "step", "transitions"]) {
+    for (const each of TABS) {
       byId(each).hidden = each !== name;
       byId(`tab-${each}`).setAttribute("aria-selected", String(each === name));
+      byId(`tab-${each}`).tabIndex = each === name ? 0 : -1;
     }
     if (name === "transitions" && !this.coverage.seen) this.coverage.draw();
+  }
+
+  /** The arrows move along the tabs. */
+  alongTabs(event) {
+    const way = { ArrowLeft: -1, ArrowRight: 1 }[event.key];
+    if (!way) return;
+    const all = [...event.currentTarget.querySelectorAll("[role=tab]:not([hidden])")];
+    const next = all[(all.indexOf(event.target) + way + all.length) % all.length];
+    next.click();
+    next.focus();
+    event.preventDefault();
+    event.stopPropagation();
   }
 
   lit(lens) {
     if (lens) for (const name of lens.states) if (this.model.states.size <= OPEN_AT_FIRST) this.chart.reveal(name);
     this.chart.show({ lens });
+    this.look(lens);
     this.write({ lens: this.lenses ? this.lenses.on : "" });
+  }
+
+  /** Moves to what a switch shows; back to where the reader was when it is turned off. */
+  look(lens) {
+    const { gestures } = this.chart;
+    if (lens && !this.before) this.before = [gestures.x, gestures.y, gestures.scale];
+    if (lens) this.chart.frame(lens.focus, NAMES_READABLE);
+    else if (this.before) {
+      [gestures.x, gestures.y, gestures.scale] = this.before;
+      gestures.apply();
+      this.before = null;
+    }
   }
 
   played({ active, taken, index, run }) {
@@ -162,10 +208,10 @@ class Page {
     const asked = new URLSearchParams(location.hash.slice(1));
     this.following = true;
     if (asked.get("lens")) this.lenses.turn(asked.get("lens"), true);
-    if (this.player) this.player.turn(Number(asked.get("run")), Number(asked.get("step")));
+    if (this.player) this.player.turn(Number(asked.get("run")), asked.has("step") ? Number(asked.get("step")) : null);
     if (asked.get("transition")) this.go("transition", asked.get("transition"));
     else if (asked.get("state")) this.go("state", asked.get("state"));
-    else if (this.player) this.tab("step");
+    else if (this.player && asked.has("step")) this.tab("step");
     this.following = false;
   }
 }

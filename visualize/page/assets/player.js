@@ -8,11 +8,11 @@ class Player {
   constructor(bar, host, data, model, listener) {
     Object.assign(this, { bar, host, data, model, listener, index: 0, number: 0, due: false });
     this.replays = new Map();
-    this.choice = make("select", { "aria-label": "run", on: { change: () => this.turn(Number(this.choice.value), 0) } },
+    this.choice = make("select", { "aria-label": "run", on: { change: () => this.use(() => this.turn(Number(this.choice.value), null)) } },
       data.runs.map((run, index) => make("option", { value: String(index) }, `${run.name}${run.outcome ? ` – ${run.outcome}` : ""}`)));
-    this.slider = make("input", { type: "range", min: "0", value: "0", "aria-label": "step", on: { input: () => this.seek(Number(this.slider.value)) } });
+    this.slider = make("input", { type: "range", min: "0", value: "0", "aria-label": "step", on: { input: () => this.use(() => this.seek(Number(this.slider.value))) } });
     this.now = make("output", {});
-    const button = (words, title, act) => make("button", { type: "button", title, "aria-label": title, on: { click: act } }, words);
+    const button = (words, title, act) => make("button", { type: "button", title, "aria-label": title, on: { click: () => this.use(act) } }, words);
     bar.append(this.choice,
       button("|◀", "the change before (shift ,)", () => this.jump(-1)), button("◁", "one step back (,)", () => this.seek(this.index - 1)),
       button("▷", "one step on (.)", () => this.seek(this.index + 1)), button("▶|", "the next change (shift .)", () => this.jump(1)), this.slider, this.now);
@@ -23,11 +23,18 @@ class Player {
     return this.replays.get(this.number);
   }
 
+  /** Does what a reader asked of the player, and has the step shown. */
+  use(act) {
+    this.listener.used();
+    act();
+  }
+
+  /** To a run and its step; without one to the first step that did something. */
   turn(number, index) {
     this.number = Math.min(Math.max(0, number || 0), this.data.runs.length - 1);
     this.choice.value = String(this.number);
     this.slider.max = String(Math.max(0, this.replay.length - 1));
-    this.seek(index);
+    this.seek(index ?? this.replay.first());
   }
 
   jump(way) {

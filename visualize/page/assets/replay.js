@@ -49,6 +49,12 @@ class Replay {
     return most !== undefined && at >= stamp + most;
   }
 
+  /** The first step that did something; the first of all where none did. */
+  first() {
+    const found = this.moved(-1, 1);
+    return found >= 0 && this.step(found).moves.length ? found : 0;
+  }
+
   /** The next step, or the one before, that moved or ended something. */
   moved(index, way) {
     for (let each = index + way; each >= 0 && each < this.length; each += way) {
