@@ -58,6 +58,7 @@ class Player {
     if (!this.replay.length) return this.host.replaceChildren(make("p", { class: "fault" }, "this journal has no steps"), this.faults(run));
     const step = this.replay.step(this.index), frame = this.replay.at(this.index);
     this.now.textContent = shown(`step ${step.seq} of ${run.count} · ${step.at.toFixed(2)} s`);
+    this.now.dataset.index = this.index;
     this.slider.setAttribute("aria-valuetext", this.now.textContent);
     this.host.replaceChildren(this.faults(run), this.event(step), this.asked(step), this.ended(step), this.moves(step), this.guards(step), this.board(step, frame), this.does(step), this.questions(run));
     this.listener.step({ active: frame.active, taken: new Set(step.moves.flatMap(([transitions]) => transitions)), index: this.index, run: this.number });

@@ -56,7 +56,7 @@ class Summary {
   runs() {
     const { runs } = this.data;
     if (!runs.length) return "";
-    return listed("Runs", runs.map((run) => make("li", {}, make("b", {}, run.name), `: ${run.outcome || "not ended"}, ${run.steps.length} steps`, run.why ? ` – ${run.why}` : "",
+    return listed("Runs", runs.map((run) => make("li", {}, make("b", {}, run.name), `: ${run.outcome || "not ended"}, ${counted(run.count, "step")}`, run.why ? ` – ${run.why}` : "",
       run.faults.map((fault) => make("div", { class: "fault" }, "⚠ ", fault)))));
   }
 
