@@ -25,6 +25,7 @@ __all__ = (
     "in_words",
     "irregular",
     "lazy_names",
+    "nearest",
     "pointer",
     "suggestion",
     "unescaped",
@@ -69,14 +70,18 @@ class ConnectorError(MissionError):
     """The world outside is at fault: no such server, a message of the wrong shape."""
 
 
+def nearest(given: str, known: Iterable[str]) -> str:
+    """The name that was probably meant; empty if none is near."""
+    import difflib  # heavy, and needed for a fault alone
+
+    return next(iter(difflib.get_close_matches(given, sorted(set(known)), n=1, cutoff=0.6)), "")
+
+
 def suggestion(given: str, known: Iterable[str]) -> str:
     """`; did you mean 'x'?`, or the names that there are, for the end of a sentence."""
     known = sorted(set(known))
-    import difflib  # heavy, and needed for a fault alone
-
-    close = difflib.get_close_matches(given, known, n=1, cutoff=0.6)
-    if close:
-        return f"; did you mean '{close[0]}'?"
+    if close := nearest(given, known):
+        return f"; did you mean '{close}'?"
     shown = ", ".join(known[:12]) + (", …" if len(known) > 12 else "")
     return f"; there is: {shown}" if shown else ""
 
@@ -141,7 +146,8 @@ def lazy_names(
 
     def load(name: str) -> Any:
         if name not in homes:
-            raise AttributeError(f"module {scope['__name__']!r} has no attribute {name!r}")
+            near = "" if name.startswith("_") else suggestion(name, homes)
+            raise AttributeError(f"module {scope['__name__']!r} has no attribute {name!r}{near}")
         room, own = homes[name]
         return scope.setdefault(name, getattr(import_module(f".{room}", scope["__package__"]), own))
 

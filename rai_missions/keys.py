@@ -8,12 +8,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
-from typing import Annotated, Any, ClassVar, Literal, NamedTuple, Self
+from typing import Annotated, Any, Literal, NamedTuple, Self, TypeAlias
 
 from pydantic import BeforeValidator, Field, model_validator
 
 from rai_missions.image import Image
-from rai_missions.model import Bool, Json, MissionModel, Name, Seconds, Text, fault
+from rai_missions.model import Bool, Json, MissionModel, Name, Seconds, Text, Value, fault
 from rai_missions.redaction import clipped
 
 __all__ = ("Blackboard", "Key", "Source", "Stamped", "TypeName", "is_number", "stale_at", "type_error")
@@ -24,6 +24,10 @@ Source = Literal["robot", "argument", "mission", "answer"]
 PYTHON_TYPES: Mapping[Any, str] = {
     str: "string", float: "number", int: "integer", bool: "boolean", dict: "object", list: "list", Image: "image",
 }  # fmt: skip
+
+
+PythonType: TypeAlias = type[str] | type[float] | type[bool] | type[dict[str, Any]] | type[list[Any]] | type[Image]
+"""The types of Python that mean a type of the format."""
 
 
 def _type_name(given: Any) -> Any:
@@ -48,8 +52,6 @@ Blackboard = dict[str, Stamped]
 class Key(MissionModel):
     """One key of the blackboard: its values, who writes it and how long it can be believed."""
 
-    positional: ClassVar = ("type",)
-
     type: Annotated[TypeName, BeforeValidator(_type_name)]
     """`pose` is `{"x", "y", "z", "yaw"}` in metres and radians with its `frame`; `image` a reference."""
     source: Source = "mission"
@@ -66,6 +68,13 @@ class Key(MissionModel):
     frame: Text = ""
     """The frame that a pose is given in."""
     about: Text = ""
+    """What it means, in a sentence, with its unit; questions and reports show it."""
+
+    def __init__(
+        self, type: TypeName | PythonType, *, source: Source = "mission", initial: Value = None,
+        max_age_s: float | None = None, optional: bool = False,
+        fields: Mapping[str, TypeName | PythonType] | None = None, frame: str = "", about: str = "",
+    ) -> None: ...  # fmt: skip
 
     @model_validator(mode="after")
     def _fits_its_source(self) -> Self:

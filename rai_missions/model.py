@@ -2,6 +2,7 @@
 """What every written thing of a mission is: a frozen model that reads and writes the words of the format.
 
 Rule: all that an author can write is a field of a `MissionModel`; unknown words are refused, nothing is coerced.
+Rule: a constructor for authors is declared, with types and no body; what builds is the same for all of them.
 """
 
 from __future__ import annotations
@@ -10,10 +11,10 @@ import ast
 import inspect
 import re
 import sys
-from collections.abc import Iterator, Mapping
-from functools import cache
+from collections.abc import Iterator, Mapping, Sequence
+from functools import cache, wraps
 from itertools import pairwise
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Self, TypeVar
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, NoReturn, Protocol, Self, TypeAlias, TypeVar
 
 from pydantic import (
     AfterValidator,
@@ -54,9 +55,11 @@ __all__ = (
     "AnyOf",
     "Bool",
     "EventName",
+    "HasPath",
     "Integer",
     "Json",
     "KeyName",
+    "KeyPath",
     "MissionModel",
     "Name",
     "Number",
@@ -69,6 +72,8 @@ __all__ = (
     "Text",
     "TimerName",
     "TopicName",
+    "Value",
+    "explained",
     "fault",
     "kind_of",
     "one_or_many",
@@ -155,6 +160,19 @@ Json = Annotated[Any, AfterValidator(_frozen)]
 """A JSON value; in Python a reference made by `Keys` is read as `{"from": path}`."""
 
 
+class HasPath(Protocol):
+    """A reference as `Keys`, `event` and `answer` make it: `k.obstacle.height_m`."""
+
+    @property
+    def __path__(self) -> str: ...
+
+
+KeyPath: TypeAlias = str | HasPath
+"""Where an author names a key or a field of one: a reference, or its path as text."""
+Value: TypeAlias = object
+"""What an author writes in a goal, request or message: a JSON value, with references for what a run will know."""
+
+
 if TYPE_CHECKING:
 
     class Model:
@@ -176,7 +194,28 @@ if TYPE_CHECKING:
         def model_dump(self, *, mode: str, by_alias: bool, exclude_defaults: bool) -> dict[str, Any]: ...
         def model_copy(self, *, update: Mapping[str, Any] | None = None) -> Self: ...
 else:
-    Model = BaseModel
+
+    class WithHelp(type(BaseModel)):
+        """Gives `help()` and `?` the constructor as it is declared, with each of its words explained."""
+
+        @property
+        def __doc__(cls) -> str | None:
+            own = vars(cls).get("__doc__")
+            return explained(own, cls.__init__, cls.meanings()) if own else own
+
+        @property
+        def __signature__(cls) -> inspect.Signature:
+            signature = inspect.signature(cls.__init__)
+            return signature.replace(parameters=list(signature.parameters.values())[1:])
+
+        @__signature__.setter
+        def __signature__(cls, made: object) -> None:
+            """pydantic's own, which names parameters by aliases, is dropped."""
+
+    class Model(BaseModel, metaclass=WithHelp):
+        """A pydantic model."""
+
+        meanings: ClassVar = dict
 
 
 def without_schema(cls: type, data: Any) -> Any:
@@ -190,31 +229,61 @@ class MissionModel(Model):
     model_config = ConfigDict(frozen=True, extra="forbid", defer_build=True)
 
     positional: ClassVar[tuple[str, ...]] = ()
-    """The fields that Python authors may give by position, in this order."""
+    """The words that Python authors may give by position, in this order: those that a declared constructor has so."""
 
     def __init__(self, /, *given: Any, **words: Any) -> None:
         """Build in Python, by field names (`from_`) or by the format's words.
 
+        A class declares its own `__init__` for authors, without a body: names, types and defaults. This one builds.
+
         Raises:
             DefinitionError: With every fault; places begin at this object.
         """
-        if len(given) > len(self.positional):
-            raise TypeError(f"{type(self).__name__} takes {len(self.positional)} values by position: {self.positional}")
-        words = dict(zip(self.positional, given, strict=False)) | words
-        aliases = {name: field.alias for name, field in type(self).model_fields.items() if field.alias}
+        kind = type(self)
+        if len(given) > len(kind.positional):
+            raise TypeError(_too_many(kind, given))
+        words = kind.spelled(dict(zip(kind.positional, given, strict=False)) | words)
+        aliases = {name: field.alias for name, field in kind.model_fields.items() if field.alias}
         words = {aliases.get(name, name): value for name, value in words.items()}
         try:
             super().__init__(**words)
         except ValidationError as error:
-            raise DefinitionError(faults_of(error, type(self), words), f"{type(self).__name__}(…)") from None
+            raise DefinitionError(faults_of(error, kind, words), f"{kind.__name__}(…)") from None
 
     # Else pydantic takes what is inside another model through here too, and JSON could use Python's names.
     __init__.__pydantic_base_init__ = True  # type: ignore[attr-defined]
+
+    def __init_subclass__(cls, **rest: Any) -> None:
+        super().__init_subclass__(**rest)
+        declared: Any = vars(cls).get("__init__")
+        cls.__init__ = MissionModel.__init__ if declared is None else _built_as(declared)  # type: ignore[method-assign]
+        if declared is not None:
+            cls.positional = declared.__code__.co_varnames[1 : declared.__code__.co_argcount]
+
+    @classmethod
+    def spelled(cls, words: dict[str, Any]) -> dict[str, Any]:
+        """The words of the constructor as those of the fields: the same, unless Python groups them otherwise."""
+        return words
+
+    @classmethod
+    def summary(cls) -> str:
+        """What it is, as its source has it: without the words of the constructor, which `__doc__` has too."""
+        return inspect.cleandoc(vars(cls).get("__doc__") or "")
+
+    @classmethod
+    def meanings(cls) -> Mapping[str, str]:
+        """Word of the constructor → what it means: the text below its field."""
+        return _attribute_docs(cls)
+
+    def __getattr__(self, name: str) -> NoReturn:
+        raise _NoAttribute(self, name)
 
     @classmethod
     def __get_pydantic_json_schema__(cls, core_schema: Any, handler: Any) -> dict[str, Any]:
         """The texts below the fields explain them; pydantic would read them with every import."""
         schema: dict[str, Any] = handler(core_schema)
+        if "description" in (described := handler.resolve_ref_schema(schema)):
+            described["description"] = cls.summary()
         properties, docs = handler.resolve_ref_schema(schema).get("properties", {}), _attribute_docs(cls)
         for name, field in cls.model_fields.items():
             place = field.alias or name
@@ -245,6 +314,52 @@ class MissionModel(Model):
     def written(self) -> dict[str, Any]:
         """As JSON has it: aliases, and no word that has its default."""
         return self.model_dump(mode="json", by_alias=True, exclude_defaults=True)
+
+
+def _too_many(kind: type[MissionModel], given: Sequence[Any]) -> str:
+    takes = ", ".join(kind.positional) or "nothing"
+    return f"{kind.__name__} takes by position: {takes}; {len(given)} values were given, write the others by their word"
+
+
+def _built_as(declared: Any) -> Any:
+    """The constructor that builds, with the face of a declared one."""
+
+    @wraps(declared)
+    @wraps(MissionModel.__init__)  # for pydantic's mark on it
+    def __init__(self: MissionModel, /, *given: Any, **words: Any) -> None:  # noqa: N807 - it is one
+        MissionModel.__init__(self, *given, **words)
+
+    return __init__
+
+
+class _NoAttribute(AttributeError):
+    """An attribute that a model lacks. Most are asked for by programs that can do without: words only when read."""
+
+    def __init__(self, model: Any, name: str) -> None:
+        super().__init__(name=name, obj=model)
+
+    def __str__(self) -> str:
+        kind: Any = type(self.obj)
+        own = {each for part in kind.__mro__ if issubclass(part, MissionModel) for each in vars(part)}
+        known = [each for each in own | set(kind.model_fields) if not each.startswith(("_", "model_"))]
+        return f"{kind.__name__} has no attribute '{self.name}'{suggestion(str(self.name), known)}"
+
+
+def explained(doc: str, function: Any, meanings: Mapping[str, str]) -> str:
+    """A docstring with the arguments of a function, each with its meaning and its default.
+
+    Args:
+        doc: Has no arguments yet.
+        function: Whose arguments are explained.
+        meanings: Argument → what it means, with its unit.
+    """
+    lines = []
+    for name, parameter in inspect.signature(function).parameters.items():
+        if name in meanings:
+            default = parameter.default
+            shown = "" if default in (parameter.empty, None, (), {}, "") else f" Default: {default!r}."
+            lines.append(f"    {name}: " + meanings[name].replace("\n", "\n        ") + shown)
+    return "\n".join([inspect.cleandoc(doc), "", "Args:", *lines]) if lines else inspect.cleandoc(doc)
 
 
 FAMILY = "x-family"

@@ -4,8 +4,7 @@
 from __future__ import annotations
 
 from rai_missions import After, CallEffect, EventSpec, Image, In, Key, Keys, Mission, On, Say, Set, When
-from rai_missions.states import Action, Call, Compound, Decision, Final, History, Option, State, Tree
-from rai_missions.states.tree import CallLeaf, Sequence, WaitLeaf
+from rai_missions.states import Action, Call, Compound, Decision, Final, History, Option, State, Tree, tree
 
 TROUBLE = ("failed", "unverified", "timed_out")
 
@@ -160,7 +159,7 @@ def mission() -> Mission:
                 ],
             ),
             "signalling": Tree(
-                Sequence([CallLeaf("horn", timeout_s=2), WaitLeaf(5)]),
+                tree.Sequence([tree.Call("horn", timeout_s=2), tree.Wait(5)]),
                 about="what lives may walk away; its silence counts only while the camera is received",
                 timeout_s=10,
                 control="agent",

@@ -9,7 +9,7 @@ from rai_missions.check.index import MissionIndex
 from rai_missions.guards.guard import Guard, Site
 from rai_missions.keys import Key
 from rai_missions.states.tree import (
-    CheckLeaf,
+    Check,
     Condition,
     Decorator,
     EternalGuard,
@@ -17,19 +17,19 @@ from rai_missions.states.tree import (
     FailureIsSuccess,
     Inverter,
     OneShot,
-    ParallelTree,
-    PublishLeaf,
+    Parallel,
+    Publish,
     Repeat,
     Retry,
     RunningIsFailure,
     RunningIsSuccess,
     Selector,
     Sequence,
-    SetLeaf,
+    Set,
     SuccessIsFailure,
     SuccessIsRunning,
     TreeNode,
-    WaitLeaf,
+    Wait,
 )
 
 __all__ = ("MOST_TIMES", "long_loops", "waitless_loops")
@@ -91,7 +91,7 @@ def _ends(node: TreeNode, keys: Mapping[str, Key]) -> Ends:
         return _in_turn(node.sequence, "success", keys)
     if isinstance(node, Selector):
         return _in_turn(node.selector, "failure", keys)
-    if isinstance(node, ParallelTree):
+    if isinstance(node, Parallel):
         return _together(node, keys)
     if isinstance(node, EternalGuard):
         waits = frozenset() if _is_settled(node.guard, keys) else WAITS
@@ -102,11 +102,11 @@ def _ends(node: TreeNode, keys: Mapping[str, Key]) -> Ends:
 
 
 def _of_leaf(node: TreeNode, keys: Mapping[str, Key]) -> Ends:
-    if isinstance(node, CheckLeaf):
+    if isinstance(node, Check):
         return ENDED if _is_settled(node.check, keys) else ENDED | WAITS
-    if isinstance(node, SetLeaf) and (source := node.effect().source) is not None:
+    if isinstance(node, Set) and (source := node.effect().source) is not None:
         return ENDED if _lasts(source, keys) else ENDED | WAITS
-    at_once = isinstance(node, PublishLeaf | SetLeaf) or (isinstance(node, WaitLeaf) and node.wait_s == 0)
+    at_once = isinstance(node, Publish | Set) or (isinstance(node, Wait) and node.wait_s == 0)
     return frozenset({"success" if at_once else "running"})
 
 
@@ -121,7 +121,7 @@ def _in_turn(children: tuple[TreeNode, ...], onward: str, keys: Mapping[str, Key
     return found | {onward}
 
 
-def _together(node: ParallelTree, keys: Mapping[str, Key]) -> Ends:
+def _together(node: Parallel, keys: Mapping[str, Key]) -> Ends:
     each = [_ends(child, keys) for child in node.parallel]
     if frozenset({"failure"}) in each:
         return frozenset({"failure"})

@@ -43,7 +43,7 @@ def check_activity(
     assert state.made() == state.made(), f"'{state.word}' makes another tree each time"
     ends = state.outcomes()
     away = (Transition(on=sorted(ends), to="over"),) if ends else ()
-    mission = Mission("contract", blackboard=dict(keys), initial="it", uses=_uses(state), states={
+    mission = Mission("contract", keys=dict(keys), initial="it", uses=_uses(state), states={
         "it": state.model_copy(update={"transitions": away}), "over": Final("aborted"),
     })  # fmt: skip
     instant, chart = _Instant(state, mission, ticker), Chart(mission, ticker=ticker)

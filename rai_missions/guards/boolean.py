@@ -6,13 +6,13 @@ Source: S. C. Kleene, Introduction to Metamathematics (1952), section 64, the st
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Annotated, Any, ClassVar
 
 from pydantic import BeforeValidator, Field
 
 from rai_missions.guards.form import Form, Junction, form_of
-from rai_missions.guards.guard import Guard, Site, Sources, Test, Truth, View
+from rai_missions.guards.guard import Guard, GuardOrKey, Site, Sources, Test, Truth, View
 from rai_missions.model import AnyOf
 
 __all__ = ("All", "Any_", "Not")
@@ -74,29 +74,34 @@ class _Junction(Guard):
 class All(_Junction, word="all"):
     """True where each is true, false where one is false, else unknown. An empty one is true."""
 
-    positional: ClassVar = ("all",)
     deciding: ClassVar = False
     empty: ClassVar = "always"
 
     all: Annotated[tuple[GUARD, ...], _flat("all")]
+    """The guards of which each must be true."""
+
+    def __init__(self, all: Sequence[GuardOrKey]) -> None: ...
 
 
 class Any_(_Junction, word="any"):  # noqa: N801 - `Any` is typing's
     """True where one is true, false where each is false, else unknown. An empty one is false."""
 
-    positional: ClassVar = ("any",)
     deciding: ClassVar = True
     empty: ClassVar = "never"
 
     any: Annotated[tuple[GUARD, ...], _flat("any")]
+    """The guards of which one must be true."""
+
+    def __init__(self, any: Sequence[GuardOrKey]) -> None: ...
 
 
 class Not(Guard, word="not"):
     """True where the guard is false, false where it is true, else unknown."""
 
-    positional: ClassVar = ("guard",)
-
     guard: GUARD = Field(alias="not")
+    """The guard that must be false."""
+
+    def __init__(self, guard: GuardOrKey) -> None: ...
 
     def compile(self, site: Site) -> Test:
         inner = self.guard.compile(site)

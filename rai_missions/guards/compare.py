@@ -13,7 +13,7 @@ from pydantic import Field, model_validator
 from rai_missions.guards.form import Atom, Form
 from rai_missions.guards.guard import Distinctions, Guard, Operand, Site, Sources, Test, Truth, TypeFault, Types, View
 from rai_missions.kinds import OPERAND, OPERAND_WORDS, reference_word
-from rai_missions.model import Json, Path, fault
+from rai_missions.model import Json, KeyPath, Path, Value, fault
 from rai_missions.redaction import clipped
 
 __all__ = ("NEGATED", "Compare", "comparable", "holds", "json_text")
@@ -36,17 +36,30 @@ class Compare(Guard, word="key"):
     """A comparison; unknown where a side is missing, stale or of another type."""
 
     key: Path
+    """The value that is compared: a key, or a field of one."""
     equal: OperandValue = Field(default=None, alias="==")
+    """It is equal to this value or key."""
     unequal: OperandValue = Field(default=None, alias="!=")
+    """It differs from this value or key."""
     less: OperandValue = Field(default=None, alias="<")
+    """It is less than this number or key."""
     at_most: OperandValue = Field(default=None, alias="<=")
+    """It is this number or key, or less."""
     greater: OperandValue = Field(default=None, alias=">")
+    """It is more than this number or key."""
     at_least: OperandValue = Field(default=None, alias=">=")
+    """It is this number or key, or more."""
     within: OperandValue = Field(default=None, alias="in")
+    """It is one of this list, or of the list that this key holds."""
 
     WORDS: ClassVar[Mapping[str, str]] = {
         "==": "equal", "!=": "unequal", "<": "less", "<=": "at_most", ">": "greater", ">=": "at_least", "in": "within",
     }  # fmt: skip
+
+    def __init__(
+        self, key: KeyPath, *, equal: Value = None, unequal: Value = None, less: Value = None, at_most: Value = None,
+        greater: Value = None, at_least: Value = None, within: Value = None,
+    ) -> None: ...  # fmt: skip
 
     @model_validator(mode="after")
     def _one_operator(self) -> Self:

@@ -5,7 +5,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import ClassVar
 
 from rai_missions.guards.form import Atom, Form
 from rai_missions.guards.guard import Guard, Site, Test, Truth, View
@@ -17,9 +16,10 @@ __all__ = ("Elapsed",)
 class Elapsed(Guard, word="elapsed_s"):
     """True once the state whose rule this is has been active for so long; never unknown."""
 
-    positional: ClassVar = ("elapsed_s",)
-
     elapsed_s: Seconds
+    """Seconds since the state was entered."""
+
+    def __init__(self, elapsed_s: float) -> None: ...
 
     def compile(self, site: Site) -> Test:
         state, elapsed_s = site.state, self.elapsed_s

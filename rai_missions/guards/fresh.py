@@ -7,7 +7,7 @@ from typing import ClassVar
 
 from rai_missions.guards.form import Atom, Form
 from rai_missions.guards.guard import Distinctions, Guard, Operand, Site, Test, Truth, View
-from rai_missions.model import Path
+from rai_missions.model import KeyPath, Path
 
 __all__ = ("Fresh",)
 
@@ -15,11 +15,12 @@ __all__ = ("Fresh",)
 class Fresh(Guard, word="fresh"):
     """True where the key was received and is not older than its `max_age_s`; never unknown."""
 
-    positional: ClassVar = ("fresh",)
-
     fades: ClassVar = False
 
     fresh: Path
+    """The key that must have been received, and be younger than its `max_age_s`."""
+
+    def __init__(self, fresh: KeyPath) -> None: ...
 
     def compile(self, site: Site) -> Test:
         operand = Operand(self.fresh, site)

@@ -8,16 +8,17 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Collection, Iterator, Mapping
-from typing import Any, ClassVar, NamedTuple, Protocol
+from typing import Any, ClassVar, NamedTuple, Protocol, TypeAlias
 
 from rai_missions.guards.form import Form, opaque
 from rai_missions.guards.purity import impurity
 from rai_missions.keys import Blackboard, Key
-from rai_missions.model import TaggedModel
+from rai_missions.model import HasPath, TaggedModel
 
 __all__ = (
     "Distinctions",
     "Guard",
+    "GuardOrKey",
     "Instant",
     "Operand",
     "Site",
@@ -286,6 +287,10 @@ class Guard(TaggedModel, family="guard", group="rai_missions.guards"):
 
     def __bool__(self) -> bool:
         raise TypeError("a guard has no truth of its own; combine guards with & | ~, not with and, or, not")
+
+
+GuardOrKey: TypeAlias = Guard | HasPath
+"""Where an author writes a guard: one, or a reference to a boolean key, which means `== true`."""
 
 
 def made(word: str, **words: Any) -> Guard:

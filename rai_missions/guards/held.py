@@ -5,10 +5,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import ClassVar
 
 from rai_missions.guards.form import Atom, Form, Junction, form_of, text_of
-from rai_missions.guards.guard import Guard, Site, Sources, Test, Truth, View
+from rai_missions.guards.guard import Guard, GuardOrKey, Site, Sources, Test, Truth, View
 from rai_missions.model import AnyOf, Seconds
 
 __all__ = ("Held",)
@@ -20,10 +19,12 @@ class Held(Guard, word="held"):
     The time counts while the guard is watched: from the entry of the state whose transition it is, at the earliest.
     """
 
-    positional: ClassVar = ("held", "for_s")
-
     held: AnyOf[Guard]
+    """The guard that must have been true without a break."""
     for_s: Seconds
+    """For how many seconds."""
+
+    def __init__(self, held: GuardOrKey, for_s: float) -> None: ...
 
     def compile(self, site: Site) -> Test:
         inner = self.held.compile(site)

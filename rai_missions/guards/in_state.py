@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import ClassVar
 
 from pydantic import Field
 
@@ -18,9 +17,10 @@ __all__ = ("In",)
 class In(Guard, word="in"):
     """True while the state is active, by itself or through a state inside it; never unknown."""
 
-    positional: ClassVar = ("state",)
-
     state: StateName = Field(alias="in")
+    """The state that must be active."""
+
+    def __init__(self, state: str) -> None: ...
 
     def compile(self, site: Site) -> Test:
         state = self.state

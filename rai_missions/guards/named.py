@@ -10,7 +10,7 @@ from pydantic import Field
 
 from rai_missions.guards.guard import Distinctions, Guard, Operand, Site, Sources, Test, Truth, View
 from rai_missions.kinds import TEMPLATE, Refers
-from rai_missions.model import Json, Name
+from rai_missions.model import Json, Name, Value
 
 __all__ = ("Named",)
 
@@ -18,12 +18,14 @@ __all__ = ("Named",)
 class Named(Guard, word="named"):
     """The value of a pure function of the user's program over the blackboard; a mission can name it, never bring it."""
 
-    positional: ClassVar = ("named", "with_")
-
     fades: ClassVar = False
 
     named: Annotated[Name, Refers("predicate")]
+    """The name under which the program has registered the predicate."""
     with_: Annotated[dict[str, Json], TEMPLATE] = Field(default_factory=dict, alias="with")
+    """Its arguments: values, or references to keys."""
+
+    def __init__(self, named: str, with_: Mapping[str, Value] = {}) -> None: ...
 
     def compile(self, site: Site) -> Test:
         name, arguments = self.named, {key: _reading(value, site) for key, value in self.with_.items()}

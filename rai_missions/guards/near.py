@@ -5,13 +5,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
-from typing import Annotated, Any, ClassVar
+from typing import Annotated, Any
 
 from pydantic import Field
 
 from rai_missions.guards.form import Atom, Form
 from rai_missions.guards.guard import Distinctions, Guard, Operand, Site, Sources, Test, Truth, TypeFault, Types, View
-from rai_missions.model import Path, Seconds
+from rai_missions.model import KeyPath, Path, Seconds
 
 __all__ = ("Near",)
 
@@ -19,10 +19,12 @@ __all__ = ("Near",)
 class Near(Guard, word="near"):
     """True where two poses of one frame lie within a distance, in the three axes; the heading does not count."""
 
-    positional: ClassVar = ("near", "within_m")
-
     near: tuple[Path, Path]
+    """The two poses: keys, or fields of one."""
     within_m: Annotated[Seconds, Field(description="Metres.")]
+    """The largest distance, in metres."""
+
+    def __init__(self, near: tuple[KeyPath, KeyPath], within_m: float) -> None: ...
 
     def compile(self, site: Site) -> Test:
         here, there = (Operand(path, site) for path in self.near)

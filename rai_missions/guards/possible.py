@@ -4,9 +4,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import ClassVar
 
-from rai_missions.guards.guard import Guard, Site, Sources, Test, Truth
+from rai_missions.guards.guard import Guard, GuardOrKey, Site, Sources, Test, Truth
 from rai_missions.model import AnyOf
 
 __all__ = ("Possible",)
@@ -15,9 +14,10 @@ __all__ = ("Possible",)
 class Possible(Guard, word="possible"):
     """True where the guard is true or unknown; never unknown itself."""
 
-    positional: ClassVar = ("possible",)
-
     possible: AnyOf[Guard]
+    """The guard that must not be false."""
+
+    def __init__(self, possible: GuardOrKey) -> None: ...
 
     def compile(self, site: Site) -> Test:
         inner = self.possible.compile(site)

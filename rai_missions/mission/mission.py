@@ -6,13 +6,13 @@ Rule: all that a mission means is data in it; nothing in it can be executed.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from typing import Annotated, Any, ClassVar, Literal, Self
+from collections.abc import Iterator, Mapping, Sequence
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
 from pydantic import AfterValidator, BeforeValidator, Field, model_validator
 
 from rai_missions.errors import UsageError
-from rai_missions.guards.guard import Guard
+from rai_missions.guards.guard import Guard, GuardOrKey
 from rai_missions.keys import Key
 from rai_missions.kinds import PackageOffer, lacking, named
 from rai_missions.model import (
@@ -30,7 +30,10 @@ from rai_missions.model import (
     without_schema,
 )
 from rai_missions.states.state import State, States, Transition, Transitions, descendants
-from rai_missions.states.tree import ONLY_IN_PYTHON, BehaviourLeaf
+from rai_missions.states.tree.behaviour import ONLY_IN_PYTHON, BehaviourLeaf
+
+if TYPE_CHECKING:
+    from rai_missions.mission.builder import Keys
 
 FAMILIES: tuple[type[TaggedModel], ...] = (Guard, State)
 """The families of which other packages may offer kinds."""
@@ -40,16 +43,18 @@ BUILT_IN_EVENTS = ("call_failed", "orphaned", "uncertain")
 """Events that the engine raises; a mission may have transitions for them without declaring them."""
 
 
+EventField = Literal["string", "number", "integer", "boolean", "object", "list"]
+
+
 class EventSpec(MissionModel):
     """An event that may come from outside."""
 
-    positional: ClassVar = ("about",)
-
     about: Text = ""
-    fields: dict[Text, Literal["string", "number", "integer", "boolean", "object", "list"]] = Field(
-        default_factory=dict
-    )
+    """What has happened then, in a sentence."""
+    fields: dict[Text, EventField] = Field(default_factory=dict)
     """What its payload holds; read as `event.<field>`."""
+
+    def __init__(self, about: str = "", *, fields: Mapping[str, EventField] = {}) -> None: ...
 
 
 def _events(given: Any) -> Any:
@@ -73,18 +78,24 @@ def _keys(given: Any) -> Any:
 class Mission(MissionModel):
     """A statechart whose states run actions, trees, questions and calls; transitions own its state."""
 
-    positional: ClassVar = ("name",)
-
     format: Literal[1] = 1
+    """The version of the format."""
     name: Name
+    """Its name: lower case letters, digits and `_`."""
     version: Text = "0.0.0"
+    """The version of this mission, as its author counts."""
     about: Text = ""
+    """What it is for, in a sentence; pictures and reports show it."""
     uses: tuple[Requirement, ...] = ()
     """The packages whose guards and activities it uses, each with its version: `orchard_kinds>=1`."""
     blackboard: Annotated[dict[KeyName, Key], BeforeValidator(_keys)] = Field(default_factory=dict)
+    """What it knows: its keys, by their names."""
     events: Annotated[dict[EventName, EventSpec], BeforeValidator(_events)] = Field(default_factory=dict)
+    """What may happen outside, by name."""
     initial: StateNames
+    """The state with which it begins, or one a region."""
     states: States = Field(min_length=1)
+    """The states, by their names."""
     transitions: Transitions = ()
     """The mission's own transitions, tried after those of the states."""
     invariants: dict[Name, AnyOf[Guard]] = Field(default_factory=dict)
@@ -98,12 +109,22 @@ class Mission(MissionModel):
     ready_s: Seconds = 10.0
     """How long the start waits for the robot keys that are not optional."""
 
-    def __init__(self, /, *given: Any, **words: Any) -> None:
-        if "keys" in words:
-            words["blackboard"] = words.pop("keys")
-        super().__init__(*given, **words)
+    def __init__(
+        self, name: str, *, initial: str | Sequence[str], states: Mapping[str, State], version: str = "0.0.0",
+        about: str = "", uses: Sequence[str] = (), keys: Keys | Mapping[str, Key] = {},  # noqa: B006 - declared, never used
+        events: Sequence[str] | Mapping[str, EventSpec] = (), transitions: Sequence[Transition] = (),
+        invariants: Mapping[str, GuardOrKey] = {}, on_cancel: str | None = None, cancel_s: float = 30.0,
+        settle_s: float = 0.0, ready_s: float = 10.0, format: Literal[1] = 1,
+    ) -> None: ...  # fmt: skip
 
-    __init__.__pydantic_base_init__ = True  # type: ignore[attr-defined]
+    @classmethod
+    def spelled(cls, words: dict[str, Any]) -> dict[str, Any]:
+        return {"blackboard" if word == "keys" else word: value for word, value in words.items()}
+
+    @classmethod
+    def meanings(cls) -> Mapping[str, str]:
+        texts = super().meanings()
+        return {**texts, "keys": texts["blackboard"]}
 
     _without_schema = model_validator(mode="before")(without_schema)
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any, NoReturn
 
-from rai_missions.errors import suggestion
+from rai_missions.errors import nearest, suggestion
 
 if TYPE_CHECKING:
     from rai_missions.guards.guard import Guard
@@ -18,6 +18,8 @@ if TYPE_CHECKING:
 __all__ = ("Ref", "answer", "event")
 
 POSE = ("x", "y", "z", "yaw", "frame")
+OFFERS = ("fresh", "is_false", "is_in", "is_true", "near")
+"""What a reference makes guards by, next to operators."""
 
 
 def _guard(word: str, **words: Any) -> Guard:
@@ -31,7 +33,8 @@ def _guard(word: str, **words: Any) -> Guard:
 class Ref:
     """A place that a value is read from: `k.battery`, `k.obstacle.height_m`, `event.distance_m`.
 
-    A field whose name is taken here (`fresh`, `near`, `is_in`) is reached as `k.obstacle["fresh"]`.
+    A field whose name is taken here (`fresh`, `near`, `is_in`, `is_true`, `is_false`) is reached as
+    `k.obstacle["fresh"]`.
     """
 
     __slots__ = ("__key__", "__path__")
@@ -53,7 +56,9 @@ class Ref:
             from rai_missions.redaction import shown  # heavy, and needed for this sentence alone
 
             what = f"'{self.__path__}' has no field {shown(field)}"
-            raise AttributeError(what + (suggestion(field, known) if known else "; it is no object"))
+            near = nearest(field, (*known, *OFFERS))
+            hint = f"; did you mean '{near}'?" if near else suggestion(field, known)
+            raise AttributeError(what + (hint or f"; it is no object, a reference has: {', '.join(OFFERS)}"))
         return Ref(f"{self.__path__}.{field}")
 
     def _fields(self) -> Iterable[str] | None:
@@ -89,11 +94,20 @@ class Ref:
         return hash(self.__path__)
 
     def is_in(self, values: Iterable[Any] | Ref) -> Guard:
-        """True where the value is one of these, or of those that another key holds."""
+        """True where the value is one of these, or of those that another key holds.
+
+        Args:
+            values: The values, or a reference to a key that holds a list.
+        """
         return self._compared("in", values if isinstance(values, Ref) else list(values))
 
     def near(self, other: Ref, *, within_m: float) -> Guard:
-        """True where this pose lies within so many metres of another."""
+        """True where this pose lies within so many metres of another.
+
+        Args:
+            other: A pose in the same frame.
+            within_m: The largest distance, in metres.
+        """
         return _guard("near", near=(self.__path__, other.__path__), within_m=within_m)
 
     @property
@@ -106,8 +120,13 @@ class Ref:
         """`== true`, which a reference means among `&` and `|`."""
         return self._compared("==", True)
 
-    def __invert__(self) -> Guard:
+    @property
+    def is_false(self) -> Guard:
+        """`== false`, which `~` means too."""
         return self._compared("==", False)
+
+    def __invert__(self) -> Guard:
+        return self.is_false
 
     def __and__(self, other: Guard | Ref) -> Guard:
         return self.is_true & _condition(other)
@@ -129,6 +148,9 @@ class Ref:
 
     def __iter__(self) -> NoReturn:
         raise TypeError(f"'{self.__path__}' is a value that is known in a run; it has no items here")
+
+    def __dir__(self) -> list[str]:
+        return sorted({*(self._fields() or ()), *OFFERS})
 
     def __repr__(self) -> str:
         return f"<{self.__path__}>"

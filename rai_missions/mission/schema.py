@@ -15,7 +15,8 @@ from rai_missions.model import FAMILY, MissionModel, TaggedModel
 from rai_missions.states import State, Transition
 from rai_missions.states.effects import Effect, Set
 from rai_missions.states.state import OUTCOMES
-from rai_missions.states.tree import SetLeaf, TreeNode
+from rai_missions.states.tree import TreeNode
+from rai_missions.states.tree.leaves import SetLeaf
 
 __all__ = ("mission_schema", "schema_of")
 
@@ -111,7 +112,7 @@ def _by_word(name: str, family: type[TaggedModel]) -> dict[str, Any]:
             decides["not"] = {"required": [stronger]}
         cases.append({"if": decides, "then": members[word]})
     some = {"anyOf": [{"required": [word]} for word in words]}
-    known = {word: {"description": (family.kinds[word].__doc__ or "").strip()} for word in words}
+    known = {word: {"description": family.kinds[word].summary()} for word in words}
     if "" in members:
         return {"type": "object", "properties": known, "allOf": [*cases, {"if": {"not": some}, "then": members[""]}]}
     return {"type": "object", "properties": known, **some, "allOf": cases}

@@ -10,7 +10,7 @@ from rai_missions.engine.step import StartBehaviour, StopBehaviour
 from rai_missions.errors import UsageError
 from rai_missions.event import Event
 from rai_missions.runtime.scheduler import Scheduler
-from rai_missions.states.tree import BehaviourLeaf
+from rai_missions.states.tree.behaviour import BehaviourLeaf
 
 if TYPE_CHECKING:
     from rai_missions.trees.python_behaviour import LiveBehaviour

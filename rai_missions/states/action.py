@@ -3,16 +3,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Annotated, ClassVar
 
 from pydantic import Field
 
-from rai_missions.guards.guard import Guard
+from rai_missions.guards.guard import Guard, GuardOrKey
 from rai_missions.kinds import TEMPLATE
-from rai_missions.model import ActionName, AnyOf, Bool, Json, MissionModel, Seconds, Text
-from rai_missions.states.effects import call_lines
-from rai_missions.states.state import ResultKey, State
+from rai_missions.model import ActionName, AnyOf, Bool, Json, MissionModel, Seconds, Text, Value
+from rai_missions.states.effects import Effect, call_lines
+from rai_missions.states.state import Controller, ResultKey, State, Transition
 
 __all__ = ("Action", "GoalFields")
 
@@ -35,6 +35,7 @@ class GoalFields(MissionModel):
     over_orphan: Bool = False
     """Start even though an earlier goal on the same resources never confirmed its end."""
     timeout_s: Seconds | None = Field(default=None, gt=0)
+    """Seconds after which it reports `timed_out` and the goal is canceled."""
 
     def goal_lines(self) -> Iterator[str]:
         """What is sent, how long it may take, and when its success counts."""
@@ -49,8 +50,15 @@ class GoalFields(MissionModel):
 class Action(GoalFields, State, word="action"):
     """Pursues a goal. Its success counts only while `achieved` is true."""
 
-    positional: ClassVar = ("action",)
     reports_robot: ClassVar = True
+
+    def __init__(
+        self, action: str, *, goal: Mapping[str, Value] = {}, result: Mapping[str, str] = {},
+        achieved: GuardOrKey | None = None, settle_s: float = 0.0, cancel_s: float = 5.0, over_orphan: bool = False,
+        about: str = "", control: Controller | None = None, entry: Effect | Sequence[Effect] = (),
+        exit: Effect | Sequence[Effect] = (), transitions: Sequence[Transition] = (), timeout_s: float | None = None,
+        handover_s: float = 5.0,
+    ) -> None: ...  # fmt: skip
 
     def outcomes(self) -> frozenset[str]:
         ends = {"succeeded", "failed", "rejected", "canceled"}

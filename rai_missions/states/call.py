@@ -3,15 +3,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Annotated, ClassVar
 
 from pydantic import Field
 
 from rai_missions.kinds import TEMPLATE
-from rai_missions.model import Json, MissionModel, Seconds, ServiceName, Text
-from rai_missions.states.effects import call_lines
-from rai_missions.states.state import ResultKey, State
+from rai_missions.model import Json, MissionModel, Seconds, ServiceName, Text, Value
+from rai_missions.states.effects import Effect, call_lines
+from rai_missions.states.state import Controller, ResultKey, State, Transition
 
 __all__ = ("Call", "CallFields")
 
@@ -26,6 +26,7 @@ class CallFields(MissionModel):
     result: dict[ResultKey, Text] = Field(default_factory=dict)
     """Mission key → the field of the reply that it takes."""
     timeout_s: Seconds | None = Field(default=None, gt=0)
+    """Seconds after which it reports `timed_out` and a reply counts no more."""
 
     def call_lines(self) -> Iterator[str]:
         """What is sent, what is taken of the reply, and how long it may take."""
@@ -35,9 +36,15 @@ class CallFields(MissionModel):
 class Call(CallFields, State, word="call"):
     """Calls a service once; leaving the state drops the reply."""
 
-    positional: ClassVar = ("call",)
     yields: ClassVar = False
     reports_robot: ClassVar = True
+
+    def __init__(
+        self, call: str, *, request: Mapping[str, Value] = {}, result: Mapping[str, str] = {},
+        about: str = "", control: Controller | None = None, entry: Effect | Sequence[Effect] = (),
+        exit: Effect | Sequence[Effect] = (), transitions: Sequence[Transition] = (), timeout_s: float | None = None,
+        handover_s: float = 5.0,
+    ) -> None: ...  # fmt: skip
 
     def outcomes(self) -> frozenset[str]:
         return super().outcomes() | {"succeeded", "failed", "rejected"}

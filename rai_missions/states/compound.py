@@ -3,15 +3,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from typing import Annotated, ClassVar
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Annotated
 
 from pydantic import Field
 
 from rai_missions.guards.guard import Distinctions
 from rai_missions.kinds import KeyValue, Refers
-from rai_missions.model import Name, Path, StateNames
-from rai_missions.states.state import State, States
+from rai_missions.model import KeyPath, Name, Path, StateNames
+from rai_missions.states.effects import Effect
+from rai_missions.states.state import Controller, State, States, Transition
 
 __all__ = ("Compound", "Each", "Parallel")
 
@@ -22,6 +23,14 @@ class Compound(State, word="states"):
     initial: StateNames
     """A descendant, or one a region of a parallel descendant."""
     states: States = Field(min_length=1)
+    """The states inside, by their names."""
+
+    def __init__(
+        self, *, initial: str | Sequence[str], states: Mapping[str, State],
+        about: str = "", control: Controller | None = None, entry: Effect | Sequence[Effect] = (),
+        exit: Effect | Sequence[Effect] = (), transitions: Sequence[Transition] = (), timeout_s: float | None = None,
+        handover_s: float = 5.0,
+    ) -> None: ...  # fmt: skip
 
     def children(self) -> Mapping[str, State]:
         return self.states
@@ -30,9 +39,15 @@ class Compound(State, word="states"):
 class Parallel(State, word="parallel"):
     """All regions are active at a time; when each has reached a final, the worst outcome is its own."""
 
-    positional: ClassVar = ("parallel",)
-
     parallel: States = Field(min_length=1)
+    """The regions, by their names; each is a state."""
+
+    def __init__(
+        self, parallel: Mapping[str, State], *,
+        about: str = "", control: Controller | None = None, entry: Effect | Sequence[Effect] = (),
+        exit: Effect | Sequence[Effect] = (), transitions: Sequence[Transition] = (), timeout_s: float | None = None,
+        handover_s: float = 5.0,
+    ) -> None: ...  # fmt: skip
 
     def children(self) -> Mapping[str, State]:
         return self.parallel
@@ -44,14 +59,21 @@ class Parallel(State, word="parallel"):
 class Each(State, word="each"):
     """Its states run once for each item of a list, copied on entry; the first outcome but `succeeded` ends it."""
 
-    positional: ClassVar = ("each",)
-
     each: Path
     """The key that holds the list."""
     item: Annotated[Name, Refers("key", "each")] = Field(alias="as")
     """The mission key that holds the current item."""
     initial: StateNames
+    """The state with which each round begins, or one a region."""
     states: States = Field(min_length=1)
+    """The states inside, by their names."""
+
+    def __init__(
+        self, each: KeyPath, *, item: KeyPath, initial: str | Sequence[str], states: Mapping[str, State],
+        about: str = "", control: Controller | None = None, entry: Effect | Sequence[Effect] = (),
+        exit: Effect | Sequence[Effect] = (), transitions: Sequence[Transition] = (), timeout_s: float | None = None,
+        handover_s: float = 5.0,
+    ) -> None: ...  # fmt: skip
 
     def children(self) -> Mapping[str, State]:
         return self.states

@@ -3,16 +3,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Annotated, Any, ClassVar, Self
 
 from pydantic import Field, model_validator
 
-from rai_missions.guards.guard import Guard
-from rai_missions.model import AnyOf, Json, MissionModel, Name, Path, Text, fault, suggestion
-from rai_missions.states.state import OUTCOMES, State
+from rai_missions.errors import nearest
+from rai_missions.guards.guard import Guard, GuardOrKey
+from rai_missions.model import AnyOf, Json, KeyPath, MissionModel, Name, Path, Text, fault, suggestion
+from rai_missions.states.effects import Effect
+from rai_missions.states.state import OUTCOMES, Controller, State, Transition
 
-__all__ = ("Budget", "Decision", "DecisionSpec", "Option", "answerer_words")
+__all__ = ("BUDGET", "Budget", "Decision", "DecisionSpec", "Option", "answerer_words", "asked_apart")
 
 ANSWERERS: Mapping[str, str] = {"agent": "the model", "operator": "the operator", "rules": "the fixed rules"}
 """By the word of `ask`. Where control is meant `agent` is the mission itself, so no reader sees the word alone."""
@@ -26,14 +28,16 @@ def answerer_words(name: str) -> str:
 class Option(MissionModel):
     """One answer that may be given, and when."""
 
-    positional: ClassVar = ("about",)
-
     about: Text = ""
     """What it means, for anyone who is asked."""
     when: AnyOf[Guard] | None = None
     """Where this is not true the option is not offered, and not taken."""
     parameters: dict[str, Json] | None = None
     """JSON Schema of what the answer brings along, read as `answer.<name>` in the option's transition."""
+
+    def __init__(
+        self, about: str = "", *, when: GuardOrKey | None = None, parameters: Mapping[str, Any] | None = None
+    ) -> None: ...  # fmt: skip
 
 
 class Budget(MissionModel):
@@ -46,16 +50,23 @@ class Budget(MissionModel):
     seconds: Annotated[float, Field(strict=True, gt=0)] | None = None
     """Wall time; the deadline bounds it anyway."""
 
+    def __init__(self, *, calls: int = 8, tokens: int = 20_000, seconds: float | None = None) -> None: ...
+
+
+BUDGET = Budget()
+
 
 class DecisionSpec(MissionModel):
     """The question of a decision, its answers, and who is asked."""
 
-    positional: ClassVar = ("question",)
+    family: ClassVar = "decision"
 
     question: Text
+    """What is asked, in a sentence."""
     evidence: tuple[Path, ...] = ()
     """The keys that the question shows, pictures included."""
     options: dict[Name, Option] = Field(min_length=1)
+    """The answers that may be given, by their names; each is an outcome."""
     ask: Annotated[tuple[Name, ...], Field(min_length=1)] = ("agent", "operator", "rules")
     """Who is asked, in this order; one that is absent is skipped."""
     attempts: Annotated[int, Field(strict=True, ge=1, le=100)] = 1
@@ -66,9 +77,17 @@ class DecisionSpec(MissionModel):
     """How long each of them has; left out, an equal share of the time left."""
     fallback: Name | None = None
     """The option taken when no one gave an answer that counts; it has no `when`."""
-    budget: Budget = Budget()
+    budget: Budget = BUDGET
+    """How much a model may use."""
     tools: tuple[Name, ...] = ()
     """The read-only tools that a model may use while it thinks."""
+
+    def __init__(
+        self, question: str, *, options: Mapping[str, Option], evidence: Sequence[KeyPath] = (),
+        ask: Sequence[str] = ("agent", "operator", "rules"), attempts: int = 1, deadline_s: float | None = None,
+        within_s: float | None = None, fallback: str | None = None, budget: Budget = BUDGET,
+        tools: Sequence[str] = (),
+    ) -> None: ...  # fmt: skip
 
     @model_validator(mode="after")
     def _fallback_is_an_option(self) -> Self:
@@ -112,6 +131,20 @@ class DecisionSpec(MissionModel):
                 yield name, option.when
 
 
+def asked_apart(kind: type[MissionModel], words: Mapping[str, Any]) -> dict[str, Any]:
+    """The words of a constructor with those of its question under `decision`, as the format has them.
+
+    A word that neither has is put where the nearest is, so that it is refused with that one.
+    """
+    if "decision" in words:
+        return dict(words)
+    asked = set(DecisionSpec.model_fields)
+    known = asked | set(kind.model_fields)
+    inside = {word for word in words if word in asked or (word not in known and nearest(word, known) in asked)}
+    rest = {word: value for word, value in words.items() if word not in inside}
+    return {"decision": {word: words[word] for word in words if word in inside}, **rest}
+
+
 class Decision(State, word="decision"):
     """Asks. In Python the question's words are next to the state's: `Decision("What now?", options=…, ask=…)`."""
 
@@ -119,14 +152,22 @@ class Decision(State, word="decision"):
 
     decision: DecisionSpec
 
-    def __init__(self, /, *given: Any, **words: Any) -> None:
-        if "decision" not in words:
-            asked = {name: words.pop(name) for name in list(words) if name in DecisionSpec.model_fields}
-            words["decision"] = DecisionSpec(*given, **asked)
-            given = ()
-        super().__init__(*given, **words)
+    def __init__(
+        self, question: str, *, options: Mapping[str, Option], evidence: Sequence[KeyPath] = (),
+        ask: Sequence[str] = ("agent", "operator", "rules"), attempts: int = 1, deadline_s: float | None = None,
+        within_s: float | None = None, fallback: str | None = None, budget: Budget = BUDGET,
+        tools: Sequence[str] = (), about: str = "", control: Controller | None = None,
+        entry: Effect | Sequence[Effect] = (), exit: Effect | Sequence[Effect] = (),
+        transitions: Sequence[Transition] = (), timeout_s: float | None = None, handover_s: float = 5.0,
+    ) -> None: ...  # fmt: skip
 
-    __init__.__pydantic_base_init__ = True  # type: ignore[attr-defined]
+    @classmethod
+    def spelled(cls, words: dict[str, Any]) -> dict[str, Any]:
+        return asked_apart(cls, words)
+
+    @classmethod
+    def meanings(cls) -> Mapping[str, str]:
+        return {**DecisionSpec.meanings(), **super().meanings()}
 
     def outcomes(self) -> frozenset[str]:
         return super().outcomes() | frozenset(self.decision.options)

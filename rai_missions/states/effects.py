@@ -16,6 +16,7 @@ from rai_missions.kinds import TEMPLATE, KeyValue, Refers, reference_word, templ
 from rai_missions.model import (
     EventName,
     Json,
+    KeyPath,
     Name,
     Number,
     Path,
@@ -25,6 +26,7 @@ from rai_missions.model import (
     Text,
     TimerName,
     TopicName,
+    Value,
     fault,
 )
 
@@ -63,12 +65,18 @@ class Effect(TaggedModel, family="effect"):
 class Set(Effect, word="set"):
     """Writes a key of the mission: a value, another key's value, or its own plus a number."""
 
-    positional: ClassVar = ("set", "value")
-
     set: Annotated[Name, Refers("key", "set")]
+    """The key that is written."""
     value: Annotated[Json, TEMPLATE] = None
+    """The value that it takes, or a reference to where the value is read."""
     from_: Path | None = Field(default=None, alias="from")
+    """The key, or the field of an event or answer, whose value it takes."""
     add: Number | None = None
+    """The number by which it grows."""
+
+    def __init__(
+        self, set: KeyPath, value: Value = None, *, from_: KeyPath | None = None, add: float | None = None
+    ) -> None: ...  # fmt: skip
 
     @model_validator(mode="after")
     def _one_source(self) -> Self:
@@ -102,14 +110,20 @@ class Set(Effect, word="set"):
 class Raise(Effect, word="raise"):
     """Raises a declared event: at once inside the step, or from outside after a while."""
 
-    positional: ClassVar = ("event",)
     sends: ClassVar = "data"
 
     event: EventName = Field(alias="raise")
+    """The event, which the mission declares."""
     after_s: Seconds | None = None
+    """Seconds until it is raised; without them it is raised inside the step."""
     id: TimerName | None = None
     """What `drop` calls it by; a second one of the same id replaces the first."""
     data: Annotated[dict[str, Json], TEMPLATE] = Field(default_factory=dict)
+    """What it brings along; read as `event.<field>`."""
+
+    def __init__(
+        self, event: str, *, after_s: float | None = None, id: str | None = None, data: Mapping[str, Value] = {}
+    ) -> None: ...  # fmt: skip
 
     def words(self) -> str:
         return f"raise {self.event}" + (f" after {self.after_s:g} s" if self.after_s is not None else "")
@@ -118,9 +132,10 @@ class Raise(Effect, word="raise"):
 class Drop(Effect, word="drop"):
     """Takes back a delayed `raise` that has not come yet."""
 
-    positional: ClassVar = ("drop",)
-
     drop: TimerName
+    """The `id` of the delayed `raise`."""
+
+    def __init__(self, drop: str) -> None: ...
 
     def words(self) -> str:
         return f"drop {self.drop}"
@@ -129,11 +144,14 @@ class Drop(Effect, word="drop"):
 class Call(Effect, word="call"):
     """Calls a service of the profile; its failure raises `call_failed`."""
 
-    positional: ClassVar = ("call", "request")
     sends: ClassVar = "request"
 
     call: ServiceName
+    """The service, by the profile's name of it."""
     request: Annotated[dict[str, Json], TEMPLATE] = Field(default_factory=dict)
+    """The request's fields; a reference takes a value from the blackboard."""
+
+    def __init__(self, call: str, request: Mapping[str, Value] = {}) -> None: ...
 
     def words(self) -> str:
         return f"call {self.call}"
@@ -142,11 +160,14 @@ class Call(Effect, word="call"):
 class Publish(Effect, word="publish"):
     """Publishes a message on a topic of the profile."""
 
-    positional: ClassVar = ("publish", "message")
     sends: ClassVar = "message"
 
     publish: TopicName
+    """The topic, by the profile's name of it."""
     message: Annotated[dict[str, Json], TEMPLATE] = Field(default_factory=dict)
+    """The message's fields; a reference takes a value from the blackboard."""
+
+    def __init__(self, publish: str, message: Mapping[str, Value] = {}) -> None: ...
 
     def words(self) -> str:
         return f"publish {self.publish}"
@@ -155,9 +176,10 @@ class Publish(Effect, word="publish"):
 class Say(Effect, word="say"):
     """Speaks a sentence to people who are near."""
 
-    positional: ClassVar = ("say",)
-
     say: Text
+    """The sentence."""
+
+    def __init__(self, say: str) -> None: ...
 
     def words(self) -> str:
         return f"say “{self.say}”"
@@ -166,9 +188,10 @@ class Say(Effect, word="say"):
 class Log(Effect, word="log"):
     """Writes a line to the journal."""
 
-    positional: ClassVar = ("log",)
-
     log: Text
+    """The line."""
+
+    def __init__(self, log: str) -> None: ...
 
     def words(self) -> str:
         return f"log “{self.log}”"

@@ -3,12 +3,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from typing import ClassVar, Literal
+from collections.abc import Iterator, Sequence
+from typing import Literal
 
-from rai_missions.guards.guard import Guard
+from rai_missions.guards.guard import Guard, GuardOrKey
 from rai_missions.model import AnyOf
-from rai_missions.states.state import State
+from rai_missions.states.effects import Effect
+from rai_missions.states.state import Controller, State, Transition
 
 __all__ = ("Final", "FinalOutcome", "worst")
 
@@ -18,11 +19,17 @@ FinalOutcome = Literal["succeeded", "failed", "aborted", "canceled"]
 class Final(State, word="final"):
     """Reaching it ends its parent with its outcome."""
 
-    positional: ClassVar = ("final",)
-
     final: FinalOutcome
+    """The outcome of what it ends."""
     requires: AnyOf[Guard] | None = None
     """What must be true then: else the mission `failed`, or a parent's outcome is `unverified`."""
+
+    def __init__(
+        self, final: FinalOutcome, *, requires: GuardOrKey | None = None,
+        about: str = "", control: Controller | None = None, entry: Effect | Sequence[Effect] = (),
+        exit: Effect | Sequence[Effect] = (), transitions: Sequence[Transition] = (), timeout_s: float | None = None,
+        handover_s: float = 5.0,
+    ) -> None: ...  # fmt: skip
 
     def title(self) -> str:
         return self.final

@@ -3,12 +3,14 @@
 
 from __future__ import annotations
 
-from typing import Any, ClassVar, Literal, Self
+from collections.abc import Sequence
+from typing import Any, Literal, Self
 
 from pydantic import Field, GetJsonSchemaHandler, model_validator
 
 from rai_missions.model import fault
-from rai_missions.states.state import State, Transition
+from rai_missions.states.effects import Effect
+from rai_missions.states.state import Controller, State, Transition
 
 __all__ = ("Default", "History")
 
@@ -16,7 +18,7 @@ __all__ = ("Default", "History")
 class Default(Transition):
     """Where a history leads while there is no memory. Nothing triggers it, guards it or is done by it."""
 
-    positional: ClassVar = ("to",)
+    def __init__(self, to: str | Sequence[str], *, about: str = "") -> None: ...
 
     @model_validator(mode="after")
     def _one_trigger(self) -> Self:
@@ -45,12 +47,17 @@ class Default(Transition):
 class History(State, word="history"):
     """Never active itself; without memory it leads to its own transition's target, else to the parent's `initial`."""
 
-    positional: ClassVar = ("history",)
-
     history: Literal["shallow", "deep"]
     """`shallow` remembers the parent's active child, `deep` all that was active inside."""
     transitions: tuple[Default, ...] = Field(default=(), max_length=1)
     """Its default, `[{"to": …}]`: inside its parent; of a `shallow` one a child."""
+
+    def __init__(
+        self, history: Literal["shallow", "deep"], *,
+        about: str = "", control: Controller | None = None, entry: Effect | Sequence[Effect] = (),
+        exit: Effect | Sequence[Effect] = (), transitions: Sequence[Default] = (), timeout_s: float | None = None,
+        handover_s: float = 5.0,
+    ) -> None: ...  # fmt: skip
 
     def title(self) -> str:
         return f"{self.history} history"

@@ -3,15 +3,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from typing import Annotated, ClassVar
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Annotated
 
 from pydantic import Field
 
 from rai_missions.kinds import TEMPLATE
-from rai_missions.model import Json, Name, Text
-from rai_missions.states.effects import template_words
-from rai_missions.states.state import State
+from rai_missions.model import Json, Name, Text, Value
+from rai_missions.states.effects import Effect, template_words
+from rai_missions.states.state import Controller, State, Transition
 
 __all__ = ("Include",)
 
@@ -19,12 +19,17 @@ __all__ = ("Include",)
 class Include(State, word="mission"):
     """A mission in a mission. Its keys and events are private unless mapped; its finals are its outcomes."""
 
-    positional: ClassVar = ("mission",)
-
     mission: Text
     """The file, relative to the one that names it and inside that one's folder."""
     with_: Annotated[dict[Name, Json], TEMPLATE] = Field(default_factory=dict, alias="with")
     """Its key or event → a value, or `{"from": key}` to share one of this mission's keys."""
+
+    def __init__(
+        self, mission: str, *, with_: Mapping[str, Value] = {},
+        about: str = "", control: Controller | None = None, entry: Effect | Sequence[Effect] = (),
+        exit: Effect | Sequence[Effect] = (), transitions: Sequence[Transition] = (), timeout_s: float | None = None,
+        handover_s: float = 5.0,
+    ) -> None: ...  # fmt: skip
 
     def activity(self) -> str:
         return f"mission {self.mission}"

@@ -6,12 +6,12 @@ Rule: a state is data. What it does while it is active is worked out by a pure m
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self, get_args
 
 from pydantic import BeforeValidator, Field, model_validator
 
-from rai_missions.guards.guard import Distinctions, Guard
+from rai_missions.guards.guard import Distinctions, Guard, GuardOrKey
 from rai_missions.guards.purity import impurity
 from rai_missions.kinds import PATH, TRIGGER, Refers, fields_of
 from rai_missions.model import (
@@ -50,7 +50,13 @@ Holder = Literal[Controller, "nobody"]
 """Who can hold control."""
 HOLDERS: tuple[Holder, ...] = get_args(Holder)
 
-Effects = tuple[AnyOf[Effect], ...]
+
+def _several(given: Any) -> Any:
+    return (given,) if isinstance(given, Effect) else given
+
+
+Effects = Annotated[tuple[AnyOf[Effect], ...], BeforeValidator(_several)]
+"""In Python a single effect needs no list."""
 ResultKey = Annotated[Name, Refers("key", "result")]
 """A key of the mission that a field of a result is written to."""
 TriggerName = Annotated[str, Field(pattern=r"^(\*|[a-z][a-z0-9_]*(/[a-z][a-z0-9_]*)*)$", strict=True)]
@@ -59,8 +65,6 @@ TriggerName = Annotated[str, Field(pattern=r"^(\*|[a-z][a-z0-9_]*(/[a-z][a-z0-9_
 class Transition(MissionModel):
     """What triggers it, under which guard, where it leads and what it does on the way."""
 
-    positional: ClassVar = ("on",)
-
     on: Annotated[tuple[TriggerName, ...], TRIGGER, *one_or_many] = ()
     """Events or outcomes; `*` is any declared event. Without `on` and `after_s` it fires as soon as its guard holds."""
     of: StateName | None = None
@@ -68,12 +72,21 @@ class Transition(MissionModel):
     after_s: Seconds | None = None
     """Fires so long after the entry, once; if the guard is not true then, it is lost."""
     when: AnyOf[Guard] | None = None
+    """What must be true for it to fire."""
     to: Annotated[tuple[StateName, ...], *one_or_many] = ()
     """The target, or one a region; without one the state is not left."""
     do: Effects = ()
+    """What is done on the way, in this order."""
     internal: Bool = False
     """From a compound state into itself without leaving it."""
     about: Text = ""
+    """What it is for, in a sentence."""
+
+    def __init__(
+        self, on: str | Sequence[str] = (), *, of: str | None = None, after_s: float | None = None,
+        when: GuardOrKey | None = None, to: str | Sequence[str] = (), do: Effect | Sequence[Effect] = (),
+        internal: bool = False, about: str = "",
+    ) -> None: ...  # fmt: skip
 
     @model_validator(mode="after")
     def _one_trigger(self) -> Self:
@@ -121,15 +134,26 @@ class State(TaggedModel, family="state", group="rai_missions.activities", word="
     LAST: ClassVar = frozenset(("entry", "exit", "transitions", "timeout_s", "handover_s"))
 
     about: Text = ""
+    """What it is for, in a sentence; pictures, questions and reports show it."""
     control: Controller | None = None
     """Who must hold control while it is active; the innermost one decides."""
     entry: Effects = ()
+    """What is done when it is entered."""
     exit: Effects = ()
+    """What is done when it is left."""
     transitions: Transitions = ()
+    """How it is left, or what is done without leaving it; tried in this order."""
     timeout_s: Seconds | None = Field(default=None, gt=0)
     """So long after the entry it reports `timed_out` and what it runs is canceled."""
     handover_s: Seconds = 5.0
     """How long the handover of control may take before the start is `rejected`."""
+
+    def __init__(
+        self, *,
+        about: str = "", control: Controller | None = None, entry: Effect | Sequence[Effect] = (),
+        exit: Effect | Sequence[Effect] = (), transitions: Sequence[Transition] = (), timeout_s: float | None = None,
+        handover_s: float = 5.0,
+    ) -> None: ...  # fmt: skip
 
     @classmethod
     def admit(cls, kind: type[Any]) -> str:

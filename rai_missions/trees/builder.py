@@ -67,7 +67,7 @@ def _tested(behaviour: Any, guard: Guard, site: Site) -> Any:
     return _with(behaviour, test=guard.compile(site), site=site)
 
 
-def _parallel(at: TreeBuilder, node: tree.ParallelTree, path: str, inside: Inside) -> Any:
+def _parallel(at: TreeBuilder, node: tree.Parallel, path: str, inside: Inside) -> Any:
     policy: ParallelPolicy.Base
     if node.policy == "success_on_one":
         policy = ParallelPolicy.SuccessOnOne()
@@ -79,12 +79,12 @@ def _parallel(at: TreeBuilder, node: tree.ParallelTree, path: str, inside: Insid
     return nodes.ParallelBehaviour(node.word, policy, inside)
 
 
-def _ask(at: TreeBuilder, node: tree.DecisionLeaf, path: str, inside: Inside) -> Any:
+def _ask(at: TreeBuilder, node: tree.Decision, path: str, inside: Inside) -> Any:
     subtrees = dict(zip(node.then, inside, strict=True))
     return _with(leaves.AskBehaviour(node.word, inside), options=frozenset(node.decision.options), subtrees=subtrees)
 
 
-def _write(at: TreeBuilder, node: tree.SetLeaf, path: str, inside: Inside) -> Any:
+def _write(at: TreeBuilder, node: tree.Set, path: str, inside: Inside) -> Any:
     site, effect, add = at.site(path, "set"), node.effect(), node.add
     source = node.set if add is not None else effect.source
     read = Operand(source, site).read if source is not None else lambda view: effect.value
@@ -103,7 +103,7 @@ def _sum(value: Any, add: float) -> Any:
     return value + (int(add) if isinstance(value, int) and add == int(add) else add)
 
 
-def _publish(at: TreeBuilder, node: tree.PublishLeaf, path: str, inside: Inside) -> Any:
+def _publish(at: TreeBuilder, node: tree.Publish, path: str, inside: Inside) -> Any:
     def message(view: View) -> Any:
         return filled(node.message, view, at.site(path, "message"))
 
@@ -123,7 +123,7 @@ def _sent(at: TreeBuilder, node: tree.TreeNode, path: str, template: Any, *also:
 MAKERS: Mapping[type[tree.TreeNode], Maker] = {
     tree.Sequence: lambda at, node, path, inside: nodes.SequenceBehaviour(node.word, node.memory, inside),
     tree.Selector: lambda at, node, path, inside: nodes.SelectorBehaviour(node.word, node.memory, inside),
-    tree.ParallelTree: _parallel,
+    tree.Parallel: _parallel,
     **{kind: lambda at, node, path, inside: nodes.PLAIN[type(node)](node.word, inside[0]) for kind in nodes.PLAIN},
     tree.Retry: lambda at, node, path, inside: nodes.RetryBehaviour(node.word, inside[0], node.num_failures),
     tree.Repeat: lambda at, node, path, inside: nodes.RepeatBehaviour(node.word, inside[0], node.num_success),
@@ -140,15 +140,15 @@ MAKERS: Mapping[type[tree.TreeNode], Maker] = {
     tree.StatusToBlackboard: lambda at, node, path, inside: _with(
         nodes.StatusToBlackboardBehaviour(node.word, inside[0]), key=node.key
     ),
-    tree.CheckLeaf: lambda at, node, path, inside: _tested(
+    tree.Check: lambda at, node, path, inside: _tested(
         leaves.CheckBehaviour(node.word), node.check, at.site(path, "check")
     ),
-    tree.DecisionLeaf: _ask,
-    tree.SetLeaf: _write,
-    tree.PublishLeaf: _publish,
-    tree.WaitLeaf: lambda at, node, path, inside: _with(leaves.WaitBehaviour(node.word), wait_s=node.wait_s),
-    tree.ActionLeaf: lambda at, node, path, inside: _sent(at, node, path, node.goal, GOALS),
-    tree.CallLeaf: lambda at, node, path, inside: _sent(at, node, path, node.request),
-    tree.BehaviourLeaf: lambda at, node, path, inside: leaves.PythonLeaf(node.program()),
+    tree.Decision: _ask,
+    tree.Set: _write,
+    tree.Publish: _publish,
+    tree.Wait: lambda at, node, path, inside: _with(leaves.WaitBehaviour(node.word), wait_s=node.wait_s),
+    tree.Action: lambda at, node, path, inside: _sent(at, node, path, node.goal, GOALS),
+    tree.Call: lambda at, node, path, inside: _sent(at, node, path, node.request),
+    tree.Behaviour: lambda at, node, path, inside: leaves.PythonLeaf(node.program()),
 }
 """Kind of node → how its behaviour is made."""

@@ -14,7 +14,7 @@ from py_trees.behaviour import Behaviour
 from rai_missions.engine.activities.ticker import Status
 from rai_missions.errors import UsageError
 from rai_missions.redaction import cut_repr, logger
-from rai_missions.states.tree import BehaviourLeaf, factory_name
+from rai_missions.states.tree.behaviour import BehaviourLeaf, factory_name
 from rai_missions.trees.nodes import INVALID, RUNNING, WORDS
 
 __all__ = ("LiveBehaviour",)

@@ -5,8 +5,7 @@ from __future__ import annotations
 
 from rai_missions import Image, In, Key, Keys, Mission, On, Set, When
 from rai_missions.mission.mission import EventSpec
-from rai_missions.states import Action, Call, Compound, Decision, Final, History, Option, Tree
-from rai_missions.states.tree import CallLeaf, Sequence, WaitLeaf
+from rai_missions.states import Action, Call, Compound, Decision, Final, History, Option, Tree, tree
 
 k = Keys(
     alleys=Key(int, source="argument", initial=6),
@@ -84,7 +83,7 @@ def mission() -> Mission:
             ),
             "replanning": Call("replan", control="agent", timeout_s=60, transitions=[On("succeeded", to="resume")]),
             "signalling": Tree(
-                Sequence([CallLeaf("horn", timeout_s=2), WaitLeaf(5)]),
+                tree.Sequence([tree.Call("horn", timeout_s=2), tree.Wait(5)]),
                 control="agent",
                 timeout_s=10,
                 entry=[Set(k.signals, add=1)],

@@ -25,7 +25,7 @@ from rai_missions.engine.macrostep import enabled
 from rai_missions.engine.step import CallService, StartGoal, Step
 from rai_missions.event import Event, Tick
 from rai_missions.mission.mission import Mission
-from rai_missions.states.tree import DecisionLeaf, Tree
+from rai_missions.states.tree import Decision, Tree
 from rai_missions.trees import PyTrees
 from tests.laws.test_chart import happenings
 from tests.rigs.charts import ScriptedRobot
@@ -86,7 +86,7 @@ def unticked(chart: Chart, name: str, state: TreeActivity, ends: dict[str, str])
     ticker = PyTrees().compile(node.state.tree, f"{node.place}/tree", chart.mission.blackboard, name)
     ticked = ticker.tick(state.tree, chart.view, {})
     for _ in range(20):
-        if any(isinstance(node, DecisionLeaf) and path in ticked.started for path, node in node.state.tree.paths()):
+        if any(isinstance(node, Decision) and path in ticked.started for path, node in node.state.tree.paths()):
             return  # which option it would be again is not known here
         if not (begun := again(name, ticked, state.tree, ends)):
             break

@@ -15,7 +15,7 @@ from py_trees.common import Status
 from rai_missions import Mission, On
 from rai_missions.event import Event
 from rai_missions.states.final import Final
-from rai_missions.states.tree import BehaviourLeaf, Sequence, Tree, WaitLeaf
+from rai_missions.states.tree import Behaviour, Sequence, Tree, Wait
 from tests.replay.farm import FARMER, Farm
 from tests.replay.mortal import Fate, Wish, live
 from tests.replay.test_kills import entered, holds, lived
@@ -87,7 +87,7 @@ class Work(py_trees.behaviour.Behaviour):
 
 
 def in_python() -> Mission:
-    tree = Sequence([BehaviourLeaf(lambda: Work("work"), 0.5), WaitLeaf(1.0)])
+    tree = Sequence([Behaviour(lambda: Work("work"), 0.5), Wait(1.0)])
     states = {"working": Tree(tree, timeout_s=60, transitions=[On("succeeded", to="over")]), "over": Final("canceled")}
     return Mission("python", initial="working", states=states)
 

@@ -110,7 +110,7 @@ class Oracle:
                 return recorded(composites.Sequence)(name, node.memory, children)
             case tree.Selector():
                 return recorded(composites.Selector)(name, node.memory, children)
-            case tree.ParallelTree():
+            case tree.Parallel():
                 return recorded(composites.Parallel)(name, self.policy(node, children), children)
             case tree.Retry():
                 return recorded(decorators.Retry)(name, children[0], node.num_failures)
@@ -124,11 +124,11 @@ class Oracle:
                 return recorded(decorators.Condition)(name, children[0], Status[node.status.upper()])
             case tree.EternalGuard():
                 return recorded(decorators.EternalGuard)(name, children[0], self.condition(node.guard.key))
-            case tree.CheckLeaf():
+            case tree.Check():
                 check = recorded(CheckLeaf)(name)
                 check.key = node.check.key
                 return check
-            case tree.WaitLeaf():
+            case tree.Wait():
                 return recorded(timers.Timer)(name, node.wait_s)
         return recorded(ActionLeaf)(name)
 

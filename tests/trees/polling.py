@@ -208,7 +208,7 @@ class Polled(Oracle):
         super().__init__(root, monkeypatch)
         self.facts: Json = {**dict.fromkeys(FLAGS, False), **dict.fromkeys(COUNTERS, 0)}
         nodes = [node for _, node in root.paths()]
-        self.is_counting = any(isinstance(node, tree.SetLeaf) and node.add for node in nodes)
+        self.is_counting = any(isinstance(node, tree.Set) and node.add for node in nodes)
         looked_at = {
             getattr(getattr(node, "check", getattr(node, "guard", None)), "key", getattr(node, "from_", None))
             for node in nodes
@@ -218,16 +218,16 @@ class Polled(Oracle):
     def make(self, node: Any, children: list[Any]) -> Any:
         made: Any
         match node:
-            case tree.CheckLeaf() if node.check.key in COUNTERS:
+            case tree.Check() if node.check.key in COUNTERS:
                 made = recorded(Compare)(node.word)
                 made.guard = node.check
-            case tree.SetLeaf():
+            case tree.Set():
                 made = recorded(Put)(node.word)
                 made.node = node
-            case tree.WaitLeaf():
+            case tree.Wait():
                 made = recorded(Wait)(node.word)
                 made.wait_s = node.wait_s
-            case tree.CallLeaf():
+            case tree.Call():
                 made = recorded(Ring)(node.word)
                 made.timeout_s = node.timeout_s
             case tree.Timeout():  # over at its deadline, not only after it

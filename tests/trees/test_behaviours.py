@@ -15,7 +15,7 @@ from rai_missions.engine.activities.ticker import TreeState
 from rai_missions.errors import DefinitionError, UsageError
 from rai_missions.event import Event
 from rai_missions.states.final import Final
-from rai_missions.states.tree import BehaviourLeaf, CheckLeaf, EternalGuard, Tree
+from rai_missions.states.tree import Behaviour, Check, EternalGuard, Tree
 from rai_missions.trees import PyTrees
 from rai_missions.trees.python_behaviour import LiveBehaviour
 from tests.trees.growing import is_true, seen
@@ -50,22 +50,22 @@ def make() -> Worker:
 
 def test_a_state_may_run_a_factory() -> None:
     state = Tree(make, tick_s=0.5, timeout_s=10.0)
-    assert state.tree == BehaviourLeaf(make, 0.5)
+    assert state.tree == Behaviour(make, 0.5)
     assert state.timeout_s == 10.0
     assert Tree(make).tree.tick_s == 0.1
 
 
 def test_a_period_without_a_factory_is_refused() -> None:
     with pytest.raises(DefinitionError, match="tick_s"):
-        Tree(CheckLeaf({"in": "s"}), tick_s=0.5)
+        Tree(Check({"in": "s"}), tick_s=0.5)
     with pytest.raises(DefinitionError, match="/factory: 3 cannot be called; give a function that makes a behaviour"):
-        BehaviourLeaf(3)
+        Behaviour(3)
 
 
 def test_a_behaviour_in_python_is_not_written_as_json() -> None:
     reported = r"test_behaviours\.make': a behaviour in Python cannot be written as JSON, which holds no code"
     with pytest.raises(UsageError, match=reported):
-        BehaviourLeaf(make).written()
+        Behaviour(make).written()
     mission = Mission("m", initial="work", states={"work": Tree(make), "over": Final("aborted")})
     with pytest.raises(UsageError, match="state 'work' runs '.*" + reported):
         dump(mission)
@@ -88,33 +88,33 @@ def test_a_leaf_reports_what_its_behaviour_reported() -> None:
     ("data", "ended"), [({}, ("child",)), ({"child": "running"}, ("child",)), ({"child": "success"}, ())]
 )
 def test_a_behaviour_that_runs_on_is_ended_and_one_that_has_ended_is_not(data: dict[str, str], ended: Any) -> None:
-    ticker = PyTrees().compile(EternalGuard(BehaviourLeaf(make), is_true("a")), "/tree", {}, "s")
+    ticker = PyTrees().compile(EternalGuard(Behaviour(make), is_true("a")), "/tree", {}, "s")
     state = ticker.tick(TreeState(), seen(0.0, {"a": True}), {}).state
     assert ticker.tick(state, seen(1.0, {"a": False}), data).ended == ended
 
 
 def test_a_live_behaviour_is_set_up_ticked_and_put_away() -> None:
     worker = Worker(Status.RUNNING, Status.RUNNING)
-    with LiveBehaviour(BehaviourLeaf(lambda: worker)) as live:
+    with LiveBehaviour(Behaviour(lambda: worker)) as live:
         assert (live.tick(), live.tick()) == ("running", "running")
     assert worker.calls == ["setup", "terminate INVALID", "shutdown"]
 
 
 def test_a_live_behaviour_that_has_ended_is_not_interrupted() -> None:
     worker = Worker(Status.SUCCESS)
-    with LiveBehaviour(BehaviourLeaf(lambda: worker)) as live:
+    with LiveBehaviour(Behaviour(lambda: worker)) as live:
         assert live.tick() == "success"
     assert worker.calls == ["setup", "terminate SUCCESS", "shutdown"]
 
 
 @pytest.mark.parametrize("states", [ValueError("no"), Status.INVALID, Status.FAILURE])
 def test_a_behaviour_that_raises_or_reports_nothing_has_failed(states: Any) -> None:
-    assert LiveBehaviour(BehaviourLeaf(lambda: Worker(states))).tick() == "failure"
+    assert LiveBehaviour(Behaviour(lambda: Worker(states))).tick() == "failure"
 
 
 def test_a_factory_that_makes_something_else_is_refused() -> None:
     with pytest.raises(UsageError, match=r"made 3; it must make a py_trees\.behaviour\.Behaviour"):
-        LiveBehaviour(BehaviourLeaf(lambda: 3))
+        LiveBehaviour(Behaviour(lambda: 3))
 
 
 def test_the_end_of_another_behaviour_ends_none() -> None:

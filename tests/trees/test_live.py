@@ -12,7 +12,7 @@ from rai_missions.mission.mission import Mission
 from rai_missions.runtime.clock import SimulatedClock
 from rai_missions.runtime.runner import Result, Runner
 from rai_missions.states import Final, Transition, Tree
-from rai_missions.states.tree import BehaviourLeaf, Sequence, WaitLeaf
+from rai_missions.states.tree import Behaviour, Sequence, Wait
 
 
 class Count(py_trees.behaviour.Behaviour):
@@ -34,7 +34,7 @@ class Count(py_trees.behaviour.Behaviour):
 
 
 def ran(ticks: int, ends: py_trees.common.Status = py_trees.common.Status.SUCCESS, **words: Any) -> Result:
-    tree = Sequence([BehaviourLeaf(lambda: Count(ticks, ends), 0.5), WaitLeaf(1.0)])
+    tree = Sequence([Behaviour(lambda: Count(ticks, ends), 0.5), Wait(1.0)])
     transitions = [Transition("succeeded", to="good"), Transition(["failed", "timed_out"], to="bad")]
     mission = Mission(
         "counting",

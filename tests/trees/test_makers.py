@@ -8,4 +8,4 @@ from rai_missions.trees.builder import MAKERS
 
 
 def test_each_kind_of_node_has_its_maker() -> None:
-    assert set(MAKERS) == {*tree.TreeNode.kinds.values(), tree.BehaviourLeaf}
+    assert set(MAKERS) == {*tree.TreeNode.kinds.values(), tree.Behaviour}

@@ -38,9 +38,9 @@ def test_every_path_leads_to_its_node(tree: Any) -> None:
 
 def test_python_and_json_state_the_same() -> None:
     python = t.Selector([
-        t.Sequence([t.CheckLeaf({"fresh": "obstacle"}), t.Inverter(t.ActionLeaf("drive"))], memory=False),
-        t.Retry(t.Timeout(t.CallLeaf("horn"), 2.0), 3),
-        t.OneShot(t.SetLeaf("n", 1)),
+        t.Sequence([t.Check({"fresh": "obstacle"}), t.Inverter(t.Action("drive"))], memory=False),
+        t.Retry(t.Timeout(t.Call("horn"), 2.0), 3),
+        t.OneShot(t.Set("n", 1)),
     ])  # fmt: skip
     json = {"selector": [
         {"sequence": [{"check": {"fresh": "obstacle"}}, {"inverter": {"action": "drive"}}], "memory": False},

@@ -31,7 +31,22 @@ from rai_missions import (
     load,
 )
 from rai_missions.guards import Guard
-from rai_missions.states import Action, Compound, Decision, Final, History, Option, State, Transition
+from rai_missions.states import (
+    Action,
+    Call,
+    Compound,
+    Decision,
+    Each,
+    Final,
+    History,
+    Include,
+    Option,
+    Parallel,
+    State,
+    Transition,
+    Tree,
+    tree,
+)  # fmt: skip
 
 k = Keys(battery=Key(float, source="robot", max_age_s=10), moving=Key(bool), camera=Key(Image, source="robot"))
 
@@ -54,6 +69,29 @@ assert_type(On("a", "b", to="c", when=k.moving, do=[Set(k.moving, True), CallEff
 assert_type(When(k.moving, to=["a", "b"]), Transition)
 assert_type(After(5, to="a", do=Set(k.moving, False)), Transition)
 
+assert_type(k.moving.is_true & ~k.moving.is_false, Guard)
+assert_type(Action("go", goal={"to": k.here}, achieved=k.moving, entry=Set(k.moving, True)), Action)
+assert_type(tree.Action("go", timeout_s=3), tree.Action)
+assert_type(Tree(tree.Sequence([tree.Check(k.moving), tree.Retry(tree.Call("horn"), 3), tree.Wait(1)])), Tree)
+assert_type(Each(k.places, item=k.here, initial="a", states={"a": State()}), Each)
+assert_type(Parallel({"a": Call("horn"), "b": Include("dock.json", with_={"n": k.battery})}), Parallel)
+
+Action()  # type: ignore[call-arg]
+Action("go", "home")  # type: ignore[call-arg, arg-type]
+Action("go", timeout=3)  # type: ignore[call-arg]
+Action("go", timeout_s="3")  # type: ignore[arg-type]
+Action("go", achieved=True)  # type: ignore[arg-type]
+State(control="robot")  # type: ignore[arg-type]
+State(transitions=[Option("a")])  # type: ignore[list-item]
+Final("done")  # type: ignore[arg-type]
+History("deeep")  # type: ignore[arg-type]
+Key(float, source="sensor")  # type: ignore[arg-type]
+Decision("What?")  # type: ignore[call-arg]
+Decision("What?", options={"go": "on"})  # type: ignore[dict-item]
+Mission("small", initial="a", states={"a": State()}, kyes=k)  # type: ignore[call-arg]
+tree.Sequence([State()])  # type: ignore[list-item]
+tree.Check(True)  # type: ignore[arg-type]
+On("a", too="b")  # type: ignore[call-arg]
 _ = (k.battery < 0.15) & 3  # type: ignore[operator]
 On(3)  # type: ignore[arg-type]
 On("a", do=[k.moving])  # type: ignore[list-item]

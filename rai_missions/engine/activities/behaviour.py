@@ -8,7 +8,7 @@ from typing import NamedTuple
 from rai_missions.engine.activities.activity import ActivityHost, Bench, Machine, Outcome, Turn, machine_of, remembered
 from rai_missions.engine.step import StartBehaviour, StopBehaviour
 from rai_missions.event import Event
-from rai_missions.states.tree import BehaviourLeaf
+from rai_missions.states.tree.behaviour import BehaviourLeaf
 
 __all__ = ("BehaviourActivity", "BehaviourMachine")
 

@@ -18,7 +18,7 @@ from rai_missions.guards.guard import Operand, Site, View
 from rai_missions.keys import type_error
 from rai_missions.redaction import clipped
 from rai_missions.states.decision import Decision, DecisionSpec
-from rai_missions.states.tree import DecisionLeaf
+from rai_missions.states.tree.leaves import DecisionLeaf
 
 __all__ = ("DecisionActivity", "DecisionMachine")
 

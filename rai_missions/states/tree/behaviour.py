@@ -41,12 +41,14 @@ def _callable(given: Any) -> Any:
 class BehaviourLeaf(TreeNode):
     """Reports what a live behaviour reports, which is ticked next to the mission every `tick_s` while this runs."""
 
-    positional: ClassVar = ("factory", "tick_s")
     takes_time: ClassVar = True
 
     factory: Annotated[Any, PlainValidator(_callable), PlainSerializer(factory_name), WithJsonSchema({"not": {}})]
+    """A function that makes a fresh behaviour of py_trees, with all that is below it."""
     tick_s: Annotated[float, Field(gt=0, allow_inf_nan=False)] = 0.1
     """Seconds from one tick of the behaviour to the next."""
+
+    def __init__(self, factory: Factory, tick_s: float = 0.1, *, name: str = "") -> None: ...
 
     def behaviour(self) -> BehaviourLeaf:
         return self

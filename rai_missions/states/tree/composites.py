@@ -3,18 +3,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from typing import Annotated, ClassVar, Literal, Self
+from collections.abc import Iterable, Iterator
+from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
 from rai_missions.model import AnyOf, Bool, Integer, fault
-from rai_missions.states.tree.node import TreeNode
+from rai_missions.states.tree.node import TreeNode, TreeNodes
 
 __all__ = ("Branch", "ParallelTree", "Selector", "Sequence")
 
 
 Children = Annotated[tuple[AnyOf[TreeNode], ...], Field(min_length=1)]
+Policy = Literal["success_on_all", "success_on_one"]
 Numbers = Annotated[tuple[Integer, ...], Field(min_length=1)]
 
 
@@ -34,10 +35,12 @@ class Branch(TreeNode):
 class Sequence(Branch, word="sequence"):
     """One after the other, until one fails."""
 
-    positional: ClassVar = ("sequence",)
     sequence: Children
+    """The children, in this order."""
     memory: Bool = True
     """Continues at the running child; without it, from the first at each tick."""
+
+    def __init__(self, sequence: TreeNodes, *, memory: bool = True, name: str = "") -> None: ...
 
     def words(self) -> str:
         return "sequence" if self.memory else "sequence without memory"
@@ -46,10 +49,12 @@ class Sequence(Branch, word="sequence"):
 class Selector(Branch, word="selector"):
     """One after the other, until one succeeds."""
 
-    positional: ClassVar = ("selector",)
     selector: Children
+    """The children, the preferred one first."""
     memory: Bool = False
     """Continues at the running child; without it, a higher one that stops failing takes over."""
+
+    def __init__(self, selector: TreeNodes, *, memory: bool = False, name: str = "") -> None: ...
 
     def words(self) -> str:
         return "selector with memory" if self.memory else "selector"
@@ -58,12 +63,17 @@ class Selector(Branch, word="selector"):
 class ParallelTree(Branch, word="parallel"):
     """All at each tick; fails with the first that fails."""
 
-    positional: ClassVar = ("parallel",)
     parallel: Children
-    policy: Literal["success_on_all", "success_on_one"] | Numbers = "success_on_all"
+    """The children."""
+    policy: Policy | Numbers = "success_on_all"
     """Whose success is enough: all, one, or the children with these numbers (from 0)."""
     synchronise: Bool = True
     """A child that has succeeded is not ticked again. With `success_on_one` there is no such child."""
+
+    def __init__(
+        self, parallel: TreeNodes, *, policy: Policy | Iterable[int] = "success_on_all", synchronise: bool = True,
+        name: str = "",
+    ) -> None: ...  # fmt: skip
 
     def words(self) -> str:
         policy = self.policy if isinstance(self.policy, str) else f"success on {', '.join(map(str, self.policy))}"

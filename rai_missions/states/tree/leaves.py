@@ -3,27 +3,29 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from typing import Annotated, ClassVar, Self
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Annotated, Any, ClassVar, Self
 
 from pydantic import Field, model_validator
 
-from rai_missions.guards.guard import Guard
+from rai_missions.guards.guard import Guard, GuardOrKey
 from rai_missions.kinds import TEMPLATE, KeyValue, Refers
 from rai_missions.model import (
     AnyOf,
     Json,
+    KeyPath,
     Name,
     Number,
     Path,
     Seconds,
     TopicName,
+    Value,
     fault,
     suggestion,
 )
 from rai_missions.states.action import GoalFields
 from rai_missions.states.call import CallFields
-from rai_missions.states.decision import DecisionSpec, Option
+from rai_missions.states.decision import BUDGET, Budget, DecisionSpec, Option, asked_apart
 from rai_missions.states.effects import Publish, Set
 from rai_missions.states.tree.node import TreeNode
 
@@ -33,8 +35,13 @@ __all__ = ("ActionLeaf", "CallLeaf", "CheckLeaf", "DecisionLeaf", "PublishLeaf",
 class ActionLeaf(GoalFields, TreeNode, word="action"):
     """A goal; as the state of the same word."""
 
-    positional: ClassVar = ("action",)
     takes_time: ClassVar = True
+
+    def __init__(
+        self, action: str, *, goal: Mapping[str, Value] = {}, result: Mapping[str, str] = {},
+        achieved: GuardOrKey | None = None, settle_s: float = 0.0, cancel_s: float = 5.0, over_orphan: bool = False,
+        timeout_s: float | None = None, name: str = "",
+    ) -> None: ...  # fmt: skip
 
     def words(self) -> str:
         return "; ".join((f"action {self.action}", *self.goal_lines()))
@@ -43,8 +50,12 @@ class ActionLeaf(GoalFields, TreeNode, word="action"):
 class CallLeaf(CallFields, TreeNode, word="call"):
     """A call; as the state of the same word."""
 
-    positional: ClassVar = ("call",)
     takes_time: ClassVar = True
+
+    def __init__(
+        self, call: str, *, request: Mapping[str, Value] = {}, result: Mapping[str, str] = {},
+        timeout_s: float | None = None, name: str = "",
+    ) -> None: ...  # fmt: skip
 
     def words(self) -> str:
         return "; ".join((f"call {self.call}", *self.call_lines()))
@@ -53,8 +64,10 @@ class CallLeaf(CallFields, TreeNode, word="call"):
 class CheckLeaf(TreeNode, word="check"):
     """Success while a guard is true, failure while it is false or unknown."""
 
-    positional: ClassVar = ("check",)
     check: AnyOf[Guard]
+    """The guard, or a reference to a boolean key."""
+
+    def __init__(self, check: GuardOrKey, *, name: str = "") -> None: ...
 
     def words(self) -> str:
         return f"check {self.check.words()}"
@@ -63,9 +76,11 @@ class CheckLeaf(TreeNode, word="check"):
 class WaitLeaf(TreeNode, word="wait_s"):
     """Running for so long, then success."""
 
-    positional: ClassVar = ("wait_s",)
     takes_time: ClassVar = True
     wait_s: Seconds
+    """Seconds."""
+
+    def __init__(self, wait_s: float, *, name: str = "") -> None: ...
 
     def words(self) -> str:
         return f"wait {self.wait_s:g} s"
@@ -74,11 +89,19 @@ class WaitLeaf(TreeNode, word="wait_s"):
 class SetLeaf(TreeNode, word="set"):
     """Writes a key of the mission; words as the effect's. Without a value that fits it fails."""
 
-    positional: ClassVar = ("set", "value")
     set: Annotated[Name, Refers("key", "set")]
+    """The key that is written."""
     value: Annotated[Json, TEMPLATE] = None
+    """The value that it takes, or a reference to where the value is read."""
     from_: Path | None = Field(default=None, alias="from")
+    """The key, or the field of an answer, whose value it takes."""
     add: Number | None = None
+    """The number by which it grows."""
+
+    def __init__(
+        self, set: KeyPath, value: Value = None, *, from_: KeyPath | None = None, add: float | None = None,
+        name: str = "",
+    ) -> None: ...  # fmt: skip
 
     def effect(self) -> Set:
         """The effect that it is."""
@@ -101,9 +124,12 @@ class SetLeaf(TreeNode, word="set"):
 class PublishLeaf(TreeNode, word="publish"):
     """Publishes a message and succeeds."""
 
-    positional: ClassVar = ("publish", "message")
     publish: TopicName
+    """The topic, by the profile's name of it."""
     message: Annotated[dict[str, Json], TEMPLATE] = Field(default_factory=dict)
+    """The message's fields; a reference takes a value from the blackboard."""
+
+    def __init__(self, publish: str, message: Mapping[str, Value] = {}, *, name: str = "") -> None: ...
 
     def words(self) -> str:
         return Publish(self.publish, self.message).details()
@@ -115,8 +141,25 @@ class DecisionLeaf(TreeNode, word="decision"):
     takes_time: ClassVar = True
 
     decision: DecisionSpec
+    """What is asked of whom."""
     then: dict[Name, AnyOf[TreeNode]] = Field(default_factory=dict)
     """Option → what is done then."""
+
+    def __init__(
+        self, question: str, *, options: Mapping[str, Option], evidence: Sequence[KeyPath] = (),
+        ask: Sequence[str] = ("agent", "operator", "rules"), attempts: int = 1, deadline_s: float | None = None,
+        within_s: float | None = None, fallback: str | None = None, budget: Budget = BUDGET,
+        tools: Sequence[str] = (),
+        then: Mapping[str, TreeNode] = {}, name: str = "",
+    ) -> None: ...  # fmt: skip
+
+    @classmethod
+    def spelled(cls, words: dict[str, Any]) -> dict[str, Any]:
+        return asked_apart(cls, words)
+
+    @classmethod
+    def meanings(cls) -> Mapping[str, str]:
+        return {**DecisionSpec.meanings(), **super().meanings()}
 
     def branches(self) -> Iterator[tuple[str, TreeNode]]:
         for option, subtree in self.then.items():

@@ -3,8 +3,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from typing import TYPE_CHECKING, Any, ClassVar
+from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING, Any, ClassVar, TypeAlias
 
 from rai_missions.model import AnyOf, TaggedModel, Text
 from rai_missions.states.decision import DecisionSpec, Option
@@ -12,7 +12,7 @@ from rai_missions.states.decision import DecisionSpec, Option
 if TYPE_CHECKING:
     from rai_missions.states.tree.behaviour import BehaviourLeaf
 
-__all__ = ("Decorator", "TreeNode", "depth")
+__all__ = ("Decorator", "TreeNode", "TreeNodes", "depth")
 
 
 class TreeNode(TaggedModel, family="tree node"):
@@ -63,12 +63,16 @@ class TreeNode(TaggedModel, family="tree node"):
         return None
 
 
+TreeNodes: TypeAlias = Sequence[TreeNode]
+
+
 class Decorator(TreeNode):
     """Changes what its one child reports."""
 
     positional: ClassVar[tuple[str, ...]] = ("child",)
 
     child: AnyOf[TreeNode]
+    """The node whose report it changes."""
 
     def branches(self) -> Iterator[tuple[str, TreeNode]]:
         yield type(self).model_fields["child"].alias or "child", self.child

@@ -3,14 +3,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Annotated, Any, ClassVar
+from collections.abc import Mapping, Sequence
+from typing import Annotated, Any
 
 from pydantic import BeforeValidator, model_validator
 
 from rai_missions.model import AnyOf, fault
-from rai_missions.states.state import State
-from rai_missions.states.tree.behaviour import BehaviourLeaf
+from rai_missions.states.effects import Effect
+from rai_missions.states.state import Controller, State, Transition
+from rai_missions.states.tree.behaviour import BehaviourLeaf, Factory
 from rai_missions.states.tree.node import TreeNode, depth
 
 __all__ = ("Tree",)
@@ -30,9 +31,19 @@ def _shallow(given: Any) -> Any:
 class Tree(State, word="tree"):
     """Runs a behaviour tree; its success and failure are the outcomes."""
 
-    positional: ClassVar = ("tree",)
-
     tree: Annotated[AnyOf[TreeNode], BeforeValidator(_shallow)]
+    """The root of the tree; in Python also a function that makes a behaviour of py_trees."""
+
+    def __init__(
+        self, tree: TreeNode | Factory, *, tick_s: float = 0.1,
+        about: str = "", control: Controller | None = None, entry: Effect | Sequence[Effect] = (),
+        exit: Effect | Sequence[Effect] = (), transitions: Sequence[Transition] = (), timeout_s: float | None = None,
+        handover_s: float = 5.0,
+    ) -> None: ...  # fmt: skip
+
+    @classmethod
+    def meanings(cls) -> Mapping[str, str]:
+        return {**super().meanings(), "tick_s": BehaviourLeaf.meanings()["tick_s"]}
 
     @model_validator(mode="before")
     @classmethod

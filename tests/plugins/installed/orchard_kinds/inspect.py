@@ -8,7 +8,7 @@ from typing import ClassVar
 from rai_missions.model import Seconds, ServiceName
 from rai_missions.states.decision import DecisionSpec, Option
 from rai_missions.states.state import State
-from rai_missions.states.tree import CallLeaf, DecisionLeaf, Sequence, TreeNode, WaitLeaf
+from rai_missions.states.tree import Call, Decision, Sequence, TreeNode, Wait
 
 __all__ = ("Inspect",)
 
@@ -30,5 +30,5 @@ class Inspect(State, word="inspect"):
     def made(self) -> TreeNode:
         options = {"enough": Option("the bell was loud enough"), "again": Option("strike once more")}
         asked = DecisionSpec("Was that enough?", options=options, ask=("someone",), deadline_s=10.0, fallback="again")
-        strike = CallLeaf(self.inspect, timeout_s=5.0)
-        return Sequence([strike, WaitLeaf(self.settle_s), DecisionLeaf(decision=asked, then={"again": strike})])
+        strike = Call(self.inspect, timeout_s=5.0)
+        return Sequence([strike, Wait(self.settle_s), Decision(decision=asked, then={"again": strike})])

@@ -1,0 +1,131 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Constructors: what an editor completes and `help()` explains is what there is."""
+
+from __future__ import annotations
+
+import inspect
+import pydoc
+from collections.abc import Iterator
+from typing import Any
+
+import pytest
+from pydantic_core import PydanticUndefined
+
+from rai_missions import After, DefinitionError, EventSpec, Key, Keys, Log, Mission, On, Ref, When, states
+from rai_missions.guards import Guard
+from rai_missions.model import MissionModel, Seconds
+from rai_missions.states import Action, Budget, Decision, DecisionSpec, Default, Option, Transition, tree
+from rai_missions.states.effects import Effect
+from rai_missions.states.state import State
+from rai_missions.states.tree import TreeNode
+
+KINDS: dict[str, type[Any]] = {
+    f"{family.__name__}.{word or 'plain'}": kind
+    for family in (Effect, Guard, State, TreeNode)
+    for word, kind in family.kinds.items()
+} | {kind.__name__: kind for kind in (Budget, DecisionSpec, Default, EventSpec, Key, Mission, Option, Transition)}
+RENAMED = {"keys": "blackboard"}
+
+
+def fields(kind: Any) -> Iterator[tuple[str, Any]]:
+    """The words of a constructor as its models have them: name and default."""
+    for name, field in kind.model_fields.items():
+        if name == "decision":
+            yield from fields(DecisionSpec)
+        else:
+            yield name, field.get_default(call_default_factory=True)
+
+
+@pytest.mark.parametrize("kind", KINDS.values(), ids=KINDS)
+def test_a_constructor_is_declared_with_the_fields_and_their_defaults(kind: Any) -> None:
+    known, declared = dict(fields(kind)), inspect.signature(kind).parameters
+    if kind is states.Tree:
+        known["tick_s"] = 0.1
+    if kind is Default:
+        known = {name: known[name] for name in ("to", "about")} | {"to": PydanticUndefined}
+    assert {RENAMED.get(name, name) for name in declared} == set(known)
+    for name, parameter in declared.items():
+        default = known[RENAMED.get(name, name)]
+        assert parameter.annotation is not parameter.empty, name
+        if parameter.default is parameter.empty:
+            assert default is PydanticUndefined, name
+        else:
+            assert default == parameter.default or not (default or parameter.default), name
+
+
+@pytest.mark.parametrize("kind", KINDS.values(), ids=KINDS)
+def test_help_explains_every_word(kind: Any) -> None:
+    text = inspect.getdoc(kind)
+    assert text is not None
+    for name, parameter in inspect.signature(kind).parameters.items():
+        line = next((each for each in text.splitlines() if each.startswith(f"    {name}: ")), None)
+        assert line is not None, name
+        if parameter.default not in (parameter.empty, None, (), "") and parameter.default != {}:
+            assert f"Default: {parameter.default!r}." in text, name
+
+
+def test_help_is_what_a_person_reads() -> None:
+    text = pydoc.plain(pydoc.render_doc(Action))
+    assert "Action(action: 'str', *, goal: 'Mapping[str, Value]' = {}" in text
+    assert "    cancel_s: How long the end of a canceled goal may take to be confirmed" in text
+    assert "    timeout_s: Seconds after which it reports `timed_out` and the goal is canceled." in text
+    assert "*given" not in text
+    assert Action.summary() == "Pursues a goal. Its success counts only while `achieved` is true."
+
+
+@pytest.mark.parametrize("function", [On, When, After, Ref.near, Ref.is_in])
+def test_functions_for_authors_explain_their_words(function: Any) -> None:
+    text = inspect.getdoc(function) or ""
+    assert [name for name in inspect.signature(function).parameters if f"    {name}: " not in text] in ([], ["self"])
+
+
+@pytest.mark.parametrize(
+    ("wrong", "fault"),
+    [
+        (lambda: On("a", too="b"), "On(…): /too: 'On' has no 'too'; did you mean 'to'?"),
+        (lambda: When(Guard.read({"in": "a"}), wehn=1, to="b"), "/wehn: 'When' has no 'wehn'; did you mean 'when'?"),
+        (lambda: Keys(n=int), "Keys(…): /n: <class 'int'> is no key; write Key(…)"),
+        (lambda: Option("go", whn=1), "Option(…): /whn: an option has no 'whn'; did you mean 'when'?"),
+        (lambda: tree.Call("horn", timeot_s=1), "a tree node with 'call' has no 'timeot_s'; did you mean 'timeout_s'?"),
+        (
+            lambda: Decision("?", options={"go": Option()}, deadlin_s=3, timeot_s=1),
+            "/decision/deadlin_s: a decision has no 'deadlin_s'; did you mean 'deadline_s'?",
+        ),
+        (
+            lambda: Decision("?", options={"go": Option()}, timeot_s=1),
+            "/timeot_s: a state with 'decision' has no 'timeot_s'; did you mean 'timeout_s'?",
+        ),
+    ],
+)
+def test_a_wrong_word_is_refused_with_the_right_one(wrong: Any, fault: str) -> None:
+    with pytest.raises(DefinitionError) as reported:
+        wrong()
+    assert fault in str(reported.value)
+
+
+def test_a_wrong_attribute_is_reported_with_the_right_one() -> None:
+    with pytest.raises(AttributeError) as reported:
+        Action("go").timeout  # noqa: B018
+    assert str(reported.value) == "Action has no attribute 'timeout'; did you mean 'timeout_s'?"
+    assert not hasattr(Action("go"), "anything")
+
+
+def test_keys_and_fields_are_completed_where_a_program_is_alive() -> None:
+    k = Keys(pose=Key("pose"), thing=Key(dict, fields={"kind": str}))
+    assert dir(k) == ["pose", "thing"]
+    assert {"kind", "is_in", "fresh"} <= set(dir(k.thing))
+    assert {"x", "near"} <= set(dir(k.pose))
+
+
+def test_one_effect_needs_no_list() -> None:
+    assert State(entry=Log("in")) == State(entry=[Log("in")])
+    assert On("a", do=Log("on the way")) == On("a", do=[Log("on the way")])
+
+
+def test_a_kind_that_declares_no_constructor_takes_its_fields() -> None:
+    class Pause(State):
+        positional = ("pause_s",)
+        pause_s: Seconds
+
+    assert Pause(2, about="a while").pause_s == 2
+    assert vars(Pause)["__init__"] is vars(MissionModel)["__init__"]
