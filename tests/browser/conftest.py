@@ -20,6 +20,7 @@ PATIENCE = 30_000
 BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
 
 Open = Callable[..., Any]
+Look = Callable[..., Any]
 
 
 @pytest.fixture(scope="module")
@@ -54,6 +55,33 @@ def opened(browser: Any, tmp_path: Path) -> Iterator[Open]:
         window.on("request", lambda asked: wrong.append(asked.url) if not is_ours(asked.url, path) else None)
         window.goto(f"{path.as_uri()}{at}")
         window.wait_for_selector("html[data-ready]", state="attached")
+        return window
+
+    yield open_page
+    for context in contexts:
+        context.close()
+    assert wrong == []
+
+
+@pytest.fixture
+def look(browser: Any) -> Iterator[Look]:
+    """Opens a page's address in a window of its own; an error, a dialog or another address fails the test."""
+    contexts: list[Any] = []
+    wrong: list[str] = []
+
+    def open_page(page: Any, **more: Any) -> Any:
+        context = browser.new_context(**{"viewport": {"width": 1400, "height": 900}} | more)
+        contexts.append(context)
+        window = context.new_page()
+        window.set_default_timeout(PATIENCE)
+        window.on("pageerror", lambda error: wrong.append(str(error)))
+        window.on("dialog", lambda dialog: (wrong.append(dialog.message), dialog.dismiss()))
+        window.on("request", lambda asked: wrong.append(asked.url) if not asked.url.startswith(page.address) else None)
+        window.on(
+            "console", lambda reported: wrong.append(reported.text) if "Content Security" in reported.text else None
+        )
+        window.goto(page.url)
+        window.wait_for_selector("html[data-ready=yes]", state="attached")
         return window
 
     yield open_page

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import json
 import threading
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -20,44 +20,15 @@ from rai_missions.mission.json_reader import parse_json
 from rai_missions.mission.mission import Mission
 from rai_missions.profile import Robot
 from rai_missions.runtime.runner import Result
-from tests.browser.conftest import PATIENCE, until
+from tests.browser.conftest import PATIENCE, Look, until
 from tests.browser.test_review import poisoned
 from tests.visualize.live.conftest import Desk
 from tests.visualize.live.stage import Run
-from tests.visualize.live.test_scene import play
 from tests.visualize.page.reading import HOSTILE, answered, journal_of
 from tests.visualize.runs import ROOT, tractor
 from visualize.live import JournalFeed, LivePage, PageAddress
 
 TRACTOR = ROOT / "missions/tractor"
-Look = Callable[..., Any]
-
-
-@pytest.fixture
-def look(browser: Any) -> Iterator[Look]:
-    """Opens a page's address in a window of its own; an error, a dialog or another address fails the test."""
-    contexts: list[Any] = []
-    wrong: list[str] = []
-
-    def open_page(page: LivePage, **more: Any) -> Any:
-        context = browser.new_context(viewport={"width": 1400, "height": 900}, **more)
-        contexts.append(context)
-        window = context.new_page()
-        window.set_default_timeout(PATIENCE)
-        window.on("pageerror", lambda error: wrong.append(str(error)))
-        window.on("dialog", lambda dialog: (wrong.append(dialog.message), dialog.dismiss()))
-        window.on("request", lambda asked: wrong.append(asked.url) if not asked.url.startswith(page.address) else None)
-        window.on(
-            "console", lambda reported: wrong.append(reported.text) if "Content Security" in reported.text else None
-        )
-        window.goto(page.url)
-        window.wait_for_selector("html[data-ready=yes]", state="attached")
-        return window
-
-    yield open_page
-    for context in contexts:
-        context.close()
-    assert wrong == []
 
 
 @pytest.fixture
@@ -80,8 +51,8 @@ def test_the_states_light_up_as_the_run_enters_them_and_the_row_taken_fades(run:
     run.send("anomaly")
     window.wait_for_selector("[data-state=assessing].active", state="attached")
     assert lit(window) == {"assessing"}
-    window.wait_for_selector(".arrow.taken", state="attached")
-    window.wait_for_selector(".arrow.taken", state="detached")
+    window.wait_for_selector("#chart .arrow.taken", state="attached")
+    window.wait_for_selector("#chart .arrow.taken", state="detached")
     window.click("#tab-journal")
     assert "anomaly working, driving → assessing" in " ".join(window.inner_text("#steps li:first-child").split())
 
@@ -194,29 +165,60 @@ def test_an_option_whose_guard_falls_is_greyed_with_its_reason_and_comes_back(lo
         asked = run.send("agent", "proposal", asked.number, after_s=0.1, absent="no model").question
         assert asked is not None and asked.asked == "operator"
         button = "[data-question] [data-option=drive_over]"
-        until(window, f"document.querySelector('{button}')?.disabled === false")
+        shut = f"document.querySelector('{button}')?.getAttribute('aria-disabled')"
+        until(window, f"{shut} === 'false'")
         run.closed = {asked.number: {"drive_over": "this is unknown: obstacle.living is false"}}
         run.write("battery", 0.79)
-        until(window, f"document.querySelector('{button}').disabled")
+        until(window, f"{shut} === 'true'")
         assert window.inner_text(f"{button} ~ .reason") == "not now, this is unknown: obstacle.living is false"
-        assert window.is_enabled("[data-question] [data-option=replan]")
+        assert window.get_attribute("[data-question] [data-option=replan]", "aria-disabled") == "false"
+        window.focus(button)
+        window.keyboard.press("Enter")
+        assert run.desk.orders == [], "the keyboard keeps its place on it, and it does nothing"
         run.closed = {}
-        until(window, f"!document.querySelector('{button}').disabled")
+        until(window, f"{shut} === 'false'")
         assert window.is_hidden(f"{button} ~ .reason")
 
 
-def test_evidence_reports_how_long_ago_it_was_shown_and_what_is_so_now(run: Run, look: Look) -> None:
+def ask(run: Run, asked: str = "operator") -> None:
+    """Have the mission ask about a branch, with a picture, what is known being fresh."""
+    run.write("camera", Image("/camera@1", 64, 48, "rgb8", bytes(64 * 48 * 3)))
+    see(run, "branch", 2.0)
+    run.send("anomaly", after_s=0.1)
+    question = run.send("agent", "control", after_s=0.1).question
+    if asked == "operator":
+        assert question is not None
+        question = run.send("agent", "proposal", question.number, after_s=0.1, absent="no model").question
+    assert question is not None and question.asked == asked
+
+
+def see(run: Run, kind: str, distance_m: float) -> None:
+    seen = {"kind": kind, "distance_m": distance_m, "height_m": 0.1, "living": kind == "dog"}
+    run.send("obstacle", "write", after_s=0.1, value=seen)
+
+
+def test_what_has_changed_since_a_question_was_asked_is_marked_once(run: Run, look: Look) -> None:
     window = look(run.page)
-    play(run, "obstacle")
-    play(run, "anomaly")
-    play(run, "agent")
-    row = "document.querySelector('.question [data-evidence=obstacle]')"
-    until(window, f"{row} && /old as asked, [0-9]+ s ago$/.test({row}.lastElementChild.textContent)")
-    until(window, f"!/ 0 s ago$/.test({row}.lastElementChild.textContent)")
-    assert window.locator(".question .present.changed:not(:empty)").count() == 0
-    run.write("obstacle", {"distance_m": 0.5, "height_m": 0.4, "living": True, "kind": "dog"})
-    window.wait_for_selector(".question [data-evidence=obstacle] .present.changed:has-text('dog')")
-    assert "as offered" in window.inner_text(".question")
+    ask(run, "agent")
+    window.wait_for_selector(".evidence [data-field='obstacle.kind']")
+    until(window, "/^[1-9][0-9]* s ago$/.test(document.querySelector('.evidence h2 small').textContent)")
+    assert window.locator(".evidence [data-field] mark").count() == 0
+    marked = "[...document.querySelectorAll('.evidence [data-field]:has(mark)')].map((each) => each.dataset.field)"
+    see(run, "dog", 0.5)
+    window.wait_for_selector("[data-field='obstacle.kind'] .present:has-text('dog')")
+    changed = window.evaluate(marked)
+    assert changed == ["obstacle.kind", "obstacle.distance_m", "obstacle.living"]
+    window.evaluate("""() => {
+        window.again = 0;
+        const count = (records) => {
+            for (const each of records) again += [...each.addedNodes].filter((node) => node.nodeName === "MARK").length;
+        };
+        new MutationObserver(count).observe(document.querySelector(".evidence"), { childList: true, subtree: true });
+    }""")
+    for distance in (0.4, 0.3, 0.2):
+        see(run, "dog", distance)
+        window.wait_for_selector(f"[data-field='obstacle.distance_m'] .present:has-text('{distance}')")
+    assert window.evaluate("again") == 0 and window.evaluate(marked) == changed
 
 
 def test_after_the_end_nothing_looks_as_if_it_continued(look: Look) -> None:
@@ -246,7 +248,7 @@ def test_a_run_that_was_cut_short_is_shown_so(look: Look, tmp_path: Path) -> Non
         window.wait_for_selector("#mode[data-mode=cut]")
         assert window.inner_text("#mode") == "cut short"
         assert window.inner_text("#line") == "ended"
-        assert "the run was cut short: no process writes" in window.inner_text("#ended")
+        assert "Cut short" in window.inner_text("#state") and "no process writes" in window.inner_text("#state")
     finally:
         page.stop()
 
@@ -368,8 +370,9 @@ def test_an_operator_watches_answers_and_stops_a_tractor(tmp_path: Path, look: L
         window.wait_for_selector("#steps li:has-text('→ replanning')")
         window.click("[data-act=e_stop]")
         window.wait_for_selector("#mode[data-mode=aborted]")
-        window.click("#tab-now")
-        assert "e-stop by operator Anna (page)" in window.inner_text("#ended")
+        window.wait_for_selector("#state[data-state=e_stop]")
+        assert "E-stop" in window.inner_text("#state")
+        assert "by operator Anna (page)" in window.inner_text("#state")
         until(window, "document.querySelector('#line').dataset.line === 'over'")
     finally:
         tractor_.end()

@@ -49,9 +49,12 @@ MOST_CAMERAS = 32
 ASSETS = Path(__file__).parent / "assets"
 SHARED = (
     "dom.js", "text.js", "boxes.js", "tree.js", "graph.js", "order.js", "layout.js", "shapes.js", "chart.js",
-    "gestures.js", "details.js",
+    "gestures.js", "details.js", "legend.js",
 )  # fmt: skip
-OWN = ("line.js", "acts.js", "question.js", "panel.js", "live.js")
+OWN = (
+    "line.js", "acts.js", "announcer.js", "state.js", "follow.js", "evidence.js", "question.js", "panel.js",
+    "live_keys.js", "live.js",
+)  # fmt: skip
 
 
 class ReplyCallback(Protocol):

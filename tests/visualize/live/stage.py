@@ -55,7 +55,7 @@ class Run:
         board = {key: (entry.value, entry.at) for key, entry in dict(chart.view.board).items()}
         return RunScene(
             seq=seq, at=chart.at, mode=self.mode, control=chart.holder, active=chart.active, board=board,
-            outcome=chart.outcome or "", why=chart.why if chart.outcome else "",
+            outcome=chart.outcome or "", why=chart.why if chart.outcome else "", questions=chart.questions,
         )  # fmt: skip
 
     def start(self) -> Step:

@@ -5,11 +5,11 @@ const UNFINISHED = ["ready", "running", "paused", "canceling"];
 const SURE_MS = 4000;
 
 class Acts {
-  /** @param host element  @param line Line  @param listener {notify(words, kind)} */
-  constructor(host, line, listener) {
+  /** @param host element  @param stop element for the e-stop, which is never in a menu  @param line Line  @param listener {notify(words, kind)} */
+  constructor(host, stop, line, listener) {
     Object.assign(this, { host, line, listener });
     const button = (id, words, title, order) => make("button", { type: "button", "data-act": id, title, on: { click: () => order() } }, words);
-    this.who = make("input", { id: "who", placeholder: "your name", title: "recorded in the journal with what you do", maxlength: "40", autocomplete: "off" });
+    this.who = make("input", { id: "who", placeholder: "your name", "aria-label": "your name", title: "recorded in the journal with what you do", maxlength: "40", autocomplete: "off" });
     this.who.value = remembered("operator");
     this.who.addEventListener("input", () => remember("operator", this.who.value));
     this.buttons = {
@@ -19,10 +19,12 @@ class Acts {
       take: button("take", "take control", "commands of all others are refused until you give it back", () => this.order({ command: "control", to: "operator" })),
       autonomy: button("autonomy", "control to autonomy", "give control back to the autonomy stack", () => this.order({ command: "control", to: "autonomy" })),
       agent: button("agent", "control to agent", "give control back to the mission's agent", () => this.order({ command: "control", to: "agent" })),
-      stop: button("e_stop", "E-STOP", "stop everything now, before it is even written down", () => this.order({ command: "e_stop" })),
+      stop: button("e_stop", "E-STOP", "e-stop: everything stops now, before it is even written down", () => this.order({ command: "e_stop" })),
     };
-    host.replaceChildren(this.who, ...Object.values(this.buttons));
-    host.hidden = false;
+    const { stop: last, ...others } = this.buttons;
+    host.replaceChildren(this.who, ...Object.values(others));
+    stop.replaceChildren(last);
+    host.hidden = stop.hidden = false;
   }
 
   /** Shows what may be done now. */

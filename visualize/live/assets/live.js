@@ -3,13 +3,15 @@
 
 const FADES_MS = 4000, TICK_MS = 200;
 const HANDOVER_MS = 1000; // one that is acknowledged sooner is no news
+const LATE_S = 10; // a person who listens is reminded when so little is left
 const LOOSE = { orphaned: "its end was not confirmed", refused: "its server refuses to cancel it", lost: "its server is gone" };
 const ACTIVE = new Set(["action", "call", "tree", "decision"]);
 
 class Live {
   constructor(token) {
     this.line = new Line(token, { message: (kind, data) => this.message(kind, data), line: (word, why) => this.lineIs(word, why) });
-    this.state = { mode: "ready", control: "", active: [], questions: [], closed: {}, board: {}, outcome: "", why: "", cut: "", paused_at: null, faults: [] };
+    this.state = { mode: "ready", control: "", active: [], questions: [], closed: {}, board: {}, outcome: "", why: "", cut: "", paused_at: null, paused_by: "", e_stop_by: "", ended_at: null, faults: [] };
+    this.announcer = new Announcer(byId("polite"), byId("urgent"));
     this.taken = new Map();
     this.dirty = new Set();
     this.reached = false;
@@ -30,7 +32,7 @@ class Live {
 
   build() {
     const { chart, acts } = this.data;
-    this.chart = new Chart(byId("chart"), chart, { select: (kind, name, more) => this.select(kind, name, more), moved: () => {} });
+    this.chart = new Chart(byId("chart"), chart, { select: (kind, name, more) => this.select(kind, name, more) });
     this.chart.svg.addEventListener("click", () => this.select("", ""));
     const go = (kind, name) => this.go(kind, name);
     this.details = new Details(byId("details"), this.chart.model, { findings: [], coverage: {}, runs: [], go });
@@ -38,26 +40,28 @@ class Live {
     this.board = new Board(byId("board"), chart.keys);
     this.cameras = new Cameras(byId("cameras"), chart.keys, this.line);
     this.tail = new Tail(byId("steps"), { go });
-    if (acts) this.acts = new Acts(byId("acts"), this.line, { notify: (words, kind) => this.notify(words, kind) });
+    if (acts) this.acts = new Acts(byId("acts"), byId("stop"), this.line, { notify: (words, kind) => this.notify(words, kind) });
+    this.strip = new StateStrip(byId("state"), this.announcer, acts ? () => this.acts.order({ command: "resume" }) : null);
+    this.follower = new Follower(this.chart, byId("follow"));
+    this.legend = new Legend(byId("legend"), { chart, runs: [{}] });
     byId("name").textContent = shown(chart.name);
     byId("version").textContent = shown(chart.version);
     byId("where").textContent = shown([this.data.run && `run ${this.data.run}`, this.data.journal].filter(Boolean).join(" · "));
     document.title = shown(chart.name);
     this.listen();
-    this.chart.fit(READABLE);
+    this.chart.fit();
   }
 
   listen() {
     const click = (id, act) => byId(id).addEventListener("click", act);
-    click("fit", () => this.chart.fit());
-    click("nearer", () => this.chart.gestures.zoom(1.25));
-    click("farther", () => this.chart.gestures.zoom(0.8));
+    const keys = new LiveKeys(this);
+    click("fit", () => keys.zoom(0));
+    click("nearer", () => keys.zoom(1.25));
+    click("farther", () => keys.zoom(0.8));
     click("theme", () => theme());
-    click("follow", () => {
-      const on = byId("follow").getAttribute("aria-pressed") !== "true";
-      byId("follow").setAttribute("aria-pressed", String(on));
-      this.mark("active");
-    });
+    click("help", () => byId("keys").showModal());
+    click("keys-close", () => byId("keys").close());
+    click("menu", () => keys.menu());
     for (const name of ["now", "journal", "details"]) click(`tab-${name}`, () => tab(name));
   }
 
@@ -150,38 +154,37 @@ class Live {
       clearTimeout(this.fading);
       this.fading = setTimeout(() => this.mark("active"), FADES_MS + 50);
     }
-    if (byId("follow").getAttribute("aria-pressed") === "true") this.followActive(active);
-  }
-
-  followActive(active) {
-    const inner = [...active].filter((name) => !this.chart.model.children.get(name)?.some((child) => active.has(child)));
-    const name = inner[0];
-    if (!name || name === this.followed) return;
-    this.followed = name;
-    this.chart.reveal(name);
-    this.chart.center(name);
+    this.follower.go(this.state.active);
   }
 
   status() {
-    const { mode, control, outcome, why, cut, faults, open_goals: loose } = this.state;
+    const { mode, control, outcome, cut, faults, open_goals: loose } = this.state;
     const away = !this.reached && !this.isOver;
     this.lineWord();
     byId("mode").textContent = cut ? "cut short" : away && UNFINISHED.includes(mode) ? `${mode}?` : mode;
     byId("mode").dataset.mode = cut ? "cut" : mode;
     byId("control").textContent = control;
     byId("control").dataset.control = control;
-    byId("ended").replaceChildren(outcome ? make("p", { class: "outcome" }, make("b", {}, `the mission ended ${outcome}: `), why)
-      : cut ? make("p", { class: "outcome" }, make("b", {}, "the run was cut short: "), cut) : "");
+    this.strip.show(this.state);
     const moving = (loose || []).map(({ number, action, reason }) => `goal ${number} of '${action}' (${LOOSE[reason] || reason})`);
     const warnings = [...(moving.length ? [`the robot may still move: ${moving.join(", ")}`] : []), ...faults];
-    byId("banner").hidden = !warnings.length;
-    byId("banner").replaceChildren(...warnings.slice(0, 4).map((fault) => make("div", {}, "⚠ ", fault)));
+    this.warn(warnings.slice(0, 4));
     document.body.classList.toggle("disconnected", away);
     document.body.classList.toggle("over", this.isOver);
-    document.title = shown(`${outcome || byId("mode").textContent} – ${this.data ? this.data.chart.name : ""}`);
+    const asked = !this.isOver && [...this.asked.values()].some((each) => each.mine);
+    document.title = shown(`${asked ? "you are asked" : outcome || byId("mode").textContent} – ${this.data ? this.data.chart.name : ""}`);
     const waiting = this.waiting();
     this.waits(waiting);
     if (this.acts) this.acts.show(this.state, this.reached, new Set(waiting.map(([, wanted]) => wanted)));
+  }
+
+  /** Faults of the run; those that are the same are not written again, so that they are read aloud once. */
+  warn(warnings) {
+    const text = warnings.join("\n");
+    if (text === this.warned) return;
+    this.warned = text;
+    byId("banner").hidden = !warnings.length;
+    byId("banner").replaceChildren(...warnings.map((fault) => make("div", {}, "⚠ ", fault)));
   }
 
   /** The active states that do nothing until another has control, and who. */
@@ -215,8 +218,7 @@ class Live {
     const open = new Set(this.state.questions.map((each) => each.number));
     for (const [number, each] of this.asked) {
       if (open.has(number)) continue;
-      each.element.remove();
-      this.asked.delete(number);
+      this.close(each, number);
     }
     for (const question of this.state.questions) {
       const known = this.asked.get(question.number);
@@ -228,11 +230,31 @@ class Live {
   put(question) {
     const made = new Asked(question, Boolean(this.acts) && this.data.answers, {
       answer: (to, option, parameters) => this.acts.order({ command: "answer", question: to.number, option, parameters }),
-      picture: (canvas, query) => this.cameras.picture(canvas, query),
       notify: (words) => this.notify(words, "bad"), go: (name) => this.go("state", name),
     });
+    made.evidence = new Evidence(question, { picture: (canvas, query) => this.cameras.picture(canvas, query), now: () => this.present() });
     this.asked.set(question.number, made);
     byId("asked").append(made.element);
+    byId("evidence").append(made.evidence.element);
+    const { number, text, options, asked } = question, answers = options.map((option) => option.name).join(", ");
+    const words = made.mine ? `You are asked: ${text} Answers: ${answers}. Press q to answer.` : `${asked} is asked: ${text}`;
+    this.announcer.once(`asked ${number}`, words, { urgent: made.mine });
+  }
+
+  /** A question is not open any more; the keyboard does not fall out of the page with it. */
+  close(asked, number) {
+    const had = asked.element.contains(document.activeElement) || asked.evidence.element.contains(document.activeElement);
+    asked.element.remove();
+    asked.evidence.element.remove();
+    this.asked.delete(number);
+    this.announcer.once(`closed ${number}`, `Question ${number} is closed.`);
+    if (had) byId("asked").focus();
+  }
+
+  /** What the cameras see now. */
+  present() {
+    tab("now");
+    byId("cameras").scrollIntoView({ block: "start" });
   }
 
   tick() {
@@ -240,8 +262,12 @@ class Live {
     this.board.tick(this.now);
     const silence = this.reached || this.isOver || this.clock.received === null ? "" : `last message ${this.silent.toFixed(0)} s ago`;
     if (byId("silence").textContent !== silence) byId("silence").textContent = silence;
-    const now = this.state.mode === "paused" && this.state.paused_at !== null ? this.state.paused_at : this.now;
-    for (const each of this.asked.values()) each.tick(now, this.reached && !this.isOver, this.now, this.state.board, this.state.closed[each.question.number] || {});
+    const paused = this.state.mode === "paused" && this.state.paused_at !== null, now = paused ? this.state.paused_at : this.now;
+    for (const each of this.asked.values()) {
+      each.tick(now, this.reached && !this.isOver, paused, this.state.closed[each.question.number] || {});
+      each.evidence.tick(this.now, this.state.board);
+      if (each.mine && !paused && each.seconds < LATE_S && each.long) this.announcer.once(`late ${each.question.number}`, `${LATE_S} s left to answer question ${each.question.number}.`, { urgent: true });
+    }
     if (this.reached) this.cameras.look(this.state.board);
   }
 
@@ -260,6 +286,7 @@ class Live {
     if (kind === "state") this.details.state(name);
     else if (kind === "transition") this.details.transitions(places || [name]);
     else this.details.nothing();
+    this.selected = kind === "state" ? name : "";
     this.chart.show({ selected: kind === "state" || kind === "transition" ? `${kind} ${name}` : null });
     if (kind) tab("details");
   }
@@ -268,6 +295,7 @@ class Live {
     const transition = kind === "transition" ? (this.chart.model.transitions.get(name) || [])[0] : null;
     const state = kind === "state" ? name : transition ? transition.source || transition.target : "";
     if (!this.chart.model.states.has(state)) return;
+    if (!this.state.active.includes(state)) this.follower.turn(false);
     this.chart.reveal(state);
     this.chart.center(state);
     this.select(kind, name);
@@ -283,6 +311,7 @@ function tab(name) {
   for (const each of ["now", "journal", "details"]) {
     byId(each).hidden = each !== name;
     byId(`tab-${each}`).setAttribute("aria-selected", String(each === name));
+    byId(`tab-${each}`).tabIndex = each === name ? 0 : -1;
   }
 }
 

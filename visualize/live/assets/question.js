@@ -1,27 +1,24 @@
 // SPDX-License-Identifier: Apache-2.0
-// A question that is open: what is known, what is offered, how long there is, and the fields that an answer needs.
-// Rule: it is built once a question, so that nothing typed is lost while the run continues.
+// A question that is open: how long there is, what is asked, and the answers with the fields that they need.
+// Rule: it is built once a question, so that nothing typed is lost while the run continues. It stays in view whatever
+// is scrolled; what was known when it was asked is in `evidence.js`, beneath.
 
 const SETTLES_MS = 500;
 
 class Asked {
-  /** @param question data  @param can whether it may be answered here  @param listener {answer(question, option, parameters), picture(canvas, query), go(name)} */
+  /** @param question data  @param can whether it may be answered here  @param listener {answer(question, option, parameters), notify(words), go(name)} */
   constructor(question, can, listener) {
     Object.assign(this, { question, listener, since: performance.now() });
-    this.left = make("b", {});
-    this.shown = [];
-    this.offered = make("p", { class: "muted" });
-    this.offers = make("div", {});
+    this.left = make("b", { class: "left", role: "timer", "aria-live": "off" });
+    this.offers = make("div", { class: "offers" });
     this.mine = can && question.asked === "operator";
-    const mine = this.mine;
+    const mine = this.mine, title = `asked-${question.number}`;
     this.bar = make("progress", { max: "1", value: "1", "aria-label": "time left" });
     this.buttons = [];
-    this.element = make("section", { class: `question${mine ? " mine" : ""}`, "data-question": String(question.number) },
-      make("h3", {}, mine ? "You are asked" : `${question.asked} is asked`, make("small", {}, ` question ${question.number}${question.attempt > 1 ? `, attempt ${question.attempt}` : ""}, `, this.state(), " ", this.left)),
-      make("p", { class: "text" }, question.text || ""), this.bar,
-      make("table", { class: "board" }, make("tbody", {}, question.evidence.map((each) => this.evidence(each)))),
-      (question.refused || []).length ? listed("Refused before", question.refused.map((each) => make("li", {}, each))) : "",
-      this.offered, this.offers);
+    this.element = make("section", { class: `question${mine ? " mine" : ""}`, "data-question": String(question.number), "aria-labelledby": title, tabindex: "-1" },
+      make("p", { class: "head" }, this.left, make("span", {}, make("b", {}, mine ? "You are asked" : `${question.asked} is asked`),
+        make("small", {}, ` question ${question.number}${question.attempt > 1 ? `, attempt ${question.attempt}` : ""}, `, this.state()))),
+      this.bar, make("h2", { class: "text", id: title, tabindex: "0" }, question.text || `question ${question.number}`), this.offers);
     this.offerAll();
   }
 
@@ -35,44 +32,33 @@ class Asked {
   offerAll() {
     const { options } = this.question;
     this.buttons = [];
-    this.offers.replaceChildren(...(this.mine ? options.map((option) => this.offer(option)) : [make("p", {}, "offered: ", options.map((option) => option.name).join(", "))]));
+    this.offers.classList.toggle("many", options.length > 6);
+    this.offers.replaceChildren(...(this.mine ? options.map((option) => this.offer(option)) : [make("p", { class: "muted" }, "offered: ", options.map((option) => option.name).join(", "))]));
   }
 
   state() {
     return make("a", { href: hashOf({ state: this.question.state }), on: { click: (event) => { event.preventDefault(); this.listener.go(this.question.state); } } }, this.question.state);
   }
 
-  evidence(each) {
-    const picture = each.picture ? make("canvas", { class: "shot", width: "0", height: "0", role: "img", "aria-label": `${each.key} as it was shown` }) : null;
-    if (picture) this.listener.picture(picture, { key: each.key, question: String(this.question.number) });
-    const then = make("td", {}), now = make("div", { class: "present" });
-    this.shown.push({ each, then, now, text: each.fresh ? valueText(each.value) : "unknown" });
-    return make("tr", { class: each.fresh ? "fresh" : "stale", "data-evidence": each.key }, make("td", {}, make("code", {}, each.key)),
-      make("td", {}, picture || (each.fresh ? valueText(each.value) : "unknown"), now), then);
+  /** There was so much time that a reminder near its end is none right after the question. */
+  get long() {
+    return this.question.until !== null && this.question.until - this.question.at >= 2 * LATE_S;
   }
 
-  /** How long ago it was shown so, and what is so now where that is newer. */
-  tickEvidence(now, board) {
-    const asked = ago(now - this.question.at);
-    for (const { each, then, now: present, text } of this.shown) {
-      const unreceived = each.age_s === null, entry = board[each.key];
-      write(then, `${unreceived ? "never received" : `${Number(each.age_s).toFixed(1)} s old`} as asked, ${asked}`);
-      const isNewer = entry && (unreceived || entry[1] > this.question.at - each.age_s + 0.01);
-      const value = !isNewer ? "" : each.picture ? "a newer picture" : valueText(entry[0]);
-      const words = !isNewer ? "" : value === text ? `the same ${ago(now - entry[1])}` : `now ${value} (${ago(now - entry[1])})`;
-      write(present, words);
-      present.className = value === text ? "present muted" : "present changed";
-    }
-    write(this.offered, `as offered ${asked}`);
+  /** Moves the keyboard to the first answer that can be given. */
+  focus() {
+    const first = this.buttons.find(({ button }) => !isOff(button)) || this.buttons[0];
+    (first ? first.button.form?.querySelector("input, select") || first.button : this.element).focus();
   }
 
   offer(option) {
-    const fields = fieldsOf(option.parameters);
-    const button = make("button", { type: fields.length ? "submit" : "button", "data-option": option.name }, make("b", {}, option.name), option.about ? ` – ${option.about}` : "");
-    const reason = make("div", { class: "reason", role: "status" });
+    const fields = fieldsOf(option.parameters), named = `why-${this.question.number}-${option.name}`;
+    const button = make("button", { type: fields.length ? "submit" : "button", "data-option": option.name, "aria-describedby": named, title: option.about || null }, make("b", {}, option.name), option.about ? make("span", { class: "about" }, option.about) : "");
+    const reason = make("div", { class: "reason", id: named });
     this.buttons.push({ button, reason, name: option.name });
+    const answer = (parameters) => { if (!isOff(button)) this.listener.answer(this.question, option.name, parameters); };
     if (!fields.length) {
-      button.addEventListener("click", () => this.listener.answer(this.question, option.name, {}));
+      button.addEventListener("click", () => answer({}));
       return make("div", { class: "offer" }, button, reason);
     }
     const send = (event) => {
@@ -84,40 +70,40 @@ class Asked {
         this.listener.notify(error.message);
         return;
       }
-      this.listener.answer(this.question, option.name, parameters);
+      answer(parameters);
     };
     return make("form", { class: "offer", on: { submit: send } }, fields.map((field) => field.element), button, reason);
   }
 
-  /** The time left; `now` is the run's, and does not advance while it is paused, as `clock` does not. */
-  tick(now, reached, clock, board, closed) {
-    this.tickEvidence(clock, board);
+  /** The time left; `now` is the run's, and does not advance while it is paused. */
+  tick(now, reached, paused, closed) {
     const { at, until } = this.question;
     if (until === null) {
-      this.left.textContent = "no deadline";
+      write(this.left, "no deadline");
       this.bar.hidden = true;
     } else {
-      const left = Math.max(0, until - now);
-      this.left.textContent = `${left.toFixed(left < 10 ? 1 : 0)} s left`;
-      this.bar.value = until > at ? Math.min(1, left / (until - at)) : 0;
+      const left = Math.max(0, until - now), part = until > at ? Math.min(1, left / (until - at)) : 0;
+      write(this.left, `${left.toFixed(left < 10 ? 1 : 0)} s left${paused ? ", paused" : ""}`);
+      this.left.classList.toggle("short", left < 10 && !paused);
+      this.bar.value = part;
+      this.seconds = left;
     }
     const settled = performance.now() - this.since > SETTLES_MS; // who was about to click elsewhere has not answered
     for (const { button, reason, name } of this.buttons) {
       const why = closed[name];
-      button.disabled = !reached || !settled || why !== undefined;
+      turnOff(button, !reached || !settled || why !== undefined);
       write(reason, why === undefined ? "" : `not now, ${why}`);
     }
   }
 }
 
-function ago(seconds) {
-  return `${Math.max(0, seconds).toFixed(0)} s ago`;
+/** A button that may not be pressed now keeps the keyboard's place: it is not disabled, it only does nothing. */
+function turnOff(button, off) {
+  if (isOff(button) !== off) button.setAttribute("aria-disabled", String(off));
 }
 
-/** Text that is the same is not written again, so that a selection in it stays. */
-function write(element, words) {
-  const text = shown(words);
-  if (element.textContent !== text) element.textContent = text;
+function isOff(button) {
+  return button.getAttribute("aria-disabled") === "true";
 }
 
 /** A field for each parameter that a JSON Schema names. */

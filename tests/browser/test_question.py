@@ -1,0 +1,225 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A person in front of the live page: what is asked, what stays in view, what is read aloud, and all of it by keys."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+
+import pytest
+
+from tests.browser.conftest import Look, assert_accessible, until
+from tests.browser.test_live import CUT, ask, see
+from tests.visualize.live.conftest import Desk
+from tests.visualize.live.stage import Run
+from tests.visualize.runs import tractor
+
+SCREEN, PHONE = {"width": 1440, "height": 900}, {"width": 390, "height": 844}
+FACTS = {"answers": True}
+REACHED = """() => ["[data-act=e_stop]", ".question .left", ...[...document.querySelectorAll(".offer button")]
+    .map((each) => `[data-option=${each.dataset.option}]`)].filter((each) => {
+        const box = document.querySelector(each).getBoundingClientRect();
+        const over = document.elementFromPoint(box.x + box.width / 2, box.y + box.height / 2);
+        return !over || !over.closest(each) || box.bottom > innerHeight;
+    })"""
+"""What of the e-stop, the time left and the answers is not in sight, or has something over it."""
+SPOKEN = """() => {
+    window.spoken = [];
+    for (const host of ["polite", "urgent"].map((id) => document.getElementById(id)))
+        new MutationObserver((all) =>
+            spoken.push(...all.flatMap((each) => [...each.addedNodes]).map((each) => each.textContent)))
+            .observe(host, { childList: true });
+}"""
+AT = "(({ id, dataset, className }) => id || dataset.act || className.baseVal || '')(document.activeElement)"
+SEEN = """(name) => {
+    const box = document.querySelector(`[data-state=${name}]`).getBoundingClientRect();
+    const chart = document.querySelector("#chart").getBoundingClientRect();
+    const [x, y] = [box.x + box.width / 2, box.y + Math.min(box.height, 60) / 2];
+    return x > chart.left && x < chart.right && y > chart.top && y < chart.bottom;
+}"""
+
+
+@pytest.fixture
+def asked() -> Iterator[Run]:
+    """A run whose questions the page may answer."""
+    pytest.importorskip("uvicorn", reason="no server: pip install '.[watch]'")
+    with Run(tractor(), Desk(), FACTS) as made:
+        made.write("battery", 0.8)
+        made.start()
+        yield made
+
+
+@pytest.mark.parametrize(("size", "scheme"), [(SCREEN, "light"), (PHONE, "dark")], ids=["screen", "phone"])
+def test_the_time_and_the_answers_of_a_question_stay_in_view(
+    size: dict[str, int], scheme: str, asked: Run, look: Look
+) -> None:
+    window = look(asked.page, viewport=size, color_scheme=scheme)
+    bar = "document.querySelector('#bar').getBoundingClientRect().height"
+    assert window.evaluate(bar) < 56
+    ask(asked)
+    window.wait_for_selector(".question.mine")
+    until(window, "document.querySelector('.evidence canvas').width > 0")
+    until(window, "!document.querySelector('.offer [aria-disabled=true]')")
+    assert window.evaluate(REACHED) == []
+    window.evaluate("document.querySelector('#panel').scrollTo(0, 1e6)")
+    assert window.evaluate(REACHED) == []
+    picture, panel = (
+        window.evaluate(f"document.querySelector('{each}').getBoundingClientRect().width")
+        for each in (".evidence canvas", "#panel")
+    )
+    assert picture > 0.9 * panel
+    assert window.evaluate("document.documentElement.scrollWidth") <= size["width"]
+    assert window.evaluate(bar) < 56
+    assert window.is_visible("#menu") == (size is PHONE)
+    asked.send("pause", "command", after_s=0.1, by="operator Anna (page)")
+    window.wait_for_selector("#state[data-state=paused]")
+    assert window.evaluate(REACHED) == []
+    if size is PHONE:
+        half = "document.querySelector('#chart').getBoundingClientRect().height / innerHeight"
+        assert window.evaluate(half) >= 0.5
+        window.click("#menu")
+        assert window.is_visible("[data-act=take]") and window.is_visible("#follow")
+    colours = "[...new Set([...document.querySelectorAll('#legend .form')].map((each) => getComputedStyle(each).fill))]"
+    assert window.is_visible("#legend") and len(window.evaluate(colours)) >= 5
+    assert_accessible(window)
+
+
+def test_many_long_answers_and_two_lines_of_warning_still_fit_a_phone(look: Look) -> None:
+    pytest.importorskip("uvicorn", reason="no server: pip install '.[watch]'")
+    mission = tractor().written()
+    decision = mission["states"]["assessing"]["decision"]
+    decision["question"] = "Something blocks the alley, and it is not known what it is. " * 6
+    for name in [*decision["options"], "wait_for_daylight", "call_the_neighbour"]:
+        decision["options"].setdefault(name, {})["about"] = f"what '{name}' does takes a long sentence to describe " * 4
+    for name in ("wait_for_daylight", "call_the_neighbour"):
+        mission["states"]["assessing"]["transitions"].append({"on": name, "to": "aborted"})
+    with Run(type(tractor()).model_validate(mission), Desk(), FACTS) as run:
+        run.write("battery", 0.8)
+        run.start()
+        window = look(run.page, viewport=PHONE)
+        ask(run)
+        window.wait_for_selector(".question.mine")
+        assert window.locator(".offer button").count() == 6
+        assert window.evaluate(REACHED) == []
+        assert window.evaluate("document.documentElement.scrollWidth") <= PHONE["width"]
+        window.click(".meanings summary")
+        assert "daylight' does takes" in window.inner_text(".meanings")
+
+
+def test_follow_is_on_and_keeps_what_is_active_in_view_until_the_chart_is_moved(asked: Run, look: Look) -> None:
+    window = look(asked.page, viewport=PHONE)
+    assert window.get_attribute("#follow", "aria-pressed") == "true"
+    until(window, f"({SEEN})('driving')")
+    ask(asked)
+    until(window, f"({SEEN})('assessing')")
+    box = window.locator("#chart").bounding_box()
+    window.mouse.move(box["x"] + 200, box["y"] + 30)
+    window.mouse.down()
+    window.mouse.move(box["x"] + 200, box["y"] + 400, steps=4)
+    window.mouse.up()
+    assert window.get_attribute("#follow", "aria-pressed") == "false"
+    moved = window.evaluate("[live.chart.gestures.x, live.chart.gestures.y]")
+    number = asked.steps[-1].question.number
+    asked.send("operator", "proposal", number, after_s=0.1, option="signal", by="operator")
+    window.wait_for_selector("[data-state=signalling].active", state="attached")
+    assert window.evaluate("[live.chart.gestures.x, live.chart.gestures.y]") == moved
+    window.keyboard.press("l")
+    until(window, f"({SEEN})('signalling')")
+    assert window.get_attribute("#follow", "aria-pressed") == "true"
+
+
+def test_paused_stopped_and_ended_stay_in_view_with_their_reason_also_for_who_comes_later(
+    asked: Run, look: Look
+) -> None:
+    window = look(asked.page, viewport=SCREEN)
+    window.wait_for_selector("[data-state=driving].active", state="attached")
+    assert window.is_hidden("#state")
+    asked.send("pause", "command", after_s=0.5, by="operator Anna (page)")
+    window.wait_for_selector("#state[data-state=paused]")
+    late = look(asked.page, viewport=PHONE, color_scheme="dark")
+    for each in (window, late):
+        each.wait_for_selector("#state[data-state=paused]")
+        assert "Paused by operator Anna (page) at 1.5 s" in " ".join(each.inner_text("#state").split())
+    window.click("#state [data-act=resume-here]")
+    until(window, "document.querySelector('#notice').textContent.startsWith('resume: done')")
+    assert [json.loads(text)["command"] for text in asked.desk.orders] == ["resume"]
+    asked.send("resume", "command", after_s=0.5)
+    window.wait_for_selector("#state", state="hidden")
+    asked.send("kill", "command", after_s=0.5, by="operator Anna (page)")
+    window.wait_for_selector("#state[data-state=e_stop]")
+    last = look(asked.page, viewport=SCREEN, color_scheme="dark")
+    for each in (window, late, last):
+        until(each, "document.querySelector('#state').dataset.state === 'e_stop'")
+        words = " ".join(each.inner_text("#state").split())
+        assert words.startswith("■ E-stop by operator Anna (page) at 2.5 s: the mission ended aborted")
+        assert each.inner_text("[data-act=e_stop]") == "E-STOP"
+    window.click("#tab-journal")
+    assert "e-stop by operator Anna (page)" in window.inner_text("#steps li:first-child")
+    assert "kill" not in window.inner_text("body")
+    assert_accessible(last)
+
+
+def test_a_mission_that_ends_by_its_own_rules_states_which(asked: Run, look: Look) -> None:
+    window = look(asked.page)
+    asked.send("cancel", "command", after_s=0.5, by="operator")
+    window.wait_for_selector("#state[data-state=canceled]")
+    assert "Ended: canceled" in window.inner_text("#state")
+    assert "canceled by operator" in window.inner_text("#state")
+
+
+def test_questions_and_ends_are_read_aloud_once_and_answered_by_keys_alone(asked: Run, look: Look) -> None:
+    window = look(asked.page)
+    window.evaluate(SPOKEN)
+    ask(asked)
+    window.wait_for_selector(".question.mine")
+    until(window, "!document.querySelector('.offer [aria-disabled=true]')")
+    see(asked, "dog", 1.0)
+    window.evaluate(CUT)
+    until(window, "seen.includes('away')")
+    window.wait_for_selector("[data-line=live]")
+    window.keyboard.press("q")
+    assert window.evaluate("document.activeElement.dataset.option") == "drive_over", "the first that may be given"
+    window.keyboard.press("Tab")
+    window.keyboard.press("Enter")
+    until(window, "document.querySelector('#notice').textContent.startsWith('answer')")
+    order = json.loads(asked.desk.orders[0])
+    assert (order["command"], order["option"]) == ("answer", "replan")
+    asked.send("operator", "proposal", order["question"], after_s=0.1, option="replan", by="operator")
+    window.wait_for_selector(".question", state="detached")
+    assert window.evaluate("document.activeElement.id") == "asked", "the keyboard keeps its place"
+    asked.send("kill", "command", after_s=0.1, by="operator")
+    window.wait_for_selector("#state[data-state=e_stop]")
+    spoken = window.evaluate("spoken")
+    questions = [each for each in spoken if each.startswith("You are asked: Something blocks the alley")]
+    assert len(questions) == 1 and "Answers: drive_over, replan, signal, abort" in questions[0], spoken
+    assert len([each for each in spoken if each.startswith("E-stop by operator")]) == 1, spoken
+    assert not [each for each in spoken if "s ago" in each]
+    live = "document.querySelectorAll(':is([aria-live]:not([aria-live=off]), [role=status]) .left').length"
+    assert window.evaluate(live) == 0, "no counting text is in a region that is read aloud"
+
+
+def test_every_part_of_the_page_is_reached_by_keys(asked: Run, look: Look) -> None:
+    window = look(asked.page, viewport=SCREEN)
+    window.wait_for_selector("[data-state=driving].active", state="attached")
+    reached = set()
+    for _ in range(60):
+        window.keyboard.press("Tab")
+        reached.add(window.evaluate(AT))
+    wanted = {"who", "pause", "cancel", "take", "e_stop", "follow", "fit", "help", "chart", "legend", "tab-now"}
+    assert wanted <= reached
+    window.focus("#tab-now")
+    window.keyboard.press("ArrowRight")
+    assert window.is_visible("#journal") and window.evaluate("document.activeElement.id") == "tab-journal"
+    window.focus("svg.chart")
+    window.keyboard.press("n")
+    window.keyboard.press("n")
+    assert window.locator(".state.selected").get_attribute("data-state") == "driving"
+    scale = window.evaluate("live.chart.gestures.scale")
+    window.keyboard.press("+")
+    assert window.evaluate("live.chart.gestures.scale") > scale
+    window.keyboard.press("?")
+    assert window.is_visible("#keys")
+    assert_accessible(window)
+    window.keyboard.press("Escape")
+    assert window.is_hidden("#keys")
+    assert asked.desk.orders == [], "no key orders anything"
