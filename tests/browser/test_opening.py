@@ -77,6 +77,8 @@ def test_a_page_opens_with_the_summary_all_of_the_chart_and_its_legend_in_one_sc
         "proved by",
     ]
     assert [summary.index(words) for words in order] == sorted(summary.index(words) for words in order)
+    proof = window.locator("#summary .end.succeeded p:has-text('proved by')").first.bounding_box()
+    assert proof["y"] + proof["height"] <= SCREEN["height"]
     assert window.locator("#summary .end").count() == sum(state.word == "final" for state in mission.states.values())
     assert "controlled by the mission itself" in window.text_content("#chart")
     assert "asks the model, then" in window.text_content("#chart")
@@ -144,6 +146,12 @@ def test_a_run_opens_at_the_first_step_that_did_something_and_is_played_in_a_tab
     assert_accessible(window)
     window.click("#tab-transitions")
     assert window.evaluate(BROKEN) == []
+    assert (
+        window.evaluate(
+            "(({ scrollWidth, clientWidth }) => scrollWidth - clientWidth)(document.querySelector('aside'))"
+        )
+        <= 0
+    )
     window.evaluate("review.go('state', 'assessing')")
     assert window.evaluate(BROKEN) == []
     assert_accessible(window)

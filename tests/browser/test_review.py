@@ -153,7 +153,7 @@ def test_a_question_is_shown_as_it_was_asked_with_its_picture_its_answer_and_the
     until(window, "document.querySelector('.question img')?.naturalWidth === 16")
     reported = window.inner_text(".question >> nth=0")
     for words in (
-        "Question 2 to agent",
+        "Question 2 to the model",
         "height_m 0.5",
         "✗ not offered drive_over",
         "which was false",

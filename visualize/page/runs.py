@@ -22,6 +22,7 @@ from rai_missions.journal import Note, StepRow, verify
 from rai_missions.journal.reader import Record
 from rai_missions.mission.mission import Mission
 from rai_missions.plain_data import plain
+from rai_missions.states import answerer_words
 from visualize.page.as_json import Json, Pool, without_empty
 from visualize.page.images import Gallery
 from visualize.page.rejected_options import Offers
@@ -178,6 +179,7 @@ def _question(question: Question, index: int, gallery: Gallery) -> Json:
         {
             "owner": question.owner,
             "asked": question.asked,
+            "whom": answerer_words(question.asked),
             "text": question.text,
             "options": [
                 without_empty({"name": offer.name, "about": offer.about, "parameters": plain(offer.parameters)})

@@ -9,10 +9,11 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Iterator
-from typing import NamedTuple
+from typing import NamedTuple, get_args
 
 from rai_missions.mission.mission import Mission
 from rai_missions.states import Action, DecisionSpec, Final, Transition, answerer_words
+from rai_missions.states.final import FinalOutcome
 from rai_missions.states.state import OUTCOMES
 from visualize.page.lenses import DecisionSite, questions
 from visualize.page.reachability import Roads
@@ -94,6 +95,8 @@ class MissionSummary(NamedTuple):
     """Where a model is asked, in a sentence."""
     invariants: tuple[InvariantSummary, ...]
     decisions: tuple[DecisionSummary, ...]
+    outcomes: tuple[str, ...]
+    """The ends of each outcome in a line: `failed: stranded, unfinished_home`."""
     ends: tuple[EndSummary, ...]
     interruptions: tuple[str, ...]
     """What ends the mission from any state, without a transition."""
@@ -134,6 +137,7 @@ class _Reader:
             asked=self._asked(sites),
             invariants=tuple(InvariantSummary(name, guard.words()) for name, guard in mission.invariants.items()),
             decisions=tuple(map(self._decision, sites)),
+            outcomes=tuple(_outcome_lines(mission)),
             ends=tuple(
                 self._end(name, state, by_answer=name in answered or (name in at_once and self._behind(name, at_once)))
                 for name, state in mission.states.items()
@@ -276,6 +280,15 @@ class _Reader:
 def _outcomes(transition: Transition) -> bool:
     """Whether it waits for outcomes alone."""
     return bool(transition.on) and set(transition.on) <= set(OUTCOMES)
+
+
+def _outcome_lines(mission: Mission) -> Iterator[str]:
+    found: dict[str, list[str]] = {}
+    for name, state in mission.states.items():
+        if isinstance(state, Final):
+            found.setdefault(state.final, []).append(name)
+    for outcome in sorted(found, key=get_args(FinalOutcome).index):
+        yield f"{outcome}: {', '.join(found[outcome])}"
 
 
 def _unanswered(asked: DecisionSpec) -> str:

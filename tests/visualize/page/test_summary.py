@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -14,7 +15,7 @@ from rai_missions.mission.files import load
 from rai_missions.mission.mission import Mission
 from rai_missions.states import Final
 from tests.strategies import missions
-from tests.visualize.runs import document, tractor
+from tests.visualize.runs import ROOT, document, tractor
 from tests.visualize.test_stored import compare, shipped
 from visualize.page.lenses import questions
 from visualize.page.summary import MissionSummary, summary
@@ -30,6 +31,7 @@ def as_text(given: MissionSummary) -> Iterator[str]:
     for each in given.decisions:
         yield f"  {each.state}{'' if each.by_model else ' (no model)'}: “{each.question}”; {each.asked}; {each.silence}"
         yield from (f"    {option.name} → {option.leads}, {option.bound}" for option in each.options)
+    yield from given.outcomes
     for end in given.ends:
         yield f"{end.outcome} {end.state} – {end.about}" + ("; a model's answer alone" if end.by_answer else "")
         yield from (f"    when {cause.text}" for cause in end.causes)
@@ -100,3 +102,15 @@ def test_an_end_that_nothing_leads_to_has_no_cause_and_a_cancel_is_one() -> None
     assert [cause.text for cause in {end.state: end for end in found.ends}["lost"].causes] == ["a cancel leads here"]
     assert "cancel: leads to lost" in found.interruptions[-1]
     assert tractor().on_cancel is None
+
+
+def test_the_answers_in_the_documents_are_those_of_the_page() -> None:
+    document_ = (ROOT / "docs/testing/review-page.md").read_text(encoding="utf-8")
+    parts = dict(zip(("tractor", "rosbot"), document_.split("\n## ")[1:3], strict=True))
+    for name, part in parts.items():
+        text = "\n".join(as_text(summary(load(ROOT / f"missions/{name}/mission.json"))))
+        answers = [
+            line.strip() for block in re.findall(r"```text\n(.*?)```", part, re.DOTALL) for line in block.split("\n")
+        ]
+        assert len(answers) > 8
+        assert [line for line in answers if line not in text] == []

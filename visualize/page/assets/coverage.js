@@ -16,7 +16,7 @@ class Coverage {
     const unseen = states.filter((state) => !(state.name in this.data.coverage.states));
     const sorted = [...this.transitions].sort((a, b) => this.compare(a, b));
     const runs = this.data.runs.length;
-    const head = [["order", "#"], ["from", "state"], ["words", "transition"], ["to", "to"], ...(runs ? [["taken", "taken"], ["runs", `runs of ${runs}`]] : [])];
+    const head = [["order", "#"], ["from", "state"], ["words", "transition"], ["to", "to"], ...(runs ? [["taken", "taken"]] : []), ...(runs > 1 ? [["runs", `runs of ${runs}`]] : [])];
     this.host.replaceChildren(
       make("h2", {}, runs ? "Coverage" : "Transitions"),
       runs ? make("p", {}, `${this.transitions.length - never.length} of ${this.transitions.length} transitions were taken, ${states.length - unseen.length} of ${states.length} states entered, in ${runs === 1 ? "one run" : `${runs} runs`}.`) : "",
@@ -24,7 +24,7 @@ class Coverage {
         make("button", { type: "button", "data-sort": by, on: { click: () => this.sort(by) } }, words, this.by === by ? (this.down ? " ▾" : " ▴") : ""))))),
       make("tbody", {}, sorted.map((each) => make("tr", { class: !runs || each.taken ? "" : "never" }, make("td", {}, String(each.order + 1)), make("td", {}, each.from),
         make("td", {}, make("a", { href: hashOf({ transition: each.transition.place }), on: { click: (event) => { event.preventDefault(); this.listener.go("transition", each.transition.place); } } }, each.words)),
-        make("td", {}, each.to), runs ? [make("td", { class: "number" }, each.taken ? String(each.taken) : "never"), make("td", { class: "number" }, String(each.runs))] : "")))));
+        make("td", {}, each.to), runs ? [make("td", { class: "number" }, each.taken ? String(each.taken) : "never"), runs > 1 ? make("td", { class: "number" }, String(each.runs)) : ""] : "")))));
     if (runs && unseen.length) this.host.append(listed("States never entered", unseen.map((state) => make("li", {}, state.name))));
     this.seen = true;
   }

@@ -2,14 +2,14 @@
 // What the chart's forms and colours mean, below it: those that this mission has, in the forms and colours of the chart.
 
 const LEGEND = [
-  [(state) => state.kind === "decision", { kind: "decision" }, "decision: someone is asked"],
+  [(state) => state.kind === "decision", { kind: "decision" }, "decision"],
   [(state) => state.kind === "action", { kind: "action" }, "action"],
   [(state) => state.kind === "call", { kind: "call" }, "service call"],
   [(state) => state.kind === "tree", { kind: "tree" }, "tree"],
   [(state) => state.kind === "mission", { kind: "mission" }, "mission"],
   [(state) => !state.kind, { kind: "" }, "wait"],
-  [(state) => ["states", "parallel", "each"].includes(state.kind), { kind: "states" }, "holds states"],
-  [(state) => state.region, { kind: "states", region: true }, "region: side by side"],
+  [(state) => ["states", "parallel", "each"].includes(state.kind), { kind: "states" }, "group of states"],
+  [(state) => state.region, { kind: "states", region: true }, "region, side by side"],
   [(state) => state.outcome === "succeeded", { kind: "final", outcome: "succeeded" }, "end: succeeded"],
   [(state) => ["failed", "aborted"].includes(state.outcome), { kind: "final", outcome: "failed" }, "end: failed, aborted"],
   [(state) => state.outcome === "canceled", { kind: "final", outcome: "canceled" }, "end: canceled"],
@@ -25,12 +25,12 @@ class Legend {
   }
 
   item(state, words) {
-    const w = 26, h = 16, look = lookOf(state)[1];
+    const w = 22, h = 14, look = lookOf(state)[1];
     const group = draw("g", { class: `swatch ${look}${state.region ? " region" : ""}${state.active ? " active" : ""}`, transform: `translate(2,4) scale(0.5)` }, outline(state, { w: 2 * w, h: 2 * h, inner: true }));
     return make("li", {}, draw("svg", { class: "key", width: w + 4, height: h + 6, "aria-hidden": "true" }, group), words);
   }
 
   line(words) {
-    return make("li", {}, draw("svg", { class: "key playing", width: 30, height: 22, "aria-hidden": "true" }, draw("g", { class: "arrow taken" }, draw("path", { class: "line", d: "M2,11H28" }))), words);
+    return make("li", {}, draw("svg", { class: "key playing", width: 26, height: 20, "aria-hidden": "true" }, draw("g", { class: "arrow taken" }, draw("path", { class: "line", d: "M2,10H24" }))), words);
   }
 }

@@ -130,14 +130,14 @@ class Player {
 
   question(question) {
     const judged = question.answered !== undefined && question.answered <= this.index;
-    return make("section", { class: "question" }, make("h3", {}, `Question ${question.number} to ${question.asked}`, question.attempt > 1 ? `, attempt ${question.attempt}` : ""),
+    return make("section", { class: "question" }, make("h3", {}, `Question ${question.number} to ${question.whom}`, question.attempt > 1 ? `, attempt ${question.attempt}` : ""),
       make("p", {}, this.link("state", question.owner.split("#")[0]), " asks “", question.text || "", "”"),
       make("table", { class: "board" }, make("tbody", {}, question.evidence.map((each) => make("tr", { class: each.fresh ? "fresh" : "stale" }, make("td", {}, make("code", {}, each.key)),
         make("td", {}, each.picture ? pictured(this.data.images[each.picture], `${each.key} as it was shown`) : each.fresh ? valueText(each.value) : "unknown"),
         make("td", {}, each.age_s === null ? "never received" : `${Number(each.age_s).toFixed(2)} s old`))))),
       this.offered(question),
       (question.refused || []).length ? listed("Refused before", question.refused.map((each) => make("li", {}, each))) : "",
-      judged ? make("p", { class: "verdict" }, make("b", {}, `${question.asked} answered: `), this.proposal(question.proposal), make("br", {}), make("b", {}, "verdict: "), question.verdict.join("; ")) : make("p", { class: "muted" }, `until ${valueText(question.until, 2)} s`));
+      judged ? make("p", { class: "verdict" }, make("b", {}, `${question.whom} answered: `), this.proposal(question.proposal), make("br", {}), make("b", {}, "verdict: "), question.verdict.join("; ")) : make("p", { class: "muted" }, `until ${valueText(question.until, 2)} s`));
   }
 
   offered(question) {
@@ -164,7 +164,7 @@ class Player {
     if (!run.questions.length) return "";
     return make("details", {}, make("summary", {}, `All ${run.questions.length} questions of this run`), make("ol", {}, run.questions.map((each) => make("li", {},
       make("a", { href: hashOf({ run: this.number, step: each.answered ?? each.step }), on: { click: (event) => { event.preventDefault(); this.seek(each.answered ?? each.step); } } },
-        `${each.number} to ${each.asked}: ${each.verdict ? each.verdict[0] : "not answered"}`)))));
+        `${each.number} to ${each.whom}: ${each.verdict ? each.verdict[0] : "not answered"}`)))));
   }
 
   link(kind, name, words) {

@@ -2,6 +2,8 @@
 // The mission in half a minute, next to its chart: what it is for, where a model is asked, and how it may end.
 // Rule: the sentences come from the page's data; here they are only set, and lead to their places.
 
+const CAUSES = 6; // as many as a reader takes in; the others are folded
+
 class Summary {
   /** @param host element  @param data the page's data  @param details Details, for what both show  @param listener {go(kind, name), tab(name)} */
   constructor(host, data, details, listener) {
@@ -16,7 +18,7 @@ class Summary {
       this.details.faults(data.findings),
       this.invariants(given.invariants),
       make("section", {}, make("h3", {}, "Where a model is asked"), make("p", {}, given.asked), given.decisions.map((each) => this.decision(each))),
-      make("section", {}, make("h3", {}, "How it may end"), given.ends.length ? given.ends.map((each) => this.end(each)) : make("p", { class: "muted" }, "no final: it runs until it is canceled or stopped")),
+      make("section", {}, make("h3", {}, "How it may end"), make("ul", {}, given.outcomes.map((each) => make("li", {}, each))), given.ends.length ? given.ends.map((each) => this.end(each)) : make("p", { class: "muted" }, "no final: it runs until it is canceled or stopped")),
       listed("What ends it from any state", given.interruptions.map((each) => make("li", {}, each))),
       given.controllers.length ? listed("Who commands the actuators", given.controllers.map((each) => make("li", {}, this.fact(each)))) : "",
       this.runs(),
@@ -47,10 +49,19 @@ class Summary {
     return make("div", { class: `card end ${given.outcome}` },
       make("p", {}, make("b", { class: "outcome-word" }, given.outcome), " ", this.details.link("state", given.state, given.state), given.about ? ` – ${given.about}` : ""),
       given.by_answer ? make("p", {}, "A model's answer alone may lead here.") : "",
-      make("ul", { class: "causes" }, given.causes.length ? given.causes.map((each) => make("li", {}, this.fact(each))) : make("li", { class: "muted" }, "nothing leads here")),
+      given.causes.length ? this.facts(given.causes.slice(0, CAUSES)) : make("p", { class: "muted" }, "nothing leads here"),
+      given.causes.length > CAUSES ? this.folded(`and ${given.causes.length - CAUSES} more transitions`, given.causes.slice(CAUSES)) : "",
       given.does.length ? make("p", {}, make("span", { class: "muted" }, "done there: "), given.does.join("; ")) : "",
       given.proof.length ? make("p", {}, make("span", { class: "muted" }, "proved by: "), given.proof.join("; ")) : "",
-      given.before.length ? make("details", {}, make("summary", {}, "what comes before"), make("ul", {}, given.before.map((each) => make("li", {}, this.fact(each))))) : "");
+      given.before.length ? this.folded("what comes before", given.before) : "");
+  }
+
+  facts(given) {
+    return make("ul", {}, given.map((each) => make("li", {}, this.fact(each))));
+  }
+
+  folded(title, given) {
+    return make("details", {}, make("summary", {}, title), this.facts(given));
   }
 
   runs() {
