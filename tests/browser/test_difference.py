@@ -7,7 +7,8 @@ from typing import Any
 
 import pytest
 
-from tests.browser.conftest import Open
+from tests.browser.conftest import Open, assert_accessible
+from tests.browser.test_opening import OUTSIDE, PHONE, SCREEN, VIEW
 from tests.visualize.changed import changed
 from tests.visualize.diff.test_outputs import EVIL, evil
 from tests.visualize.runs import tractor
@@ -75,3 +76,23 @@ def test_an_address_leads_to_a_state_with_what_changed_there(opened: Open) -> No
     window = opened(page(difference(tractor(), changed())), at="#state=driving")
     assert window.is_visible("#details")
     assert "'timeout_s' grew" in window.inner_text("#details")
+
+
+@pytest.mark.parametrize("size", [SCREEN, PHONE], ids=["screen", "phone"])
+def test_a_switch_moves_to_what_it_shows_below_a_legend_of_the_marks(size: dict[str, int], opened: Open) -> None:
+    window = opened(page(difference(tractor(), changed())), viewport=size)
+    assert window.evaluate("document.querySelector('#chart').getBoundingClientRect().height / innerHeight") >= 0.5
+    words = " ".join(window.inner_text("#legend").split())
+    assert words.startswith("+ added − removed ~ changed decision")
+    strokes = "[...document.querySelectorAll('#legend .form')].slice(0, 3).map((each) => getComputedStyle(each).stroke)"
+    assert len(set(window.evaluate(strokes))) == 3
+    before = window.evaluate(VIEW)
+    window.keyboard.press("s")
+    assert window.evaluate(VIEW) != before
+    assert window.evaluate(OUTSIDE, ["assessing", "driving"]) == []
+    if size is SCREEN:
+        sign, chart = (window.locator(each).bounding_box() for each in (".sign.any", "#chart"))
+        assert sign["y"] >= chart["y"] and sign["x"] >= chart["x"], "a transition that changed leads away from it"
+    window.keyboard.press("s")
+    assert window.evaluate(VIEW) == before
+    assert_accessible(window)

@@ -97,10 +97,17 @@ def _lenses(given: Difference, chart: Json, changes: Iterable[Json]) -> list[Jso
     ends = {name for transition in marked for name in (transition.get("source"), transition.get("target")) if name}
     return [
         lens("safety", "What is safety-relevant?", "s", label="Safety", states=_ends(unsafe, chart),
+             focus=_first(unsafe, _ends(unsafe, chart)),
              transitions=_named(unsafe, "transition"), options=_named(unsafe, "option")),
         lens("changed", "What changed?", "d", label="Changes", states=states | ends | _named(changes, "state"),
+             focus=_first(changes, states | ends),
              transitions={transition["place"] for transition in marked}, options=options),
     ]  # fmt: skip
+
+
+def _first(changes: Iterable[Json], more: Iterable[str]) -> list[str]:
+    """The states of changes in their order, what matters most first, and then what else is shown."""
+    return list(dict.fromkeys([*(change["state"] for change in changes if change["state"]), *sorted(more)]))
 
 
 def _named(changes: Iterable[Json], word: str) -> set[str]:

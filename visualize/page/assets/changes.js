@@ -9,8 +9,8 @@ class Changes {
   constructor(page) {
     this.page = page;
     this.changes = page.data.changes;
-    this.host = make("div", { id: "changes", role: "tabpanel" });
-    this.button = make("button", { id: "tab-changes", type: "button", role: "tab", on: { click: () => page.tab("changes") } }, "Changes");
+    this.host = make("div", { id: "changes", role: "tabpanel", "aria-labelledby": "tab-changes" });
+    this.button = make("button", { id: "tab-changes", type: "button", role: "tab", "aria-controls": "changes", on: { click: () => page.tab("changes") } }, "Changes");
     byId("tab-details").before(this.button);
     byId("details").before(this.host);
     this.dress();
@@ -44,9 +44,8 @@ class Changes {
   }
 
   draw() {
-    const legend = make("p", { class: "muted" }, "In the chart: ", make("b", {}, "+"), " added, bold line; ", make("b", {}, "−"), " removed, dashed; ", make("b", {}, "~"), " changed, dotted.");
     const parts = [["safety", "Safety-relevant"], ["other", "Others"]].map(([severity, title]) => this.part(title, severity, this.changes.filter((each) => each.severity === severity)));
-    this.host.replaceChildren(make("h2", {}, this.page.data.headline), legend, ...parts);
+    this.host.replaceChildren(make("h2", {}, this.page.data.headline), ...parts);
   }
 
   part(title, severity, changes) {

@@ -231,9 +231,9 @@ class Chart {
     return found;
   }
 
-  /** Where a state is seen, on the screen's measure. */
+  /** Where a state is seen, on the screen's measure; of the empty name, the sign of what leads away from every state. */
   place(name) {
-    const item = this.view.seen(name);
+    const item = name ? this.view.seen(name) : [...allItems(this.view.root)].find((each) => each.kind === "any");
     return item ? { x: item.X, y: item.Y, w: item.w, h: item.h, item } : null;
   }
 

@@ -20,12 +20,17 @@ class Legend {
   constructor(host, data) {
     const { states } = data.chart;
     const items = LEGEND.filter(([fits]) => states.some(fits)).map(([, state, words]) => this.item(state, words));
+    if (data.changes) items.unshift(this.mark("+", "added"), this.mark("−", "removed"), this.mark("~", "changed"));
     if (data.runs.length) items.push(this.item({ kind: "", active: true }, "active"), this.line("taken"));
     host.replaceChildren(make("ul", {}, items));
   }
 
+  mark(sign, word) {
+    return this.item({ kind: "", look: word }, [make("b", {}, sign), ` ${word}`]);
+  }
+
   item(state, words) {
-    const w = 22, h = 14, look = lookOf(state)[1];
+    const w = 22, h = 14, look = state.look || lookOf(state)[1];
     const group = draw("g", { class: `swatch ${look}${state.region ? " region" : ""}${state.active ? " active" : ""}`, transform: `translate(2,4) scale(0.5)` }, outline(state, { w: 2 * w, h: 2 * h, inner: true }));
     return make("li", {}, draw("svg", { class: "key", width: w + 4, height: h + 6, "aria-hidden": "true" }, group), words);
   }

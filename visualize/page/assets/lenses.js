@@ -16,7 +16,7 @@ class Lenses {
     this.on = this.on === name && !keep ? "" : this.buttons.has(name) ? name : "";
     for (const [each, button] of this.buttons) button.setAttribute("aria-pressed", String(each === this.on));
     const lens = this.lenses.find((each) => each.name === this.on);
-    this.host.hidden = !lens;
+    this.host.hidden = !lens || !lens.sections.length;
     this.host.replaceChildren(...(lens ? this.words(lens) : []));
     this.listener.show(lens ? { states: new Set(lens.states), transitions: new Set(lens.transitions), options: new Set(lens.options), focus: lens.focus } : null);
   }

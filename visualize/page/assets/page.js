@@ -141,7 +141,8 @@ class Page {
   look(lens) {
     const { gestures } = this.chart;
     if (lens && !this.before) this.before = [gestures.x, gestures.y, gestures.scale];
-    if (lens) this.chart.frame(lens.focus, NAMES_READABLE);
+    const anywhere = lens && (this.model.away.get("") || []).some((transition) => lens.transitions.has(transition.place));
+    if (lens) this.chart.frame([...lens.focus, ...(anywhere ? [""] : [])], NAMES_READABLE);
     else if (this.before) {
       [gestures.x, gestures.y, gestures.scale] = this.before;
       gestures.apply();
