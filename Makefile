@@ -5,7 +5,7 @@
 SHELL := /bin/bash
 .SHELLFLAGS := -euo pipefail -c
 .DEFAULT_GOAL := help
-.PHONY: help setup run fmt check test wheel compiled middleware ros-interfaces ros-package oracles fresh drill repeat mutate fuzz audit lock bench pictures weights clean
+.PHONY: help setup run fmt check test wheel compiled middleware ros-interfaces ros-package oracles fresh drill repeat mutate fuzz audit lock bench docs pictures weights clean
 
 BIN := .venv/bin
 comma := ,
@@ -98,6 +98,10 @@ bench: .venv/.ready-bench ## Measure against the peers
 	    echo "== $$each"; $(BIN)/python -m "benchmarks.$$(basename "$$each" .py)" || failed="$$failed $$each"; \
 	done; [ -z "$$failed" ] || { echo "these did not come to their end:$$failed" >&2; exit 1; }
 
+docs: .venv/.ready-docs ## Build the site of the documents into out/site; a link that leads nowhere fails
+	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --quiet
+	@echo "wrote out/site/index.html"
+
 pictures: .venv/.ready-dev ## Draw the stored pictures again, and those of the documents in a browser
 	REWRITE_PICTURES=1 $(BIN)/python -m pytest -q tests/visualize
 	$(BIN)/python scripts/take_pictures.py
@@ -133,6 +137,10 @@ clean: ## Remove what was made
 
 .venv/.ready-audit: $(RECIPE)
 	@scripts/setup.sh audit
+	@touch $@
+
+.venv/.ready-docs: $(RECIPE)
+	@scripts/setup.sh docs
 	@touch $@
 
 .venv/.ready-bench: $(RECIPE)
