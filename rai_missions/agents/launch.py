@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from rai_missions.agents.python_robot import is_program, open_python_robot
+from rai_missions.agents.python_robot import open_python_robot
 from rai_missions.agents.run_config import RunConfig
 from rai_missions.check import check, faults_of
 from rai_missions.connectors.connector import Connector, SupportsRawMessages
@@ -29,7 +29,16 @@ from rai_missions.kinds import PackageOffer
 from rai_missions.mission.files import dump, load
 from rai_missions.mission.mission import Mission
 from rai_missions.model import suggestion
-from rai_missions.profile import Robot, dump_profile, identity_folder, lacking, load_profile, missing, unknown_fields
+from rai_missions.profile import (
+    Robot,
+    dump_profile,
+    identity_folder,
+    is_program,
+    lacking,
+    load_profile,
+    missing,
+    unknown_fields,
+)
 from rai_missions.recording import Recording, observers, recorded
 from rai_missions.redaction import Redaction, logger
 from rai_missions.replay.open_run import OpenedRun, open_run
@@ -223,7 +232,9 @@ def _open_python(plan: RunPlan, robot: PythonRobot) -> RunEnvironment:
     robot_time = RobotTime(steered=given is None and speed not in (None, 1.0))
     steered = RobotClock(robot_time, speed or math.inf) if robot_time.is_steered else WallClock()
     clock = plan.continued(given or steered)
-    return RunEnvironment(None, PythonRobotConnector(robot, now=clock.now, robot_time=robot_time), clock)
+    return RunEnvironment(
+        None, PythonRobotConnector(robot, now=clock.now, robot_time=robot_time, events=plan.mission.events), clock
+    )
 
 
 def _open_connector(

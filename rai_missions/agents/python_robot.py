@@ -6,17 +6,16 @@ Rule: a run that resumes executes no file but the one whose hash is in its journ
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Any, NamedTuple
 
 from rai_missions.connectors.python_robot import PythonRobot
 from rai_missions.errors import DefinitionError, UsageError
 from rai_missions.mission.mission import Mission
-from rai_missions.profile import Robot, RobotProgram, lacking_functions, profile_of, read_program
+from rai_missions.profile import Robot, RobotProgram, is_program, lacking_functions, profile_of, read_program
 from rai_missions.profile.python_robot import KIND
 from rai_missions.redaction import shown
 
-__all__ = ("ChosenRobot", "is_program", "open_python_robot")
+__all__ = ("ChosenRobot", "open_python_robot")
 
 
 class ChosenRobot(NamedTuple):
@@ -24,11 +23,6 @@ class ChosenRobot(NamedTuple):
 
     robot: PythonRobot
     profile: Robot
-
-
-def is_program(given: Any) -> bool:
-    """Whether a file is Python, by its name."""
-    return isinstance(given, str | Path) and Path(given).suffix == ".py"
 
 
 def open_python_robot(given: Any, mission: Mission, before: Robot | None = None) -> ChosenRobot | None:

@@ -59,7 +59,9 @@ def is_robot_program(path: str | None, *, python: bool = True) -> bool:
     Raises:
         UsageError: It is, and may not be executed.
     """
-    if path is None or not path.endswith(".py"):
+    from rai_missions.profile.files import is_program
+
+    if not is_program(path):
         return False
     if not python:
         raise UsageError(f"--robot {path} is Python, which --no-python refuses; give a profile in JSON, or drop one")

@@ -10,14 +10,13 @@ from pathlib import Path
 from typing import Any
 
 from rai_missions.agents.mission import RunConfig
-from rai_missions.agents.python_robot import is_program
 from rai_missions.check import check, faults_of
 from rai_missions.connectors.python_robot import PythonRobot
 from rai_missions.engine.decision import Question
 from rai_missions.errors import DefinitionError, MissionError, UsageError
 from rai_missions.mission.files import load
 from rai_missions.mission.mission import Mission
-from rai_missions.profile import Robot, RobotProgram, load_profile, missing
+from rai_missions.profile import Robot, RobotProgram, is_program, load_profile, missing
 
 __all__ = ("Clients", "about", "readied", "robot_of")
 

@@ -7,7 +7,7 @@ Imports `check`, `connectors`, `engine`, `guards`, `mission` and `states`, and t
 from rai_missions.profile.convert import plain
 from rai_missions.profile.coverage import actions_of, missing
 from rai_missions.profile.entries import ActionEntry, ServiceEntry, TopicEntry
-from rai_missions.profile.files import dump_profile, identity_folder, load_profile, parse_profile
+from rai_missions.profile.files import dump_profile, identity_folder, is_program, load_profile, parse_profile
 from rai_missions.profile.message_fields import absent_field, unknown_fields, why_unreadable
 from rai_missions.profile.message_types import lacking
 from rai_missions.profile.profile import Robot, Rule, terms
@@ -27,6 +27,7 @@ __all__ = (
     "actions_of",
     "dump_profile",
     "identity_folder",
+    "is_program",
     "lacking",
     "lacking_functions",
     "load_profile",

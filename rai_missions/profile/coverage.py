@@ -48,7 +48,7 @@ def actions_of(mission: Mission) -> frozenset[str]:
 def _lacks(sort: str, name: str, known: Mapping[str, Any], place: str, remedies: Mapping[str, str] = NOTHING) -> Fault:
     near = suggestion(name, known) if known else ""
     remedy = f"; {remedies[sort].replace('{}', name)}" if sort in remedies else ""
-    sentence = f"missing; the mission uses it at {place}{near + remedy or '; name what is behind it'}"
+    sentence = f"missing; the mission uses it at {place}{remedy + near or '; name what is behind it'}"
     return Fault(pointer([sort, name]), sentence)
 
 

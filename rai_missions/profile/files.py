@@ -14,13 +14,13 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from rai_missions.errors import DefinitionError, Fault
+from rai_missions.errors import DefinitionError, Fault, UsageError
 from rai_missions.mission.json_reader import parse_json, read_json
 from rai_missions.profile.profile import Robot
 from rai_missions.redaction import shown
 from rai_missions.validation_errors import faults_of
 
-__all__ = ("dump_profile", "identity_folder", "load_profile", "parse_profile")
+__all__ = ("dump_profile", "identity_folder", "is_program", "load_profile", "parse_profile")
 
 
 def load_profile(path: str | os.PathLike[str]) -> Robot:
@@ -29,12 +29,19 @@ def load_profile(path: str | os.PathLike[str]) -> Robot:
     Raises:
         DefinitionError: The profile is at fault, or names a folder that is not next to it; every fault with its
             pointer.
-        UsageError: There is no such file.
+        UsageError: There is no such file, or it is a robot in Python.
     """
     file = Path(path)
+    if is_program(file):
+        raise UsageError(f"'{file}' is a robot in Python, which only a run executes; give a profile in JSON, or none")
     robot = _robot(read_json(file), str(file))
     identity_folder(robot, file)
     return robot
+
+
+def is_program(given: object) -> bool:
+    """Whether what is named as a robot is a file in Python; only its name is looked at."""
+    return isinstance(given, str | os.PathLike) and Path(given).suffix == ".py"
 
 
 def parse_profile(text: str, source: str = "") -> Robot:

@@ -181,6 +181,7 @@ class EffectExecutor:
             wanted: Who must have control for what the mission waits with.
             fresh: The surroundings know of nothing that was done: a simulated world that starts again.
         """
+        self._senses.resume()
         for number, effect in under.open.items():
             if number in awaited and not isinstance(effect, Ask):
                 self._guarded(effect, partial(self._continue, effect, under, fresh=fresh))

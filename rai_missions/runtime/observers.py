@@ -52,6 +52,9 @@ class RobotListener:
         self._puzzled: set[str] = set()
         self._readings: defaultdict[str, Readings] = defaultdict(Readings)
         self._before: dict[str, bool | None] = {}
+        self._is_begun = False
+        self._early: set[str] = set()
+        """Events that were reported as dropped before the start."""
         self._under_way: set[str] = set()
         """Actions that were begun and whose end was not asked for."""
         self._polls: dict[Poll, tuple[Mapping[str, Any], list[OnMessage]]] = {}
@@ -81,6 +84,11 @@ class RobotListener:
     def begin(self) -> None:
         """The mission starts: what was so before is no news to it yet, so an event that lasts happens again."""
         self._before.clear()
+        self._is_begun = True
+
+    def resume(self) -> None:
+        """Another process has begun the mission."""
+        self._is_begun = True
 
     def begin_action(self, action: str) -> None:
         """An action is about to begin: what is so now is no news during it."""
@@ -179,11 +187,20 @@ class RobotListener:
                     self._miss(name, source, message)
                 self._before[name] = fires
                 if happens:
+                    self._report_early(name, source)
                     self._scheduler.post(Event(name, self._scheduler.now(), source.payload(message)))
             except Exception as error:  # noqa: BLE001 - whatever a robot sends, the run continues without it
                 self._puzzle(name, error)
 
         return read
+
+    def _report_early(self, name: str, source: EventSource) -> None:
+        """An event that does not last is dropped by a mission that has not started, and does not happen again."""
+        if not self._is_begun and source.when is None and name not in self._early:
+            self._early.add(name)
+            sentence = f"the event '{name}' is dropped: it came before the start"
+            log.warning("%s", sentence)
+            self._note(sentence)
 
     def _holder_of(self, source: Source) -> OnMessage:
         def read(message: Message) -> None:

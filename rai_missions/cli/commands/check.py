@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from rai_missions.cli.command import GuardsFile, MissionFile, ProfileFile, command
+from rai_missions.cli.command import GuardsFile, MissionFile, RobotFile, command
 
 if TYPE_CHECKING:
     from rai_missions.errors import Fault
@@ -18,7 +18,7 @@ __all__ = ("check",)
 def check(
     mission: MissionFile,
     *,
-    robot: ProfileFile | None = None,
+    robot: RobotFile | None = None,
     guards: GuardsFile | None = None,
     no_python: bool = False,
     strict: bool = False,
@@ -30,7 +30,7 @@ def check(
 
     Args:
         mission: A .json file, or a .py file with a function mission().
-        robot: Check also that the profile has every name that the mission uses.
+        robot: Check also that the profile has every name that the mission uses; a robot in Python is not executed here.
         guards: A Python file with the predicates of 'named' guards. It is executed.
         no_python: Refuse a mission and guards in Python.
         strict: Treat warnings as faults: exit 1.
@@ -47,14 +47,18 @@ def check(
 
     from rai_missions.check import check as find_faults
     from rai_missions.check import exit_status
-    from rai_missions.cli.inputs import load_guards
+    from rai_missions.cli.inputs import is_robot_program, load_guards, warn
     from rai_missions.mission.files import load
 
     loaded = load(mission, python=not no_python)
     named = load_guards(guards, python=not no_python)
     findings = find_faults(loaded, named=set(named)) if named is not None else find_faults(loaded)
     lacking: Sequence[Fault] = ()
-    if robot:
+    if is_robot_program(robot):
+        warn(
+            f"{robot}: whether it covers the mission was not checked: check executes no robot, and run checks it first"
+        )
+    elif robot:
         from rai_missions.profile import load_profile, missing  # half as long to import as all the rest
 
         lacking = missing(loaded, load_profile(robot))

@@ -3,18 +3,21 @@
 
 from __future__ import annotations
 
-from rai_missions.cli.command import ProfileFile, command
+from pathlib import Path
+
+from rai_missions.cli.command import RobotFile, command
 
 __all__ = ("doctor",)
 
 
 @command()
-def doctor(*, robot: ProfileFile | None = None) -> int:
+def doctor(*, robot: RobotFile | None = None, no_python: bool = False) -> int:
     """Check what this machine has, what it lacks and how to get it.
 
     Args:
         robot: Check also whether the profile's message types are installed, and whether its topics, services and
-            actions are there.
+            actions are there. Of a robot in Python, check that its file loads; it is executed in a process of its own.
+        no_python: Refuse a robot in Python.
 
     Exit status:
         0 nothing that is needed is missing, 1 something is, 2 the input is at fault
@@ -23,10 +26,18 @@ def doctor(*, robot: ProfileFile | None = None) -> int:
         rai-missions doctor --robot robot.json
     """
     from rai_missions.cli.doctor import examine
+    from rai_missions.cli.inputs import is_robot_program
     from rai_missions.profile import load_profile
 
+    given = (
+        Path(robot)
+        if robot and is_robot_program(robot, python=not no_python)
+        else load_profile(robot)
+        if robot
+        else None
+    )
     is_missing = False
-    for finding in examine(load_profile(robot) if robot else None):
+    for finding in examine(given):
         print(finding, flush=True)
         is_missing |= finding.status == "missing"
     return int(is_missing)

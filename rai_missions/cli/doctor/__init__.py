@@ -9,19 +9,22 @@ Imports `connectors`, `profile` and `worlds`, and the modules of the root.
 from __future__ import annotations
 
 from collections.abc import Iterator
+from pathlib import Path
 
 from rai_missions.cli.doctor.finding import MachineFinding
 from rai_missions.cli.doctor.machine import machine
-from rai_missions.cli.doctor.robot import reach
+from rai_missions.cli.doctor.robot import loads, reach
 from rai_missions.cli.doctor.ros import ros
 from rai_missions.profile import Robot
 
 __all__ = ("MachineFinding", "examine")
 
 
-def examine(robot: Robot | None = None) -> Iterator[MachineFinding]:
-    """Look at everything that this project uses, and at a robot where one is given."""
+def examine(robot: Robot | Path | None = None) -> Iterator[MachineFinding]:
+    """Look at everything that this project uses, and at a robot where one is given: its profile, or its Python file."""
     yield from machine()
     yield from ros()
-    if robot is not None:
+    if isinstance(robot, Path):
+        yield loads(robot)
+    elif robot is not None:
         yield from reach(robot)

@@ -61,6 +61,18 @@ def fields(wanted: list[list[Any]]) -> list[Any]:
     return [fields_of(name, kind) for name, kind in wanted]
 
 
+def python_robot(file: str) -> dict[str, list[str]]:
+    """What the robot in a Python file offers, by sort; nothing where the file makes one for each run."""
+    from rai_missions.connectors.python_robot import PythonRobot
+    from rai_missions.profile import read_program
+
+    program = read_program(file)
+    offered = getattr(program.module, "robot", None)
+    robot = offered if callable(offered) and not isinstance(offered, PythonRobot) else program.robot()
+    sorts = ("facts", "services", "actions", "topics")
+    return {sort: list(getattr(robot, sort)) for sort in sorts} if isinstance(robot, PythonRobot) else {}
+
+
 def graph(given: Mapping[str, Any]) -> dict[str, dict[str, dict[str, str]]]:
     """What is there by mode, waited for as long as something wanted is not: `listed`, and of that what is `offered`.
 
@@ -114,6 +126,7 @@ PROBES: Mapping[str, Callable[[Any], Any]] = {
     "types": types,
     "fields": fields,
     "graph": graph,
+    "python_robot": python_robot,
 }
 
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterator, Mapping
+from pathlib import Path
 from typing import NamedTuple
 
 from rai_missions.cli.doctor.finding import MachineFinding, Tried, tried
@@ -18,7 +19,7 @@ from rai_missions.profile import Robot, unknown_fields
 from rai_missions.profile.message_types import Kind, listened, typed
 from rai_missions.worlds.world import WORLDS, world_offer
 
-__all__ = ("reach", "wanted")
+__all__ = ("loads", "reach", "wanted")
 
 WITHIN_S = 10.0
 
@@ -72,6 +73,15 @@ def reach(robot: Robot, environment: Mapping[str, str] | None = None) -> Iterato
         yield MachineFinding("missing", f"nothing of the robot '{robot.name}' is there over {kind}", remedy)
         return
     yield from (_looked_for(each, there[each.how].get(each.mode, {})) for each in names)
+
+
+def loads(program: Path) -> MachineFinding:
+    """Whether the file of a robot in Python can be executed; a robot that it makes for each run is not made."""
+    found = tried("python_robot", str(program), os.environ)
+    if found.fault:
+        return MachineFinding("missing", f"the robot {program} does not load", found.fault)
+    offers = ", ".join(f"{sort} {', '.join(names) or 'none'}" for sort, names in found.value.items())
+    return MachineFinding("ok", f"the robot {program} loads: {offers or 'it is made by robot(), once a run'}")
 
 
 def wanted(robot: Robot) -> Iterator[RobotEntry]:

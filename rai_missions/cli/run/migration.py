@@ -26,7 +26,7 @@ def migrated(options: RunOptions, named: Named | None) -> RunOptions:
         DefinitionError: The mission or the map is at fault, or the map is not complete.
         UsageError: The run cannot be resumed, or the options do not name it and the mission.
     """
-    from rai_missions.profile import load_profile
+    from rai_missions.profile import is_program, load_profile
     from rai_missions.replay.migrate import load_map, migrate
 
     if not (options.migrate and options.resume and options.mission):
@@ -35,7 +35,7 @@ def migrated(options: RunOptions, named: Named | None) -> RunOptions:
     if faults := faults_of(check(mission, named=set(named or ()))):
         raise DefinitionError(faults, options.mission)
     to = Path(options.journal) if options.journal else _free_name(Path(options.resume))
-    robot = load_profile(options.robot) if options.robot else None
+    robot = load_profile(options.robot) if options.robot and not is_program(options.robot) else None
     done = migrate(
         options.resume, mission, load_map(options.migrate), to=to, robot=robot, named=named, source=options.migrate
     )

@@ -11,7 +11,7 @@ import copy
 import inspect
 import threading
 import time
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping
 from contextlib import contextmanager
 from functools import partial
 from typing import Any
@@ -82,12 +82,15 @@ class PythonRobotConnector(ConnectorWrapper):
         robot: Whose functions.
         now: Seconds on the run's clock.
         robot_time: By which functions wait; as on the wall if left out.
+        events: Those that the mission declares, if they are known.
     """
 
     def __init__(
-        self, robot: PythonRobot, *, now: Callable[[], float] = time.monotonic, robot_time: RobotTime | None = None
-    ) -> None:
+        self, robot: PythonRobot, *, now: Callable[[], float] = time.monotonic, robot_time: RobotTime | None = None,
+        events: Collection[str] | None = None,
+    ) -> None:  # fmt: skip
         self._robot, self._now, self.time = robot, now, robot_time or RobotTime()
+        self._events = events
         self.loop = EventLoop(robot.name)
         self._workers: dict[str, Worker] = {}
         self._changed = threading.Condition()
@@ -95,8 +98,8 @@ class PythonRobotConnector(ConnectorWrapper):
         """Those whose function has not returned."""
         self._polls: dict[str, FactPoll] = {}
         """The facts that are read, by their names."""
-        self._listened: dict[str, int] = {}
-        """Topic → its subscribers, for those of events."""
+        self._listened: set[str] = set()
+        """The events that the mission listens to by now."""
         self._puzzled: set[str] = set()
         self._on_end: Callable[[], None] | None = None
         """Called once no goal is executed any more; None until the run is over."""
@@ -172,7 +175,7 @@ class PythonRobotConnector(ConnectorWrapper):
             if (fact := self._robot.facts.get(name)) is not None and fact.read is not None:
                 self._begin_poll(name, fact.read, fact.every_s)
         elif topic.startswith(EVENTS):
-            self._listened[topic] = self._listened.get(topic, 0) + 1
+            self._listened.add(topic.removeprefix(EVENTS))
         return close
 
     def take_fact(self, name: str, value: Any) -> None:
@@ -181,12 +184,15 @@ class PythonRobotConnector(ConnectorWrapper):
 
     def take_event(self, name: str, data: Mapping[str, Any]) -> None:
         """Something has happened; from any thread."""
-        if EVENTS + name in self._listened:
+        if name in self._listened:
             self.inner.publish(EVENTS + name, "", data)
         elif name not in self._puzzled:
             self._puzzled.add(name)
-            known = [topic.removeprefix(EVENTS) for topic in self._listened]
-            log.warning("the mission has no event '%s', which is dropped%s", name, suggestion(name, known))
+            is_early = self._events is None or name in self._events
+            why = (
+                "came before the start" if is_early else f"is none of the mission{suggestion(name, self._events or ())}"
+            )
+            log.warning("the event '%s' is dropped: it %s", name, why)
 
     def refresh(self) -> None:
         """Have every fact read again, so that what was done is known before it is reported as done."""

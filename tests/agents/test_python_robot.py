@@ -1,0 +1,346 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A robot in Python runs missions as any other: its time, its journal, its end, and how another process continues."""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+import shutil
+import subprocess
+import sys
+import threading
+import time
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from rai_missions import DefinitionError, Mission, PythonRobot, UsageError
+from rai_missions.agents import run
+from rai_missions.agents.mission import RunConfig, prepare
+from rai_missions.connectors.python_robot import connector as connector_module
+from rai_missions.connectors.python_robot import robot_time
+from rai_missions.engine.step import Step
+from rai_missions.journal import Note, read
+from rai_missions.replay.replay import replay
+
+X = {"type": "number", "source": "robot", "max_age_s": 3}
+
+
+def mission(states: dict[str, Any], **words: Any) -> Mission:
+    """A mission that begins in the first of its states; `done` and, where something leads there, `lost` end it."""
+    finals: dict[str, Any] = {"done": {"final": "succeeded", "requires": {"key": "x", ">=": 0}}}
+    if '"lost"' in json.dumps([states, words]):
+        finals["lost"] = {"final": "aborted"}
+    made = {"format": 1, "name": "trip", "version": "1", "initial": next(iter(states)), "blackboard": {"x": X}}
+    return Mission.model_validate(made | {"states": states | finals} | words)
+
+
+def doing(action: str, *transitions: dict[str, Any], **words: Any) -> dict[str, Any]:
+    return {"action": action, "timeout_s": 60, "transitions": [*transitions, {"on": "succeeded", "to": "done"}]} | words
+
+
+@pytest.fixture
+def robot() -> PythonRobot:
+    """A robot that drives two metres in four seconds, and knows where it is."""
+    made, place = PythonRobot("turtle"), {"x": 0.0}
+    made.fact("x", every_s=0.5)(lambda: place["x"])
+
+    @made.action("drive", uses=["base"])
+    def drive(goal: Any, run: Any) -> Any:
+        while place["x"] < 2:
+            if run.canceled:
+                return run.cancel()
+            place["x"] += 0.5
+            run.sleep(1)
+        return {"x": place["x"]}
+
+    return made
+
+
+DRIVING = mission(
+    {"driving": doing("drive", achieved={"key": "x", ">=": 2})}, blackboard={"x": X}
+)  # fmt: skip
+
+
+# -- time --------------------------------------------------------------------------------------------------------------
+
+
+def test_a_mission_runs_on_functions_in_no_time_and_its_journal_is_replayed(robot: PythonRobot, tmp_path: Path) -> None:
+    steps: list[Step] = []
+    result = run(DRIVING, robot, speed=math.inf, journal=tmp_path / "run.journal", on_step=steps.append)
+    assert (result.outcome, result.open_goals) == ("succeeded", ())
+    assert result.duration_s == pytest.approx(4.0)
+    again = replay(tmp_path / "run.journal")
+    assert again.holds
+    with read(tmp_path / "run.journal") as record:
+        assert json.loads(record.header.profile)["connector"] == {"kind": "python"}
+
+
+def test_without_a_speed_it_has_the_time_of_the_wall(robot: PythonRobot) -> None:
+    before = time.monotonic()
+    result = run(mission({"driving": doing("drive", {"after_s": 0.2, "to": "lost"})}), robot)
+    assert result.outcome == "aborted" and time.monotonic() - before >= 0.2
+
+
+def test_time_stops_while_a_function_executes(robot: PythonRobot) -> None:
+    robot.action("think")(lambda goal, run: time.sleep(0.3))  # not on the run's clock
+    result = run(mission({"thinking": doing("think", timeout_s=0.2)}), robot, speed=math.inf)
+    assert (result.outcome, result.duration_s) == ("succeeded", 0.0)
+
+
+def test_a_function_that_does_not_wait_is_named_and_its_time_out_comes_all_the_same(
+    robot: PythonRobot, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    monkeypatch.setattr(robot_time, "PATIENCE_S", 0.1)
+    hangs = threading.Event()
+    robot.action("think")(lambda goal, run: hangs.wait(30))
+    states = {"thinking": doing("think", {"on": "timed_out", "to": "lost"}, timeout_s=0.2, cancel_s=0.1)}
+    result = run(mission(states), robot, speed=math.inf)
+    hangs.set()
+    assert result.outcome == "aborted"
+    assert [each.reason for each in result.open_goals] == ["orphaned"]
+    (named,) = [each.getMessage() for each in caplog.records if "without waiting in run.sleep" in each.getMessage()]
+    assert named.startswith("action 'think' has executed for 0.1 s")
+
+
+def test_a_fact_that_hangs_goes_stale(robot: PythonRobot) -> None:
+    hangs, reads = threading.Event(), []
+
+    @robot.fact("battery", every_s=0.01)
+    def battery() -> float:
+        reads.append(1)
+        if len(reads) > 1:
+            hangs.wait(30)
+        return 0.9
+
+    keys = {"x": X, "battery": {"type": "number", "source": "robot", "max_age_s": 0.1}}
+    stale = {"when": {"not": {"fresh": "battery"}}, "to": "lost"}
+    result = run(mission({"driving": doing("drive")}, blackboard=keys, transitions=[stale]), robot)
+    hangs.set()
+    assert result.outcome == "aborted" and result.duration_s < 5
+
+
+def test_a_value_is_held_to_the_type_of_its_key(robot: PythonRobot) -> None:
+    robot.fact("battery")(lambda: "full")
+    keys = {"x": X, "battery": {"type": "number", "source": "robot"}}
+    with pytest.raises(UsageError, match="battery was received and not understood: 'full' is not of type 'number'"):
+        run(mission({"driving": doing("drive")}, blackboard=keys, ready_s=0.2), robot)
+
+
+def test_an_event_before_the_start_is_dropped_and_noted_and_one_after_it_is_taken(
+    robot: PythonRobot, tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    reads: list[int] = []
+
+    @robot.fact("ready", every_s=0.1)
+    def ready() -> bool | None:
+        reads.append(1)
+        if len(reads) != 2:  # by the first reading no one listens yet
+            return len(reads) > 2 or None
+        robot.raise_event("branch")
+        return None
+
+    @robot.action("look")
+    def look(goal: Any, run: Any) -> None:
+        robot.raise_event("branch", {"height_m": 0.5})
+        run.sleep(100)
+
+    key = {"type": "boolean", "source": "robot"}
+    there = {"on": "branch", "when": {"key": "event.height_m", ">": 0.4}, "to": "done"}
+    made = mission(
+        {"looking": doing("look", there)}, blackboard={"x": X, "ready": key},
+        events={"branch": {"fields": {"height_m": "number"}}},
+    )  # fmt: skip
+    result = run(made, robot, speed=math.inf, journal=tmp_path / "run.journal")
+    assert result.outcome == "succeeded" and result.duration_s < 1
+    sentence = "the event 'branch' is dropped: it came before the start"
+    assert [each.getMessage() for each in caplog.records if each.levelname == "WARNING"] == [sentence]
+    with read(tmp_path / "run.journal") as record:
+        assert sentence in [each.text for each in record.rows() if isinstance(each, Note)]
+
+
+# -- the end -----------------------------------------------------------------------------------------------------------
+
+
+def test_an_action_that_ignores_its_cancel_is_orphaned_in_the_mission(robot: PythonRobot) -> None:
+    over = threading.Event()
+
+    @robot.action("spin")
+    def spin(goal: Any, run: Any) -> None:
+        while not over.is_set():
+            run.sleep(0.5)
+
+    states = {
+        "spinning": doing("spin", {"after_s": 1, "to": "waiting"}, cancel_s=2),
+        "waiting": {"transitions": [{"on": "orphaned", "to": "done"}, {"after_s": 10, "to": "lost"}]},
+    }
+    steps: list[Step] = []
+    made = mission(states)
+
+    def on_step(step: Step) -> None:
+        steps.append(step)
+        if step.outcome is not None:
+            over.set()
+
+    result = run(made, robot, speed=math.inf, on_step=on_step)
+    assert (result.outcome, result.duration_s) == ("succeeded", pytest.approx(3.0, abs=0.6))
+    assert result.open_goals == (), "it has ended while the end of the run waited for it"
+
+
+@pytest.mark.parametrize("speed", [None, math.inf])
+def test_at_the_end_it_is_waited_for_two_seconds_at_most_and_is_then_an_open_goal(
+    speed: float | None, robot: PythonRobot, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    assert connector_module.EXIT_S == 2.0
+    monkeypatch.setattr(connector_module, "EXIT_S", 0.3)
+    monkeypatch.setattr(robot_time, "PATIENCE_S", 0.1)
+    over = threading.Event()
+    robot.action("spin")(lambda goal, run: over.wait(30))
+    before = time.monotonic()
+    states = {"spinning": doing("spin", {"after_s": 0.1, "to": "done"}, cancel_s=60)}
+    result = run(mission(states), robot, speed=speed, journal=tmp_path / "run.journal")
+    waited_s = time.monotonic() - before
+    over.set()
+    assert (result.outcome, [each.reason for each in result.open_goals]) == ("succeeded", ["orphaned"])
+    assert "the robot may still move: goal 1 of 'spin'" in result.warning
+    assert 0.3 <= waited_s < 2.0
+    assert replay(tmp_path / "run.journal").holds
+
+
+# -- what a mission lacks ----------------------------------------------------------------------------------------------
+
+
+def test_all_that_a_robot_lacks_is_named_before_anything_is_called(robot: PythonRobot) -> None:
+    robot.fact("batery")(lambda: pytest.fail("nothing is read"))
+    hooting = {"call": "horn", "transitions": [{"on": "succeeded", "to": "driving"}]}
+    states = {"hooting": hooting, "driving": doing("drive")}
+    keys = {"x": X, "battery": X, "pose": {"type": "pose", "source": "robot", "optional": True}}
+    made = mission(states, blackboard=keys)
+    with pytest.raises(DefinitionError) as caught:
+        run(made, robot)
+    assert [str(each) for each in caught.value.faults] == [
+        '/blackboard/battery: missing; the mission uses it at /blackboard/battery; write `@robot.fact("battery")`, or '
+        "`robot.fact(\"battery\")` where robot.write brings it; did you mean 'batery'?",
+        '/services/horn: missing; the mission uses it at /states/hooting/call; write `@robot.service("horn")`',
+    ]
+
+
+def test_a_key_that_is_declared_or_was_written_is_no_lack(robot: PythonRobot) -> None:
+    robot.fact("battery")
+    robot.write("battery", 0.5)
+    robot.write("load", 0.1)
+    result = run(
+        mission({"driving": doing("drive")}, blackboard={"x": X, "battery": X | {"max_age_s": 60}, "load": X}),
+        robot, speed=math.inf,
+    )  # fmt: skip
+    assert result.outcome == "succeeded"
+
+
+def test_rules_of_the_robot_answer() -> None:
+    robot = PythonRobot("turtle", rules={"asking": [{"answer": "go"}]})
+    robot.fact("x")(lambda: 0.0)
+    options = {"go": {"about": "go on"}, "stop": {"about": "stop"}}
+    asking = {"question": "What now?", "options": options, "ask": ["rules"], "deadline_s": 5, "fallback": "stop"}
+    went = [{"on": "go", "to": "done"}, {"on": "stop", "to": "lost"}]
+    result = run(mission({"asking": {"decision": asking, "transitions": went}}), robot, speed=math.inf)
+    assert result.outcome == "succeeded"
+
+
+# -- files -------------------------------------------------------------------------------------------------------------
+
+FILE = """
+import os
+from rai_missions import PythonRobot
+
+robot = PythonRobot("turtle")
+robot.fact("x", every_s=0.2)(lambda: 0.0)
+
+@robot.action("drive", repeat={repeat})
+def drive(goal, run):
+    if not os.path.exists("crashed"):
+        open("crashed", "w").close()
+        run.sleep(0.1)
+        os._exit(9)
+    return {{}}
+"""
+
+
+def written(folder: Path, text: str, name: str = "my_robot.py") -> Path:
+    file = folder / name
+    file.write_text(text, encoding="utf-8")
+    return file
+
+
+@pytest.mark.parametrize(
+    ("text", "sentence"),
+    [
+        ("x = 1", "the file offers no 'robot'; write `robot = PythonRobot(\"name\")`"),
+        ("robot = 7", "the file offers no 'robot'"),
+        ("def robot():\n    return 7", "robot() returned '7'; return a PythonRobot"),
+        ("def robot():\n    raise OSError('no bus')", "line 2: OSError: no bus"),
+        ("import no_such_driver", "line 1: ModuleNotFoundError: No module named 'no_such_driver'"),
+        ("def (", "line 1: not Python"),
+        (
+            "from rai_missions import PythonRobot\nPythonRobot('t').fact('X')",
+            "line 2: UsageError: fact: 'X' is no name",
+        ),
+    ],
+)
+def test_what_is_wrong_in_a_file_comes_with_its_line(text: str, sentence: str, tmp_path: Path) -> None:
+    with pytest.raises(DefinitionError) as caught:
+        run(DRIVING, written(tmp_path, text))
+    assert sentence in str(caught.value)
+
+
+def test_a_file_may_make_one_robot_a_run_and_is_not_needed_by_a_replay(tmp_path: Path) -> None:
+    text = (
+        FILE.format(repeat=False)
+        .replace("not os.path.exists('crashed')", "False")
+        .replace('not os.path.exists("crashed")', "False")
+    )
+    made = "from rai_missions import PythonRobot\ndef robot():\n" + "\n".join(
+        f"    {line}" for line in text.splitlines() if not line.startswith(("from rai",))
+    ) + "\n    return robot\n"  # fmt: skip
+    file = written(tmp_path, made)
+    result = run(mission({"driving": doing("drive")}), file, journal=tmp_path / "run.journal")
+    assert result.outcome == "succeeded"
+    file.write_text("raise SystemExit('executed')", encoding="utf-8")
+    assert replay(tmp_path / "run.journal").holds
+
+
+def command(folder: Path, *words: str) -> subprocess.CompletedProcess[str]:
+    script = Path(sys.executable).with_name("rai-missions")
+    return subprocess.run(
+        [script, *words], cwd=folder, capture_output=True, text=True, timeout=120, check=False,
+        stdin=subprocess.DEVNULL, env=os.environ | {"PYTHONDONTWRITEBYTECODE": "1"},
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize("repeat", [False, True])
+def test_after_a_kill_an_action_is_doubtful_or_starts_again_and_the_same_file_is_demanded(
+    repeat: bool, tmp_path: Path
+) -> None:
+    file = written(tmp_path, FILE.format(repeat=repeat))
+    made = mission(
+        {"driving": doing("drive", {"on": "uncertain", "to": "lost"})}, blackboard={"x": X | {"max_age_s": 60}}
+    )
+    path = tmp_path / "mission.json"
+    path.write_text(json.dumps(made.written()), encoding="utf-8")
+    killed = command(tmp_path, "run", "mission.json", "--robot", "my_robot.py", "--journal", "run.journal")
+    assert killed.returncode == 9, killed.stderr
+    shutil.copy(file, tmp_path / "as_it_was.py")
+    file.write_text("open('executed', 'w')", encoding="utf-8")
+    for robot, sentence in (
+        (None, "the run's robot is in Python; resume with the same file: --robot 'my_robot.py'"),
+        (str(file), "the run's robot was another file, or has changed since"),
+    ):
+        with pytest.raises((DefinitionError, UsageError)) as caught:
+            prepare(RunConfig(None, robot, resume=tmp_path / "run.journal"))
+        assert sentence in str(caught.value)
+    assert not Path("executed").exists() and not (tmp_path / "executed").exists()
+    refused = command(tmp_path, "run", "--resume", "run.journal", "--robot", "as_it_was.py", "--no-python")
+    assert refused.returncode == 2 and "--robot as_it_was.py is Python, which --no-python refuses" in refused.stderr
+    resumed = command(tmp_path, "run", "--resume", "run.journal", "--robot", "as_it_was.py", "--json")
+    assert json.loads(resumed.stdout)["outcome"] == ("succeeded" if repeat else "aborted"), resumed.stderr
