@@ -335,8 +335,8 @@ def offers(group: str) -> tuple[PackageOffer, ...]:
 
 def _places() -> tuple[str, ...]:
     """Where packages are installed: the working directory is no such place."""
-    here = Path.cwd()
-    return tuple(each for each in sys.path if each and Path(each) != here)
+    here = Path.cwd().resolve()
+    return tuple(each for each in sys.path if each and Path(each).resolve() != here)
 
 
 @cache

@@ -53,10 +53,16 @@ class JournalReplayer:
         """The values of predicates that the step in hand has looked at; None once the predicates are asked."""
         found = (reference for each in mission.everything() for reference in each.references())
         names = {name for refers, name, _ in found if refers.sort == "predicate"}
-        self.chart = Chart(
-            mission, ticker or default_ticker(mission), terms=terms(robot) if robot is not None else None,
-            named={name: partial(self._predicate, name) for name in names},
-        )  # fmt: skip
+        try:
+            self.chart = Chart(
+                mission, ticker or default_ticker(mission), terms=terms(robot) if robot is not None else None,
+                named={name: partial(self._predicate, name) for name in names},
+            )  # fmt: skip
+        except MissionError:
+            raise
+        except Exception as error:
+            sentence = f"no run is of such a mission ({type(error).__name__}: {error}); it was altered"
+            raise DefinitionError([Fault("row 0", sentence)], self._source) from error
 
     def again(self, row: StepRow) -> Step:
         """The step that the chart makes of a row's event.

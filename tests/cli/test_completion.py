@@ -106,7 +106,8 @@ def test_a_shell_completes_the_files_that_an_argument_takes(shell: str, folder: 
     plain = {name.rstrip("/") for name in completed(shell, "check lam", folder)}
     assert plain == {"lamp.json", "lamp.py"}
     assert {name.rstrip("/") for name in completed(shell, "replay ", folder)} >= {"a.journal", "b.mcap", "missions"}
-    assert {name.rstrip("/") for name in completed(shell, "run --robot lam", folder)} == {"lamp.json"}
+    assert {name.rstrip("/") for name in completed(shell, "run --robot lam", folder)} == {"lamp.json", "lamp.py"}
+    assert {name.rstrip("/") for name in completed(shell, "prove lamp.json --robot lam", folder)} == {"lamp.json"}
 
 
 @pytest.mark.parametrize("shell", ["bash", "fish", "zsh"])

@@ -252,6 +252,13 @@ def test_every_command_that_takes_a_mission_can_refuse_python(place: Place, caps
         assert "is Python, which --no-python refuses" in capsys.readouterr().err
     assert {name for name, dests in taken().items() if "guards" in dests} == {"run", "check", "prove"}
     assert main(["run", lamp, "--no-python", "--managed", "--guards", str(evil)]) == 2
+    capsys.readouterr()
+    for words_of in (["run", lamp], ["run", lamp, "--managed"], ["run", lamp, "--node"], ["run", "--resume", journal]):
+        assert main([*words_of, "--robot", str(evil), "--no-python"]) == 2
+        assert "is Python, which --no-python refuses" in capsys.readouterr().err
+    for words_of, ended in ((["check", lamp], 0), (["prove", lamp], 2)):
+        assert main([*words_of, "--robot", str(evil)]) == ended
+        assert "execute" in capsys.readouterr().err
     assert not (place.out / "ran").exists()
 
 

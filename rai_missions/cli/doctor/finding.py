@@ -48,7 +48,7 @@ def tried(what: str, given: Any, environment: Mapping[str, str], *, within_s: fl
     """
     try:
         done = subprocess.run(
-            [sys.executable, "-W", "ignore", "-m", PROBE, what],
+            [sys.executable, "-P", "-W", "ignore", "-m", PROBE, what],
             input=json.dumps(given),
             capture_output=True,
             text=True,

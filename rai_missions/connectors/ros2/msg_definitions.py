@@ -7,7 +7,7 @@ first begins with `MSG: package/Type`.
 
 from __future__ import annotations
 
-import importlib
+import importlib.util
 import os
 import re
 import sys
@@ -79,8 +79,6 @@ def _prefixes(package: str) -> Iterator[Path]:
         if prefix:
             yield Path(prefix)
     yield Path(sys.prefix)
-    try:
-        where = importlib.import_module(package).__file__
-    except ImportError:
-        return
-    yield from Path(where or "/").parents
+    spec = importlib.util.find_spec(package)  # found, and not executed
+    if spec is not None and spec.origin is not None:
+        yield from Path(spec.origin).parents

@@ -4,7 +4,10 @@
 from __future__ import annotations
 
 import importlib.util
+import os
 import pkgutil
+import site
+import sysconfig
 from functools import cache
 from pathlib import Path
 from typing import Any, Literal
@@ -67,16 +70,38 @@ def find_type(name: str, kind: Kind) -> Any:
 
 
 def _check_is_interfaces(package: str, kind: Kind) -> None:
-    """A profile may name any package, and importing one runs it: what has no such types is not imported.
+    """A profile may name any package, and importing one runs it: only an installed one with such types is imported.
 
     Raises:
-        ConnectorError: There is such a package, and it has none.
+        ConnectorError: There is such a package, and it has none, or is not installed.
     """
     spec = importlib.util.find_spec(package)
     if spec is None:
         return
-    if not any((Path(folder) / kind / "__init__.py").is_file() for folder in spec.submodule_search_locations or ()):
+    folders = [Path(each) for each in spec.submodule_search_locations or ()]
+    if not any((folder / kind / "__init__.py").is_file() for folder in folders):
         raise ConnectorError(f"the package {package!r} has no {WHAT[kind]} types")
+    if not all(_is_installed(package, folder.absolute()) for folder in folders):
+        sentence = f"the package {package!r} in {folders[0].parent} is not installed, and is not imported"
+        raise ConnectorError(f"{sentence}; source the workspace that has it, or install its wheel")
+
+
+def _is_installed(package: str, folder: Path) -> bool:
+    """Whether a package's folder is where a wheel is installed, or in a prefix whose ament index lists it.
+
+    The working directory is no such place, whatever `sys.path` has.
+    """
+    places = {*map(sysconfig.get_path, ("purelib", "platlib")), *site.getsitepackages()}
+    if site.ENABLE_USER_SITE:
+        places.add(site.getusersitepackages())
+    if folder.parent.resolve() in {Path(each).resolve() for each in places if each} - {Path.cwd().resolve()}:
+        return True
+    prefixes = [Path(each) for each in os.environ.get("AMENT_PREFIX_PATH", "").split(os.pathsep) if each]
+    indices = [each for each in prefixes if (each / "share/ament_index/resource_index/packages" / package).is_file()]
+    return any(
+        folder.is_relative_to(prefix.absolute()) or folder.resolve().is_relative_to(prefix.resolve())
+        for prefix in indices
+    )
 
 
 def why_absent(name: str, kind: Kind) -> str:
