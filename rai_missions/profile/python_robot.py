@@ -8,7 +8,9 @@ JSON and no journal leads here.
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Mapping
+import sys
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from types import ModuleType
 from typing import Any, NamedTuple
@@ -48,7 +50,8 @@ class RobotProgram(NamedTuple):
         """
         offered = getattr(self.module, "robot", None)
         if callable(offered) and not isinstance(offered, PythonRobot):
-            offered = call_offered(offered, self.file)
+            with _neighbours(self.file):
+                offered = call_offered(offered, self.file)
             if not isinstance(offered, PythonRobot):
                 raise self._refused(f"robot() returned {shown(repr(offered))}; return a PythonRobot")
         if not isinstance(offered, PythonRobot):
@@ -81,7 +84,20 @@ def read_program(path: str | Path, *, expected: str | None = None) -> RobotProgr
             f"the run's robot was another file, or has changed since (sha256 {expected[:12]}…, now {sha256[:12]}…)"
         )
         raise DefinitionError([Fault("", f"{sentence}; resume with the file as it was")], str(file))
-    return RobotProgram(file, sha256, run_file(file, source))
+    with _neighbours(file):
+        return RobotProgram(file, sha256, run_file(file, source))
+
+
+@contextmanager
+def _neighbours(file: Path) -> Iterator[None]:
+    """While it lasts, modules next to a file can be imported, as in a program that Python is started with."""
+    folder = str(file.resolve().parent)
+    sys.path.insert(0, folder)
+    try:
+        yield
+    finally:
+        with suppress(ValueError):  # the file may have set the path as it likes
+            sys.path.remove(folder)
 
 
 def profile_of(robot: PythonRobot, mission: Mission, program: RobotProgram | None = None) -> Robot:

@@ -3,9 +3,11 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
 import math
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -252,6 +254,7 @@ def test_rules_of_the_robot_answer() -> None:
 
 FILE = """
 import os
+import re
 from rai_missions import PythonRobot
 
 robot = PythonRobot("turtle")
@@ -344,3 +347,32 @@ def test_after_a_kill_an_action_is_doubtful_or_starts_again_and_the_same_file_is
     assert refused.returncode == 2 and "--robot as_it_was.py is Python, which --no-python refuses" in refused.stderr
     resumed = command(tmp_path, "run", "--resume", "run.journal", "--robot", "as_it_was.py", "--json")
     assert json.loads(resumed.stdout)["outcome"] == ("succeeded" if repeat else "aborted"), resumed.stderr
+
+
+def test_the_robot_of_the_guide_has_thirty_lines_and_runs_from_its_file(tmp_path: Path) -> None:
+    guide = (Path(__file__).parents[2] / "docs/guide/python_robot.md").read_text(encoding="utf-8")
+    robot, made = re.findall(r"^```python\n(.*?)^```$", guide, re.DOTALL | re.MULTILINE)
+    assert len([line for line in robot.splitlines() if line.strip()]) <= 30
+    assert [robot.count(each) for each in ("robot.action(", "robot.fact(", "raise_event(")] == [2, 3, 1]
+    written(tmp_path, robot)
+    written(tmp_path, made.partition("\nresult = ")[0], "mission.py")
+    words = ["run", "mission.py", "--robot", "my_robot.py", "--speed", "max", "--json", "--journal", "run.journal"]
+    ran = command(tmp_path, *words)
+    assert ran.returncode == 0, ran.stderr
+    assert json.loads(ran.stdout)["outcome"] == "succeeded"
+    with read(tmp_path / "run.journal") as record:
+        digest = hashlib.sha256((tmp_path / "my_robot.py").read_bytes()).hexdigest()
+        assert json.loads(record.header.profile)["connector"] == {
+            "kind": "python", "file": "my_robot.py", "sha256": digest,
+        }  # fmt: skip
+    written(tmp_path, "raise SystemExit('executed')")
+    assert replay(tmp_path / "run.journal").holds
+
+
+def test_a_module_next_to_the_file_is_imported_while_it_is_executed_and_no_longer(tmp_path: Path) -> None:
+    written(tmp_path, "VALUE = 0.5", "driver_of_the_turtle.py")
+    text = FILE.format(repeat=False).replace('not os.path.exists("crashed")', "False")
+    file = written(tmp_path, "import driver_of_the_turtle\n" + text)
+    before = list(sys.path)
+    assert run(mission({"driving": doing("drive")}), file, speed=math.inf).outcome == "succeeded"
+    assert sys.path == before
