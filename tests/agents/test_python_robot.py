@@ -99,7 +99,9 @@ def test_a_function_that_does_not_wait_is_named_and_its_time_out_comes_all_the_s
     hangs = threading.Event()
     robot.action("think")(lambda goal, run: hangs.wait(30))
     states = {"thinking": doing("think", {"on": "timed_out", "to": "lost"}, timeout_s=0.2, cancel_s=0.1)}
+    before = time.monotonic()
     result = run(mission(states), robot, speed=math.inf)
+    assert time.monotonic() - before >= 0.1 + 0.2 + 0.1, "from then on time passes as on the wall"
     hangs.set()
     assert result.outcome == "aborted"
     assert [each.reason for each in result.open_goals] == ["orphaned"]

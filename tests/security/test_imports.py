@@ -18,6 +18,7 @@ import pytest
 
 from rai_missions.agents.mission import RunConfig, prepare
 from rai_missions.check import check
+from rai_missions.connectors.registry import connector_offer
 from rai_missions.connectors.ros2 import fields_of, why_absent
 from rai_missions.errors import MissionError
 from rai_missions.journal import Header, Journal
@@ -200,6 +201,16 @@ def test_no_journal_imports_code_of_its_choice(share: int, here: Path) -> None:
 
 def test_what_lies_in_the_working_directory_is_not_installed_however_its_path_is_spelled(here: Path) -> None:
     assert not [each for each in _places() if Path(each).resolve() == here.resolve()]
+
+
+def test_no_package_can_offer_to_open_a_robot_in_python(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    info = tmp_path / "foreign-1.0.dist-info"
+    info.mkdir()
+    (info / "METADATA").write_text("Metadata-Version: 2.1\nName: foreign\nVersion: 1.0\n")
+    (info / "entry_points.txt").write_text("[rai_missions.connectors]\npython = foreign\nother = foreign\n")
+    monkeypatch.syspath_prepend(str(tmp_path))
+    assert connector_offer("other") is not None
+    assert connector_offer("python") is None and connector_offer("local") is None
 
 
 def test_a_package_of_interfaces_in_the_working_directory_is_refused_by_name(here: Path) -> None:

@@ -170,6 +170,23 @@ def test_a_wait_after_the_cancel_lasts_as_long_as_it_should(robot: PythonRobot, 
     assert waits[0] < 30 and waits[1] >= 0.05
 
 
+def test_a_cancel_that_comes_just_before_a_wait_ends_it(robot: PythonRobot, reached: PythonRobotConnector) -> None:
+    begun, go = threading.Event(), threading.Event()
+
+    @robot.action("drive")
+    def drive(goal: Any, run: ActionRun) -> Any:
+        begun.set()
+        assert go.wait(30) and run.canceled
+        run.sleep(3600)
+        return run.cancel()
+
+    reports = pursued(reached, "drive")
+    assert begun.wait(30)
+    reached.cancel_goal("g")
+    go.set()
+    assert end_of(reports).status == "canceled"
+
+
 def test_the_end_of_a_run_waits_for_an_action_that_ignores_its_cancel_no_longer_than_stated(
     robot: PythonRobot, reached: PythonRobotConnector, monkeypatch: pytest.MonkeyPatch
 ) -> None:
