@@ -23,7 +23,12 @@ from typing import Any, NamedTuple
 import pytest
 
 ROOT = Path(__file__).parents[1]
-DOCUMENTS = [ROOT / "README.md", *sorted(ROOT.glob("docs/guide/**/*.md")), *sorted(ROOT.glob("missions/*/README.md"))]
+DOCUMENTS = [
+    ROOT / "README.md",
+    *sorted(ROOT.glob("docs/guide/**/*.md")),
+    *sorted(ROOT.glob("docs/coming-from/*.md")),
+    *sorted(ROOT.glob("missions/*/README.md")),
+]
 BLOCK = re.compile(
     r"^(?P<skip><!-- not run: [^\n]+ -->\n+)?```(?P<kind>\w+)[^\n]*\n(?P<text>.*?)^```$", re.DOTALL | re.MULTILINE
 )
@@ -172,3 +177,9 @@ def test_nothing_installs_this_package_by_a_name_on_an_index() -> None:
     for file in [*files, *DOCUMENTS]:
         found = re.search(r"pip install [\"']?rai[-_]missions(?!\[\w+\] @ git)", file.read_text(encoding="utf-8"))
         assert found is None, f"{file.relative_to(ROOT)}: {found and found[0]}"
+
+
+def test_each_comparison_shows_the_same_mission() -> None:
+    pages = [path.read_text(encoding="utf-8") for path in ROOT.glob("docs/coming-from/*.md")]
+    ours = {page.partition("## Here")[2].partition("## Words")[0] for page in pages}
+    assert len(pages) == 6 and len(ours) == 1
