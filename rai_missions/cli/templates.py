@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Missions to begin from: a minimal one, and the shipped ones copied out.
+"""Missions to begin from: folders of files, which are shipped and copied under the name of a mission of one's own.
 
 Rule: nothing that is there is written over.
 """
@@ -8,112 +8,104 @@ from __future__ import annotations
 
 import json
 import re
-import shutil
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
+from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import NamedTuple
 
 from rai_missions.errors import UsageError, suggestion
-from rai_missions.mission.files import dump
-from rai_missions.mission.mission import Mission
-from rai_missions.profile import Robot, dump_profile
 
-__all__ = ("copy_template", "templates")
+__all__ = ("Template", "copy_template", "templates")
 
-MINIMAL = "minimal"
-MISSION: dict[str, Any] = {
-    "version": "0.1.0",
-    "about": "Drive to a place; when something is in the way, ask what to do.",
-    "blackboard": {
-        "arrived": {"type": "boolean", "source": "robot", "max_age_s": 5, "about": "the robot is at the place"},
-        "blocked": {"type": "boolean", "source": "robot", "max_age_s": 2, "about": "something is in the way"},
-    },
-    "initial": "driving",
-    "states": {
-        "driving": {
-            "action": "drive",
-            "timeout_s": 120,
-            "achieved": {"key": "arrived", "==": True},
-            "settle_s": 1,
-            "transitions": [
-                {"when": {"possible": {"key": "blocked", "==": True}}, "to": "assessing"},
-                {"on": "succeeded", "to": "done"},
-            ],
-        },
-        "assessing": {
-            "decision": {
-                "question": "Something is in the way. What should the robot do?",
-                "evidence": ["blocked"],
-                "options": {
-                    "go_on": {"about": "drive on: the way is free again", "when": {"key": "blocked", "==": False}},
-                    "give_up": {"about": "stay here and call a person"},
-                },
-                "deadline_s": 20,
-                "fallback": "give_up",
-            },
-            "transitions": [{"on": "go_on", "to": "driving"}, {"on": "give_up", "to": "given_up"}],
-        },
-        "done": {"final": "succeeded", "requires": {"key": "arrived", "==": True}},
-        "given_up": {"final": "aborted"},
-    },
-}
-PROFILE: dict[str, Any] = {
-    "name": "my robot",
-    "connector": {"kind": "local"},
-    "blackboard": {
-        "arrived": {"topic": "/arrived", "type": "std_msgs/msg/Bool"},
-        "blocked": {"topic": "/blocked", "type": "std_msgs/msg/Bool"},
-    },
-    "actions": {
-        "drive": {"action": "/navigate_to_pose", "type": "nav2_msgs/action/NavigateToPose", "uses": ["base"]},
-    },
-}
+PACKAGE = Path(__file__).resolve().parents[1]
+PLACEHOLDER = "my_mission"
+"""What a template's mission is called in each of its files."""
+MISSION_NAME = re.compile(r"[a-z][a-z0-9_]*")
 
 
-def shipped() -> Path | None:
-    """Where the shipped missions are: next to the package in a checkout, inside it when installed."""
-    here = Path(__file__).resolve().parents[1]
-    return next((path for path in (here / "missions", here.parent / "missions") if (path / "tractor").is_dir()), None)
+class Template(NamedTuple):
+    """A folder that can be copied."""
+
+    name: str
+    about: str
+    folder: Path
+    is_example: bool
+    """A shipped mission, copied as it is; its robot may need an extra."""
 
 
-def templates() -> tuple[str, ...]:
-    """The names that `copy_template` takes."""
-    folder = shipped()
-    found = sorted(path.parent.name for path in folder.glob("*/mission.json")) if folder is not None else []
-    return (MINIMAL, *found)
+@cache
+def templates() -> Mapping[str, Template]:
+    """Name → what there is to begin from, the usual one first.
+
+    Raises:
+        UsageError: This installation has none.
+    """
+    places = (PACKAGE / "missions", PACKAGE.parent / "missions")  # when installed; in a checkout
+    home = next((place for place in places if (place / "templates/index.json").is_file()), None)
+    if home is None:
+        raise UsageError("this installation has no templates; install the package again")
+    index = json.loads((home / "templates/index.json").read_text(encoding="utf-8"))
+    made = [Template(name, about, home / "templates" / name, False) for name, about in index["templates"].items()]
+    made += [Template(name, about, home / name, True) for name, about in index["examples"].items()]
+    return {template.name: template for template in made}
 
 
-def copy_template(template: str, directory: Path) -> Iterator[Path]:
+def copy_template(name: str, directory: Path) -> Iterator[Path]:
     """Make a folder with a mission of one's own; the files made, in order.
 
     Raises:
-        UsageError: No such template, or the folder holds something already or cannot be made.
+        UsageError: No such template, the folder's name is none of a mission, or it holds something already or cannot
+            be made.
     """
-    if template not in templates():
-        raise UsageError(f"there is no template '{template}'{suggestion(template, templates())}")
+    template = templates().get(name)
+    if template is None:
+        raise UsageError(f"there is no template '{name}'{suggestion(name, templates())}")
+    if not template.is_example:
+        _check_name(directory)
     if directory.exists() and (not directory.is_dir() or any(directory.iterdir())):
         raise UsageError(f"'{directory}' is there and not empty; name a folder that is new")
     try:
-        directory.mkdir(parents=True, exist_ok=True)
+        yield from _copied(template, directory)
     except OSError as error:
         raise UsageError(f"'{directory}' cannot be made: {error.strerror}") from error
-    folder = shipped()
-    if template == MINIMAL or folder is None:
-        yield from _minimal(directory)
+
+
+def _check_name(directory: Path) -> None:
+    """A folder has the name of its mission.
+
+    Raises:
+        UsageError: It cannot.
+    """
+    name = directory.resolve().name
+    if MISSION_NAME.fullmatch(name):
         return
-    for source in sorted((folder / template).rglob("*")):
-        if source.is_file() and "__pycache__" not in source.parts:
-            target = directory / source.relative_to(folder / template)
-            target.parent.mkdir(parents=True, exist_ok=True)
-            shutil.copyfile(source, target)
-            yield target
+    near = re.sub(r"[^a-z0-9]+", "_", name.lower()).strip("_").lstrip("_0123456789")
+    hint = f"; did you mean '{directory.parent / near}'?" if near else ""
+    rule = "which is a name of lower case letters, digits and '_', a letter first"
+    raise UsageError(f"the mission gets the folder's name, {rule}; '{name}' is none{hint}")
 
 
-def _minimal(directory: Path) -> Iterator[Path]:
-    name = re.sub(r"[^a-z0-9_]+", "_", directory.resolve().name.lower()).strip("_") or "mission"
-    mission = Mission.model_validate({"name": name if name[0].isalpha() else f"mission_{name}", **MISSION})
-    dump(mission, directory / "mission.json")
-    yield directory / "mission.json"
-    profile = json.loads(dump_profile(Robot.model_validate(PROFILE)))
-    (directory / "robot.json").write_text(json.dumps(profile, indent=2) + "\n", encoding="utf-8")
-    yield directory / "robot.json"
+def _copied(template: Template, directory: Path) -> Iterator[Path]:
+    schemas: dict[str, None] = {}
+    name = directory.resolve().name
+    for source in sorted(template.folder.rglob("*")):
+        if not source.is_file() or "__pycache__" in source.parts:
+            continue
+        target = directory / source.relative_to(template.folder)
+        target.parent.mkdir(parents=True, exist_ok=True)
+        content = source.read_bytes()
+        target.write_bytes(content if template.is_example else content.replace(PLACEHOLDER.encode(), name.encode()))
+        yield target
+        if source.suffix == ".json":
+            schemas |= dict.fromkeys(_schema_of(content))
+    for schema in schemas:
+        (directory / schema).write_bytes((PACKAGE / schema).read_bytes())
+        yield directory / schema
+
+
+def _schema_of(content: bytes) -> Iterator[str]:
+    """The shipped schema that a file names as its neighbour, which an editor reads without a network."""
+    document = json.loads(content)
+    schema = document.get("$schema", "") if isinstance(document, dict) else ""
+    if re.fullmatch(r"\w+\.schema\.json", schema) and (PACKAGE / schema).is_file():
+        yield schema

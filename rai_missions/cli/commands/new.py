@@ -13,25 +13,41 @@ __all__ = ("new",)
 
 @command()
 def new(
-    directory: Annotated[Path, Argument("DIRECTORY", files=("*/",))],
+    directory: Annotated[Path | None, Argument("DIRECTORY", files=("*/",))] = None,
     *,
-    template: Annotated[str, Argument("NAME")] = "minimal",
+    template: Annotated[str, Argument("NAME")] = "delivery",
+    list: bool = False,  # noqa: A002 - the word of the command line
 ) -> int:
     """Start a mission of your own from a template.
 
+    It makes the mission, a robot simulated in Python, a profile for ROS, the schemas, a README and a test. The mission
+    has the name of the folder.
+
     Args:
         directory: The folder to make. It must not exist yet, or be empty.
-        template: minimal, or a mission that is shipped: rosbot, tractor.
+        template: delivery, patrol, pick_and_place, python (the mission in Python), or a shipped example: rosbot,
+            tractor.
+        list: Print what there is to begin from.
 
     Exit status:
         0 the files were made, 2 the input is at fault
 
     Example:
-        rai-missions new my_mission --template tractor
+        rai-missions new my_mission --template patrol
     """
-    from rai_missions.cli.templates import copy_template
+    from rai_missions.cli.templates import copy_template, templates
+    from rai_missions.errors import UsageError
 
-    for path in copy_template(template, directory):
-        print(path)
-    print(f"next: rai-missions check {directory}/mission.json")
+    if list:
+        width = max(map(len, templates()))
+        for each in templates().values():
+            print(f"{each.name:{width}}  {'example: ' if each.is_example else ''}{each.about}")
+        return 0
+    if directory is None:
+        raise UsageError("name the folder to make: rai-missions new my_mission")
+    files = [*copy_template(template, directory)]
+    print(*files, sep="\n")
+    mission = next(path.name for path in files if path.stem == "mission")
+    robot = next((path.name for name in ("robot.py", "robot.sim.json") for path in files if path.name == name), "")
+    print(f"\nnext:\n  cd {directory}\n  rai-missions run {mission} --robot {robot}")
     return 0

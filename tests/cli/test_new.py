@@ -1,0 +1,135 @@
+# SPDX-License-Identifier: Apache-2.0
+"""`rai-missions new`: each template makes a mission that runs, checks, is proved, and has a test of its own."""
+
+from __future__ import annotations
+
+import json
+import re
+import runpy
+import subprocess
+import sys
+from pathlib import Path
+
+import jsonschema
+import pytest
+
+from rai_missions.cli.main import main
+from rai_missions.cli.templates import templates
+from rai_missions.mission.files import load
+
+TEMPLATES = [each.name for each in templates().values() if not each.is_example]
+SLOW_TO_PROVE = {"patrol"}
+COMMAND = re.compile(r"^\$ rai-missions (.+)$", re.MULTILINE)
+NOT_RUN = re.compile(r"^<!-- not run: [^\n]*-->\n```console\n.*?^```$", re.MULTILINE | re.DOTALL)
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def documented(folder: Path) -> list[list[str]]:
+    """The commands of a README that need no person, as arguments; a run takes no longer than it must."""
+    readme = NOT_RUN.sub("", (folder / "README.md").read_text(encoding="utf-8"))
+    commands = [each.split() for each in COMMAND.findall(readme)]
+    return [[*words, "--speed", "max"] if words[0] == "run" else words for words in commands]
+
+
+@pytest.mark.parametrize("template", TEMPLATES)
+def test_what_a_new_readme_shows_works_at_once(
+    folder: Path, template: str, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    assert main(["new", "first_try", "--template", template]) == 0
+    assert "rai-missions run mission." in capsys.readouterr().out
+    monkeypatch.chdir(folder / "first_try")
+    commands = documented(Path())
+    assert [words[0] for words in commands] == ["run", "check", "prove", "draw"]
+    for words in commands:
+        if words[0] == "prove" and template in SLOW_TO_PROVE:
+            continue
+        assert main(words) == 0, words
+        printed = capsys.readouterr()
+        assert "warning" not in printed.out + printed.err
+        if words[0] == "run":
+            assert (
+                "question:" in printed.out and "accepted (“rule" in printed.out and "succeeded: 'done'" in printed.out
+            )
+    assert len(list(Path("journals").glob("first_try-*.journal"))) == 1
+    assert Path("mission.svg").stat().st_size > 1000
+
+
+@pytest.mark.drill
+@pytest.mark.parametrize("template", sorted(SLOW_TO_PROVE))
+def test_every_run_of_a_large_template_is_proved(folder: Path, template: str) -> None:
+    assert main(["new", "first_try", "--template", template]) == 0
+    assert main(["prove", "first_try/mission.json"]) == 0
+
+
+@pytest.mark.parametrize("template", TEMPLATES)
+def test_its_files_name_the_mission_and_the_schemas_that_are_there(folder: Path, template: str) -> None:
+    assert main(["new", "out/night_watch", "--template", template]) == 0
+    made = folder / "out/night_watch"
+    mission = next(made.glob("mission.[jp]*[ny]"))
+    assert load(mission).name == "night_watch"
+    assert {"README.md", "robot.py", "robot.ros.json", "test_mission.py"} < {path.name for path in made.iterdir()}
+    assert not [path.name for path in made.iterdir() if "my_mission" in path.read_text(encoding="utf-8")]
+    for path in made.glob("*.json"):
+        if not path.name.endswith(".schema.json"):
+            document = json.loads(path.read_text(encoding="utf-8"))
+            schema = json.loads((made / document["$schema"]).read_text(encoding="utf-8"))
+            jsonschema.Draft202012Validator(schema).validate(document)
+
+
+@pytest.mark.installed
+@pytest.mark.parametrize("template", TEMPLATES)
+def test_its_own_test_passes(folder: Path, template: str) -> None:
+    assert main(["new", "mine", "--template", template]) == 0
+    tests = {name: item for name, item in runpy.run_path("mine/test_mission.py").items() if name.startswith("test_")}
+    assert len(tests) == 3
+    for test in tests.values():
+        test()
+
+
+@pytest.mark.drill
+def test_pytest_finds_it(folder: Path) -> None:
+    assert main(["new", "mine"]) == 0
+    program = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "-p", "no:langsmith_plugin", "mine"]
+    ran = subprocess.run(program, capture_output=True, text=True, timeout=120, check=False)
+    assert "3 passed" in ran.stdout, ran.stdout + ran.stderr
+
+
+def test_the_list_has_the_usual_one_first(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["new", "--list"]) == 0
+    names = [line.split()[0] for line in capsys.readouterr().out.splitlines()]
+    assert names == ["delivery", "patrol", "pick_and_place", "python", "rosbot", "tractor"]
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (["mine", "--template", "deliverry"], "there is no template 'deliverry'; did you mean 'delivery'?"),
+        (["My-Mission"], "'My-Mission' is none; did you mean 'my_mission'?"),
+        (["out/2nd round"], "'2nd round' is none; did you mean 'out/nd_round'?"),
+        (["full"], "'full' is there and not empty; name a folder that is new"),
+        (["full/file"], "'full/file' is there and not empty"),
+        (["full/file/mine"], "'full/file/mine' cannot be made"),
+        ([], "name the folder to make: rai-missions new my_mission"),
+    ],
+)
+def test_what_cannot_be_made_is_refused_with_the_remedy(
+    folder: Path, words: list[str], message: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (folder / "full").mkdir()
+    (folder / "full/file").write_text("kept")
+    assert main(["new", *words]) == 2
+    assert message in capsys.readouterr().err
+    assert [str(path.relative_to(folder)) for path in folder.rglob("*")] == ["full", "full/file"]
+    assert (folder / "full/file").read_text() == "kept"
+
+
+def test_an_empty_folder_is_filled(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (folder / "mine").mkdir()
+    monkeypatch.chdir(folder / "mine")
+    assert main(["new", "."]) == 0
+    assert load("mission.json").name == "mine"
