@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from rai_missions.connectors.contract import Inbox, PatientServer, check_connector
     from rai_missions.engine.contract import check_activity
     from rai_missions.guards.contract import check_guard
+    from rai_missions.replay.play.passage import let_time_pass
     from rai_missions.worlds.contract import check_world
 
 __all__ = (
@@ -57,6 +58,7 @@ __all__ = (
     "check_connector",
     "check_guard",
     "check_world",
+    "let_time_pass",
 )  # fmt: skip
 
 if not TYPE_CHECKING:
@@ -75,6 +77,7 @@ if not TYPE_CHECKING:
             "connectors.contract": ("Inbox", "PatientServer", "check_connector"),
             "engine.contract": ("check_activity",),
             "guards.contract": ("check_guard",),
+            "replay.play.passage": ("let_time_pass",),
             "worlds.contract": ("check_world",),
         },
     )  # fmt: skip

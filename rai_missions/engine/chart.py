@@ -25,7 +25,7 @@ from rai_missions.engine.modes import Mode, mode_of
 from rai_missions.engine.program import Named
 from rai_missions.engine.robot_facts import RobotFacts
 from rai_missions.engine.snapshot import Snapshot
-from rai_missions.engine.state import StepDraft
+from rai_missions.engine.state import StepDraft, copied
 from rai_missions.engine.step import Cause, Effect, Move, Step
 from rai_missions.engine.stepping import begin_run, close, compiled, fresh, make_step
 from rai_missions.engine.surroundings import Surroundings
@@ -78,6 +78,10 @@ class Chart:
     def snapshot(self) -> Snapshot:
         """All that the run remembers, as values that later steps do not change."""
         return snapshot.snapshot(self.program, self.state)
+
+    def branch(self) -> Chart:
+        """Another chart where this one is: what happens to either from now on changes nothing in the other."""
+        return ChartBranch(self)
 
     # -- steps ----------------------------------------------------------------------------------------------------
 
@@ -377,3 +381,14 @@ class Chart:
         instants = [state.paused_at] if self.mode == "paused" else []
         instants += [state.frozen[control]] if control in state.frozen else []
         return min(instants, default=None)
+
+
+class ChartBranch(Chart):
+    """A chart that continues where another is.
+
+    Args:
+        chart: The other.
+    """
+
+    def __init__(self, chart: Chart) -> None:
+        self.program, self.state = chart.program, copied(chart.state)

@@ -290,5 +290,5 @@ def copied(state: RunState) -> RunState:
     """Another of the same run, which later steps of either do not change in the other."""
     values: list[Any] = [each.copy() if each.__class__ is dict else each for each in _values(state)]
     made = RunState(*values)
-    made.active, made.ask = state.active, state.ask
+    made.active, made.ask, made.outdated = state.active, state.ask, state.outdated
     return made

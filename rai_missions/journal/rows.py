@@ -62,6 +62,8 @@ class Header(NamedTuple):
     """`rai_missions`, `python` and each package that offers a kind, connector or world; the first two are added."""
     migrated: Mapping[str, str] = {}
     """Of a run that another mission began: the `journal` of that one, its `seal` then, and the `map`."""
+    played: bool = False
+    """A person played the robot (`rai-missions try`): it is evidence of nothing that a robot did."""
 
 
 class StepRow(NamedTuple):
@@ -128,7 +130,7 @@ def text_of(content: Any) -> str:
 
 def written_header(header: Header, keep: Keep = keep_nothing) -> str:
     """The content of row 0."""
-    fields = {name: value for name, value in header._asdict().items() if value or name != "migrated"}
+    fields = {name: value for name, value in header._asdict().items() if value or name not in ("migrated", "played")}
     return text_of({**fields, "format": 1, "arguments": to_json(header.arguments, keep)})
 
 

@@ -56,8 +56,11 @@ def resumption(
 
     Raises:
         DefinitionError: The journal was altered, or a step comes out differently: program or predicate has changed.
-        UsageError: The run has ended, or continues in another mission.
+        UsageError: The run has ended, continues in another mission, or was played.
     """
+    if record.header.played:
+        sentence = f"the run of {record.path} was played by a person, and no robot is where it ended"
+        raise UsageError(f"{sentence}: it cannot be continued; start a new one")
     replayer, under = JournalReplayer(record, mission, ticker, named), InFlight()
     chart, last, began, decisions = replayer.chart, None, 0.0, 0
     for row in checked(record):
