@@ -52,7 +52,7 @@ SHARED = (
     "gestures.js", "details.js", "legend.js",
 )  # fmt: skip
 OWN = (
-    "line.js", "acts.js", "announcer.js", "state.js", "follow.js", "evidence.js", "question.js", "panel.js",
+    "entry.js", "line.js", "acts.js", "announcer.js", "state.js", "follow.js", "evidence.js", "question.js", "panel.js",
     "live_keys.js", "live.js",
 )  # fmt: skip
 

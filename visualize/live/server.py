@@ -12,15 +12,17 @@ import secrets
 import socket
 import ssl
 import threading
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any, NamedTuple
 
 from rai_missions.errors import UsageError
 from rai_missions.mission.mission import Mission
 from visualize.live.app import CommandSink, application
-from visualize.live.auth import Door, is_loopback
+from visualize.live.auth import ASGI, Door, is_loopback
 from visualize.live.feed import Feed
 from visualize.live.hub import Hub
+from visualize.live.play import PlayDesk, play_application
 
 __all__ = ("PORT", "CommandSink", "LivePage", "PageAddress")
 
@@ -103,12 +105,30 @@ class LivePage:
             desk: Who takes orders; None: the page only looks on.
             about: What the page reports about the run: `run`, `journal`, `answers`.
         """
+
+        def inside() -> ASGI:
+            self._hub = Hub(feed)
+            return application(mission, self._hub, desk, about or {})
+
+        self._begin(inside)
+
+    def start_play(self, mission: Mission, desk: PlayDesk) -> None:
+        """Serve a play from now on.
+
+        Args:
+            mission: What is played.
+            desk: The play.
+        """
+        self._begin(lambda: play_application(mission, desk))
+
+    def _begin(self, inside: Callable[[], ASGI]) -> None:
+        """Serve what is made on the server's loop."""
         ready = threading.Event()
         errors: list[BaseException] = []
 
         def work() -> None:
             try:
-                asyncio.run(self._serve(mission, feed, desk, about or {}, ready))
+                asyncio.run(self._serve(inside, ready))
             except BaseException as error:  # noqa: BLE001 - reported to the one that starts it, or it ends the page alone
                 errors.append(error)
             finally:
@@ -121,16 +141,13 @@ class LivePage:
             self.stop()
             raise UsageError(f"the page cannot be served: {errors[0]}")
 
-    async def _serve(
-        self, mission: Mission, feed: Feed, desk: CommandSink | None, about: dict[str, Any], ready: threading.Event
-    ) -> None:
+    async def _serve(self, inside: Callable[[], ASGI], ready: threading.Event) -> None:
         import uvicorn  # an extra, and needed by no one who does not watch
 
         from visualize.live.timeouts import Impatient
 
-        self._loop, self._hub = asyncio.get_running_loop(), Hub(feed)
-        inside = application(mission, self._hub, desk, about)
-        door = Door(inside, token=self.token, host=self.place.host, port=self.port, scheme=self._scheme)
+        self._loop = asyncio.get_running_loop()
+        door = Door(inside(), token=self.token, host=self.place.host, port=self.port, scheme=self._scheme)
         config = uvicorn.Config(
             door, http=Impatient, ws="none", lifespan="off", log_config=None, access_log=False, server_header=False,
             limit_concurrency=256, timeout_graceful_shutdown=1, h11_max_incomplete_event_size=16_384,
@@ -145,11 +162,12 @@ class LivePage:
     def stop(self, within_s: float = 3.0) -> None:
         """Notify the viewers how it ended, and serve no more."""
         thread, loop, hub = self._thread, self._loop, self._hub
-        if thread is not None and thread.is_alive() and loop is not None and hub is not None:
+        if thread is not None and thread.is_alive() and loop is not None:
 
             async def end() -> None:
-                await hub.close()
-                await asyncio.sleep(0.05)
+                if hub is not None:
+                    await hub.close()
+                    await asyncio.sleep(0.05)
                 if self._server is not None:
                     self._server.should_exit = True
 

@@ -302,34 +302,12 @@ class Live {
   }
 }
 
-function theme() {
-  const dark = getComputedStyle(document.documentElement).getPropertyValue("--dark").trim() === "1";
-  document.documentElement.dataset.theme = dark ? "light" : "dark";
-}
-
 function tab(name) {
   for (const each of ["now", "journal", "details"]) {
     byId(each).hidden = each !== name;
     byId(`tab-${each}`).setAttribute("aria-selected", String(each === name));
     byId(`tab-${each}`).tabIndex = each === name ? 0 : -1;
   }
-}
-
-/** Without the token there is nothing to see. */
-function needed(why) {
-  byId("entry").hidden = false;
-  byId("entry-why").textContent = shown(`${why}. The run prints an address with a token in it; open that, or give the token here.`);
-  document.documentElement.dataset.ready = "refused";
-}
-
-/** The token of the address; it is taken out of the address, and kept for this window alone. */
-function tokenHere() {
-  const given = new URLSearchParams(location.hash.slice(1)).get("token");
-  if (given) {
-    sessionStorage.setItem("token", given);
-    history.replaceState(null, "", location.pathname);
-  }
-  return given || sessionStorage.getItem("token") || "";
 }
 
 function open(token) {

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: Apache-2.0
+// What every page behind a token begins with: the token of the address, and what is shown without one.
+
+/** Without the token there is nothing to see. */
+function needed(why, who = "The run") {
+  byId("entry").hidden = false;
+  byId("entry-why").textContent = shown(`${why}. ${who} prints an address with a token in it; open that, or give the token here.`);
+  document.documentElement.dataset.ready = "refused";
+}
+
+/** The token of the address; it is taken out of the address, and kept for this window alone. */
+function tokenHere() {
+  const given = new URLSearchParams(location.hash.slice(1)).get("token");
+  if (given) {
+    sessionStorage.setItem("token", given);
+    history.replaceState(null, "", location.pathname);
+  }
+  return given || sessionStorage.getItem("token") || "";
+}
+
+function theme() {
+  const dark = getComputedStyle(document.documentElement).getPropertyValue("--dark").trim() === "1";
+  document.documentElement.dataset.theme = dark ? "light" : "dark";
+}

@@ -1,0 +1,182 @@
+// SPDX-License-Identifier: Apache-2.0
+// The page of a play put together: what the server reports is shown whole, and every choice is one order.
+
+const TABS = ["choices", "path", "details"];
+const ENTRY = "The command that serves it";
+
+class PlayPage {
+  constructor(token) {
+    this.line = new Line(token, { message: () => {}, line: () => {} });
+    this.isBusy = false;
+  }
+
+  async begin() {
+    const answers = await Promise.all(["/mission", "/play"].map((path) => this.line.get(path)));
+    const refused = answers.find((answer) => !answer.ok);
+    if (refused) return needed((await refused.json().catch(() => ({}))).why || `the server answered ${refused.status}`, ENTRY);
+    const [{ chart }, state] = await Promise.all(answers.map((answer) => answer.json()));
+    byId("entry").hidden = true;
+    this.keys = chart.keys;
+    this.chart = new Chart(byId("chart"), chart, { select: (kind, name, more) => this.select(kind, name, more), moved: () => {} });
+    this.chart.svg.addEventListener("click", () => this.select("", ""));
+    this.details = new Details(byId("details"), this.chart.model, { findings: [], coverage: {}, runs: [], go: (kind, name) => this.go(kind, name) });
+    this.details.nothing();
+    this.choices = new Choices(byId("choices"), { choose: (name, values) => this.order({ do: name, values }), notify: (words, kind) => this.notify(words, kind) });
+    byId("name").textContent = shown(chart.name);
+    byId("version").textContent = shown(chart.version);
+    document.title = shown(`play: ${chart.name}`);
+    this.listen();
+    this.chart.fit(READABLE);
+    this.show(state);
+  }
+
+  listen() {
+    const click = (id, act) => byId(id).addEventListener("click", act);
+    click("fit", () => this.chart.fit());
+    click("nearer", () => this.chart.gestures.zoom(1.25));
+    click("farther", () => this.chart.gestures.zoom(0.8));
+    click("theme", () => theme());
+    click("undo", () => this.undo(1));
+    click("save", () => this.order({ save: true }));
+    for (const name of TABS) click(`tab-${name}`, () => tab(name));
+    document.addEventListener("keydown", (event) => this.key(event));
+  }
+
+  key(event) {
+    if (event.ctrlKey || event.metaKey || event.altKey || event.target.closest("input, select, textarea")) return;
+    if (/^[1-9]$/.test(event.key)) this.choices.press(event.key);
+    else if (event.key === "u") this.undo(1);
+    else if (event.key === "s") this.order({ save: true });
+    else return;
+    event.preventDefault();
+  }
+
+  undo(count) {
+    if (this.state.length) this.order({ undo: count });
+  }
+
+  /** Gives an order; one at a time, so that no click is carried out on another state than the one that was seen. */
+  async order(order) {
+    if (this.isBusy) return;
+    this.isBusy = true;
+    try {
+      const headers = this.line.headers({ "Content-Type": "application/json" });
+      const answer = await fetch("/play", { method: "POST", headers, body: JSON.stringify({ ...order, revision: this.state.revision }), redirect: "error", cache: "no-store" });
+      const state = await answer.json();
+      if (state.revision !== undefined) this.show(state);
+      const why = state.why_not || (answer.ok ? "" : state.why);
+      if (why) this.notify(why, "bad");
+      else if ((state.saved || []).length) this.notify(state.saved.join("; "), "good");
+      else byId("notice").hidden = true;
+    } catch {
+      this.notify("the play does not answer; was its command ended?", "bad");
+    } finally {
+      this.isBusy = false;
+    }
+  }
+
+  show(state) {
+    this.state = state;
+    const { mode, control, active, taken, at, held_by: held, outcome, why, length } = state;
+    byId("mode").textContent = mode;
+    byId("mode").dataset.mode = mode;
+    byId("control").textContent = held ? `${control}, which holds the mission` : control;
+    byId("control").dataset.control = control;
+    byId("clock").textContent = `${valueText(at)} s`;
+    byId("undo").disabled = !length;
+    byId("save").disabled = !length;
+    byId("ended").replaceChildren(outcome ? make("p", { class: "outcome" }, make("b", {}, `the mission ended ${outcome}: `), why) : "");
+    this.happened(state.path[state.path.length - 1]);
+    this.chart.show({ active: new Set(active), taken: new Set(taken) });
+    this.follow(new Set(active));
+    this.choices.show({ ...state, keys: this.keys });
+    this.path(state);
+    document.documentElement.dataset.ready = "yes";
+    document.documentElement.dataset.revision = String(state.revision);
+  }
+
+  /** What came of the last choice, in words. */
+  happened(last) {
+    byId("happened").replaceChildren(...(last ? [make("b", {}, `${last.words}: `), ...this.came(last)] : []));
+  }
+
+  came({ steps }) {
+    if (!steps.length) return ["nothing else changed"];
+    return steps.flatMap((step) => [
+      ...way(step), ...[...(step.verdicts || []), ...(step.notes || [])].map((note) => make("div", { class: "note" }, note)),
+      ...(step.effects || []).map((each) => make("div", { class: "muted" }, `→ ${each.about}`)), step.outcome ? make("div", {}, `${step.outcome}: ${step.why}`) : "",
+    ]);
+  }
+
+  path({ path, length, is_saved: saved, file }) {
+    byId("tab-path").textContent = `Path (${length})`;
+    byId("where").textContent = shown(saved ? `saved in ${file}` : `save writes ${file}`);
+    byId("clicks").start = length - path.length + 1;
+    byId("clicks").replaceChildren(...path.map((click, index) => make("li", {},
+      make("button", { type: "button", title: "go back to before this", on: { click: () => this.undo(path.length - index) } }, "back to before"),
+      make("small", {}, `${valueText(click.at)} s `), make("b", {}, click.words), Object.keys(click.values).length ? ` (${valueText(click.values)})` : "", make("div", {}, this.came(click)))));
+  }
+
+  /** Brings into view what is active, where it has changed. */
+  follow(active) {
+    const inner = [...active].filter((name) => !(this.chart.model.children.get(name) || []).some((child) => active.has(child)));
+    if (!inner[0] || inner[0] === this.followed) return;
+    this.followed = inner[0];
+    this.chart.reveal(inner[0]);
+    this.chart.center(inner[0]);
+  }
+
+  notify(words, kind) {
+    const element = byId("notice");
+    element.hidden = false;
+    element.className = kind;
+    element.textContent = shown(words);
+    clearTimeout(this.quiet);
+    this.quiet = setTimeout(() => { element.hidden = true; }, kind === "good" ? 6000 : 15000);
+  }
+
+  select(kind, name, places) {
+    if (kind === "state") this.details.state(name);
+    else if (kind === "transition") this.details.transitions(places || [name]);
+    else this.details.nothing();
+    this.chart.show({ selected: kind === "state" || kind === "transition" ? `${kind} ${name}` : null });
+    if (kind) tab("details");
+  }
+
+  go(kind, name) {
+    const transition = kind === "transition" ? (this.chart.model.transitions.get(name) || [])[0] : null;
+    const state = kind === "state" ? name : transition ? transition.source || transition.target : "";
+    if (!this.chart.model.states.has(state)) return;
+    this.chart.reveal(state);
+    this.chart.center(state);
+    this.select(kind, name);
+  }
+}
+
+/** The states that a step left and entered. */
+function way({ exited = [], entered = [] }) {
+  const left = exited.filter((name) => !entered.includes(name)).reverse();
+  return entered.length || left.length ? [make("div", {}, `${left.join(", ")} → ${entered.join(", ")}`)] : [];
+}
+
+function tab(name) {
+  for (const each of TABS) {
+    byId(each).hidden = each !== name;
+    byId(`tab-${each}`).setAttribute("aria-selected", String(each === name));
+  }
+}
+
+function open(token) {
+  window.play = new PlayPage(token);
+  window.play.begin().catch((error) => needed(`the page could not be drawn (${error.message})`, ENTRY));
+}
+
+byId("entry").addEventListener("submit", (event) => {
+  event.preventDefault();
+  sessionStorage.setItem("token", byId("token").value.trim());
+  location.reload();
+});
+addEventListener("hashchange", () => { if (location.hash.includes("token=")) location.reload(); });
+const token = tokenHere();
+if (token) open(token);
+else needed("This page shows a play to those who have its token", ENTRY);

@@ -1,0 +1,146 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The page on which a mission is played: the graph, what can happen now, and the way back.
+
+Rule: the page shows what the play reports, and orders by name; what an order means is decided where the play is.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import json
+from functools import cache
+from typing import Any, Protocol
+
+from starlette.applications import Starlette
+from starlette.requests import Request
+from starlette.responses import JSONResponse, Response
+from starlette.routing import Route
+
+from rai_missions.errors import MissionError
+from rai_missions.mission.mission import Mission
+from visualize.build import picture
+from visualize.live.app import ASSETS, SHARED
+from visualize.live.auth import ASGI, Allowance
+from visualize.page.as_json import Json
+from visualize.page.chart_data import chart_data
+from visualize.page.html import asset, bundle
+
+__all__ = ("PlayDesk", "play_application")
+
+LARGEST_ORDER = 65_536
+"""Bytes."""
+OWN = ("entry.js", "line.js", "play_fields.js", "play_choices.js", "play.js")
+
+
+class PlayDesk(Protocol):
+    """A play; called from any thread."""
+
+    def look(self) -> dict[str, Any]:
+        """All that the page shows of the present."""
+
+    def act(self, order: dict[str, Any]) -> dict[str, Any]:
+        """Carry out an order; returns what the page shows then.
+
+        Raises:
+            MissionError: It makes no sense now, and nothing has changed.
+        """
+
+
+class PlayPages:
+    """The routes.
+
+    Args:
+        mission: What is played.
+        desk: The play.
+    """
+
+    def __init__(self, mission: Mission, desk: PlayDesk) -> None:
+        self._mission, self._desk = {"chart": chart_data(picture(mission), mission)}, desk
+        self._orders = Allowance(0.05, 40)
+
+    def routes(self) -> list[Route]:
+        """By path."""
+        return [
+            Route("/", _shell), Route("/live.js", _script_of), Route("/live.css", _style_of),
+            Route("/favicon.ico", _icon), Route("/mission", self.mission),
+            Route("/play", self.look), Route("/play", self.act, methods=["POST"]),
+        ]  # fmt: skip
+
+    async def mission(self, request: Request) -> Response:
+        return JSONResponse(self._mission)
+
+    async def look(self, request: Request) -> Response:
+        return JSONResponse(await asyncio.to_thread(self._desk.look))
+
+    async def act(self, request: Request) -> Response:
+        kind = request.headers.get("content-type", "").partition(";")[0].strip().lower()
+        if kind != "application/json":
+            return await self._refused(415, "an order is application/json")
+        body = bytearray()
+        async for piece in request.stream():
+            body += piece
+            if len(body) > LARGEST_ORDER:
+                return await self._refused(413, f"an order has at most {LARGEST_ORDER} bytes")
+        if not self._orders.take():
+            return await self._refused(429, "too many orders at once; wait a second")
+        order = _object(bytes(body))
+        if order is None:
+            return await self._refused(400, "an order is a JSON object")
+        try:
+            return JSONResponse(await asyncio.to_thread(self._desk.act, order))
+        except (MissionError, OSError) as error:
+            return await self._refused(409, str(error))
+
+    async def _refused(self, status: int, why: str) -> Response:
+        """Why not, and where the play is all the same."""
+        return JSONResponse({**await asyncio.to_thread(self._desk.look), "why_not": why}, status)
+
+
+def play_application(mission: Mission, desk: PlayDesk) -> ASGI:
+    """What is behind the door."""
+    return Starlette(routes=PlayPages(mission, desk).routes())
+
+
+def _object(body: bytes) -> Json | None:
+    try:
+        found = json.loads(body)
+    except (ValueError, RecursionError):
+        return None
+    return found if isinstance(found, dict) else None
+
+
+async def _shell(request: Request) -> Response:
+    return Response(_page(), media_type="text/html")
+
+
+async def _script_of(request: Request) -> Response:
+    return Response(_script(), media_type="text/javascript")
+
+
+async def _style_of(request: Request) -> Response:
+    return Response(_style(), media_type="text/css")
+
+
+async def _icon(request: Request) -> Response:
+    return Response(status_code=204)
+
+
+@cache
+def _page() -> bytes:
+    """The HTML."""
+    return (ASSETS / "play.html").read_bytes()
+
+
+@cache
+def _script() -> bytes:
+    """All scripts as one."""
+    return bundle(SHARED, [(ASSETS / name).read_text(encoding="utf-8") for name in OWN]).encode()
+
+
+@cache
+def _style() -> bytes:
+    """The live page's style, and what is particular to this one."""
+    return (asset("page.css") + "".join((ASSETS / name).read_text(encoding="utf-8") for name in STYLES)).encode()
+
+
+STYLES = ("live.css", "play.css")
