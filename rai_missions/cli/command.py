@@ -116,7 +116,7 @@ class Command:
     """
 
     def __init__(self, function: Callable[..., int], *, draws: bool = False) -> None:
-        self.name, self.draws, self._function = function.__name__, draws, function
+        self.name, self.draws, self._function = function.__name__.rstrip("_"), draws, function
         self._sections = _sections(function)
         self.summary, _, self._details = self._sections[""].strip().partition("\n\n")
 

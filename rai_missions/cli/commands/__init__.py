@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The commands: each is a file with a function of its name, whose signature and docstring are its parser.
 
-Rule: a file here is a command, and a command is a file here.
+Rule: a file here is a command, and a command is a file here; a word of Python ends in `_` there, as in `try_`.
 
 Imports `check`, `journal`, `mission`, `profile`, `prove`, `recording`, `replay` and `visualize`, and the modules of
 the root.
@@ -13,6 +13,7 @@ import importlib
 import os
 from collections.abc import Callable
 from functools import partial
+from keyword import iskeyword
 from typing import cast
 
 from rai_missions.cli.command import Command, Parser
@@ -29,12 +30,15 @@ AFTER = (
 def names() -> tuple[str, ...]:
     """All commands."""
     files = (file for folder in __path__ for file in os.listdir(folder))
-    return tuple(sorted(file.removesuffix(".py") for file in files if file.endswith(".py") and file != "__init__.py"))
+    return tuple(
+        sorted(file.removesuffix(".py").rstrip("_") for file in files if file.endswith(".py") and file != "__init__.py")
+    )
 
 
 def load_command(name: str) -> Command:
     """The command of that name."""
-    return cast(Command, getattr(importlib.import_module(f"{__name__}.{name}"), name))
+    own = f"{name}_" if iskeyword(name) else name
+    return cast(Command, getattr(importlib.import_module(f"{__name__}.{own}"), own))
 
 
 def root_parser() -> Parser:

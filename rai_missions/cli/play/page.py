@@ -1,0 +1,126 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A play in the browser: what the page shows of it, and what it may order."""
+
+from __future__ import annotations
+
+import os
+import sys
+import tempfile
+import threading
+import webbrowser
+from collections.abc import Iterator
+from contextlib import contextmanager, nullcontext
+from html import escape
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from rai_missions.cli.play.session import PlaySession
+from rai_missions.cli.signals import on_signals
+from rai_missions.errors import UsageError
+from rai_missions.replay.play import Click
+
+if TYPE_CHECKING:
+    from visualize.live import LivePage
+
+__all__ = ("SessionDesk", "serve")
+
+MOST_PATH = 500
+"""So many of the last choices are on the page."""
+
+
+class SessionDesk:
+    """A play as a page sees it; from any thread.
+
+    Args:
+        session: The play and its files.
+    """
+
+    def __init__(self, session: PlaySession) -> None:
+        self._session, self._alone = session, threading.Lock()
+        self._revision = 0
+
+    def look(self) -> dict[str, Any]:
+        """All that the page shows of the present."""
+        with self._alone:
+            return self._look()
+
+    def act(self, order: dict[str, Any]) -> dict[str, Any]:
+        """Carry out an order: `{"do", "values"}`, `{"undo": count}` or `{"save": true}`, given at a `revision`.
+
+        Raises:
+            UsageError: It makes no sense now; nothing has changed then.
+        """
+        with self._alone:
+            play = self._session.play
+            if order.get("revision") != self._revision:
+                raise UsageError("the play has moved on in another window; this is where it is now")
+            saved: list[str] = []
+            if isinstance(name := order.get("do"), str):
+                values = order.get("values")
+                play.do(name, values if isinstance(values, dict) else {})
+            elif isinstance(count := order.get("undo"), int):
+                play.undo(count)
+            elif order.get("save") is True:
+                saved = self._session.save()
+            else:
+                raise UsageError("an order is 'do', 'undo' or 'save'")
+            self._revision += 1
+            return {**self._look(), "saved": saved}
+
+    def _look(self) -> dict[str, Any]:
+        from visualize.live.as_json import bounded, question_data
+
+        session, chart = self._session, self._session.play.chart
+        path = session.play.path
+        board = {key: [bounded(entry.value), round(entry.at, 3)] for key, entry in chart.view.board.items()}
+        last = path[-1].steps if path else ()
+        return {
+            "revision": self._revision, "at": chart.at, "mode": chart.mode, "control": chart.holder,
+            "held_by": chart.held_by, "active": sorted(chart.active), "outcome": chart.outcome or "",
+            "why": bounded(chart.why) if chart.outcome else "", "board": board,
+            "questions": [question_data(each) for each in chart.questions],
+            "choices": [each.data() for each in session.play.choices()],
+            "taken": [place for step in last for move in step.moves for place in move.taken],
+            "length": len(path), "path": [_clicked(click) for click in path[-MOST_PATH:]],
+            "is_saved": session.is_saved, "file": str(session.journal),
+        }  # fmt: skip
+
+
+def _clicked(click: Click) -> dict[str, Any]:
+    """A choice of the path, with the steps in which something happened."""
+    from visualize.live.as_json import bounded, line
+
+    steps = [found for step in click.steps if (found := line(step)) is not None]
+    at = click.steps[-1].at if click.steps else click.before.at
+    return {"words": click.words, "values": bounded(dict(click.values)), "at": round(at, 3), "steps": steps}
+
+
+def serve(page: LivePage, session: PlaySession, *, opens: bool) -> None:
+    """Serve a play until an interrupt.
+
+    Args:
+        page: Where.
+        session: The play and its files.
+        opens: The page is opened in the user's browser, where there is a screen.
+    """
+    ended = threading.Event()
+    page.start_play(session.play.mission, SessionDesk(session))
+    print(f"try: {page.url}", flush=True)
+    with _opened(page.url) if opens and has_screen() else nullcontext(), on_signals(lambda *_: ended.set()):
+        while not ended.wait(0.5) and page.serves:
+            pass
+
+
+def has_screen() -> bool:
+    """Whether a browser can be shown on this machine."""
+    return sys.platform in ("darwin", "win32") or bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))
+
+
+@contextmanager
+def _opened(url: str) -> Iterator[None]:
+    """Open an address in the browser by a file of the user's own: other users can read a command line, and not that."""
+    with tempfile.TemporaryDirectory(prefix="rai_missions-") as folder:
+        file = Path(folder) / "try.html"
+        file.write_text(f'<!DOCTYPE html><meta http-equiv="refresh" content="0;url={escape(url)}">', encoding="utf-8")
+        webbrowser.open(file.as_uri())
+        yield
