@@ -16,8 +16,7 @@ from rai_missions.journal import read
 from rai_missions.mission.files import load
 from rai_missions.mission.mission import Mission
 from rai_missions.replay.play import PlaySource
-from tests.browser.conftest import until
-from tests.browser.test_live import look as look  # noqa: PLC0414 - a fixture
+from tests.browser.conftest import assert_accessible, until
 from visualize.live import LivePage, PageAddress
 
 ROOT = Path(__file__).parents[2]
@@ -57,9 +56,7 @@ def lit(window: Any) -> list[str]:
     return sorted(window.eval_on_selector_all("g.state.active", "all => all.map(each => each.dataset.state)"))
 
 
-def test_an_event_is_clicked_a_question_answered_a_choice_undone_and_the_play_saved(
-    look: Look, tmp_path: Path
-) -> None:
+def test_an_event_is_clicked_a_question_answered_a_choice_undone_and_the_play_saved(look: Look, tmp_path: Path) -> None:
     files = PlayFiles(PlaySource(TRACTOR), tmp_path / "p.journal", tmp_path / "test_p.py")
     session = PlaySession(load(TRACTOR), files)
     with served(session) as page:
@@ -75,6 +72,7 @@ def test_an_event_is_clicked_a_question_answered_a_choice_undone_and_the_play_sa
         assert lit(window) == ["assessing"]
         choose(window, "control agent")
         assert "Something blocks the alley" in window.inner_text("[data-question]")
+        assert_accessible(window)
         assert sorted(names(window)) == sorted({choice.name for choice in session.play.choices()})
         window.fill('[data-key="obstacle"] [data-field="obstacle.height_m"]', "0.1")
         choose(window, "answer 2 replan")
@@ -119,8 +117,12 @@ def large(states: int) -> Mission:
         for number in range(25):
             onward = f"s{group}_{number + 1}" if number < 24 else f"g{(group + 1) % (states // 25)}"
             inside[f"s{group}_{number}"] = {
-                "action": "work", "timeout_s": 60,
-                "transitions": [{"on": "succeeded", "to": onward}, {"on": ["failed", "timed_out"], "to": f"s{group}_0"}],
+                "action": "work",
+                "timeout_s": 60,
+                "transitions": [
+                    {"on": "succeeded", "to": onward},
+                    {"on": ["failed", "timed_out"], "to": f"s{group}_0"},
+                ],
             }
         groups[f"g{group}"] = {"initial": f"s{group}_0", "states": inside}
     facts = {f"fact_{number}": {"type": "number", "source": "robot", "max_age_s": 2, "optional": True}
@@ -139,7 +141,6 @@ def test_a_click_is_drawn_within_a_second_among_500_states(look: Look) -> None:
         for number in range(1, 6):
             longest = max(longest, float(window.evaluate(CLICKED, f"goal {number} succeeded")))
         assert lit(window) == ["g0", "s0_5"]
-        print(f"longest {longest:.0f} ms")
         assert longest / 1000 < WITHIN_S
 
 

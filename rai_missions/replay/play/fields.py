@@ -139,7 +139,9 @@ def read_text(field: Field, text: str) -> Any:
     except ValueError:
         if field.type == "json":
             return text
-        raise UsageError(f"'{field.name}' is of type {field.type}; '{clipped(text, 60)}' is not, {_example(field)}") from None
+        raise UsageError(
+            f"'{field.name}' is of type {field.type}; '{clipped(text, 60)}' is not, {_example(field)}"
+        ) from None
     return value
 
 

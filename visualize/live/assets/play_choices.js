@@ -26,14 +26,14 @@ class Choices {
     const asked = state.questions.map((each) => make("div", { "data-question": String(each.number) },
       make("p", { class: "text" }, make("b", {}, `${each.asked} is asked: `), each.text || "", make("small", {}, each.until === null ? "" : ` (${valueText(each.until - state.at)} s left)`)),
       make("table", { class: "board" }, make("tbody", {}, each.evidence.map((shown) => make("tr", { class: shown.fresh ? "fresh" : "stale" }, make("td", {}, make("code", {}, shown.key)), make("td", {}, shown.fresh ? valueText(shown.value) : "unknown")))))));
-    return [make("section", { class: "awaited", "data-group": "awaited" }, make("h3", {}, "The mission waits for"), asked, choices.map((each) => this.one(each)))];
+    return [make("section", { class: "awaited", "data-group": "awaited" }, make("h2", {}, "The mission waits for"), asked, choices.map((each) => this.one(each)))];
   }
 
   group(title, choices, state) {
     if (!choices.length) return [];
     const kind = choices[0].kind;
     const made = kind === "key" ? this.facts(choices, state) : make("div", { class: SHORT.includes(kind) ? "short" : "" }, choices.map((each) => this.one(each)));
-    return [make("section", { "data-group": kind }, make("h3", {}, title), made)];
+    return [make("section", { "data-group": kind }, make("h2", {}, title), made)];
   }
 
   folded(title, children) {
