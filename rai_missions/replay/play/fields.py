@@ -15,7 +15,7 @@ from rai_missions.guards.compare import Compare
 from rai_missions.image import Image
 from rai_missions.keys import Key, TypeName, is_number
 from rai_missions.mission.mission import Mission
-from rai_missions.redaction import clipped
+from rai_missions.redaction import cut
 
 __all__ = ("Field", "FieldType", "arguments_of", "assembled", "key_fields", "operands", "parameter_fields", "read_text")
 
@@ -140,7 +140,7 @@ def read_text(field: Field, text: str) -> Any:
         if field.type == "json":
             return text
         raise UsageError(
-            f"'{field.name}' is of type {field.type}; '{clipped(text, 60)}' is not, {_example(field)}"
+            f"'{field.name}' is of type {field.type}; '{cut(text, 60)}' is not, {_example(field)}"
         ) from None
     return value
 
