@@ -15,7 +15,7 @@ from rai_missions.states.effects import Effect
 from rai_missions.states.state import Transition
 from visualize.model import Choice, Twig
 
-__all__ = ("child_pointer", "choices", "controlled", "effects", "trigger", "twigs")
+__all__ = ("CONTROLLERS", "child_pointer", "choices", "controlled", "effects", "trigger", "twigs")
 
 
 def child_pointer(place: str, *steps: str) -> str:

@@ -145,7 +145,7 @@ def test_a_state_that_waits_for_control_states_it_and_the_way_out_is_a_button(lo
         window.wait_for_selector("[data-state=driving].active", state="attached")
         assert window.inner_text("#waits") == "" and window.is_hidden("[data-act=autonomy]")
         run.send("agent", "control")
-        reported = "driving waits until control is with autonomy; agent has it. The mission does not ask for it back"
+        reported = "driving waits until control is with the autonomy stack; the mission itself has it."
         until(window, f"document.querySelector('#waits').textContent.startsWith({json.dumps(reported)})")
         assert window.is_visible("[data-act=autonomy]") and window.is_hidden("[data-act=agent]")
         run.send("autonomy", "control")

@@ -16,7 +16,7 @@ from tests.visualize.runs import tractor
 
 SCREEN, PHONE = {"width": 1440, "height": 900}, {"width": 390, "height": 844}
 FACTS = {"answers": True}
-REACHED = """() => ["[data-act=e_stop]", ".question .left", ...[...document.querySelectorAll(".offer button")]
+REACHED = """() => ["[data-act=e_stop]", ".question .left", ...[...document.querySelectorAll(".offer > button")]
     .map((each) => `[data-option=${each.dataset.option}]`)].filter((each) => {
         const box = document.querySelector(each).getBoundingClientRect();
         const over = document.elementFromPoint(box.x + box.width / 2, box.y + box.height / 2);
@@ -84,26 +84,46 @@ def test_the_time_and_the_answers_of_a_question_stay_in_view(
     assert_accessible(window)
 
 
-def test_many_long_answers_and_two_lines_of_warning_still_fit_a_phone(look: Look) -> None:
+def test_many_long_answers_with_fields_stay_in_view_on_a_phone_and_are_given_by_keys(look: Look) -> None:
     pytest.importorskip("uvicorn", reason="no server: pip install '.[watch]'")
     mission = tractor().written()
     decision = mission["states"]["assessing"]["decision"]
     decision["question"] = "Something blocks the alley, and it is not known what it is. " * 6
-    for name in [*decision["options"], "wait_for_daylight", "call_the_neighbour"]:
+    more = ("wait_for_daylight", "call_the_neighbour", "look_again", "turn_around")
+    for name in [*decision["options"], *more]:
         decision["options"].setdefault(name, {})["about"] = f"what '{name}' does takes a long sentence to describe " * 4
-    for name in ("wait_for_daylight", "call_the_neighbour"):
-        mission["states"]["assessing"]["transitions"].append({"on": name, "to": "aborted"})
-    with Run(type(tractor()).model_validate(mission), Desk(), FACTS) as run:
+    schema = {"type": "object", "properties": {"alley": {"type": "integer"}}, "required": ["alley"]}
+    decision["options"]["replan"]["parameters"] = schema
+    mission["states"]["assessing"]["transitions"] += [{"on": name, "to": "aborted"} for name in more]
+    desk = Desk()
+    with Run(type(tractor()).model_validate(mission), desk, FACTS) as run:
         run.write("battery", 0.8)
         run.start()
         window = look(run.page, viewport=PHONE)
         ask(run)
         window.wait_for_selector(".question.mine")
-        assert window.locator(".offer button").count() == 6
+        assert window.locator(".offer > button").count() == 8
         assert window.evaluate(REACHED) == []
         assert window.evaluate("document.documentElement.scrollWidth") <= PHONE["width"]
+        until(window, "document.querySelector('[data-option=replan]').getAttribute('aria-disabled') === 'false'")
+        window.focus("[data-option=replan]")
+        window.keyboard.press("Enter")
+        assert window.evaluate("document.activeElement.name") == "alley", "its fields open, and the keyboard is in them"
+        window.keyboard.press("Enter")
+        assert "'alley' is needed" in window.inner_text("#notice")
+        assert_accessible(window)
+        window.keyboard.type("4")
+        window.keyboard.press("Enter")
+        until(window, "document.querySelector('#notice').textContent.includes('done')")
+        assert [json.loads(text)["parameters"] for text in desk.orders] == [{"alley": 4}]
+        run.send("pause", "command", after_s=0.1, by="operator " + "with a long name " * 6)
+        window.keyboard.press("Escape")
+        window.focus("[data-option=replan]")
+        window.keyboard.press("Enter")
+        window.wait_for_selector("#state[data-state=paused]")
+        assert window.evaluate(REACHED) == []
         window.click(".meanings summary")
-        assert "daylight' does takes" in window.inner_text(".meanings")
+        assert "'turn_around' does takes" in window.inner_text(".meanings")
 
 
 def test_follow_is_on_and_keeps_what_is_active_in_view_until_the_chart_is_moved(asked: Run, look: Look) -> None:
@@ -207,6 +227,14 @@ def test_every_part_of_the_page_is_reached_by_keys(asked: Run, look: Look) -> No
         reached.add(window.evaluate(AT))
     wanted = {"who", "pause", "cancel", "take", "e_stop", "follow", "fit", "help", "chart", "legend", "tab-now"}
     assert wanted <= reached
+    asked.send("operator", "control", after_s=0.1, by="operator")
+    window.wait_for_selector("[data-act=autonomy]")
+    assert window.inner_text("#control") == "operator" and window.inner_text("[data-act=agent]") == "give to mission"
+    assert window.evaluate("document.querySelector('#bar').getBoundingClientRect().height") < 56
+    assert (
+        window.evaluate("(({ scrollWidth, clientWidth }) => scrollWidth - clientWidth)(document.querySelector('#bar'))")
+        == 0
+    )
     window.focus("#tab-now")
     window.keyboard.press("ArrowRight")
     assert window.is_visible("#journal") and window.evaluate("document.activeElement.id") == "tab-journal"

@@ -30,6 +30,7 @@ from visualize.live.images import ImageStream
 from visualize.page.as_json import Json
 from visualize.page.chart_data import chart_data
 from visualize.page.html import asset, bundle
+from visualize.text import CONTROLLERS
 
 __all__ = ("CommandSink", "ReplyCallback", "application")
 
@@ -110,7 +111,12 @@ class Pages:
 
     def __init__(self, mission: Mission, hub: Hub, desk: CommandSink | None, about: Json) -> None:
         self._hub, self._desk = hub, desk
-        self._mission = {"chart": chart_data(picture(mission), mission), "acts": desk is not None, **about}
+        self._mission = {
+            "chart": chart_data(picture(mission), mission),
+            "acts": desk is not None,
+            "holders": dict(CONTROLLERS),
+            **about,
+        }
         self._cameras: OrderedDict[tuple[str, int], ImageStream] = OrderedDict()
         self._orders, self._stops = Allowance(0.2, 20), Allowance(0.5, 10)
 

@@ -15,6 +15,7 @@ from rai_missions.engine.description import step_json
 from rai_missions.engine.step import Step
 from rai_missions.image import Image
 from rai_missions.plain_data import plain
+from rai_missions.states import answerer_words
 from visualize.page.as_json import Json, without_empty
 
 __all__ = ("LONGEST", "bounded", "line", "question_data")
@@ -46,6 +47,8 @@ def line(step: Step) -> Json | None:
         return None
     found = step_json(step, without=("guards",))
     found["event"]["data"].pop("request", None)
+    if step.event.kind == "proposal":
+        found["event"]["who"] = answerer_words(step.event.name)
     texts = {name: [bounded(each) for each in found[name]] for name in ("effects", "verdicts", "notes")}
     short = {"event": bounded(found["event"], -1), "why": bounded(found["why"]), **texts}
     return without_empty(found | short) | {"seq": step.seq, "at": round(step.at, 3)}
@@ -63,7 +66,8 @@ def question_data(question: Question) -> Json:
         for offer in question.options
     ]
     return {
-        "number": question.number, "state": question.state, "asked": question.asked, "text": bounded(question.text),
+        "number": question.number, "state": question.state, "asked": question.asked,
+        "who": answerer_words(question.asked), "text": bounded(question.text),
         "attempt": question.attempt, "options": options, "evidence": evidence,
         "refused": [bounded(why) for why in question.refused], "at": question.at,
         "until": question.until if math.isfinite(question.until) else None,

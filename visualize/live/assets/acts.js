@@ -17,8 +17,8 @@ class Acts {
       resume: button("resume", "resume", "continue the mission", () => this.order({ command: "resume" })),
       cancel: button("cancel", "cancel", "leave everything in good order and end the mission", () => this.sure("cancel", "really cancel?", { command: "cancel" })),
       take: button("take", "take control", "commands of all others are refused until you give it back", () => this.order({ command: "control", to: "operator" })),
-      autonomy: button("autonomy", "control to autonomy", "give control back to the autonomy stack", () => this.order({ command: "control", to: "autonomy" })),
-      agent: button("agent", "control to agent", "give control back to the mission's agent", () => this.order({ command: "control", to: "agent" })),
+      autonomy: button("autonomy", "give to autonomy", "give control to the autonomy stack", () => this.order({ command: "control", to: "autonomy" })),
+      agent: button("agent", "give to mission", "give control to the mission itself", () => this.order({ command: "control", to: "agent" })),
       stop: button("e_stop", "E-STOP", "e-stop: everything stops now, before it is even written down", () => this.order({ command: "e_stop" })),
     };
     const { stop: last, ...others } = this.buttons;
@@ -68,7 +68,7 @@ class Acts {
 
   async order(order) {
     const name = this.who.value.trim();
-    const what = order.option ? `answer '${order.option}'` : order.command.replace("_", "-") + (order.to ? ` to ${order.to}` : "");
+    const what = order.option ? `answer '${order.option}'` : order.command.replace("_", "-") + (order.to ? ` to ${holderWords(order.to)}` : "");
     this.listener.notify(`${what}: sent …`, "sent");
     const late = () => this.listener.notify(`${what}: NO ANSWER – it may or may not have arrived; use the robot's own stop`, "alarm");
     const given = { ...order, by: name ? `operator ${name} (page)` : "operator (page)" };

@@ -31,7 +31,8 @@ class Live {
   }
 
   build() {
-    const { chart, acts } = this.data;
+    const { chart, acts, holders } = this.data;
+    Object.assign(HOLDERS, holders);
     this.chart = new Chart(byId("chart"), chart, { select: (kind, name, more) => this.select(kind, name, more) });
     this.chart.svg.addEventListener("click", () => this.select("", ""));
     const go = (kind, name) => this.go(kind, name);
@@ -163,8 +164,9 @@ class Live {
     this.lineWord();
     byId("mode").textContent = cut ? "cut short" : away && UNFINISHED.includes(mode) ? `${mode}?` : mode;
     byId("mode").dataset.mode = cut ? "cut" : mode;
-    byId("control").textContent = control;
+    byId("control").textContent = holderWords(control).replace(/^the /, "");
     byId("control").dataset.control = control;
+    byId("control-here").textContent = `control is with ${holderWords(control)}`;
     this.strip.show(this.state);
     const moving = (loose || []).map(({ number, action, reason }) => `goal ${number} of '${action}' (${LOOSE[reason] || reason})`);
     const warnings = [...(moving.length ? [`the robot may still move: ${moving.join(", ")}`] : []), ...faults];
@@ -196,10 +198,10 @@ class Live {
   }
 
   waits(waiting) {
-    const words = waiting.map(([name, wanted]) => `${name} waits until control is with ${wanted}`).join(", ");
+    const words = waiting.map(([name, wanted]) => `${name} waits until control is with ${holderWords(wanted)}`).join(", ");
     const { held_by: by, held_since: since, control } = this.state;
     const held = by && !this.isOver ? `held by ${by} since ${Number(since || 0).toFixed(1)} s, until the operator gives control back with the buttons above` : "";
-    const text = held ? `${held}${words ? `: ${words}` : ""}.` : words ? `${words}; ${control} has it. The mission does not ask for it back: give it with the buttons above.` : "";
+    const text = held ? `${held}${words ? `: ${words}` : ""}.` : words ? `${words}; ${holderWords(control)} has it. The mission does not ask for it back: give it with the buttons above.` : "";
     if (text === this.waitText) return;
     this.waitText = text;
     clearTimeout(this.waitTimer);
@@ -236,8 +238,8 @@ class Live {
     this.asked.set(question.number, made);
     byId("asked").append(made.element);
     byId("evidence").append(made.evidence.element);
-    const { number, text, options, asked } = question, answers = options.map((option) => option.name).join(", ");
-    const words = made.mine ? `You are asked: ${text} Answers: ${answers}. Press q to answer.` : `${asked} is asked: ${text}`;
+    const { number, text, options, who } = question, answers = options.map((option) => option.name).join(", ");
+    const words = made.mine ? `You are asked: ${text} Answers: ${answers}. Press q to answer.` : `${capital(who)} is asked: ${text}`;
     this.announcer.once(`asked ${number}`, words, { urgent: made.mine });
   }
 

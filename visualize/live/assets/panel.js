@@ -118,12 +118,23 @@ class Tail {
   }
 }
 
+const HOLDERS = {};
+
+/** Who holds control, for a reader: the format's `agent` is the mission itself there. */
+function holderWords(name) {
+  return Object.hasOwn(HOLDERS, name) ? HOLDERS[name] : name;
+}
+
+function capital(words) {
+  return words.charAt(0).toUpperCase() + words.slice(1);
+}
+
 /** What a step was about, and who did it. */
-function happened({ kind, name, number, data = {} }) {
+function happened({ kind, name, number, who, data = {} }) {
   const by = data.by ? ` by ${valueText(data.by)}` : "";
   if (kind === "command") return name === "start" ? "start" : `${name === "kill" ? "e-stop" : name}${by}`;
-  if (kind === "proposal") return `${data.by && data.by !== name ? valueText(data.by) : name} answers question ${number}${data.option ? `: ${valueText(data.option)}` : data.absent ? " not: absent" : ""}`;
-  if (kind === "control") return `control to ${name}${by}`;
+  if (kind === "proposal") return `${data.by && data.by !== name ? valueText(data.by) : who || name} answers question ${number}${data.option ? `: ${valueText(data.option)}` : data.absent ? " not: absent" : ""}`;
+  if (kind === "control") return `control to ${holderWords(name)}${by}`;
   if (kind === "accepted" || kind === "result" || kind === "feedback") return `${name} (number ${number})`;
   if (kind === "tick") return "time";
   return name;

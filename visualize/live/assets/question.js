@@ -16,8 +16,8 @@ class Asked {
     this.bar = make("progress", { max: "1", value: "1", "aria-label": "time left" });
     this.buttons = [];
     this.element = make("section", { class: `question${mine ? " mine" : ""}`, "data-question": String(question.number), "aria-labelledby": title, tabindex: "-1" },
-      make("p", { class: "head" }, this.left, make("span", {}, make("b", {}, mine ? "You are asked" : `${question.asked} is asked`),
-        make("small", {}, ` question ${question.number}${question.attempt > 1 ? `, attempt ${question.attempt}` : ""}, `, this.state()))),
+      make("p", { class: "head" }, this.left, make("span", {}, make("b", {}, mine ? "You are asked" : `${capital(question.who)} is asked`),
+        make("small", {}, make("span", { class: "which" }, ` question ${question.number}${question.attempt > 1 ? `, attempt ${question.attempt}` : ""},`), " ", this.state()))),
       this.bar, make("h2", { class: "text", id: title, tabindex: "0" }, question.text || `question ${question.number}`), this.offers);
     this.offerAll();
   }
@@ -48,19 +48,26 @@ class Asked {
   /** Moves the keyboard to the first answer that can be given. */
   focus() {
     const first = this.buttons.find(({ button }) => !isOff(button)) || this.buttons[0];
-    (first ? first.button.form?.querySelector("input, select") || first.button : this.element).focus();
+    (first ? first.button : this.element).focus();
   }
 
   offer(option) {
     const fields = fieldsOf(option.parameters), named = `why-${this.question.number}-${option.name}`;
-    const button = make("button", { type: fields.length ? "submit" : "button", "data-option": option.name, "aria-describedby": named, title: option.about || null }, make("b", {}, option.name), option.about ? make("span", { class: "about" }, option.about) : "");
-    const reason = make("div", { class: "reason", id: named });
+    const button = make("button", { type: "button", "data-option": option.name, "aria-describedby": named, title: option.about || null },
+      make("b", {}, option.name, fields.length ? " …" : ""), option.about ? make("span", { class: "about" }, option.about) : "");
+    const reason = make("div", { class: "reason", id: named }), offer = make("div", { class: "offer" }, button, reason);
     this.buttons.push({ button, reason, name: option.name });
     const answer = (parameters) => { if (!isOff(button)) this.listener.answer(this.question, option.name, parameters); };
     if (!fields.length) {
       button.addEventListener("click", () => answer({}));
-      return make("div", { class: "offer" }, button, reason);
+      return offer;
     }
+    offer.append(this.form(option, fields, button, answer));
+    return offer;
+  }
+
+  /** The fields that an answer needs; they are there once the answer is pressed, so that all answers stay in view. */
+  form(option, fields, button, answer) {
     const send = (event) => {
       event.preventDefault();
       const parameters = {};
@@ -72,7 +79,15 @@ class Asked {
       }
       answer(parameters);
     };
-    return make("form", { class: "offer", on: { submit: send } }, fields.map((field) => field.element), button, reason);
+    const form = make("form", { hidden: true, on: { submit: send } }, fields.map((field) => field.element), make("button", { type: "submit", "data-send": option.name }, "answer ", make("b", {}, option.name)));
+    button.setAttribute("aria-expanded", "false");
+    button.addEventListener("click", () => {
+      form.hidden = !form.hidden;
+      button.setAttribute("aria-expanded", String(!form.hidden));
+      button.parentElement.classList.toggle("wide", !form.hidden);
+      if (!form.hidden) form.querySelector("input, select").focus();
+    });
+    return form;
   }
 
   /** The time left; `now` is the run's, and does not advance while it is paused. */

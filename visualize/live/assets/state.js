@@ -27,6 +27,8 @@ class StateStrip {
     this.host.hidden = !found;
     this.host.dataset.state = this.state;
     this.host.replaceChildren(...(found ? [make("span", { "aria-hidden": "true" }, found.sign), make("b", {}, found.title), make("span", { class: "why" }, found.words), this.button(found)] : []));
+    if (this.host.scrollHeight > this.host.clientHeight) this.host.tabIndex = 0; // so that it is scrolled by keys
+    else this.host.removeAttribute("tabindex");
     if (found) this.announcer.once(`state ${text}`, text, { urgent: found.state !== "canceling" });
     else if (before === "paused") this.announcer.once(`resumed ${++this.count}`, "The mission continues.");
   }
