@@ -14,7 +14,7 @@ from pydantic import BeforeValidator, Field, model_validator
 
 from rai_missions.image import Image
 from rai_missions.model import Bool, Json, MissionModel, Name, Seconds, Text, Value, fault
-from rai_missions.redaction import clipped
+from rai_missions.redaction import clipped, shown
 
 __all__ = ("Blackboard", "Key", "Source", "Stamped", "TypeName", "is_number", "stale_at", "type_error")
 
@@ -29,8 +29,18 @@ PYTHON_TYPES: Mapping[Any, str] = {
 PythonType: TypeAlias = type[str] | type[float] | type[bool] | type[dict[str, Any]] | type[list[Any]] | type[Image]
 """The types of Python that mean a type of the format."""
 
+MEANT = {
+    "float": "number", "double": "number", "float32": "number", "float64": "number", "real": "number",
+    "int": "integer", "int32": "integer", "int64": "integer", "uint8": "integer", "long": "integer",
+    "bool": "boolean", "flag": "boolean", "str": "string", "text": "string", "dict": "object", "map": "object",
+    "struct": "object", "array": "list", "tuple": "list", "picture": "image", "camera": "image", "point": "pose",
+}  # fmt: skip
+"""Types of other languages → ours."""
+
 
 def _type_name(given: Any) -> Any:
+    if isinstance(given, str) and (meant := MEANT.get(given.lower())):
+        raise fault("type", f'no type {shown(given, by=clipped)}; did you mean \'{meant}\', as in "type": "{meant}"?')
     return PYTHON_TYPES.get(given, given) if isinstance(given, type) else given
 
 

@@ -47,6 +47,7 @@ from rai_missions.kinds import (
     inside,
     offered,
 )
+from rai_missions.redaction import shown
 from rai_missions.validation_errors import faults_of
 
 __all__ = (
@@ -228,6 +229,10 @@ class MissionModel(Model):
 
     model_config = ConfigDict(frozen=True, extra="forbid", defer_build=True)
 
+    meant: ClassVar[Mapping[str, str]] = {}
+    """Words that authors write, which the format does not have → the word that it has instead."""
+    example: ClassVar[str] = ""
+    """How it is written; `%s` is the word in question."""
     positional: ClassVar[tuple[str, ...]] = ()
     """The words that Python authors may give by position, in this order: those that a declared constructor has so."""
 
@@ -444,11 +449,16 @@ class TaggedModel(MissionModel):
         if given:
             raise fault("kinds", f"a {cls.family} is one thing, this is {len(given)}: {', '.join(given)}; keep one")
         unknown = next((str(word) for word in data), "")
-        raise fault(
-            "kind",
-            f"no {cls.family} is written {sorted(map(str, data))}"
-            + (suggestion(unknown, cls.kinds) if unknown else f"; there is: {known}"),
-        )
+        if meant := next((cls.meant[word] for word in map(str, data) if word in cls.meant), ""):
+            raise fault("kind", f"no {cls.family} is written {sorted(map(str, data))}; did you mean '{meant}'?")
+        near = suggestion(unknown, cls.kinds) if unknown else f"; there is: {known}"
+        like = "" if near.endswith("?") else cls.remedy(data)
+        raise fault("kind", f"no {cls.family} is written {sorted(map(str, data))}{near}{like}")
+
+    @classmethod
+    def remedy(cls, data: Any) -> str:
+        """What to write instead of a value that is no object, for the end of a sentence; empty where it is unknown."""
+        return ""
 
     @classmethod
     def read(cls, data: Any) -> Any:
@@ -456,7 +466,7 @@ class TaggedModel(MissionModel):
         if isinstance(data, cls):
             return data
         if not isinstance(data, Mapping):
-            raise fault("object", f"a {cls.family} is an object, not {data!r}")
+            raise fault("object", f"a {cls.family} is an object, not {shown(data)}{cls.remedy(data)}")
         kind = cls.kind(cls.choose(data))
         assert kind is not None
         return kind.model_validate(data)

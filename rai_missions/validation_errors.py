@@ -15,7 +15,7 @@ from pydantic import BaseModel, ValidationError
 from rai_missions.errors import Fault, pointer, suggestion
 from rai_missions.redaction import shown
 
-__all__ = ("faults_of",)
+__all__ = ("faults_of", "place_of")
 
 MOST = 1000
 """How many faults are listed one by one; anyone who has more reads no further."""
@@ -47,6 +47,11 @@ def faults_of(error: ValidationError, model: type[Any], data: Any) -> Iterator[F
         yield Fault(place, _sentence(item, on_name, _model_at(model, data, steps)))
     if len(found) > MOST:
         yield Fault("", f"and {len(found) - MOST} more faults; mend these first")
+
+
+def place_of(loc: tuple[str | int, ...], data: Any) -> list[str | int]:
+    """The steps of a fault's location that are places in the document; `loc` is as pydantic has it."""
+    return _steps(loc, data)[0]
 
 
 def _steps(loc: tuple[str | int, ...], data: Any) -> tuple[list[str | int], bool, bool]:
@@ -125,7 +130,13 @@ def _sentence(item: Any, on_name: bool, model: type[Any] | None) -> str:
         return f"'{item['loc'][-1]}' is missing; {_thing(model)} needs it"
     if kind == "extra_forbidden":
         word = str(item["loc"][-1])
-        return f"{_thing(model)} has no {shown(word)}{suggestion(word, _words(model))}"
+        if meant := getattr(model, "meant", {}).get(word):
+            example = getattr(model, "example", "")
+            like = f", as in {example % meant}" if example else ""
+            return f"{_thing(model)} has no {shown(word)}; did you mean '{meant}'{like}?"
+        near, example = suggestion(word, _words(model)), getattr(model, "example", "")
+        like = f"; write it like {example % '<'}" if example and not near.endswith("?") else ""
+        return f"{_thing(model)} has no {shown(word)}{near}{like}"
     if kind == "string_pattern_mismatch":
         return _misnamed(str(given), ctx.get("pattern", ""))
     if kind == "literal_error":

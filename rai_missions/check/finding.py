@@ -7,7 +7,6 @@ from collections.abc import Callable, Iterable, Mapping
 from typing import Any, Literal, NamedTuple
 
 from rai_missions.errors import Fault, unescaped
-from rai_missions.mission.mission import Mission
 from rai_missions.model import MissionModel
 
 __all__ = ("Finding", "Severity", "document_order", "exit_status", "faults_of")
@@ -50,8 +49,12 @@ def faults_of(findings: Iterable[Finding]) -> list[Fault]:
     return [each.fault for each in findings if each.severity == "error"]
 
 
-def document_order(mission: Mission) -> Callable[[str], tuple[int, ...]]:
-    """A key to sort places by: the positions of a pointer's words, each among its neighbours."""
+def document_order(mission: Any) -> Callable[[str], tuple[int, ...]]:
+    """A key to sort places by: the positions of a pointer's words, each among its neighbours.
+
+    Args:
+        mission: A mission, or its JSON document.
+    """
     positions: dict[int, tuple[Any, dict[str, tuple[int, Any]]]] = {}
 
     def inside(value: Any) -> dict[str, tuple[int, Any]]:

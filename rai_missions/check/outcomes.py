@@ -3,16 +3,22 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Iterator, Sequence
 
 from rai_missions.check.index import MissionIndex, StateRef, TransitionRef
 from rai_missions.check.pointers import pointer
-from rai_missions.check.reported_outcomes import reported
-from rai_missions.states import Parallel
+from rai_missions.check.reported_outcomes import ENDS, OutcomeReports, reported
+from rai_missions.states import Compound, Final, History, Parallel
 from rai_missions.states.state import ANY_EVENT, OUTCOMES
 
-__all__ = ("deaf_transitions", "handled", "together", "unhandled_options", "unhandled_success", "unused_wildcards")
+__all__ = (
+    "deaf_transitions", "handled", "together", "unhandled_failures", "unhandled_options", "unhandled_success",
+    "unused_wildcards",
+)  # fmt: skip
 
+FAILURES = ("failed", "timed_out", "rejected")
+"""The outcomes that any action may have; where they are not handled they end the mission."""
 Found = Iterator[tuple[str, str]]
 
 
@@ -54,6 +60,34 @@ def unhandled_success(survey: MissionIndex) -> Found:
             )
 
 
+def unhandled_failures(survey: MissionIndex) -> Found:
+    """The `failed`, `timed_out` and `rejected` of an activity is handled by its state or one around it.
+
+    A handover of control that is not acknowledged is `rejected` as well, but is left out: another holder has the robot
+    then, and that the mission ends is what is expected.
+    """
+    transitions = handled(survey)
+    of_mission = {word for source, word in transitions if not source}
+    for spot in survey.spots:
+        around = {word for here in spot.upward() for source, word in _words_of(here) if source in ("", here.name)}
+        named = {word for source, word in transitions if source == spot.name}
+        caught = around | named | of_mission
+        own = spot.state.outcomes() if spot.state.activity() else frozenset()
+        if words := [word for word in FAILURES if word in own and word not in caught]:
+            remedy = f'{{"on": {json.dumps(words[0] if len(words) == 1 else words)}, "to": …}}'
+            yield (
+                spot.place,
+                f"{_joined(words)} of '{spot.name}' would end the mission as failed, for nothing handles "
+                f"{'it' if len(words) == 1 else 'them'}; add a transition {remedy} to it, or to a state around it",
+            )
+
+
+def _words_of(spot: StateRef) -> Iterator[tuple[str, str]]:
+    """What the transitions of a state wait for, each with the state whose outcome is meant."""
+    for transition in spot.transitions:
+        yield from ((transition.definition.of or "", word) for word in transition.definition.on)
+
+
 def _is_region(spot: StateRef) -> bool:
     """What its end means is its parallel's affair."""
     return spot.parent is not None and isinstance(spot.parent.state, Parallel) and bool(spot.children)
@@ -82,20 +116,38 @@ def deaf_transitions(survey: MissionIndex) -> Found:
                 word for word in words if word != "timed_out"
             ]  # without a timeout: reported, and the transition is right
         if vain := [word for word in words if word not in possible]:
-            yield f"{transition.place}/on", _vain(transition, source, vain, possible)
+            yield f"{transition.place}/on", _vain(transition, source, vain, ends)
 
 
-def _vain(transition: TransitionRef, source: StateRef | None, vain: Sequence[str], possible: frozenset[str]) -> str:
+def _vain(transition: TransitionRef, source: StateRef | None, vain: Sequence[str], ends: OutcomeReports) -> str:
     whose = source or transition.owner
+    possible = ends.by(source) if source is not None else ends.possible_at(transition.owner)
     who = f"'{whose.name}'" if whose is not None else "no state of the mission"
     verb = "never reports" if whose is not None else "reports"
     can = ", ".join(word for word in OUTCOMES if word in possible)
     hint = f"it can report: {can}" if can else "it reports nothing"
+    if "succeeded" in vain and (endless := _endless(whose, ends)):
+        which = f"{_joined(endless)} {'has' if len(endless) == 1 else 'have'} no final, so it never ends"
+        hint = f'{which}; add one there, such as {{"done": {{"final": "succeeded"}}}}'
     if "unverified" in vain and whose is not None and "achieved" in type(whose.state).model_fields:
         hint += "; 'unverified' needs an 'achieved'"
     if "timed_out" in vain and whose is not None:
         hint += "; 'timed_out' needs a 'timeout_s'"
     return f"{who} {verb} {' or '.join(repr(word) for word in vain)}; {hint}"
+
+
+def _endless(spot: StateRef | None, ends: OutcomeReports) -> list[str]:
+    """What has no final and so keeps a state from its end: regions of a parallel, or a compound state itself."""
+    if spot is None or ends.by(spot) & ENDS or not isinstance(spot.state, Parallel | Compound):
+        return []
+    parts = spot.children if isinstance(spot.state, Parallel) else [spot]
+    return [each.name for each in parts if not isinstance(each.state, Final | History) and not ends.by(each) & ENDS]
+
+
+def _joined(names: Sequence[str]) -> str:
+    """`'a', 'b' and 'c'`."""
+    *most, last = (f"'{name}'" for name in names)
+    return f"{', '.join(most)} and {last}" if most else last
 
 
 def together(one: StateRef | None, other: StateRef) -> bool:

@@ -8,7 +8,7 @@ from collections.abc import Iterable
 from rai_missions.check.index import MissionIndex, StateRef
 from rai_missions.states import Compound, Each, Final, History, Include, Parallel
 
-__all__ = ("OutcomeReports", "reported")
+__all__ = ("ENDS", "OutcomeReports", "reported")
 
 ENDS = frozenset({"succeeded", "failed", "aborted", "canceled", "unverified"})
 """What finals can report."""

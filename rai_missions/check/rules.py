@@ -7,8 +7,8 @@ Rule: a rule is a small function over a `MissionIndex`; it knows neither its sev
 from __future__ import annotations
 
 import inspect
-from collections.abc import Callable, Collection, Iterable
-from typing import NamedTuple
+from collections.abc import Callable, Collection, Iterable, Mapping
+from typing import Any, Literal, NamedTuple
 
 from rai_missions.check import bounds, cycles, keys, loops, names, outcomes, surprises, types
 from rai_missions.check import grounding as facts
@@ -18,9 +18,11 @@ from rai_missions.check import staleness as stale
 from rai_missions.check import structure as shape
 from rai_missions.check.finding import Finding, Severity, document_order
 from rai_missions.check.index import MissionIndex
+from rai_missions.errors import unescaped
+from rai_missions.mission.legible import LegiblePart, words_in
 from rai_missions.mission.mission import Mission
 
-__all__ = ("RULES", "CheckRule", "check")
+__all__ = ("RULES", "CheckRule", "check", "check_part")
 
 
 class CheckRule(NamedTuple):
@@ -30,6 +32,8 @@ class CheckRule(NamedTuple):
     severity: Severity
     find: Callable[[MissionIndex], Iterable[tuple[str, str]]]
     """Place and sentence of each breach."""
+    scope: Literal["place", "state", "mission"] = "mission"
+    """What must be readable for it: what is written at a place, the state or key around that, or the mission whole."""
 
     @property
     def summary(self) -> str:
@@ -38,51 +42,52 @@ class CheckRule(NamedTuple):
 
 
 RULES: tuple[CheckRule, ...] = (
-    CheckRule("duplicate-state", "error", names.duplicate_states),
-    CheckRule("unknown-state", "error", names.unknown_states),
-    CheckRule("unknown-event", "error", names.unknown_events),
-    CheckRule("unknown-id", "error", names.unknown_ids),
-    CheckRule("unknown-predicate", "error", names.unknown_predicates),
-    CheckRule("colliding-name", "error", names.colliding_names),
-    CheckRule("unknown-key", "error", keys.unknown_keys),
-    CheckRule("unknown-payload", "error", keys.unknown_payload),
-    CheckRule("forbidden-write", "error", keys.forbidden_writes),
+    CheckRule("duplicate-state", "error", names.duplicate_states, "place"),
+    CheckRule("unknown-state", "error", names.unknown_states, "place"),
+    CheckRule("unknown-event", "error", names.unknown_events, "place"),
+    CheckRule("unknown-id", "error", names.unknown_ids, "place"),
+    CheckRule("unknown-predicate", "error", names.unknown_predicates, "place"),
+    CheckRule("colliding-name", "error", names.colliding_names, "place"),
+    CheckRule("unknown-key", "error", keys.unknown_keys, "place"),
+    CheckRule("unknown-payload", "error", keys.unknown_payload, "place"),
+    CheckRule("forbidden-write", "error", keys.forbidden_writes, "place"),
     CheckRule("unwritten-key", "error", keys.unwritten_keys),
-    CheckRule("mismatched-comparison", "error", types.mismatched_comparisons),
-    CheckRule("mismatched-pose", "error", types.mismatched_poses),
-    CheckRule("mismatched-list", "error", types.mismatched_lists),
-    CheckRule("mismatched-write", "error", types.mismatched_writes),
-    CheckRule("initial-outside", "error", shape.initial_outside),
-    CheckRule("history-default", "error", shape.history_defaults),
-    CheckRule("target-list", "error", shape.target_lists),
-    CheckRule("misplaced-state", "error", shape.misplaced_states),
-    CheckRule("misused-internal", "error", shape.misused_internal),
-    CheckRule("inactive-state", "error", shape.words_in_vain),
-    CheckRule("unreachable-state", "error", reach.unreachable_states),
+    CheckRule("mismatched-comparison", "error", types.mismatched_comparisons, "place"),
+    CheckRule("mismatched-pose", "error", types.mismatched_poses, "place"),
+    CheckRule("mismatched-list", "error", types.mismatched_lists, "place"),
+    CheckRule("mismatched-write", "error", types.mismatched_writes, "place"),
+    CheckRule("initial-outside", "error", shape.initial_outside, "place"),
+    CheckRule("history-default", "error", shape.history_defaults, "place"),
+    CheckRule("target-list", "error", shape.target_lists, "place"),
+    CheckRule("misplaced-state", "error", shape.misplaced_states, "state"),
+    CheckRule("misused-internal", "error", shape.misused_internal, "place"),
+    CheckRule("inactive-state", "error", shape.words_in_vain, "place"),
+    CheckRule("unreachable-state", "error", reach.unreachable_states, "place"),
     CheckRule("dead-end", "error", reach.dead_ends),
     CheckRule("waiting-room", "error", reach.waiting_rooms),
-    CheckRule("unhandled-option", "error", outcomes.unhandled_options),
-    CheckRule("unhandled-success", "error", outcomes.unhandled_success),
-    CheckRule("overlapping-transition", "error", shadowed.overlapping_transitions),
-    CheckRule("impossible-guard", "error", shadowed.impossible_guards),
-    CheckRule("unwatched-held", "error", shadowed.unwatched_holds),
+    CheckRule("unhandled-option", "error", outcomes.unhandled_options, "state"),
+    CheckRule("unhandled-success", "error", outcomes.unhandled_success, "state"),
+    CheckRule("overlapping-transition", "error", shadowed.overlapping_transitions, "state"),
+    CheckRule("impossible-guard", "error", shadowed.impossible_guards, "place"),
+    CheckRule("unwatched-held", "error", shadowed.unwatched_holds, "place"),
     CheckRule("endless-cycle", "error", cycles.endless_cycles),
     CheckRule("waitless-loop", "error", loops.waitless_loops),
-    CheckRule("long-loop", "error", loops.long_loops),
-    CheckRule("missing-requires", "error", facts.missing_requires),
+    CheckRule("long-loop", "error", loops.long_loops, "place"),
+    CheckRule("missing-requires", "error", facts.missing_requires, "state"),
     CheckRule("unfounded-success", "error", facts.unfounded_success),
-    CheckRule("unbounded-action", "error", bounds.unbounded_actions),
-    CheckRule("unbounded-decision", "error", bounds.unbounded_decisions),
-    CheckRule("wrong-parameters", "error", bounds.wrong_parameters),
+    CheckRule("unbounded-action", "error", bounds.unbounded_actions, "state"),
+    CheckRule("unbounded-decision", "error", bounds.unbounded_decisions, "state"),
+    CheckRule("wrong-parameters", "error", bounds.wrong_parameters, "place"),
     CheckRule("blind-transition", "warning", stale.blind_transitions),
     CheckRule("possible-cycle", "warning", cycles.possible_cycles),
     CheckRule("deaf-transition", "warning", outcomes.deaf_transitions),
+    CheckRule("unhandled-failure", "warning", outcomes.unhandled_failures),
     CheckRule("empty-wildcard", "warning", outcomes.unused_wildcards),
     CheckRule("crossing-transition", "warning", shape.crossing_transitions),
     CheckRule("lost-timer", "warning", surprises.lost_timers),
     CheckRule("rival-action", "warning", surprises.rival_actions),
     CheckRule("unbounded-call", "warning", bounds.unbounded_calls),
-    CheckRule("misspelled-answerer", "warning", bounds.misspelled_answerers),
+    CheckRule("misspelled-answerer", "warning", bounds.misspelled_answerers, "place"),
     CheckRule("unused-key", "warning", keys.unused_keys),
     CheckRule("unused-event", "warning", keys.unused_events),
 )
@@ -101,3 +106,44 @@ def check(mission: Mission, *, named: Collection[str] | None = None) -> tuple[Fi
         Finding(place, sentence, rule.severity, rule.name) for rule in RULES for place, sentence in rule.find(survey)
     ]
     return tuple(sorted(dict.fromkeys(found), key=lambda finding: order(finding.place)))
+
+
+def check_part(
+    part: LegiblePart, document: Mapping[str, Any], *, named: Collection[str] | None = None
+) -> tuple[Finding, ...]:
+    """What is wrong in the legible part of a mission, whatever the rest of it turns out to be.
+
+    Args:
+        part: What could be read.
+        document: The JSON document of the whole.
+        named: As in `check`.
+    """
+    scopes = {rule.name: rule.scope for rule in RULES}
+    found = (each for each in check(part.mission, named=named) if scopes[each.rule] != "mission")
+    return tuple(each for each in found if _holds_anyway(each, scopes[each.rule], part, document))
+
+
+def _holds_anyway(finding: Finding, scope: str, part: LegiblePart, document: Mapping[str, Any]) -> bool:
+    """Whether it would be found as well if the rest could be read."""
+    if part.hides(finding.place) or (scope == "state" and part.touches(finding.place)):
+        return False
+    known = {
+        "unknown-state": part.has_states,
+        "unreachable-state": part.has_targets,
+        "unknown-event": part.has_words_of(finding.place),
+    }
+    if not known.get(finding.rule, True):
+        return False
+    here: Any = document
+    around: Any = document
+    for word in finding.place.split("/")[1:]:
+        around = here
+        here = here.get(unescaped(word)) if isinstance(here, Mapping) else _item(here, word)
+        if here is None:
+            return False
+    name = here if finding.rule.startswith("unknown-") else around if isinstance(around, Mapping) else here
+    return not any(part.mentions(each) for each in words_in(name))
+
+
+def _item(listed: Any, word: str) -> Any:
+    return listed[int(word)] if isinstance(listed, list) and word.isdigit() and int(word) < len(listed) else None

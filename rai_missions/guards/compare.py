@@ -10,6 +10,7 @@ from typing import Annotated, Any, ClassVar, Self
 
 from pydantic import Field, model_validator
 
+from rai_missions.guards.expression import SIGNS
 from rai_missions.guards.form import Atom, Form
 from rai_missions.guards.guard import Distinctions, Guard, Operand, Site, Sources, Test, Truth, TypeFault, Types, View
 from rai_missions.kinds import OPERAND, OPERAND_WORDS, reference_word
@@ -52,6 +53,8 @@ class Compare(Guard, word="key"):
     within: OperandValue = Field(default=None, alias="in")
     """It is one of this list, or of the list that this key holds."""
 
+    example: ClassVar[str] = '{"key": "battery", "%s": 0.3}'
+    meant: ClassVar[Mapping[str, str]] = SIGNS
     WORDS: ClassVar[Mapping[str, str]] = {
         "==": "equal", "!=": "unequal", "<": "less", "<=": "at_most", ">": "greater", ">=": "at_least", "in": "within",
     }  # fmt: skip
@@ -67,7 +70,8 @@ class Compare(Guard, word="key"):
         if len(given) != 1:
             raise fault(
                 "operator",
-                f"a comparison has one of {', '.join(self.WORDS)}, this has {', '.join(given) if given else 'none'}",
+                f"a comparison has one of {', '.join(self.WORDS)}, this has {', '.join(given) if given else 'none'};"
+                f" write it like {self.example % '<'}",
             )
         if given == ["in"] and not isinstance(self.within, list | Mapping):
             raise fault("operator", f"'in' takes a list of values or a key that holds one, not {self.within!r}")

@@ -6,10 +6,12 @@ Rule: a guard reads a `View` and nothing else. What is missing or stale makes it
 
 from __future__ import annotations
 
+import json
 import math
 from collections.abc import Callable, Collection, Iterator, Mapping
 from typing import Any, ClassVar, NamedTuple, Protocol, TypeAlias
 
+from rai_missions.guards.expression import EXAMPLE, WORDS, meant_guard
 from rai_missions.guards.form import Form, opaque
 from rai_missions.guards.purity import impurity
 from rai_missions.keys import Blackboard, Key
@@ -176,6 +178,7 @@ class Guard(TaggedModel, family="guard", group="rai_missions.guards"):
     apart, unknown while something that it reads is unknown, and rests on nothing that the robot reported.
     """
 
+    meant: ClassVar[Mapping[str, str]] = WORDS
     fades: ClassVar[bool] = True
     """It is unknown while a key that it reads is missing or stale."""
     age_s: ClassVar[float | None] = None
@@ -274,6 +277,14 @@ class Guard(TaggedModel, family="guard", group="rai_missions.guards"):
     def choose(cls, data: Mapping[str, Any]) -> str:
         """`{"key": …, "in": […]}` is a comparison, though `in` alone asks for a state."""
         return "key" if "key" in data else super().choose(data)
+
+    @classmethod
+    def remedy(cls, data: Any) -> str:
+        """The guard that an expression in text most likely means, or an example of one."""
+        meant = meant_guard(data) if isinstance(data, str) else None
+        if meant is None:
+            return f"; write it like {json.dumps(EXAMPLE)}"
+        return f"; write {json.dumps(meant, ensure_ascii=False)}"
 
     @classmethod
     def read(cls, data: Any) -> Any:

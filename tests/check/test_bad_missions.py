@@ -13,7 +13,7 @@ from pathlib import Path
 
 import pytest
 
-from rai_missions.check import RULES, Finding, check, exit_status
+from rai_missions.check import RULES, Finding, check, check_file, exit_status
 from rai_missions.mission.mission import Mission
 
 ROOT = Path(__file__).parents[2]
@@ -90,3 +90,16 @@ def test_the_guide_lists_each_rule_once_under_its_severity_with_an_example_that_
     for rule in RULES:
         results = [str(finding) for finding in findings(rule.name.replace("-", "_")) if finding.rule == rule.name]
         assert any(" ".join(each.split()) in shown for each in results), rule.name
+
+
+UNREAD = sorted((FOLDER / "unread").glob("*.json"))
+"""Missions that cannot be read whole, or whose message is of their own."""
+
+
+@pytest.mark.parametrize("path", UNREAD, ids=lambda path: path.stem)
+def test_a_word_that_cannot_be_read_hides_no_fault_of_the_rest(path: Path) -> None:
+    reported = "".join(f"{each.finding}\n" for each in check_file(str(path)).findings)
+    expected = path.with_suffix(".txt")
+    if os.environ.get("REWRITE_BAD_MISSIONS"):
+        expected.write_text(reported, encoding="utf-8")
+    assert reported == expected.read_text(encoding="utf-8")

@@ -37,7 +37,7 @@ def test_the_twins_are_one_mission(tmp_path: Path) -> None:
 
 def test_the_mission_passes_the_check_and_the_profile_covers_it(example: Path) -> None:
     mission = load(example)
-    assert [str(finding) for finding in check(mission)] == []
+    assert {finding.rule for finding in check(mission)} == {"unhandled-failure"}  # it lets failures end it
     assert missing(mission, load_profile(EXAMPLES / "robot.json")) == ()
 
 

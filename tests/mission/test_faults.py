@@ -113,7 +113,8 @@ TRANSITION, ENTRY = "/states/a/transitions/0", "/states/a/entry/0"
         (when({"kye": "a", "<": 1}), f"{TRANSITION}/when: no guard is written ['<', 'kye']; did you mean 'key'?"),
         (
             when({"key": "a", "less": 1}),
-            f"{TRANSITION}/when/less: a guard with 'key' has no 'less'; there is: !=, <, <=, ==, >, >=, in, key",
+            f"{TRANSITION}/when/less: a guard with 'key' has no 'less'; did you mean '<',"
+            ' as in {"key": "battery", "<": 0.3}?',
         ),
         (
             when({"all": [{"key": "Obstacle.height", "<": 1}]}),
@@ -123,7 +124,8 @@ TRANSITION, ENTRY = "/states/a/transitions/0", "/states/a/entry/0"
         (when({"all": {}}), f"{TRANSITION}/when/all: {{}} is not a list; write […]"),
         (
             when({"key": "a"}),
-            f"{TRANSITION}/when: a comparison has one of ==, !=, <, <=, >, >=, in, this has none",
+            f"{TRANSITION}/when: a comparison has one of ==, !=, <, <=, >, >=, in, this has none;"
+            ' write it like {"key": "battery", "<": 0.3}',
         ),
         (entry(set="a", add="1"), f"{ENTRY}/add: '1' is not a number; write one, without quotes"),
         (entry(set="a", from_="b"), f"{ENTRY}/from_: an effect with 'set' has no 'from_'; did you mean 'from'?"),

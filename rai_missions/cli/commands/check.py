@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING
 from rai_missions.cli.command import GuardsFile, MissionFile, RobotFile, command
 
 if TYPE_CHECKING:
-    from rai_missions.errors import Fault
+    from rai_missions.check import CheckedFile, FileFinding
+    from rai_missions.mission.mission import Mission
 
 __all__ = ("check",)
 
@@ -26,11 +27,13 @@ def check(
 ) -> int:
     """Find every fault of a mission before it runs.
 
-    All faults are printed at once, each with its place in the file.
+    All faults are printed at once, each with its file and its place in it; a word that cannot be read hides none of
+    the rest.
 
     Args:
         mission: A .json file, or a .py file with a function mission().
-        robot: Check also that the profile has every name that the mission uses; a robot in Python is not executed here.
+        robot: Check the profile as well, and that it has every name that the mission uses; a robot in Python is not
+            executed here.
         guards: A Python file with the predicates of 'named' guards. It is executed.
         no_python: Refuse a mission and guards in Python.
         strict: Treat warnings as faults: exit 1.
@@ -45,30 +48,56 @@ def check(
     import sys
     from json import dumps
 
-    from rai_missions.check import check as find_faults
-    from rai_missions.check import exit_status
+    from rai_missions.check import FileFinding, check_file, exit_status
     from rai_missions.cli.inputs import is_robot_program, load_guards, warn
-    from rai_missions.mission.files import load
 
-    loaded = load(mission, python=not no_python)
     named = load_guards(guards, python=not no_python)
-    findings = find_faults(loaded, named=set(named)) if named is not None else find_faults(loaded)
-    lacking: Sequence[Fault] = ()
+    checked = check_file(mission, python=not no_python, named=set(named) if named is not None else None)
+    profile, lacking = "", tuple[FileFinding, ...]()
     if is_robot_program(robot):
         warn(
             f"{robot}: whether it covers the mission was not checked: check executes no robot, and run checks it first"
         )
     elif robot:
-        from rai_missions.profile import load_profile, missing  # half as long to import as all the rest
-
-        lacking = missing(loaded, load_profile(robot))
+        profile, lacking = _checked_profile(robot, checked.mission)
+    found = [*checked.findings, *lacking]
     if json:
-        rows = [{"place": each.place, "sentence": each.sentence, "severity": each.severity} for each in findings]
-        rows += [{"place": each.place, "sentence": each.sentence, "severity": "error"} for each in lacking]
-        print(dumps(rows))
+        print(dumps([{"file": file, **finding._asdict()} for file, finding in found]))
     else:
-        for each in (*findings, *lacking):
-            print(f"{mission}: {each}", file=sys.stderr)
-        if not findings and not lacking:
-            print(f"{mission}: {loaded.name} {loaded.version} holds ({sum(1 for _ in loaded.walk())} states)")
-    return 2 if lacking else exit_status(findings, strict=strict)
+        for each in found:
+            print(each, file=sys.stderr)
+        print(_summary(mission, checked, profile, found), file=sys.stderr if found else sys.stdout)
+    return exit_status((each.finding for each in found), strict=strict)
+
+
+def _checked_profile(path: str, mission: Mission | None) -> tuple[str, tuple[FileFinding, ...]]:
+    """A profile's name, empty where it was not checked, and what is wrong with it or lacks in it."""
+    from rai_missions.check import FileFinding, Finding
+    from rai_missions.errors import DefinitionError
+    from rai_missions.profile import load_profile, missing  # half as long to import as all the rest
+
+    try:
+        profile = load_profile(path)
+    except DefinitionError as error:
+        return "", tuple(FileFinding(error.source or path, Finding(*each)) for each in error.faults)
+    lacking = missing(mission, profile) if mission is not None else ()
+    return profile.name, tuple(FileFinding(path, Finding(*each)) for each in lacking)
+
+
+def _summary(path: str, checked: CheckedFile, profile: str, found: Sequence[FileFinding]) -> str:
+    """What was checked and what came of it, in a line."""
+    both = "mission and profile" if profile else "mission"
+    if checked.mission is None:
+        return (
+            f"{path}: the rest is checked when this can be read: what is unused, dead ends, cycles, the profile's names"
+        )
+    states = sum(1 for _ in checked.mission.walk())
+    what = f"{checked.mission.name} {checked.mission.version}, {states} states{f'; {profile}' if profile else ''}"
+    if not found:
+        return f"{path}: {both}: no fault ({what})"
+    errors = sum(each.finding.severity == "error" for each in found)
+    return f"{path}: {both}: {_counted(errors, 'error')}, {_counted(len(found) - errors, 'warning')} ({what})"
+
+
+def _counted(count: int, what: str) -> str:
+    return f"{count} {what}{'' if count == 1 else 's'}"

@@ -1,0 +1,105 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A mission's file, checked whole: what cannot be read in it, and what is wrong in the rest.
+
+Rule: a word that cannot be read hides no fault elsewhere, and causes no finding elsewhere.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Collection, Iterator, Mapping
+from typing import Any, NamedTuple
+
+from rai_missions.check.finding import Finding, document_order
+from rai_missions.check.rules import check, check_part
+from rai_missions.errors import DefinitionError, MissionError, unescaped
+from rai_missions.mission.files import load
+from rai_missions.mission.include import read_mission
+from rai_missions.mission.json_reader import read_json
+from rai_missions.mission.legible import LegiblePart, legible_part
+from rai_missions.mission.mission import Mission
+from rai_missions.mission.origins import origin
+
+__all__ = ("CheckedFile", "FileFinding", "check_file")
+
+
+class FileFinding(NamedTuple):
+    """A finding, and the file that its place is in."""
+
+    file: str
+    finding: Finding
+
+    def __str__(self) -> str:
+        return f"{self.file}: {self.finding}"
+
+
+class CheckedFile(NamedTuple):
+    """What came of checking a file."""
+
+    mission: Mission | None
+    """None where it cannot be read as a whole; then what is unused, dead ends and cycles were not looked for."""
+    findings: tuple[FileFinding, ...]
+
+
+def check_file(path: str, *, python: bool = True, named: Collection[str] | None = None) -> CheckedFile:
+    """Everything that is wrong or odd in a mission's file and in those that it includes.
+
+    Args:
+        path: As `load` takes it.
+        python: Whether a `.py` file may be executed.
+        named: The names of the registered predicates, as in `check`.
+
+    Raises:
+        UsageError: There is no such file, or it is of another kind.
+    """
+    try:
+        mission = load(path, python=python)
+    except DefinitionError as error:
+        unread = [Finding(each.place, each.sentence) for each in error.faults]
+        return CheckedFile(None, tuple(_with_rest(path, error.source or path, unread, named)))
+    includes = path.endswith(".json") and len(mission.states) and any("/" in name for _, name, _ in mission.walk())
+    written = read_mission(_file(path)) if includes else None
+    found = check(mission, named=named)
+    if written is None:
+        return CheckedFile(mission, tuple(FileFinding(path, each) for each in found))
+    return CheckedFile(mission, tuple(_located(path, each, written) for each in found))
+
+
+def _file(path: str) -> Any:
+    from pathlib import Path
+
+    return Path(os.fspath(path))
+
+
+def _located(path: str, finding: Finding, written: Mission) -> FileFinding:
+    there = origin(path, finding.place, written)
+    return FileFinding(there.file, finding._replace(place=there.place))
+
+
+def _with_rest(path: str, source: str, unread: list[Finding], named: Collection[str] | None) -> Iterator[FileFinding]:
+    """What cannot be read, and what is wrong in the rest, in document order."""
+    document: Any = None
+    rest: tuple[Finding, ...] = ()
+    if path.endswith(".json"):
+        try:
+            document = read_json(_file(path))
+            rest = _of_rest(document, unread, named)
+        except MissionError:
+            rest = ()
+    places = {each.place for each in unread}
+    found = [*unread, *(each for each in rest if each.place not in places)]
+    order = document_order(document)
+    for each in sorted(found, key=lambda each: order(each.place)) if document is not None else found:
+        yield FileFinding(source, each)
+
+
+def _of_rest(document: Any, unread: list[Finding], named: Collection[str] | None) -> tuple[Finding, ...]:
+    if not isinstance(document, Mapping):
+        return ()
+    part = legible_part(document)
+    if part is None:
+        return ()
+    if not part.unread:  # only what it includes cannot be read
+        steps = tuple(tuple(unescaped(word) for word in each.place.split("/")[1:]) for each in unread)
+        part = LegiblePart(part.mission, steps, part.names, has_states=True, has_targets=True)
+    return check_part(part, document, named=named)

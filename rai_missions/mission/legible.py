@@ -1,0 +1,245 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What can be read of a mission of which some words cannot, so that the rest of it is judged as well.
+
+Rule: what cannot be read is replaced by something neutral at the same place; no pointer into the rest moves.
+"""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any, NamedTuple
+
+from pydantic import ValidationError
+
+from rai_missions.errors import pointer
+from rai_missions.mission.mission import Mission
+from rai_missions.validation_errors import place_of
+
+__all__ = ("LegiblePart", "legible_part", "words_in")
+
+Steps = tuple[str | int, ...]
+ROUNDS = 30
+"""A document that is not read after so many repairs is left."""
+UNREAD = "not_legible"
+"""The event and the predicate that take the place of what cannot be read."""
+GUARDS = frozenset({"when", "achieved", "requires", "not", "possible", "held", "all", "any"})
+"""The words whose value is a guard or a list of guards."""
+EFFECTS = frozenset({"do", "entry", "exit"})
+TARGETS = frozenset({"to", "transitions", "default", "initial", "on_cancel"})
+REPORTING = frozenset({"decision", "each", "mission", "tree", "action", "call"})
+"""The words of a state whose value decides which outcomes and options it has."""
+STATES = frozenset({"states", "parallel"})
+NAMED = frozenset({*STATES, "blackboard", "events", "options", "invariants"})
+"""The words whose value has names of the author."""
+UNREADABLE: frozenset[Steps] = frozenset({(), ("blackboard",), ("events",), ("states",), ("uses",), ("format",)})
+"""Where one of these cannot be read, the rest of a mission has no meaning."""
+KEPT = frozenset({"about", "transitions", "states", "parallel", "initial", "entry", "exit"})
+"""What of a state is tried again where it cannot be read."""
+
+
+class LegiblePart(NamedTuple):
+    """A mission without what cannot be read."""
+
+    mission: Mission
+    unread: tuple[Steps, ...]
+    """The places of what was replaced or left out."""
+    names: frozenset[str]
+    """All words in it, for it may declare or mention a name."""
+    has_states: bool
+    """The names of all states are known."""
+    has_targets: bool
+    """Whatever leads to a state is known."""
+
+    def hides(self, place: str) -> bool:
+        """Whether a place is, or is inside, what was replaced or left out."""
+        return any(_within(place, pointer(steps)) for steps in self.unread)
+
+    def has_words_of(self, place: str) -> bool:
+        """Whether it is known which events and options the state around a place reports."""
+        for steps in self.unread:
+            around = _entry(steps)
+            if _within(place, pointer(around)) and (around == steps or steps[len(around)] in REPORTING):
+                return False
+        return True
+
+    def mentions(self, text: str) -> bool:
+        """Whether a name, or the key of a path, is among the words of what was replaced or left out."""
+        return text in self.names or text.partition(".")[0] in self.names
+
+    def touches(self, place: str) -> bool:
+        """Whether something of the state, key or event that a place belongs to was replaced or left out."""
+        return any(_within(place, pointer(_entry(steps))) for steps in self.unread)
+
+
+def legible_part(data: Mapping[str, Any]) -> LegiblePart | None:
+    """What can be read of a mission that cannot be read whole; None for too little.
+
+    Args:
+        data: The JSON document.
+    """
+    document = copy.deepcopy(dict(data))
+    repair = _Repair(document)
+    for _ in range(ROUNDS):
+        try:
+            mission = Mission.model_validate(document)
+        except ValidationError as error:
+            if not repair.attempt(error):
+                return None
+        else:
+            return LegiblePart(
+                _joined(mission, document, repair.names), tuple(repair.unread), frozenset(repair.names),
+                repair.has_states, repair.has_targets,
+            )  # fmt: skip
+    return None
+
+
+def _joined(mission: Mission, document: dict[str, Any], names: set[str]) -> Mission:
+    """The mission, in which each state that is mentioned in what cannot be read counts as reached."""
+    mentioned = [name for _, name, _ in mission.walk() if name in names]
+    if not mentioned:
+        return mission
+    more = [{"on": UNREAD, "to": name} for name in mentioned]
+    events = document.get("events", {})
+    declared = {UNREAD: {}, **(events if isinstance(events, Mapping) else {name: {} for name in events})}
+    return Mission.model_validate(
+        {**document, "events": declared, "transitions": [*document.get("transitions", []), *more]}
+    )
+
+
+class _Repair:
+    """Replaces in a document what cannot be read.
+
+    Args:
+        document: Changed in place.
+    """
+
+    def __init__(self, document: dict[str, Any]) -> None:
+        self._document = document
+        self.unread: list[Steps] = []
+        self.names: set[str] = set()
+        self.has_states = self.has_targets = True
+
+    def attempt(self, error: ValidationError) -> bool:
+        """Replace what an error is about; False where it cannot be."""
+        targets = {
+            self._target(tuple(place_of(item["loc"], self._document)), item["type"])
+            for item in error.errors(include_url=False)
+        }
+        outermost = [
+            each for each in targets if each and not any(each[: len(other)] == other != each for other in targets)
+        ]
+        return bool(outermost) and not targets & UNREADABLE and all(map(self._replace, outermost))
+
+    def _target(self, steps: Steps, kind: str) -> Steps:
+        """The smallest thing around a fault that can be replaced or left out."""
+        for length in range(len(steps), 0, -1):
+            here = steps[:length]
+            if _is_guard(here) or self._is_listed(here) or _is_entry(here):
+                return here
+            if "tree" in here[:-1] and not _is_entry(here):
+                continue
+            if isinstance(here[-1], str) and (length < len(steps) or kind != "missing"):
+                return here
+        return ()
+
+    def _is_listed(self, steps: Steps) -> bool:
+        return len(steps) > 1 and isinstance(steps[-1], int) and steps[-2] in {"transitions", *EFFECTS}
+
+    def _replace(self, steps: Steps) -> bool:
+        *outer, last = steps
+        holder: Any = self._document
+        for step in outer:
+            holder = holder[step]
+        is_object = isinstance(holder, dict)
+        if (not is_object and not isinstance(holder, list)) or (is_object and last not in holder):
+            return False
+        was, again = holder[last], steps in self.unread
+        self._forget(steps, was)
+        neutral = self._neutral(steps, was, again=again)
+        if neutral is None and is_object:
+            del holder[last]
+        elif neutral is None or neutral == was:
+            return False
+        else:
+            holder[last] = neutral
+        return True
+
+    def _forget(self, steps: Steps, was: Any) -> None:
+        """Remember what is not known any more."""
+        last, word = steps[-1], steps[-2] if len(steps) > 1 else ""
+        self.unread.append(steps)
+        if not isinstance(was, Mapping) and (last in STATES or (_is_entry(steps) and word in STATES)):
+            self.has_states = self.has_targets = False
+        if last in TARGETS or (isinstance(last, int) and word == "transitions"):
+            self.has_targets = False
+        self.names.update(words_in(was))
+        if steps[0] in ("blackboard", "events"):
+            self.names.update(map(str, steps[1:2]))
+        if _is_entry(steps):
+            self.names.add(str(last))
+
+    def _neutral(self, steps: Steps, was: Any, *, again: bool) -> Any:
+        """What takes the place of something; None where it is left out."""
+        if _is_guard(steps):
+            return {"named": UNREAD}
+        word = steps[-2] if len(steps) > 1 else ""
+        if self._is_listed(steps):
+            return {"when": {"named": UNREAD}} if word == "transitions" else {"log": UNREAD}
+        if steps == ("name",):
+            return UNREAD
+        if steps[-1] == "initial" and word not in NAMED and "blackboard" not in steps:
+            return self._first_child(steps[:-1])
+        if not _is_entry(steps) or word == "options":
+            return {} if _is_entry(steps) else None
+        if word in STATES:
+            kept = {key: item for key, item in was.items() if key in KEPT} if isinstance(was, Mapping) else {}
+            return kept if kept != was and not again else {"final": "aborted"} if was == {} else {}
+        return {"type": "string", "initial": ""} if word == "blackboard" else None if again else {}
+
+    def _first_child(self, steps: Steps) -> str | None:
+        here: Any = self._document
+        for step in steps:
+            here = here[step]
+        inner = here.get("states")
+        return next(iter(inner), None) if isinstance(inner, Mapping) else None
+
+
+def _is_entry(steps: Steps) -> bool:
+    """Whether it is something that the author named."""
+    return len(steps) > 1 and steps[-2] in NAMED and isinstance(steps[-1], str) and steps[-1] != "options"
+
+
+def _is_guard(steps: Steps) -> bool:
+    if len(steps) > 1 and steps[-2] == "invariants":
+        return True
+    if isinstance(steps[-1], int):
+        return len(steps) > 1 and steps[-2] in ("all", "any")
+    return steps[-1] in GUARDS - {"all", "any"} and not (len(steps) > 1 and steps[-2] in NAMED)
+
+
+def _entry(steps: Steps) -> Steps:
+    """The innermost state, key, event or invariant around a place; the place itself where there is none."""
+    found = (
+        steps[:length]
+        for length in range(len(steps), 1, -1)
+        if _is_entry(steps[:length]) and steps[length - 2] != "options"
+    )
+    return next(found, steps)
+
+
+def _within(place: str, outer: str) -> bool:
+    return place == outer or place.startswith(f"{outer}/")
+
+
+def words_in(value: Any) -> Iterator[str]:
+    """Every text and word in a JSON value, and the keys of paths."""
+    if isinstance(value, str):
+        yield from (value, value.partition(".")[0])
+    elif isinstance(value, Mapping):
+        for word, item in value.items():
+            yield word
+            yield from words_in(item)
+    elif isinstance(value, Sequence):
+        for item in value:
+            yield from words_in(item)

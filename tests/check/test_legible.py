@@ -1,0 +1,118 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A mission of which some words cannot be read: the rest is judged, and nothing is found that is not wrong."""
+
+from __future__ import annotations
+
+import copy
+import json
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from pydantic import ValidationError
+
+from rai_missions.check import check, check_file
+from rai_missions.check.rules import check_part
+from rai_missions.mission.legible import legible_part
+from rai_missions.mission.mission import Mission
+
+ROOT = Path(__file__).parents[2]
+SHIPPED = {
+    path.parent.name: {key: item for key, item in json.loads(path.read_text()).items() if key != "$schema"}
+    for path in sorted(ROOT.glob("missions/*/mission.json"))
+}
+"""They are free of findings."""
+Steps = tuple[str | int, ...]
+
+
+def places(value: Any, steps: Steps = ()) -> Iterator[Steps]:
+    if steps:
+        yield steps
+    pairs: Any = value.items() if isinstance(value, dict) else enumerate(value) if isinstance(value, list) else ()
+    for word, item in pairs:
+        yield from places(item, (*steps, word))
+
+
+PLACES = [(name, steps) for name, document in SHIPPED.items() for steps in places(document)]
+
+
+def broken(name: str, steps: Steps, *, word: bool) -> dict[str, Any] | None:
+    """A shipped mission with a value that cannot be read, or an unknown word; None where it can be read still."""
+    document = copy.deepcopy(SHIPPED[name])
+    holder: Any = document
+    for step in steps[:-1]:
+        holder = holder[step]
+    if not word:
+        holder[steps[-1]] = [[1.5]]
+    elif isinstance(holder[steps[-1]], dict):
+        holder[steps[-1]]["wrogn"] = 1
+    try:
+        Mission.model_validate(document)
+    except ValidationError:
+        return document
+    return None
+
+
+def assert_nothing_is_invented(name: str, steps: Steps, *, word: bool) -> None:
+    if (document := broken(name, steps, word=word)) is not None and (part := legible_part(document)) is not None:
+        assert check_part(part, document) == (), (name, steps, word)
+
+
+@given(st.sampled_from(PLACES), st.booleans())
+@settings(max_examples=60)
+def test_what_cannot_be_read_is_the_cause_of_no_other_finding(place: tuple[str, Steps], word: bool) -> None:
+    assert_nothing_is_invented(*place, word=word)
+
+
+@pytest.mark.drill
+def test_what_cannot_be_read_anywhere_is_the_cause_of_no_other_finding() -> None:
+    for place in PLACES:
+        for word in (False, True):
+            assert_nothing_is_invented(*place, word=word)
+
+
+@given(st.sampled_from([steps for name, steps in PLACES if name == "tractor" and steps[0] == "states"]))
+@settings(max_examples=40)
+def test_a_misspelled_name_elsewhere_is_found_all_the_same(steps: Steps) -> None:
+    document = broken("tractor", steps, word=False)
+    if document is None or steps == ("states",):
+        return
+    document["transitions"] = [*document["transitions"], {"on": "anomaly", "to": "dnoe"}]
+    part = legible_part(document)
+    assert part is not None
+    found = [each for each in check_part(part, document) if each.sentence.startswith("no state 'dnoe'")]
+    assert len(found) == part.has_states
+
+
+def test_a_finding_is_reported_in_the_file_that_is_to_be_mended(tmp_path: Path) -> None:
+    inner = {
+        "format": 1, "name": "dock",
+        "blackboard": {"docked": {"type": "boolean", "source": "robot"},
+                       "spare": {"type": "integer", "source": "robot"}},
+        "initial": "driving",
+        "states": {
+            "driving": {"action": "dock", "timeout_s": 9, "achieved": {"key": "docked", "==": True},
+                        "transitions": [{"on": "succeeded", "to": "done"}]},
+            "done": {"final": "succeeded", "requires": {"key": "docked", "==": True}},
+        },
+    }  # fmt: skip
+    outer = {
+        "format": 1, "name": "outer", "initial": "docking",
+        "states": {
+            "docking": {"mission": "parts/dock.json", "transitions": [{"on": "succeeded", "to": "over"}]},
+            "over": {"final": "aborted"},
+        },
+    }  # fmt: skip
+    (tmp_path / "parts").mkdir()
+    (tmp_path / "parts/dock.json").write_text(json.dumps(inner))
+    (tmp_path / "outer.json").write_text(json.dumps(outer))
+    checked = check_file(str(tmp_path / "outer.json"))
+    found = {(each.file, each.finding.place) for each in checked.findings}
+    dock = str(tmp_path / "parts/dock.json")
+    assert checked.mission is not None
+    assert {(dock, "/blackboard/spare"), (dock, "/states/driving")} <= found
+    assert {file for file, _ in found} == {dock}
+    assert check(checked.mission)
