@@ -7,16 +7,15 @@ Rule: a lens is data. It names states, and transitions and options by JSON point
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from typing import NamedTuple
 
 from rai_missions.mission.mission import Mission
 from rai_missions.states import DecisionSpec, Final, State, answerer_words
 from visualize.model import Picture, PictureEdge
 from visualize.page.as_json import Json
+from visualize.page.decision_sites import DecisionSite, asked_of, silence
 from visualize.page.reachability import ReachableParts, Roads
-from visualize.text import child_pointer
 
-__all__ = ("asked_of", "lens", "lenses", "questions")
+__all__ = ("lens", "lenses")
 
 
 def lenses(mission: Mission, picture: Picture) -> list[Json]:
@@ -149,38 +148,6 @@ def lens(
     }  # fmt: skip
 
 
-class DecisionSite(NamedTuple):
-    """A question where it is."""
-
-    state: str
-    place: str
-    """JSON pointer of what holds the question."""
-    asked: DecisionSpec
-    owner: str
-    """As its questions name it: the state, or `state#path` in a tree."""
-
-    @property
-    def in_tree(self) -> bool:
-        """A tree asks it, and continues by itself."""
-        return "#" in self.owner
-
-    def options(self) -> list[str]:
-        """The JSON pointers of its options."""
-        return [child_pointer(f"{self.place}/decision", "options", name) for name in self.asked.options]
-
-
-def asked_of(mission: Mission, who: str) -> list[DecisionSite]:
-    """The questions that someone is asked, in document order."""
-    return [each for each in questions(mission) if who in each.asked.ask]
-
-
-def questions(mission: Mission) -> Iterator[DecisionSite]:
-    """Every question of a mission, in document order."""
-    for place, name, state in mission.walk():
-        for part, asked in state.decisions().items():
-            yield DecisionSite(name, place + state.within(part), asked, name + part)
-
-
 def _model_lens(mission: Mission, picture: Picture, roads: Roads) -> Json:
     """The switch that dims all that no model decides."""
     asked = asked_of(mission, "agent")
@@ -208,11 +175,11 @@ def _model_lens(mission: Mission, picture: Picture, roads: Roads) -> Json:
 def _decision_items(each: DecisionSite, edges: list[PictureEdge], roads: Roads) -> Iterator[Json]:
     asked = each.asked
     often = f"{asked.attempts} attempts" if asked.attempts > 1 else "1 attempt"
+    yield item(silence(each, roads), state=each.state)
     yield item(
         f"bounded: asks {', then '.join(map(answerer_words, asked.ask))}, {often} each, {_within(asked)}",
         state=each.state,
     )
-    yield item(f"fallback: {asked.fallback}" if asked.fallback else "no fallback: without an answer it has failed")
     for name, option in asked.options.items():
         bound = f"only when {option.when.words()}" if option.when is not None else "always open"
         fired = [edge for edge in edges if edge.option == name]

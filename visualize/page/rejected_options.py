@@ -14,7 +14,7 @@ from rai_missions.engine.step import Step
 from rai_missions.guards.guard import Site, Test, Truth
 from rai_missions.keys import Blackboard, Stamped
 from rai_missions.mission.mission import Mission
-from visualize.page.lenses import questions
+from visualize.page.decision_sites import questions
 
 __all__ = ("Offers",)
 

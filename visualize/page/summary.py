@@ -12,10 +12,10 @@ from collections.abc import Iterator
 from typing import NamedTuple, get_args
 
 from rai_missions.mission.mission import Mission
-from rai_missions.states import Action, DecisionSpec, Final, Transition, answerer_words
+from rai_missions.states import Action, Final, Transition, answerer_words
 from rai_missions.states.final import FinalOutcome
 from rai_missions.states.state import OUTCOMES
-from visualize.page.lenses import DecisionSite, questions
+from visualize.page.decision_sites import DecisionSite, fired, leads, questions, silence, unanswered
 from visualize.page.reachability import Roads
 from visualize.text import controlled, effects, trigger
 
@@ -166,42 +166,18 @@ class _Reader:
             question=asked.question,
             by_model="agent" in asked.ask,
             asked=f"asks {', then '.join(map(answerer_words, asked.ask))}{often}",
-            silence=self._silence(site),
+            silence=silence(site, self.roads),
             options=tuple(
                 OptionSummary(
                     name,
                     option.about,
                     f"only when {option.when.words()}" if option.when is not None else "always open",
-                    self._leads(name, site),
-                    next((place for place, _ in self._fired(name, site)), ""),
+                    leads(name, site, self.roads),
+                    next((place for place, _ in fired(name, site, self.roads)), ""),
                 )
                 for name, option in asked.options.items()
             ),
         )
-
-    def _silence(self, site: DecisionSite) -> str:
-        """What happens without an answer that counts."""
-        outcome = site.asked.fallback or "failed"
-        return f"{_unanswered(site.asked)}: {outcome} → {self._leads(outcome, site)}"
-
-    def _fired(self, outcome: str, site: DecisionSite) -> list[tuple[str, Transition]]:
-        """The transitions of the state that an outcome of its own question fires."""
-        own = self.roads.transitions[site.state]
-        return [(place, each) for place, each in own if outcome in each.on and each.of is None and not site.in_tree]
-
-    def _leads(self, outcome: str, site: DecisionSite) -> str:
-        """Where an option, or the failure of a question, leads."""
-        if site.in_tree:
-            return "continues in its tree"
-        found = [target for _, each in self._fired(outcome, site) for target in each.to or (site.state,)]
-        if found:
-            return " or ".join(map(self._named, dict.fromkeys(found)))
-        return "what the states around do" if outcome in OUTCOMES else "does not leave the state"
-
-    def _named(self, name: str) -> str:
-        """A state, with its outcome where it ends the mission."""
-        state = self.mission.states.get(name)
-        return f"{name} ({state.final})" if isinstance(state, Final) else name
 
     def _answers(self, site: DecisionSite) -> Iterator[str]:
         """Where an answer leads at once."""
@@ -250,7 +226,7 @@ class _Reader:
         if source is not None and transition.of is None and not source.options.keys().isdisjoint(transition.on):
             asked = source.question()
             silent = asked is not None and asked.fallback in transition.on
-            words = f"answered {words}" + (f", or {_unanswered(asked)}" if asked is not None and silent else "")
+            words = f"answered {words}" + (f", or {unanswered(asked)}" if asked is not None and silent else "")
         elif isinstance(source, Action) and transition.of is None and _outcomes(transition):
             words = f"{source.action} {words}"
         elif transition.after_s is None and not _outcomes(transition):
@@ -289,10 +265,6 @@ def _outcome_lines(mission: Mission) -> Iterator[str]:
             found.setdefault(state.final, []).append(name)
     for outcome in sorted(found, key=get_args(FinalOutcome).index):
         yield f"{outcome}: {', '.join(found[outcome])}"
-
-
-def _unanswered(asked: DecisionSpec) -> str:
-    return "no valid answer" + (f" within {asked.deadline_s:g} s" if asked.deadline_s is not None else "")
 
 
 def _canceled(mission: Mission) -> str:

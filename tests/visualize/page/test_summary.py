@@ -17,7 +17,7 @@ from rai_missions.states import Final
 from tests.strategies import missions
 from tests.visualize.runs import ROOT, document, tractor
 from tests.visualize.test_stored import compare, shipped
-from visualize.page.lenses import questions
+from visualize.page.decision_sites import questions
 from visualize.page.summary import MissionSummary, summary
 
 STORED = Path(__file__).parent / "stored"
