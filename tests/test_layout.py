@@ -50,7 +50,7 @@ SHARED_NAMES = {
     "PublishMessage": "the effect, and the arguments of the tool of that name",
     "Command": "a command of the terminal, and one that a client sends to a mission; neither package sees the other's",
     "Limits": "public in both packages: of one answer, and of one proof",
-    "NavigateToPose": "the action of nav2_msgs, served by each world",
+    "NavigateToPose": "the action of nav2_msgs, served by each world, and the arguments of the tool of that name",
     "ReplyCallback": "one protocol; visualize may not import the node, nor the node visualize",
 }  # fmt: skip
 """A class name that several modules have → why."""

@@ -17,7 +17,7 @@ from rai_missions.tools.access import AllowedConnector, until
 from rai_missions.tools.goals import GoalState, ToolGoals
 from rai_missions.tools.result import ToolResult
 
-__all__ = ("ActuatorTools",)
+__all__ = ("ActuatorTools", "result_of")
 
 LONGEST_MESSAGE = 100_000
 """Characters of a message, request or goal, as JSON."""
@@ -71,20 +71,25 @@ class ActuatorTools:
         fields = _checked("goal", goal or {})
         ends = until(timeout_s)
         found = self._reach.type_of("actions", action, type_name, ends, "write")
-        return _result(self._goals.start(action, found, fields, ends))
+        return result_of(self._goals.start(action, found, fields, ends))
 
-    def watch_action(self, goal_id: str = "", *, timeout_s: float = 0.0) -> ToolResult:
-        if goal_id:
-            return _result(self._goals.watch(goal_id, until(timeout_s)))
+    def watch_action(self, goal_id: str, *, timeout_s: float = 0.0) -> ToolResult:
+        return result_of(self._goals.watch(goal_id, until(timeout_s)))
+
+    def list_goals(self, only_running: bool = False) -> ToolResult:
         every = self._goals.all()
-        facts = {status.goal_id: f"{status.action}: {status.state}" for status in every}
-        return ToolResult(f"{len(every)} goals were started.", {"goals": [status.data() for status in every]}, facts)
+        listed = [status for status in every if not (only_running and status.is_over)]
+        facts = {status.goal_id: f"{status.action}: {status.state}" for status in reversed(listed)}
+        running = sum(not status.is_over for status in every)
+        words = f"{len(every)} goals were started here, of which {running} are not over; newest first:"
+        return ToolResult(words, {"goals": [status.data() for status in listed], "running": running}, facts)
 
     def cancel_action(self, goal_id: str, *, timeout_s: float = 5.0) -> ToolResult:
-        return _result(self._goals.cancel(goal_id, until(timeout_s)))
+        return result_of(self._goals.cancel(goal_id, until(timeout_s)))
 
 
-def _result(status: GoalState) -> ToolResult:
+def result_of(status: GoalState) -> ToolResult:
+    """How a goal is, in words and data."""
     parts = (("result", status.result), ("newest feedback", status.feedback), ("why", status.why))
     facts = {word: item for word, item in parts if item}
     words = status.words()

@@ -13,8 +13,12 @@ __all__ = (
     "DescribeType",
     "GetDistanceToObjects",
     "GetImage",
+    "GetOccupancyGrid",
+    "GetRobotPose",
     "GetTransform",
     "List",
+    "ListGoals",
+    "NavigateToPose",
     "PublishMessage",
     "ReceiveMessage",
     "StartAction",
@@ -29,6 +33,7 @@ Age = Annotated[float | None, Field(ge=0, allow_inf_nan=False)]
 TypeName = Annotated[
     str, Field(max_length=LONGEST, description="Its type, 'std_msgs/msg/String'; empty: found out from the robot.")
 ]
+Metres = Annotated[float, Field(ge=-1e6, le=1e6, allow_inf_nan=False)]
 Fields = dict[str, Any]
 
 
@@ -83,8 +88,12 @@ class StartAction(Arguments):
 
 
 class WatchAction(Arguments):
-    goal_id: str = Field("", max_length=LONGEST, description="The id that the start gave; empty: all goals.")
+    goal_id: Name = Field(description="The id that the start gave.")
     timeout_s: Timeout = Field(0.0, description="How long to wait for its end, in seconds; 0 to 60.")
+
+
+class ListGoals(Arguments):
+    only_running: bool = Field(False, description="Only those that are not over.")
 
 
 class CancelAction(Arguments):
@@ -111,3 +120,32 @@ class GetDistanceToObjects(Arguments):
     max_age_s: Age = Field(2.0, description="The oldest that will do, in seconds.")
     max_apart_s: float = Field(0.5, ge=0, le=60, description="How far apart in time detections and depth may be.")
     timeout_s: Timeout = 5.0
+
+
+class GetRobotPose(Arguments):
+    topic: str = Field(
+        "", max_length=LONGEST,
+        description="Where the robot publishes its pose, such as '/amcl_pose' or '/odom'; empty: from the transforms.",
+    )  # fmt: skip
+    frame: Name = Field("map", description="Without a topic: the frame in which the pose is reported.")
+    robot_frame: Name = Field("base_link", description="Without a topic: the robot's own frame.")
+    max_age_s: Age = Field(None, description="The oldest that will do, in seconds.")
+    timeout_s: Timeout = 2.0
+
+
+class GetOccupancyGrid(Arguments):
+    topic: Name = Field("/map", description="The map's topic, of nav_msgs/msg/OccupancyGrid.")
+    x: Metres | None = Field(None, description="Only around this point of the map's frame, in metres; with y.")
+    y: Metres | None = Field(None, description="Its other coordinate.")
+    radius_m: float = Field(5.0, gt=0, le=1e6, description="Around the point: half of the side shown, in metres.")
+    max_age_s: Age = Field(None, description="The oldest that will do, in seconds.")
+    timeout_s: Timeout = 5.0
+
+
+class NavigateToPose(Arguments):
+    x: Metres = Field(description="Where to, in metres of the frame.")
+    y: Metres = Field(description="Its other coordinate.")
+    yaw: float = Field(0.0, ge=-7, le=7, allow_inf_nan=False, description="The heading there, in radians.")
+    frame: Name = Field("map", description="The frame of x, y and yaw.")
+    action: Name = Field("/navigate_to_pose", description="The action's whole name.")
+    timeout_s: Timeout = Field(5.0, description="How long its server may take to accept it, in seconds; 0 to 60.")

@@ -19,7 +19,7 @@ from rai_missions.tools.detections import Detection, detections_of
 from rai_missions.tools.latest import Latest
 from rai_missions.tools.ranging import PinholeCamera, Range, camera_of, cloud_points, depth_points, ranged
 from rai_missions.tools.result import ToolResult
-from rai_missions.tools.transforms import Found, Frames, Transform
+from rai_missions.tools.transforms import Found, Frames, Transform, yaw_of
 
 __all__ = ("GeometryTools",)
 
@@ -64,7 +64,7 @@ class GeometryTools:
         data = {
             "target": target, "source": source, "translation": {"x": x, "y": y, "z": z},
             "rotation": {"x": qx, "y": qy, "z": qz, "w": qw},
-            "yaw": math.atan2(2 * (qw * qz + qx * qy), 1 - 2 * (qy * qy + qz * qz)),
+            "yaw": yaw_of(qx, qy, qz, qw),
             "stamp_s": found.at, "age_s": age_s,
         }  # fmt: skip
         when = "it does not change" if age_s is None else f"received {age_s:.2f} s ago"

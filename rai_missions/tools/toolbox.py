@@ -15,6 +15,7 @@ from rai_missions.tools.actuators import ActuatorTools
 from rai_missions.tools.allowlist import Allowed
 from rai_missions.tools.geometry import GeometryTools
 from rai_missions.tools.goals import GoalState, ToolGoals
+from rai_missions.tools.navigation import NavigationTools
 from rai_missions.tools.sensors import SensorTools
 from rai_missions.tools.tool import RobotTool, robot_tool
 
@@ -39,6 +40,7 @@ class Toolbox:
         self._goals = ToolGoals(self._reach)
         self.looking, self.measuring = SensorTools(self._reach), GeometryTools(self._reach)
         self.acting = ActuatorTools(self._reach, self._goals)
+        self.navigating = NavigationTools(self._reach, self.measuring, self._goals)
         self.tools: tuple[RobotTool, ...] = (*_that_look(self), *_that_act(self))
 
     @property
@@ -59,7 +61,7 @@ class Toolbox:
 
 
 def _that_look(box: Toolbox) -> tuple[RobotTool, ...]:
-    look, measure = box.looking, box.measuring
+    look, measure, drive = box.looking, box.measuring, box.navigating
     rows = (
         ("list_topics", "The robot's topics with their types.", args.List, look.list_topics),
         ("list_services", "The robot's services with their types.", args.List, look.list_services),
@@ -84,10 +86,18 @@ def _that_look(box: Toolbox) -> tuple[RobotTool, ...]:
             args.GetDistanceToObjects,
             measure.get_distance_to_objects,
         ),
+        ("get_robot_pose", "Where the robot is: x, y and yaw in a frame.", args.GetRobotPose, drive.get_robot_pose),
+        (
+            "get_occupancy_grid",
+            "The robot's map, or its part around a point, in at most 40 rows of characters: free, occupied, unknown.",
+            args.GetOccupancyGrid,
+            drive.get_occupancy_grid,
+        ),
+        ("list_goals", "The goals that were started here, with their states.", args.ListGoals, box.acting.list_goals),
         (
             "watch_action",
-            "How a goal is that start_action started: running, succeeded, aborted, canceled, rejected or lost, "
-            "with its feedback and result. Waits for its end as long as it may.",
+            "How a goal is that start_action or navigate_to_pose started: running, succeeded, aborted, canceled, "
+            "rejected or lost, with its feedback and result. Waits for its end as long as it may.",
             args.WatchAction,
             box.acting.watch_action,
         ),
@@ -105,6 +115,13 @@ def _that_act(box: Toolbox) -> tuple[RobotTool, ...]:
             "cancel_action; it does not wait for the end, and an accepted goal has not succeeded.",
             args.StartAction,
             box.acting.start_action,
+        ),
+        (
+            "navigate_to_pose",
+            "Send the robot to a pose, with Nav2. Reports whether it took the goal, and the goal's id, as start_action "
+            "does.",
+            args.NavigateToPose,
+            box.navigating.navigate_to_pose,
         ),
         (
             "cancel_action",

@@ -18,7 +18,7 @@ from typing import Any, NamedTuple
 from rai_missions.errors import ConnectorError, UsageError
 from rai_missions.redaction import cut_repr
 
-__all__ = ("Found", "Frames", "Quaternion", "Transform", "Vector", "product", "rotated", "stamp_of")
+__all__ = ("Found", "Frames", "Quaternion", "Transform", "Vector", "product", "rotated", "stamp_of", "yaw_of")
 
 Vector = tuple[float, float, float]
 Quaternion = tuple[float, float, float, float]
@@ -228,6 +228,11 @@ def product(one: Quaternion, two: Quaternion) -> Quaternion:
         aw * bz + ax * by - ay * bx + az * bw,
         aw * bw - ax * bx - ay * by - az * bz,
     )
+
+
+def yaw_of(x: float, y: float, z: float, w: float) -> float:
+    """The turn of a rotation about the z axis, in radians."""
+    return math.atan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z))
 
 
 def conjugate(turn: Quaternion) -> Quaternion:

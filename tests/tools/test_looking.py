@@ -248,7 +248,7 @@ def test_a_camera_that_fails_is_reported() -> None:
 
 def test_every_tool_reports_what_it_takes_and_whether_it_only_looks(local: Tried) -> None:
     box = local.box()
-    acts = {"publish_message", "call_service", "start_action", "cancel_action"}
+    acts = {"publish_message", "call_service", "start_action", "navigate_to_pose", "cancel_action"}
     assert {tool.name for tool in box.tools} - {tool.name for tool in box.read_only} == acts
     for tool in box.tools:
         schema = tool.tool_call_schema

@@ -11,7 +11,7 @@ from typing import Any, get_args, get_type_hints
 from rai_missions.errors import UsageError, suggestion
 from rai_missions.redaction import shown
 
-__all__ = ("Options", "QosProfile", "read_options")
+__all__ = ("CONVENTIONS", "Options", "QosProfile", "read_options")
 
 RELIABILITIES = ("reliable", "best_effort")
 DURABILITIES = ("volatile", "latched")
@@ -53,11 +53,18 @@ class Options:
 
     def quality(self, topic: str) -> QosProfile:
         """How messages of a topic travel."""
-        return self.qos.get(topic) or (STATIC if topic.rpartition("/")[2] == "tf_static" else DEFAULT)
+        return self.qos.get(topic) or CONVENTIONS.get(topic.rpartition("/")[2], DEFAULT)
 
 
 DEFAULT = QosProfile()
-STATIC = QosProfile(durability="latched", depth=100)
+MAP = QosProfile(durability="latched", depth=1)
+CONVENTIONS: Mapping[str, QosProfile] = {
+    "tf_static": QosProfile(durability="latched", depth=100), "map": MAP, "costmap": MAP,
+}  # fmt: skip
+"""The last word of a topic → how it travels by convention of tf2, map_server and Nav2, unless the profile states it.
+
+A publisher of such a topic that latches nothing is received all the same.
+"""
 """tf2 reports once what does not change, to anyone who comes later as well."""
 
 

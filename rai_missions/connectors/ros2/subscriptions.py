@@ -10,6 +10,7 @@ from __future__ import annotations
 import time
 from collections import deque
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from typing import Any
 
 from rclpy.event_handler import SubscriptionEventCallbacks
@@ -17,7 +18,7 @@ from rclpy.qos import QoSPolicyKind
 from rclpy.serialization import deserialize_message
 
 from rai_missions.connectors.connector import Close, Message, RawMessage
-from rai_missions.connectors.ros2.config import QosProfile
+from rai_missions.connectors.ros2.config import CONVENTIONS, QosProfile
 from rai_missions.connectors.ros2.messages import name_of, to_data
 from rai_missions.connectors.ros2.mixed import MessageSorter
 from rai_missions.connectors.ros2.node_thread import Runtime, guarded
@@ -145,12 +146,20 @@ class _Reader:
             return
         if not self._entities:
             self._opened_ns, self._count = time.time_ns(), 0
+        quality = self._quality
+        if self._is_conventional and reliability == "best_effort":
+            quality = replace(quality, durability="volatile")  # fits every publisher
         events = SubscriptionEventCallbacks(incompatible_qos=self._on_mismatch, use_default_callbacks=False)
         receive = self._mixed.receive_reliably if reliability == "reliable" else self._mixed.receive
         self._entities[reliability] = self._runtime.node.create_subscription(
-            self._class, self._topic, receive, profile(self._quality, reliability),
+            self._class, self._topic, receive, profile(quality, reliability),
             callback_group=self._runtime.group, event_callbacks=events, raw=self._is_raw,
         )  # fmt: skip
+
+    @property
+    def _is_conventional(self) -> bool:
+        """No one has stated how the topic travels: who publishes it otherwise is received too."""
+        return any(self._quality is each for each in CONVENTIONS.values())
 
     def _close(self) -> None:
         while self._entities:
@@ -190,9 +199,10 @@ class _Reader:
         """A publisher offers less than is asked for, and would never be received."""
         if self._is_fitted:
             return
-        if found.last_policy_kind == QoSPolicyKind.RELIABILITY and self._quality.reliability is None:
+        is_reliability_open = self._quality.reliability is None
+        if (found.last_policy_kind == QoSPolicyKind.RELIABILITY and is_reliability_open) or self._is_conventional:
             self._is_fitted = True
-            log.info("%s is published with best effort, and is received so from who does not offer more", self._topic)
+            log.info("%s is published with less than is asked for, and is received so from that publisher", self._topic)
             self._runtime.post(lambda: self._open("best_effort"))
         elif not self._is_puzzled:
             self._is_puzzled = True

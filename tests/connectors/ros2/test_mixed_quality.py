@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import heapq
+import itertools
 from collections.abc import Callable
 from typing import Any
 
@@ -64,10 +65,10 @@ def test_two_readers_deliver_each_message_once_and_reliable_in_order(
     from rai_missions.connectors.ros2.mixed import MessageSorter
 
     queue: list[tuple[float, int, Any]] = []
-    now = [0.0]
+    now, numbers = [0.0], itertools.count(10_000)
     results: list[int] = []
     mixed = MessageSorter(
-        lambda delay_s, work: heapq.heappush(queue, (now[0] + delay_s, 10_000 + len(queue), work)),
+        lambda delay_s, work: heapq.heappush(queue, (now[0] + delay_s, next(numbers), work)),
         lambda message, _info: results.append(message), lambda: 1,
     )  # fmt: skip
     arrives = 0.0
