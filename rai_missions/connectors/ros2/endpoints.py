@@ -2,6 +2,10 @@
 """Who serves a name: known by the identities of its endpoints, so that a server that died and came back is another.
 
 Rule: a server is gone when none of the endpoints that were there is there, or when its node has come back as another.
+
+Actions are looked up by the names of ROS. Services are looked up by the names that DDS gives them, since ROS 2 Jazzy
+has no query for the endpoints of a service. A middleware without such names (Zenoh) leaves the names of the nodes that
+serve it: a server that is back under its node's name is then the one from before.
 """
 
 from __future__ import annotations
@@ -10,14 +14,17 @@ import re
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from rclpy.node import Node
+from rclpy.node import Node, NodeNameNonExistentError
 
 __all__ = (
     "NO_PEERS", "Peers", "are_gone", "are_replaced", "servers_of_action", "servers_of_service", "types_of_service",
 )  # fmt: skip
 
 Peers = Mapping[bytes, str]
-"""The identities of a server's endpoints, each with its node's name, empty while that is not known."""
+"""The identities of a server's endpoints, each with its node's name, empty while that is not known.
+
+Where the middleware has none for a service, the node's name is the identity.
+"""
 NO_PEERS: Peers = {}
 REQUEST = re.compile(r"^(?P<package>\w+?)(?:::|/)srv(?:::|/)(?:dds_(?:::|/))?(?P<name>\w+)_Request_?$")
 """A request's type as DDS knows it, `std_srvs::srv::dds_::Trigger_Request_`, or as ROS does."""
@@ -31,18 +38,34 @@ def servers_of_action(node: Node, action: str) -> Callable[[], Peers]:
 
 def servers_of_service(node: Node, service: str) -> Callable[[], Peers]:
     """Looks up who serves a service: anyone who reads its requests, under the name that DDS knows them by."""
-    return lambda: _peers(_servers(node, service))
+    return lambda: _peers(_readers(node, service)) or dict.fromkeys(_nodes(node, service), "")
 
 
 def types_of_service(node: Node, service: str) -> set[str]:
     """The types by which a service is served now: `std_srvs/srv/Trigger`."""
-    found = (REQUEST.match(each.topic_type) for each in _servers(node, service))
-    return {f"{each['package']}/srv/{each['name']}" for each in found if each is not None}
+    found = (REQUEST.match(each.topic_type) for each in _readers(node, service))
+    known = {f"{each['package']}/srv/{each['name']}" for each in found if each is not None}
+    return known or {type_name for types in _nodes(node, service).values() for type_name in types}
 
 
-def _servers(node: Node, service: str) -> list[Any]:
+def _readers(node: Node, service: str) -> list[Any]:
+    """The readers of the requests, as DDS names these."""
     topic = f"rq{node.resolve_service_name(service)}Request"
     found: list[Any] = node.get_subscriptions_info_by_topic(topic, no_mangle=True)
+    return found
+
+
+def _nodes(node: Node, service: str) -> dict[bytes, list[str]]:
+    """The nodes that serve it, by their names, with the types; no middleware's names are needed for that."""
+    name = node.resolve_service_name(service)
+    found: dict[bytes, list[str]] = {}
+    for each, namespace in node.get_node_names_and_namespaces() if node.count_services(name) else ():
+        try:
+            served = dict(node.get_service_names_and_types_by_node(each, namespace))
+        except NodeNameNonExistentError:  # it has just gone
+            continue
+        if name in served:
+            found[f"{namespace.rstrip('/')}/{each}".encode()] = served[name]
     return found
 
 
