@@ -57,7 +57,16 @@ def nodes(context: LaunchContext) -> list[Node]:
 
 
 def parameters(arguments: str, params_file: str) -> list[Any]:
-    """The parameters of the node: a file, and the mission's arguments, of which those that hold others go as JSON."""
-    values = json.loads(arguments)
+    """The parameters of the node: a file, and the mission's arguments, of which those that hold others go as JSON.
+
+    Raises:
+        ValueError: The arguments are no JSON object.
+    """
+    try:
+        values = json.loads(arguments)
+    except ValueError:
+        values = None
+    if not isinstance(values, dict):
+        raise ValueError(f"arguments: {arguments!r} is no JSON object; one looks like '{{\"alleys\": 2}}'")
     flat = {name: json.dumps(value) if isinstance(value, dict | list) else value for name, value in values.items()}
     return [*([params_file] if params_file else []), *([flat] if flat else [])]

@@ -100,6 +100,12 @@ def test_what_ros_has_no_type_for_goes_as_json_and_a_file_comes_first(described:
     assert started(described, mission="m.json").given["parameters"] == []
 
 
+@pytest.mark.parametrize("arguments", ["alleys: 2", "[2]", ""])
+def test_arguments_that_are_no_object_are_refused_with_an_example(described: list[Any], arguments: str) -> None:
+    with pytest.raises(ValueError, match=r"is no JSON object; one looks like '\{\"alleys\": 2\}'"):
+        started(described, mission="m.json", arguments=arguments)
+
+
 @pytest.mark.parametrize(
     ("words", "why"),
     [
