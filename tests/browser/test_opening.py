@@ -120,6 +120,11 @@ def test_on_a_phone_the_chart_has_half_of_the_screen_and_the_bar_is_a_line_with_
     assert window.evaluate(SHARE) >= 0.5
     assert not window.is_visible("#lenses")
     assert window.evaluate(OUTSIDE, important(tractor())) == []
+    for leave in (lambda: window.keyboard.press("Escape"), lambda: window.mouse.click(195, 800)):
+        window.click("#menu")
+        assert window.is_visible("#lenses")
+        leave()
+        assert not window.is_visible("#lenses")
     window.click("#menu")
     assert window.get_attribute("#menu", "aria-expanded") == "true"
     window.click("[data-lens=model]")

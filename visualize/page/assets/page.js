@@ -51,6 +51,7 @@ class Page {
     click("help", () => byId("keys").showModal());
     click("keys-close", () => byId("keys").close());
     click("menu", () => this.menu(byId("menu").getAttribute("aria-expanded") !== "true"));
+    document.addEventListener("click", (event) => event.target.closest("#menu, #more") || this.menu(false), true);
     byId("more").addEventListener("click", (event) => event.target.closest("button") && !event.target.closest(".tools") && this.menu(false));
     for (const name of TABS) click(`tab-${name}`, () => this.tab(name));
     byId("tab-details").parentElement.addEventListener("keydown", (event) => this.alongTabs(event));
