@@ -261,7 +261,8 @@ class MissionModel(Model):
     def __init_subclass__(cls, **rest: Any) -> None:
         super().__init_subclass__(**rest)
         declared: Any = vars(cls).get("__init__")
-        cls.__init__ = MissionModel.__init__ if declared is None else _built_as(declared)  # type: ignore[method-assign]
+        # Not assigned as `cls.__init__`: tools that read the source would take that for every constructor.
+        type.__setattr__(cls, "__init__", MissionModel.__init__ if declared is None else _built_as(declared))
         if declared is not None:
             cls.positional = declared.__code__.co_varnames[1 : declared.__code__.co_argcount]
 

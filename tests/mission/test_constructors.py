@@ -6,8 +6,10 @@ from __future__ import annotations
 import inspect
 import pydoc
 from collections.abc import Iterator
+from pathlib import Path
 from typing import Any
 
+import jedi
 import pytest
 from pydantic_core import PydanticUndefined
 
@@ -19,6 +21,7 @@ from rai_missions.states.effects import Effect
 from rai_missions.states.state import State
 from rai_missions.states.tree import TreeNode
 
+ROOT = Path(__file__).parents[2]
 KINDS: dict[str, type[Any]] = {
     f"{family.__name__}.{word or 'plain'}": kind
     for family in (Effect, Guard, State, TreeNode)
@@ -129,3 +132,20 @@ def test_a_kind_that_declares_no_constructor_takes_its_fields() -> None:
 
     assert Pause(2, about="a while").pause_s == 2
     assert vars(Pause)["__init__"] is vars(MissionModel)["__init__"]
+
+
+@pytest.mark.parametrize(
+    ("line", "word"),
+    [
+        ('Action("drive", timeo', "timeout_s="),
+        ('Decision("What?", deadl', "deadline_s="),
+        ('tree.Call("horn", req', "request="),
+        ("Key(float, sou", "source="),
+        ('On("blocked", wh', "when="),
+    ],
+)
+def test_an_editor_completes_the_words(line: str, word: str) -> None:
+    """As Jedi does, which reads the source as editors do."""
+    source = f"from rai_missions import Key, On\nfrom rai_missions.states import Action, Decision, tree\n{line}"
+    completed = jedi.Script(source, project=jedi.Project(ROOT)).complete(3, len(line))
+    assert word in [each.name for each in completed]
