@@ -16,6 +16,7 @@ from launch import LaunchContext, LaunchDescription
 from launch.actions import DeclareLaunchArgument, OpaqueFunction, Shutdown
 from launch.substitutions import LaunchConfiguration
 from launch_ros.actions import LifecycleNode, Node
+from launch_ros.parameter_descriptions import ParameterValue
 
 TRUE = ("true", "1", "yes", "on")
 DECLARED = (
@@ -68,5 +69,12 @@ def parameters(arguments: str, params_file: str) -> list[Any]:
         values = None
     if not isinstance(values, dict):
         raise ValueError(f"arguments: {arguments!r} is no JSON object; one looks like '{{\"alleys\": 2}}'")
-    flat = {name: json.dumps(value) if isinstance(value, dict | list) else value for name, value in values.items()}
+    flat = {name: parameter(value) for name, value in values.items()}
     return [*([params_file] if params_file else []), *([flat] if flat else [])]
+
+
+def parameter(value: Any) -> Any:
+    """A value as a parameter; `launch` would read a bare text as YAML, so that '3' is a number and '{}' is refused."""
+    if isinstance(value, bool | int | float):
+        return value
+    return ParameterValue(value if isinstance(value, str) else json.dumps(value), value_type=str)

@@ -32,6 +32,7 @@ SIGNATURES: dict[str, dict[str, str]] = {
         "LifecycleNode": "*, name, namespace, package, executable, arguments, parameters, output",
         "Node": "*, package, executable, name, namespace, arguments, parameters, output, on_exit",
     },
+    "launch_ros.parameter_descriptions": {"ParameterValue": "value, *, value_type"},
 }
 """What the file uses of `launch` and `launch_ros`, and what their documentation has these take."""
 
@@ -91,11 +92,15 @@ def test_the_command_line_that_it_makes_is_understood(described: list[Any], mana
 
 
 def test_what_ros_has_no_type_for_goes_as_json_and_a_file_comes_first(described: list[Any]) -> None:
-    arguments = {"target": {"x": 1.0}, "points": [{"x": 2.0}], "n": 3, "word": "a"}
+    arguments = {"target": {"x": 1.0}, "points": [{"x": 2.0}], "n": 3, "lit": True, "word": "3", "none": None}
     node = started(described, mission="m.json", arguments=json.dumps(arguments), params_file="given.yaml")
-    assert node.given["parameters"] == [
-        "given.yaml", {"target": '{"x": 1.0}', "points": '[{"x": 2.0}]', "n": 3, "word": "a"},
-    ]  # fmt: skip
+    file, values = node.given["parameters"]
+    assert file == "given.yaml" and (values["n"], values["lit"]) == (3, True)
+    texts = {name: value.given for name, value in values.items() if isinstance(value, LaunchPart)}
+    assert texts == {
+        "target": {"value": '{"x": 1.0}', "value_type": str}, "points": {"value": '[{"x": 2.0}]', "value_type": str},
+        "word": {"value": "3", "value_type": str}, "none": {"value": "null", "value_type": str},
+    }, "a bare text would be read as YAML"  # fmt: skip
     assert node.given["arguments"] == ["run", "m.json", "--node"]
     assert started(described, mission="m.json").given["parameters"] == []
 
