@@ -247,8 +247,8 @@ class _Reader:
         if state.requires is not None:
             yield f"requires {state.requires.words()}; else it ends failed"
         for edge in into:
-            source = self.roads.states.get(edge.source)
-            if isinstance(source, Action) and source.achieved is not None and "succeeded" in edge.transition.on:
+            source, by_success = self.roads.states.get(edge.source), edge.transition.on == ("succeeded",)
+            if isinstance(source, Action) and source.achieved is not None and by_success and edge.transition.of is None:
                 settle = f" within {source.settle_s:g} s" if source.settle_s else ""
                 yield f"{source.action} has succeeded only when {source.achieved.words()}{settle}"
 

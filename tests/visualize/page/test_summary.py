@@ -93,6 +93,17 @@ def test_whom_a_decision_asks_is_reported_in_words_that_are_no_words_of_control(
     assert not any("agent" in fact.text for fact in found.controllers)
 
 
+def test_the_success_of_an_action_proves_an_end_only_where_nothing_else_leads_there() -> None:
+    given = document()
+    proof = {end.state: end.proof for end in summary(Mission.model_validate(given)).ends}["done"]
+    assert "drive_alleys has succeeded only when alleys_driven ≥ alleys" in proof
+    for transition in given["states"]["working"]["states"]["driving"]["transitions"]:
+        if transition["on"] == "succeeded":
+            transition["on"] = ["succeeded", "failed"]
+    proof = {end.state: end.proof for end in summary(Mission.model_validate(given)).ends}["done"]
+    assert not any("drive_alleys" in each for each in proof)
+
+
 def test_an_end_that_nothing_leads_to_has_no_cause_and_a_cancel_is_one() -> None:
     given = document()
     given["states"]["lost"] = {"final": "failed"}
