@@ -12,10 +12,10 @@ from typing import Any
 from rai_missions.states import Default, State
 from rai_missions.states.decision import DecisionSpec
 from rai_missions.states.effects import Effect
-from rai_missions.states.state import Transition
+from rai_missions.states.state import CONTROLLERS, Transition
 from visualize.model import Choice, Twig
 
-__all__ = ("CONTROLLERS", "child_pointer", "choices", "controlled", "effects", "trigger", "twigs")
+__all__ = ("child_pointer", "choices", "controlled", "effects", "trigger", "twigs")
 
 
 def child_pointer(place: str, *steps: str) -> str:
@@ -31,11 +31,6 @@ def trigger(transition: Transition) -> str:
         return f"after {transition.after_s:g} s"
     words = " or ".join("any event" if name == "*" else name for name in transition.on)
     return f"{words} of {transition.of}" if transition.of else words
-
-
-CONTROLLERS: Mapping[str, str] = {
-    "autonomy": "the autonomy stack", "agent": "the mission itself", "operator": "the operator", "nobody": "no one",
-}  # fmt: skip
 
 
 def controlled(holder: str) -> str:

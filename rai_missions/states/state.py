@@ -35,8 +35,8 @@ if TYPE_CHECKING:
     from rai_missions.states.tree.node import TreeNode
 
 __all__ = (
-    "ANY_EVENT", "HOLDERS", "OUTCOMES", "ActivityOutcome", "Controller", "Effects", "Holder", "ResultKey", "State",
-    "States", "Transition",
+    "ANY_EVENT", "CONTROLLERS", "HOLDERS", "OUTCOMES", "ActivityOutcome", "Controller", "Effects", "Holder",
+    "ResultKey", "State", "States", "Transition",
 )  # fmt: skip
 
 ANY_EVENT = "*"
@@ -49,6 +49,10 @@ Controller = Literal["autonomy", "agent", "operator"]
 Holder = Literal[Controller, "nobody"]
 """Who can hold control."""
 HOLDERS: tuple[Holder, ...] = get_args(Holder)
+CONTROLLERS: Mapping[str, str] = {
+    "autonomy": "the autonomy stack", "agent": "the mission itself", "operator": "the operator", "nobody": "no one",
+}  # fmt: skip
+"""Who holds control, for a reader."""
 
 
 def _several(given: Any) -> Any:

@@ -3,7 +3,7 @@
 
 Rule: the engine waits for no one. It leaves its steps in a queue; what a viewer costs, the server pays.
 
-Imports `engine`, `journal` and `mission`, and the modules of the root.
+Imports `engine`, `journal`, `mission` and `states`, and the modules of the root.
 """
 
 from visualize.live.feed import Feed, RunFeed

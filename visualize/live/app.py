@@ -23,6 +23,7 @@ from starlette.routing import Route
 
 from rai_missions.errors import UsageError
 from rai_missions.mission.mission import Mission
+from rai_missions.states.state import CONTROLLERS
 from visualize.build import picture
 from visualize.live.auth import ASGI, Allowance, Receive, Scope, Send
 from visualize.live.hub import Hub, Viewer
@@ -30,7 +31,6 @@ from visualize.live.images import ImageStream
 from visualize.page.as_json import Json
 from visualize.page.chart_data import chart_data
 from visualize.page.html import asset, bundle
-from visualize.text import CONTROLLERS
 
 __all__ = ("CommandSink", "ReplyCallback", "application")
 

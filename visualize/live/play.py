@@ -18,6 +18,7 @@ from starlette.routing import Route
 
 from rai_missions.errors import MissionError
 from rai_missions.mission.mission import Mission
+from rai_missions.states.state import CONTROLLERS
 from visualize.build import picture
 from visualize.live.app import ASSETS, SHARED
 from visualize.live.auth import ASGI, Allowance
@@ -55,7 +56,8 @@ class PlayPages:
     """
 
     def __init__(self, mission: Mission, desk: PlayDesk) -> None:
-        self._mission, self._desk = {"chart": chart_data(picture(mission), mission)}, desk
+        self._mission = {"chart": chart_data(picture(mission), mission), "holders": dict(CONTROLLERS)}
+        self._desk = desk
         self._orders = Allowance(0.05, 40)
 
     def routes(self) -> list[Route]:

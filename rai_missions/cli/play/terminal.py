@@ -19,6 +19,8 @@ from rai_missions.errors import MissionError, UsageError, suggestion
 from rai_missions.replay.play import Click, Field, PlayChoice
 from rai_missions.replay.play.choice import ChoiceKind
 from rai_missions.replay.play.fields import read_text
+from rai_missions.states.decision import answerer_words
+from rai_missions.states.state import CONTROLLERS
 
 __all__ = ("TerminalPlay",)
 
@@ -169,10 +171,12 @@ class TerminalPlay:
         inner = [node.name for node in chart.state.config.atomic]
         where = ", ".join(inner) if inner else "not started"
         held = f" (held by {chart.held_by})" if chart.held_by else ""
-        self._print(f"\n── {chart.at:g} s · {chart.mode} · {where} · control: {chart.holder}{held} " + "─" * 8)
+        self._print(
+            f"\n── {chart.at:g} s · {chart.mode} · {where} · control: {CONTROLLERS[chart.holder]}{held} " + "─" * 8
+        )
         for question in chart.questions:
             left = f", {question.until - chart.at:.3g} s left" if question.until != float("inf") else ""
-            self._print(f"? {question.asked} is asked: {trimmed(question.text)}{left}")
+            self._print(f"? {answerer_words(question.asked)} is asked: {trimmed(question.text)}{left}")
             for shown in question.evidence:
                 self._print(f"    {trimmed(shown.words())}")
         if chart.outcome is not None:

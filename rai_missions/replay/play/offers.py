@@ -37,7 +37,8 @@ from rai_missions.replay.play.fields import (
     parameter_fields,
 )
 from rai_missions.replay.play.passage import fading, next_change
-from rai_missions.states.state import HOLDERS
+from rai_missions.states.decision import answerer_words
+from rai_missions.states.state import CONTROLLERS, HOLDERS
 
 __all__ = ("GOAL_ENDS", "REPLIES", "OpenChoices", "settled")
 
@@ -117,7 +118,7 @@ class OpenChoices:
             if key.source == "robot" or (key.source == "argument" and chart.mode == "ready"):
                 words = f"the robot reports {name}" if key.source == "robot" else f"the argument {name} is given"
                 yield self._writing(f"key {name}", words, {name: key}, chart)._replace(about=key.about)
-        for name, end in fresh.items() if chart.mode != "ready" else ():
+        for name, end in fresh.items() if chart.mode != "ready" and chart.outcome is None else ():
             passage = partial(_pass, until=end, but=(name,))
             yield PlayChoice(f"stale {name}", "key", f"{name} goes stale", passage, about=f"until {end:.3g} s")
 
@@ -149,9 +150,9 @@ class OpenChoices:
             yield _of(Event("uncertain", kind="doubt"), "event", "no one knows whether it was done", fields=fields)
 
     def _time(self, chart: Chart) -> Iterator[PlayChoice]:
-        if chart.mode == "ready":
-            return
         due = next_change(chart)
+        if chart.mode == "ready" or (chart.outcome is not None and due is None):
+            return
         if due is not None:
             words = f"time passes until something changes, in {due - chart.at:.3g} s"
             yield PlayChoice("next", "time", words, partial(_pass, until=due))
@@ -218,13 +219,13 @@ class OpenChoices:
         for question in chart.questions:
             for offer in question.options:
                 yield _answer(question, offer)
-            words = f"{question.asked} is absent"
+            words = f"{answerer_words(question.asked)} is absent"
             event = Event(question.asked, 0.0, {"absent": "no one is there"}, "proposal", question.number)
             yield _of(event, "answer", words, question.owner, name=f"answer {question.number} absent")._replace(
                 is_awaited=True
             )
             event = Event(question.asked, 0.0, {"option": INVALID, "parameters": {}}, "proposal", question.number)
-            words = f"{question.asked} gives an answer that is no option"
+            words = f"{answerer_words(question.asked)} gives an answer that is no option"
             yield _of(event, "answer", words, question.owner, name=f"answer {question.number} invalid")._replace(
                 is_awaited=True
             )
@@ -233,15 +234,16 @@ class OpenChoices:
         if not self._has_control or chart.outcome is not None:
             return
         for holder in HOLDERS:
+            named = CONTROLLERS[holder]
             is_asked = holder in chart.wanted
             if holder == "operator" and not chart.taken and not is_asked:
                 words, by = "the operator takes control", "operator"
             elif holder == chart.holder:
                 continue
             elif chart.held_by:
-                words, by = f"the operator gives control to {holder}", "operator"
+                words, by = f"the operator gives control to {named}", "operator"
             else:
-                words, by = (f"control is with {holder}{', as was asked' if is_asked else ''}", "mission")
+                words, by = (f"control is with {named}{', as was asked' if is_asked else ''}", "mission")
             choice = _of(Event(holder, 0.0, {"by": by}, "control"), "control", words, name=f"control {holder}")
             yield choice._replace(is_awaited=is_asked)
 
@@ -280,8 +282,7 @@ def tested(chart: Chart, choice: PlayChoice) -> PlayChoice | None:
     What it would bring with other values is not known: a choice of an event with values of its own is kept.
     """
     if choice.kind in ("key", "time", "start"):
-        is_open = choice.kind != "key" or choice.name.startswith("stale ") or chart.outcome is None
-        return choice if is_open else None
+        return choice if choice.kind != "key" or chart.outcome is None else None
     probe = chart.branch()
     steps = [step for given in choice.inputs(probe, {}) for step in perform(probe, given)]
     if any(step.refusal for step in steps):
@@ -325,7 +326,7 @@ def _answer(question: Question, offer: Offer) -> PlayChoice:
         data = {"option": offer.name, "parameters": assembled(fields, given)}
         return [Event(question.asked, chart.at, data, "proposal", question.number)]
 
-    name, words = f"answer {question.number} {offer.name}", f"{question.asked} answers {offer.name}"
+    name, words = f"answer {question.number} {offer.name}", f"{answerer_words(question.asked)} answers {offer.name}"
     return PlayChoice(name, "answer", words, inputs, fields, question.state, offer.about, is_awaited=True)
 
 

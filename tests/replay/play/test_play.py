@@ -336,6 +336,14 @@ def test_a_mission_with_trees_images_and_control_is_played_to_its_end() -> None:
     assert play.chart.outcome == "aborted"
 
 
+def test_nothing_can_happen_any_more_once_the_mission_and_its_goals_have_ended() -> None:
+    play = started()
+    play.do("command kill")
+    assert {choice.kind for choice in play.choices()} == {"goal", "time"}
+    play.do("goal 1 canceled")
+    assert [choice.name for choice in play.choices()] == ["goal 1 stray"]
+
+
 def test_the_inputs_of_time_are_one_passage() -> None:
     click = started().do("time", {"seconds": 3})
     assert click.inputs == (Passage(3.0),)

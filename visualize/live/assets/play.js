@@ -14,9 +14,10 @@ class PlayPage {
     const answers = await Promise.all(["/mission", "/play"].map((path) => this.line.get(path)));
     const refused = answers.find((answer) => !answer.ok);
     if (refused) return needed((await refused.json().catch(() => ({}))).why || `the server answered ${refused.status}`, ENTRY);
-    const [{ chart }, state] = await Promise.all(answers.map((answer) => answer.json()));
+    const [{ chart, holders }, state] = await Promise.all(answers.map((answer) => answer.json()));
     byId("entry").hidden = true;
     this.keys = chart.keys;
+    this.holders = holders;
     this.chart = new Chart(byId("chart"), chart, { select: (kind, name, more) => this.select(kind, name, more), moved: () => {} });
     this.chart.svg.addEventListener("click", () => this.select("", ""));
     this.details = new Details(byId("details"), this.chart.model, { findings: [], coverage: {}, runs: [], go: (kind, name) => this.go(kind, name) });
@@ -80,7 +81,7 @@ class PlayPage {
     const { mode, control, active, taken, at, held_by: held, outcome, why, length } = state;
     byId("mode").textContent = mode;
     byId("mode").dataset.mode = mode;
-    byId("control").textContent = held ? `${control}, which holds the mission` : control;
+    byId("control").textContent = held ? `${this.holders[control]}, the mission is held` : this.holders[control] || control;
     byId("control").dataset.control = control;
     byId("clock").textContent = `${valueText(at)} s`;
     byId("undo").disabled = !length;
