@@ -39,6 +39,7 @@ from rai_missions.profile import (
     missing,
     unknown_fields,
 )
+from rai_missions.profile.python_robot import KIND
 from rai_missions.recording import Recording, observers, recorded
 from rai_missions.redaction import Redaction, logger
 from rai_missions.replay.open_run import OpenedRun, open_run
@@ -218,6 +219,8 @@ def _open_environment(plan: RunPlan, closing: CleanupStack) -> RunEnvironment:
     kind, world = str(options.pop("kind")), options.pop("world", None)
     if (offer := connector_offer(kind)) is not None:
         return _open_connector(plan, plan.robot, offer, options, closing)
+    if kind == KIND:
+        raise UsageError("a profile cannot name a robot in Python; a person does: --robot FILE.py")
     if kind != "local":
         raise UsageError(f"no connector of kind '{kind}'{suggestion(kind, ('local', *CONNECTORS))}")
     if world is None:

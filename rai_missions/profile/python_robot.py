@@ -18,7 +18,7 @@ from typing import Any, NamedTuple
 from pydantic import ValidationError
 
 from rai_missions.connectors.python_robot import PythonRobot
-from rai_missions.connectors.python_robot.connector import EVENTS, FACTS, MESSAGES
+from rai_missions.connectors.python_robot.robot import EVENTS, FACTS, MESSAGES
 from rai_missions.errors import DefinitionError, Fault
 from rai_missions.mission.json_reader import file_bytes
 from rai_missions.mission.mission import Mission

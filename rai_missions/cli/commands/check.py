@@ -47,14 +47,17 @@ def check(
     """
     import sys
     from json import dumps
+    from pathlib import Path
 
     from rai_missions.check import FileFinding, check_file, exit_status
     from rai_missions.cli.inputs import is_robot_program, load_guards, warn
+    from rai_missions.mission.json_reader import file_bytes
 
     named = load_guards(guards, python=not no_python)
     checked = check_file(mission, python=not no_python, named=set(named) if named is not None else None)
     profile, lacking = "", tuple[FileFinding, ...]()
-    if is_robot_program(robot):
+    if is_robot_program(robot) and robot is not None:
+        file_bytes(Path(robot))  # it must be there
         warn(
             f"{robot}: whether it covers the mission was not checked: check executes no robot, and run checks it first"
         )

@@ -6,16 +6,17 @@ Rule: whatever the function does, exactly one end is reported.
 
 from __future__ import annotations
 
+import sysconfig
 import traceback
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, Generic, Literal, TypeVar
 
 from rai_missions.connectors.connector import Data, Report
-from rai_missions.connectors.python_robot.robot_time import Execution, RobotTime, TaskExecution
+from rai_missions.connectors.python_robot.robot_time import Execution, RobotTime
 from rai_missions.redaction import cut, cut_repr, logger
 
-__all__ = ("ActionRun", "AsyncActionRun", "GoalRun", "fault_of", "response_of")
+__all__ = ("ActionRun", "GoalRun", "fault_of", "response_of")
 
 log = logger(__name__)
 
@@ -23,6 +24,8 @@ E = TypeVar("E", bound=Execution)
 Status = Literal["accepted", "feedback", "succeeded", "failed", "canceled", "overdue"]
 NOTHING: Data = {}
 OURS = str(Path(__file__).parent)
+LIBRARIES = tuple({sysconfig.get_path(each) for each in ("stdlib", "purelib", "platlib")})
+"""Where an author has written nothing: the place of a fault is the last line outside of them."""
 
 
 class Canceled:
@@ -43,7 +46,7 @@ class GoalRun(Generic[E]):
     """
 
     def __init__(self, goal_id: str, execution: E, robot_time: RobotTime, on_report: Callable[[Report], None]) -> None:
-        self._goal_id, self._execution, self._time, self._on_report = goal_id, execution, robot_time, on_report
+        self._goal_id, self.execution, self._time, self._on_report = goal_id, execution, robot_time, on_report
         self._is_canceled = False
 
     @property
@@ -63,7 +66,7 @@ class GoalRun(Generic[E]):
     def ask_to_cancel(self) -> None:
         """The mission asks for the end: a wait ends at once, and later ones last as long as they should."""
         self._is_canceled = True
-        self._time.wake(self._execution)
+        self._time.wake(self.execution)
 
     def report(self, status: Status, why: str = "", data: Data = NOTHING) -> None:
         """Report how the goal is going, or its end."""
@@ -75,14 +78,14 @@ class GoalRun(Generic[E]):
             self.report("canceled")
             return
         try:
-            self.report("succeeded", data=response_of(self._execution.name, "result", returned))
+            self.report("succeeded", data=response_of(self.execution.name, "result", returned))
         except TypeError as error:
             self.report("failed", str(error))
 
     def fail(self, error: BaseException) -> None:
         """The function has raised."""
         why = fault_of(error)
-        log.warning("%s failed: %s", self._execution.name, why)
+        log.warning("%s failed: %s", self.execution.name, why)
         self.report("failed", why)
 
 
@@ -91,15 +94,7 @@ class ActionRun(GoalRun[Execution]):
 
     def sleep(self, seconds: float) -> None:
         """Wait for seconds of the run's clock; less where the mission cancels the goal meanwhile."""
-        self._execution.sleep(seconds)
-
-
-class AsyncActionRun(GoalRun[TaskExecution]):
-    """The run of a goal that an `async def` pursues on the robot's event loop."""
-
-    async def sleep(self, seconds: float) -> None:
-        """Wait for seconds of the run's clock; less where the mission cancels the goal meanwhile."""
-        await self._execution.sleep_async(seconds)
+        self.execution.sleep(seconds)
 
 
 def response_of(name: str, what: str, returned: Any) -> Data:
@@ -119,5 +114,6 @@ def fault_of(error: BaseException) -> str:
     """The last line of an exception, and its place: `ValueError: no motor (my_robot.py, line 17, in drive)`."""
     last = traceback.format_exception_only(error)[-1].strip()
     frames = [each for each in traceback.extract_tb(error.__traceback__) if not each.filename.startswith(OURS)]
+    frames = [each for each in frames if not each.filename.startswith(LIBRARIES)] or frames
     place = f" ({Path(frames[-1].filename).name}, line {frames[-1].lineno}, in {frames[-1].name})" if frames else ""
     return cut(last, 300) + place

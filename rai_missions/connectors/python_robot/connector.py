@@ -6,73 +6,41 @@ Rule: no function of the robot runs on a thread of the mission's; one that hangs
 
 from __future__ import annotations
 
-import asyncio
 import copy
 import inspect
 import threading
 import time
-from collections.abc import Callable, Collection, Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Callable, Collection, Mapping
 from functools import partial
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from rai_missions.connectors.connector import Close, Data, Message, Reply, Report
+from rai_missions.connectors.connector import Close, Data, Message, Reply
 from rai_missions.connectors.local import LocalConnector
-from rai_missions.connectors.python_robot.action import ActionRun, AsyncActionRun, fault_of, response_of
+from rai_missions.connectors.python_robot.action import GoalRun, fault_of, response_of
 from rai_missions.connectors.python_robot.fact_poll import FactPoll, refresh
-from rai_missions.connectors.python_robot.robot import ActionFunction, PythonRobot, ServiceFunction
-from rai_missions.connectors.python_robot.robot_time import Execution, RobotTime, RunOver, TaskExecution
+from rai_missions.connectors.python_robot.function_server import FunctionServer
+from rai_missions.connectors.python_robot.robot import (
+    EVENTS,
+    FACTS,
+    MESSAGES,
+    PythonRobot,
+    ServiceFunction,
+)
+from rai_missions.connectors.python_robot.robot_time import Execution, RobotTime
 from rai_missions.connectors.worker import Worker
 from rai_missions.connectors.wrapper import ConnectorWrapper
 from rai_missions.errors import suggestion
 from rai_missions.redaction import logger
 
-__all__ = ("EVENTS", "FACTS", "MESSAGES", "PythonRobotConnector")
+if TYPE_CHECKING:
+    from rai_missions.connectors.python_robot.tasks import EventLoop
+
+__all__ = ("PythonRobotConnector",)
 
 log = logger(__name__)
 
-FACTS, EVENTS, MESSAGES = "facts/", "events/", "messages/"
-"""What the topics of facts, of events and of published messages begin with; a name follows."""
 EXIT_S = 2.0
 """So long on the wall the end of a run waits for actions that were canceled."""
-
-
-class EventLoop:
-    """The event loop of a robot's `async def` functions, on a thread that begins with the first of them."""
-
-    def __init__(self, name: str) -> None:
-        self._name, self._lock = name, threading.Lock()
-        self._loop: asyncio.AbstractEventLoop | None = None
-
-    def get(self) -> asyncio.AbstractEventLoop:
-        with self._lock:
-            if self._loop is None:
-                self._loop = asyncio.new_event_loop()
-                threading.Thread(target=_turn, args=(self._loop,), name=f"{self._name}/async", daemon=True).start()
-            return self._loop
-
-    def close(self) -> None:
-        """Cancel what is left, and end."""
-        with self._lock:
-            loop, self._loop = self._loop, None
-        if loop is not None:
-            asyncio.run_coroutine_threadsafe(_cancel_all(loop), loop)
-
-
-def _turn(loop: asyncio.AbstractEventLoop) -> None:
-    asyncio.set_event_loop(loop)
-    try:
-        loop.run_forever()
-    finally:
-        loop.close()
-
-
-async def _cancel_all(loop: asyncio.AbstractEventLoop) -> None:
-    left = asyncio.all_tasks(loop) - {asyncio.current_task(loop)}
-    for task in left:
-        task.cancel()
-    await asyncio.wait(left, timeout=EXIT_S) if left else None
-    loop.stop()
 
 
 class PythonRobotConnector(ConnectorWrapper):
@@ -91,10 +59,10 @@ class PythonRobotConnector(ConnectorWrapper):
     ) -> None:  # fmt: skip
         self._robot, self._now, self.time = robot, now, robot_time or RobotTime()
         self._events = events
-        self.loop = EventLoop(robot.name)
+        self._loop: EventLoop | None = None
         self._workers: dict[str, Worker] = {}
         self._changed = threading.Condition()
-        self._goals: dict[str, ActionRun | AsyncActionRun] = {}
+        self._goals: dict[str, GoalRun[Any]] = {}
         """Those whose function has not returned."""
         self._polls: dict[str, FactPoll] = {}
         """The facts that are read, by their names."""
@@ -131,8 +99,10 @@ class PythonRobotConnector(ConnectorWrapper):
                 self._changed.wait_for(lambda: not self._goals, EXIT_S)
             workers, self._workers = list(self._workers.values()), {}
             self._listened.clear()
+            loop, self._loop = self._loop, None
         self.time.close()
-        self.loop.close()
+        if loop is not None:
+            loop.close()
         for worker in workers:
             worker.close(within_s=0.0)
 
@@ -236,8 +206,18 @@ class PythonRobotConnector(ConnectorWrapper):
         """What a function returns, an `async def` too; on the thread that calls."""
         returned = function(*arguments)
         if inspect.iscoroutine(returned):
-            return asyncio.run_coroutine_threadsafe(returned, self.loop.get()).result()
+            return self.loop.result(returned)
         return returned
+
+    @property
+    def loop(self) -> EventLoop:
+        """Where its `async def` functions execute."""
+        from rai_missions.connectors.python_robot.tasks import EventLoop  # loads asyncio, for those who need it
+
+        with self._changed:
+            if self._loop is None:
+                self._loop = EventLoop(self._robot.name)
+            return self._loop
 
     # -- services -----------------------------------------------------------------------------------------------------
 
@@ -276,7 +256,7 @@ class PythonRobotConnector(ConnectorWrapper):
 
     # -- actions ------------------------------------------------------------------------------------------------------
 
-    def begin(self, goal_id: str, run: ActionRun | AsyncActionRun) -> None:
+    def begin(self, goal_id: str, run: GoalRun[Any]) -> None:
         """A function is about to pursue a goal."""
         self._goals[goal_id] = run
 
@@ -286,7 +266,7 @@ class PythonRobotConnector(ConnectorWrapper):
             self._goals.pop(goal_id, None)
         self._look_for_end()
 
-    def find(self, goal_id: str) -> ActionRun | AsyncActionRun | None:
+    def find(self, goal_id: str) -> GoalRun[Any] | None:
         """The run of a goal whose function has not returned."""
         return self._goals.get(goal_id)
 
@@ -306,68 +286,6 @@ class OneReply:
             self.is_given = True
         if self._is_wanted():
             self._on_reply(reply)
-
-
-class FunctionServer:
-    """The server of an action that a function pursues; an `ActionServer`."""
-
-    def __init__(self, connector: PythonRobotConnector, name: str, action: ActionFunction) -> None:
-        self._connector, self._name, self._action = connector, f"action '{name}'", action
-
-    def accept(self, goal_id: str, goal: Data, report: Callable[[Report], None]) -> None:
-        if inspect.iscoroutinefunction(self._action.pursue):
-            self._begin_task(goal_id, goal, report)
-        else:
-            self._begin_thread(goal_id, goal, report)
-
-    def cancel(self, goal_id: str) -> None:
-        if (run := self._connector.find(goal_id)) is not None:
-            run.ask_to_cancel()
-
-    def _begin_thread(self, goal_id: str, goal: Data, report: Callable[[Report], None]) -> None:
-        execution = Execution(self._name, self._connector.time)
-        run = ActionRun(goal_id, execution, self._connector.time, report)
-
-        def pursue() -> None:
-            with self._ending(goal_id, run, execution):
-                returned = self._action.pursue(dict(goal), run)
-                self._connector.refresh()
-                run.finish(returned)
-
-        self._begin(goal_id, run, execution)
-        threading.Thread(target=pursue, name=self._name, daemon=True).start()
-
-    def _begin_task(self, goal_id: str, goal: Data, report: Callable[[Report], None]) -> None:
-        loop = self._connector.loop.get()
-        execution = TaskExecution(self._name, self._connector.time, loop)
-        run = AsyncActionRun(goal_id, execution, self._connector.time, report)
-
-        async def pursue() -> None:
-            with self._ending(goal_id, run, execution):
-                returned = await self._action.pursue(dict(goal), run)
-                await asyncio.to_thread(self._connector.refresh)
-                run.finish(returned)
-
-        self._begin(goal_id, run, execution)
-        asyncio.run_coroutine_threadsafe(pursue(), loop)
-
-    def _begin(self, goal_id: str, run: ActionRun | AsyncActionRun, execution: Execution) -> None:
-        self._connector.begin(goal_id, run)
-        self._connector.time.add(execution)
-        run.report("accepted")
-
-    @contextmanager
-    def _ending(self, goal_id: str, run: ActionRun | AsyncActionRun, execution: Execution) -> Iterator[None]:
-        """Whatever the function raises is an end; its end is known before time moves without it."""
-        try:
-            yield
-        except RunOver:
-            log.info("%s was ended, because the run is over", self._name)
-        except BaseException as error:  # noqa: BLE001 - also an exit is the action's failure, never the process's
-            run.fail(error)
-        finally:
-            self._connector.end(goal_id)
-            self._connector.time.remove(execution)
 
 
 def _nothing() -> None:

@@ -17,13 +17,25 @@ from typing import Any, NamedTuple, Protocol, TypeVar
 from rai_missions.errors import UsageError
 from rai_missions.redaction import cut_repr, logger
 
-__all__ = ("ActionFunction", "FactFunction", "PythonRobot", "RobotPeer", "ServiceFunction", "WrittenFact")
+__all__ = (
+    "EVENTS",
+    "FACTS",
+    "MESSAGES",
+    "ActionFunction",
+    "FactFunction",
+    "PythonRobot",
+    "RobotPeer",
+    "ServiceFunction",
+    "WrittenFact",
+)
 
 log = logger(__name__)
 
 F = TypeVar("F", bound=Callable[..., Any])
 NAME = re.compile(r"[a-z][a-z0-9_]*")
 EVERY_S = 1.0
+FACTS, EVENTS, MESSAGES = "facts/", "events/", "messages/"
+"""What the topics of facts, of events and of published messages begin with; a name follows."""
 
 
 @dataclass

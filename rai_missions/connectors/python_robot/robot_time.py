@@ -6,16 +6,14 @@ Rule: time that is steered does not move here. A run's clock moves it, while eve
 
 from __future__ import annotations
 
-import asyncio
 import math
 import threading
 import time
 from collections.abc import Callable
-from contextlib import suppress
 
 from rai_missions.redaction import logger
 
-__all__ = ("Execution", "RobotTime", "RunOver", "TaskExecution")
+__all__ = ("Execution", "RobotTime", "RunOver")
 
 log = logger(__name__)
 
@@ -65,28 +63,6 @@ class Execution:
     def release(self) -> None:
         """End its wait; from any thread."""
         self._release.set()
-
-
-class TaskExecution(Execution):
-    """An `async def` that was called and has not returned; it executes on an event loop."""
-
-    def __init__(self, name: str, robot_time: RobotTime, loop: asyncio.AbstractEventLoop) -> None:
-        super().__init__(name, robot_time)
-        self._loop, self._released = loop, asyncio.Event()
-
-    async def sleep_async(self, seconds: float) -> None:
-        """As `sleep`; on its event loop."""
-        if self._time.wait(self, seconds):
-            with suppress(TimeoutError):
-                await asyncio.wait_for(self._released.wait(), None if self._time.is_steered else seconds)
-            self._released.clear()
-        self._time.awake(self)
-        if self.is_over:
-            raise RunOver
-
-    def release(self) -> None:
-        if not self._loop.is_closed():
-            self._loop.call_soon_threadsafe(self._released.set)
 
 
 class RobotTime:

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import asyncio
+import json
 import threading
 import time
 from collections.abc import Callable, Iterator
@@ -20,7 +21,7 @@ from rai_missions.connectors.python_robot import (
     connector,
     fact_poll,
 )
-from rai_missions.connectors.python_robot.connector import EVENTS, FACTS, MESSAGES
+from rai_missions.connectors.python_robot.robot import EVENTS, FACTS, MESSAGES
 from rai_missions.testing import Inbox, check_connector
 
 
@@ -107,8 +108,20 @@ async def fails_async(goal: Any, run: AsyncActionRun) -> None:
     raise ValueError("no motor")
 
 
+def fails_in_a_library(goal: Any, run: ActionRun) -> None:
+    int(json.loads("[}"))
+
+
 def leaves(goal: Any, run: ActionRun) -> None:
     raise SystemExit("no motor")
+
+
+def test_the_place_of_a_fault_is_the_last_line_that_the_author_has_written(
+    robot: PythonRobot, reached: PythonRobotConnector
+) -> None:
+    robot.action("drive")(fails_in_a_library)
+    line = fails_in_a_library.__code__.co_firstlineno + 1
+    assert f"(test_connector.py, line {line}, in fails_in_a_library)" in end_of(pursued(reached, "drive")).why
 
 
 @pytest.mark.parametrize("function", [fails, fails_async, leaves])
