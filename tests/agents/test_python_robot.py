@@ -245,7 +245,7 @@ def test_a_key_that_is_declared_or_was_written_is_no_lack(robot: PythonRobot) ->
 def test_rules_of_the_robot_answer() -> None:
     robot = PythonRobot("turtle", rules={"asking": [{"answer": "go"}]})
     robot.fact("x")(lambda: 0.0)
-    options = {"go": {"about": "go on"}, "stop": {"about": "stop"}}
+    options = {"go": {"about": "drive"}, "stop": {"about": "stop"}}
     asking = {"question": "What now?", "options": options, "ask": ["rules"], "deadline_s": 5, "fallback": "stop"}
     went = [{"on": "go", "to": "done"}, {"on": "stop", "to": "lost"}]
     result = run(mission({"asking": {"decision": asking, "transitions": went}}), robot, speed=math.inf)

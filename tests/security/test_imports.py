@@ -61,7 +61,7 @@ PROFILE: dict[str, Any] = {
                           "when": {"key": "message", "==": "X"}}},
     "actions": {"drive": {"action": "/drive", "type": "nav2_msgs/action/NavigateToPose", "uses": ["base"]}},
     "services": {"horn": {"service": "/horn", "type": "std_srvs/srv/Trigger"}},
-    "topics": {"say": {"topic": "/say", "type": "std_msgs/msg/String"}},
+    "topics": {"speech": {"topic": "/speech", "type": "std_msgs/msg/String"}},
     "rules": {"asking": [{"when": {"key": "x", "<": 0.2}, "answer": "go"}]}, "identity": "identity",
     "tools": {"read": ["/x"], "write": ["/y"], "never": ["/z"]},
 }  # fmt: skip
