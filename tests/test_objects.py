@@ -46,6 +46,7 @@ GLOBALS = {
     ("rai_missions/recording/recording.py", "atexit.register"): "taken back when it closes",
     ("rai_missions/runtime/interrupts.py", "signal.signal"): "put back when the run ends",
     ("rai_missions/engine/activities/activity.py", "_remembered"): "filled as classes are defined, like the classes",
+    ("rai_missions/profile/python_robot.py", "sys.path"): "put back when the file that a person named was executed",
     ("rai_missions/mission/python_file.py", "sys.modules"): "the interpreter looks a class's module up there",
     ("rai_missions/redaction.py", "_living"): "weak: each entry lives as long as the object that holds its secrets",
 }
