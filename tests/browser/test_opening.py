@@ -42,6 +42,8 @@ BROKEN = """[...document.querySelectorAll('aside table')].flatMap((table) => {
   return found;
 })"""
 """Words in tables that are not on one line."""
+CUT = "(({ scrollWidth, clientWidth }) => scrollWidth - clientWidth)(document.querySelector('aside'))"
+"""How much of the panel is cut at its edge."""
 BAR = "document.querySelector('#bar').getBoundingClientRect().height"
 SHARE = "document.querySelector('#chart').getBoundingClientRect().height / innerHeight"
 VIEW = "(({ x, y, scale }) => [x, y, scale])(review.chart.gestures)"
@@ -131,6 +133,10 @@ def test_on_a_phone_the_chart_has_half_of_the_screen_and_the_bar_is_a_line_with_
     assert not window.is_visible("#lenses")
     assert window.evaluate(OUTSIDE, ["assessing"]) == []
     assert window.evaluate(SHARE) >= 0.5
+    for tab in ("summary", "details", "step", "transitions"):
+        window.click(f"#tab-{tab}")
+        assert window.evaluate(BROKEN) == []
+        assert window.evaluate(CUT) <= 0, tab
     assert window.evaluate("document.documentElement.scrollWidth") <= PHONE["width"]
     assert window.is_visible("#legend")
     assert_accessible(window)
@@ -151,12 +157,7 @@ def test_a_run_opens_at_the_first_step_that_did_something_and_is_played_in_a_tab
     assert_accessible(window)
     window.click("#tab-transitions")
     assert window.evaluate(BROKEN) == []
-    assert (
-        window.evaluate(
-            "(({ scrollWidth, clientWidth }) => scrollWidth - clientWidth)(document.querySelector('aside'))"
-        )
-        <= 0
-    )
+    assert window.evaluate(CUT) <= 0
     window.evaluate("review.go('state', 'assessing')")
     assert window.evaluate(BROKEN) == []
     assert_accessible(window)
