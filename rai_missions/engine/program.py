@@ -56,7 +56,8 @@ class Program:
         self.has_trees = any(state.root() is not None for _, _, state in mission.walk())
         self.graph = Graph(mission, content)
         if absent := sorted(self.graph.named - self.named.keys()):
-            raise UsageError(f"the mission names predicates that were not given: {', '.join(absent)}; give named={{…}}")
+            sentence = f"the mission names predicates that were not given: {', '.join(absent)}"
+            raise UsageError(f"{sentence}; give named={{…}}, on the command line --guards FILE.py")
         self.declared = frozenset(mission.events)
         self.machines: dict[str, Machine | None] = {}
         self.invariants: tuple[tuple[str, CompiledGuard], ...] = tuple(self.graph.invariants.items())

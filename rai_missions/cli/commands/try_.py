@@ -46,6 +46,7 @@ def try_(
         rai-missions try mission.json --as-test test_play.py
     """
     import sys
+    from contextlib import suppress
 
     from rai_missions.cli.inputs import load_guards
     from rai_missions.cli.play.session import PlayFiles, PlaySession
@@ -58,7 +59,8 @@ def try_(
     if terminal or (port is None and not no_browser and not sys.stdin.isatty()):
         from rai_missions.cli.play.terminal import TerminalPlay
 
-        TerminalPlay(session, sys.stdin, sys.stdout, is_person=sys.stdin.isatty()).run()
+        with suppress(KeyboardInterrupt):
+            TerminalPlay(session, sys.stdin, sys.stdout, is_person=sys.stdin.isatty()).run()
     else:
         from rai_missions.cli.play.page import serve
         from rai_missions.cli.run.live_page import open_page, place_of

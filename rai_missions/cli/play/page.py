@@ -22,7 +22,7 @@ from rai_missions.replay.play import Click
 if TYPE_CHECKING:
     from visualize.live import LivePage
 
-__all__ = ("SessionDesk", "serve")
+__all__ = ("SessionDesk", "opened", "serve")
 
 MOST_PATH = 500
 """So many of the last choices are on the page."""
@@ -106,7 +106,7 @@ def serve(page: LivePage, session: PlaySession, *, opens: bool) -> None:
     ended = threading.Event()
     page.start_play(session.play.mission, SessionDesk(session))
     print(f"try: {page.url}", flush=True)
-    with _opened(page.url) if opens and has_screen() else nullcontext(), on_signals(lambda *_: ended.set()):
+    with opened(page.url) if opens and has_screen() else nullcontext(), on_signals(lambda *_: ended.set()):
         while not ended.wait(0.5) and page.serves:
             pass
 
@@ -117,10 +117,14 @@ def has_screen() -> bool:
 
 
 @contextmanager
-def _opened(url: str) -> Iterator[None]:
-    """Open an address in the browser by a file of the user's own: other users can read a command line, and not that."""
-    with tempfile.TemporaryDirectory(prefix="rai_missions-") as folder:
-        file = Path(folder) / "try.html"
-        file.write_text(f'<!DOCTYPE html><meta http-equiv="refresh" content="0;url={escape(url)}">', encoding="utf-8")
-        webbrowser.open(file.as_uri())
+def opened(url: str) -> Iterator[None]:
+    """Open an address in the browser by a file of the user's own: other users can read a command line, and not that.
+
+    It is in the working directory: a browser in a sandbox may read nothing of the system's folder of temporary files.
+    """
+    folder = Path.cwd() if os.access(Path.cwd(), os.W_OK) else None
+    with tempfile.NamedTemporaryFile("w", dir=folder, prefix="try-", suffix=".html", encoding="utf-8") as file:
+        file.write(f'<!DOCTYPE html><meta http-equiv="refresh" content="0;url={escape(url)}">')
+        file.flush()
+        webbrowser.open(Path(file.name).as_uri())
         yield

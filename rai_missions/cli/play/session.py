@@ -92,5 +92,6 @@ class PlaySession:
         """
         if self.files.source is None:
             raise UsageError("a test needs the mission's file, and this mission has none; save a journal")
+        to.parent.mkdir(parents=True, exist_ok=True)
         write_atomically(to, written_test(self.play, self.files.source, to).encode())
         return f"wrote {to}"

@@ -170,7 +170,7 @@ class OpenChoices:
             if isinstance(each.state, BehaviourActivity):
                 for status in ("success", "failure"):
                     event = Event("behaviour", 0.0, {"status": status}, "behaviour", number)
-                    words = f"the behaviour of {each.owner} ends: {status}"
+                    words = f"the behaviour of {each.owner.rstrip('#')} ends: {status}"
                     yield _of(event, "behaviour", words, each.owner, name=f"behaviour {number} {status}")
             elif not isinstance(each.state, DecisionActivity):
                 service = str(getattr(getattr(each.machine, "definition", None), "call", each.owner))

@@ -6,6 +6,8 @@ from __future__ import annotations
 import io
 import json
 import sqlite3
+import stat
+import webbrowser
 from contextlib import closing
 from pathlib import Path
 from typing import Any
@@ -13,6 +15,7 @@ from typing import Any
 import pytest
 
 from rai_missions.cli.main import main
+from rai_missions.cli.play.page import opened
 from rai_missions.cli.play.session import PlayFiles, PlaySession
 from rai_missions.cli.play.terminal import TerminalPlay
 from rai_missions.errors import DefinitionError
@@ -139,3 +142,16 @@ def test_a_mission_with_faults_is_not_played(door: Path) -> None:
     broken = mission.model_copy(update={"initial": ("nowhere",)})
     with pytest.raises(DefinitionError, match="nowhere"):
         PlaySession(broken)
+
+
+def test_the_browser_is_given_a_file_of_ones_own_and_no_token(door: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A command line can be read by every user of the machine."""
+    given: list[str] = []
+    monkeypatch.setattr(webbrowser, "open", given.append)
+    with opened("http://127.0.0.1:1/#token=abc&x"):
+        (address,) = given
+        assert "abc" not in address
+        file = Path(address.removeprefix("file://"))
+        assert stat.S_IMODE(file.stat().st_mode) == 0o600
+        assert 'content="0;url=http://127.0.0.1:1/#token=abc&amp;x"' in file.read_text(encoding="utf-8")
+    assert not file.exists()
