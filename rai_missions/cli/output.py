@@ -17,7 +17,9 @@ from typing import Any, TextIO, cast
 from rai_missions.connectors.worker import Worker
 from rai_missions.redaction import Redaction
 
-__all__ = ("MAX_PENDING", "BufferedStream", "nonblocking_output", "redacted_output", "wait_for_output")
+__all__ = (
+    "MAX_PENDING", "BufferedStream", "nonblocking_output", "redacted_output", "terminal_of", "wait_for_output",
+)  # fmt: skip
 
 REPLACEMENT = "\N{REPLACEMENT CHARACTER}"
 CONTROLS = {code: REPLACEMENT for code in (*range(32), *range(127, 160)) if chr(code) not in "\t\n"}
@@ -54,6 +56,16 @@ class RedactedStream:
 
     def __getattr__(self, name: str) -> Any:
         return getattr(self._stream, name)
+
+    @property
+    def stream(self) -> TextIO:
+        """Where the texts go, for what this program draws of itself: numbers and words of its own."""
+        return self._stream
+
+
+def terminal_of(stream: TextIO) -> TextIO:
+    """The stream on which a line may be drawn and removed; only numbers and words of this program may be."""
+    return stream.stream if isinstance(stream, RedactedStream) else stream
 
 
 @contextmanager

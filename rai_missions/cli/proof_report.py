@@ -4,12 +4,11 @@
 from __future__ import annotations
 
 import re
-import time
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
-from rai_missions.cli.inputs import warn
+from rai_missions.cli.long_work import Pace
 from rai_missions.errors import UsageError
 from rai_missions.journal import Header
 from rai_missions.mission.files import dump
@@ -19,7 +18,7 @@ from rai_missions.profile import Robot, dump_profile, terms
 from rai_missions.prove import MOST_STATES, Proof, record
 from rai_missions.replay.rebuild import default_ticker
 
-__all__ = ("as_json", "limits_of", "progress", "report", "write_journals")
+__all__ = ("as_json", "how_far", "limits_of", "report", "write_journals")
 
 FIELDS = (
     "states", "steps", "depth", "farthest", "is_whole", "stopped", "done", "assumed", "in_pause", "predicates",
@@ -27,8 +26,6 @@ FIELDS = (
 )  # fmt: skip
 """What the JSON object holds of a proof."""
 WIDTH = 14
-EVERY_S = 2.0
-"""Seconds between two lines of progress."""
 
 
 def limits_of(states: int | None, seconds: float, memory_mb: float) -> dict[str, Any]:
@@ -47,16 +44,11 @@ def limits_of(states: int | None, seconds: float, memory_mb: float) -> dict[str,
     return {"most": most, "seconds": seconds, "memory_mb": memory_mb}
 
 
-def progress() -> Callable[[int, int], None]:
-    """A line on stderr now and then, while it takes long."""
-    last = [time.monotonic()]
-
-    def show(found: int, done: int) -> None:
-        if time.monotonic() - last[0] > EVERY_S:
-            last[0] = time.monotonic()
-            warn(f"{found} states found, {done} of them explored")
-
-    return show
+def how_far(pace: Pace) -> str:
+    """How far an exploration is: `3,194 states found, 1,000 of them explored, 950 states/s`."""
+    if not pace.total:
+        return f"exploring, {pace.elapsed_s:.0f} s"
+    return f"{pace.total:,} states found, {pace.done:,} of them explored, {pace.rate:,.0f} states/s"
 
 
 def write_journals(proof: Proof, mission: Mission, robot: Robot | None, output: str | None) -> dict[str, Any]:

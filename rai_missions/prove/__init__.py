@@ -90,7 +90,7 @@ def prove(
         memory_mb: Resident memory of the process at the most, in MiB.
         work: Steps, microsteps and ticks of trees at the most, together.
         continues: Where a claim is refuted, the others are explored to these limits all the same; else for some time.
-        progress: Receives the number of states found and of states done, every thousand states.
+        progress: Receives the number of states found and of states done, every hundred states.
     """
     with _few_collections():
         return _Proving(mission, ticker, terms, Limits(most, seconds, memory_mb, work, continues), progress).proof()

@@ -21,7 +21,7 @@ from rai_missions.prove.store import ALL_GOALS, Store
 
 __all__ = ("CANCEL", "KILL", "START", "Edge", "Space", "Violation")
 
-NOW_AND_THEN = 1000
+NOW_AND_THEN = 100
 MOST_COURSES = 20_000
 """So many states are remembered with all that happened in them."""
 Progress = Callable[[int, int], None]

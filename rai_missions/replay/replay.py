@@ -41,6 +41,7 @@ def replay(
     ticker: Trees | None = None,
     on_step: Callable[[Step], None] | None = None,
     mission: Mission | None = None,
+    progress: Callable[[int, int], None] = lambda done, total: None,
 ) -> Replay:
     """Do a journal's run again.
 
@@ -49,6 +50,7 @@ def replay(
         ticker: What ticks trees; py_trees by default.
         on_step: Receives each step that was the same.
         mission: The mission, where its journal does not hold it: one with behaviours written in Python.
+        progress: Receives how many steps were done again, and how many there are.
 
     Raises:
         DefinitionError: The journal is damaged or altered; every fault with its row.
@@ -57,11 +59,14 @@ def replay(
     with read(path) as record:
         replayer = JournalReplayer(record, mission if mission is not None else mission_of(record), ticker)
         chart, count, rows, found = replayer.chart, 0, 0, ""
+        last = record.last()
+        total = last.step.seq if last is not None else 0
         for row in record.entries():
             got = replayer.again(row)
             if found := difference(row.step, got, without=replayer.reworded):
                 break
             count, rows = step_count((got,)), rows + 1
+            progress(count, total)
             if on_step is not None:
                 on_step(got)
         return Replay(count, found, chart.outcome, chart.why, rows)

@@ -10,6 +10,7 @@ from rai_missions.cli.command import Argument, JournalFile, MissionFile, command
 
 if TYPE_CHECKING:
     from rai_missions.check import Finding
+    from rai_missions.cli.long_work import LongWork
     from rai_missions.errors import Fault
     from rai_missions.mission.mission import Mission
 
@@ -59,7 +60,9 @@ def draw(
         _draw_review(loaded, path, journal, findings)
     else:
         steps = [step for each in journal for step in journal_steps(each, loaded, remedy=REMEDY)]
-        warn(oversize(draw_picture(loaded, path, steps=steps)))
+        with _progress(loaded):
+            drawn = draw_picture(loaded, path, steps=steps)
+        warn(oversize(drawn))
     print(path)
     return 0
 
@@ -68,6 +71,14 @@ def _first_of(path: str, faults: Sequence[Fault | Finding], where: str) -> str:
     """What is wrong with what is drawn, in a line; empty for nothing."""
     more = f" (and {len(faults) - 1} more; {where})" if len(faults) > 1 else ""
     return f"{path}: drawn with this error: {faults[0]}{more}" if faults else ""
+
+
+def _progress(mission: Mission) -> LongWork:
+    """How long it has taken; Graphviz does not report how far it is."""
+    from rai_missions.cli.long_work import LongWork, Pace
+
+    pace, states = Pace(), sum(1 for _ in mission.walk())
+    return LongWork(lambda: f"drawing {states:,} states, {pace.elapsed_s:.0f} s")
 
 
 def _draw_review(mission: Mission, output: str, journals: Sequence[str], findings: Sequence[Finding]) -> None:
@@ -81,7 +92,8 @@ def _draw_review(mission: Mission, output: str, journals: Sequence[str], finding
 
     with ExitStack() as open_recordings:
         found = [(path, open_recordings.enter_context(journal_of(path))) for path in journals]
-        draw_review(mission, output, [(Path(path).name, each.path) for path, each in found], findings)
+        with _progress(mission):
+            draw_review(mission, output, [(Path(path).name, each.path) for path, each in found], findings)
         for path, each in found:
             warn(each.warning)
             warn(_first_of(path, verify(each.path), "the page lists all"))

@@ -87,6 +87,7 @@ def _replay(journal: str, mission: Mission | None, *, verbose: bool) -> Replay:
     import sys
 
     from rai_missions.cli.inputs import warn
+    from rai_missions.cli.long_work import LongWork, Pace
     from rai_missions.cli.progress import Lines
     from rai_missions.journal import read
     from rai_missions.recording import journal_of
@@ -98,7 +99,11 @@ def _replay(journal: str, mission: Mission | None, *, verbose: bool) -> Replay:
         if mission is None:
             with read(found.path) as record:
                 mission = mission_of(record)
-        return repeat(found.path, on_step=Lines(mission, sys.stdout).step if verbose else None, mission=mission)
+        if verbose:
+            return repeat(found.path, on_step=Lines(mission, sys.stdout).step, mission=mission)
+        pace = Pace()
+        with LongWork(lambda: f"{pace.percent} % of {pace.total:,} steps done again, {pace.rate:,.0f} steps/s"):
+            return repeat(found.path, mission=mission, progress=pace.set)
 
 
 def _holds(result: Replay) -> bool:
