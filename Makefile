@@ -28,6 +28,7 @@ run: .venv/.ready-run ## Run the tractor's mission in the simulated orchard and 
 	@mkdir -p out
 	@$(BIN)/rai-missions run missions/tractor/mission.json --robot missions/tractor/robot.sim.json \
 	    --no-operator --speed max --journal out/tractor.journal --picture out/tractor.svg
+	@echo "next: source .venv/bin/activate, then: rai-missions draw missions/tractor/mission.json --journal out/tractor.journal -o out/review.html"
 
 fmt: .venv/.ready-dev ## Format, and mend what a linter can mend
 	$(BIN)/ruff format .
