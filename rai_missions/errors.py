@@ -146,7 +146,7 @@ def lazy_names(
 
     def load(name: str) -> Any:
         if name not in homes:
-            near = "" if name.startswith("_") else suggestion(name, homes)
+            near = "" if name.startswith("_") else suggestion(name, {*homes, *scope.get("__all__", ())})
             raise AttributeError(f"module {scope['__name__']!r} has no attribute {name!r}{near}")
         room, own = homes[name]
         return scope.setdefault(name, getattr(import_module(f".{room}", scope["__package__"]), own))

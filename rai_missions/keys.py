@@ -63,14 +63,16 @@ class Key(MissionModel):
     """One key of the blackboard: its values, who writes it and how long it can be believed."""
 
     type: Annotated[TypeName, BeforeValidator(_type_name)]
-    """`pose` is `{"x", "y", "z", "yaw"}` in metres and radians with its `frame`; `image` a reference."""
+    """`string`, `number`, `integer`, `boolean`, `object`, `list`, `pose`, `image`; in Python also `str`, `float`,
+    `int`, `bool`, `dict`, `list`, `Image`. `pose` is `{"x", "y", "z", "yaw"}` in metres and radians with its `frame`;
+    `image` a reference."""
     source: Source = "mission"
     """`robot`: written by the robot profile alone. `argument`: given at the start. `mission`: `set`. `answer`: an
     option's parameters."""
     initial: Json = None
     """The value at the start; a robot key has none."""
     max_age_s: Seconds | None = Field(default=None, gt=0)
-    """A value this old or older is stale: as good as unknown."""
+    """Seconds after which a value is stale: as good as unknown."""
     optional: Bool = False
     """The start does not wait for it."""
     fields: Annotated[dict[Name, TypeName], BeforeValidator(_field_types)] | None = None

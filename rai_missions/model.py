@@ -237,13 +237,12 @@ class MissionModel(Model):
     """The words that Python authors may give by position, in this order: those that a declared constructor has so."""
 
     def __init__(self, /, *given: Any, **words: Any) -> None:
-        """Build in Python, by field names (`from_`) or by the format's words.
-
-        A class declares its own `__init__` for authors, without a body: names, types and defaults. This one builds.
+        """Make one; the arguments are explained above.
 
         Raises:
             DefinitionError: With every fault; places begin at this object.
         """
+        # By field names (`from_`) or by the format's words. What a class declares as its own has no body.
         kind = type(self)
         if len(given) > len(kind.positional):
             raise TypeError(_too_many(kind, given))
@@ -253,7 +252,8 @@ class MissionModel(Model):
         try:
             super().__init__(**words)
         except ValidationError as error:
-            raise DefinitionError(faults_of(error, kind, words), f"{kind.__name__}(…)") from None
+            known = list(inspect.signature(kind.__init__).parameters)[1:] if "__init__" in vars(kind) else ()
+            raise DefinitionError(faults_of(error, kind, words, known), f"{kind.__name__}(…)") from None
 
     # Else pydantic takes what is inside another model through here too, and JSON could use Python's names.
     __init__.__pydantic_base_init__ = True  # type: ignore[attr-defined]
@@ -282,7 +282,7 @@ class MissionModel(Model):
         return _attribute_docs(cls)
 
     def __getattr__(self, name: str) -> NoReturn:
-        raise _NoAttribute(self, name)
+        raise AttributeError(_NoSuchAttribute(type(self), name))
 
     @classmethod
     def __get_pydantic_json_schema__(cls, core_schema: Any, handler: Any) -> dict[str, Any]:
@@ -338,17 +338,21 @@ def _built_as(declared: Any) -> Any:
     return __init__
 
 
-class _NoAttribute(AttributeError):
-    """An attribute that a model lacks. Most are asked for by programs that can do without: words only when read."""
+class _NoSuchAttribute:
+    """What is reported of an attribute that a model lacks, in words only when it is read: most are only looked for.
 
-    def __init__(self, model: Any, name: str) -> None:
-        super().__init__(name=name, obj=model)
+    Args:
+        kind: Of the model.
+        name: The attribute.
+    """
+
+    def __init__(self, kind: Any, name: str) -> None:
+        self._kind, self._name = kind, name
 
     def __str__(self) -> str:
-        kind: Any = type(self.obj)
-        own = {each for part in kind.__mro__ if issubclass(part, MissionModel) for each in vars(part)}
-        known = [each for each in own | set(kind.model_fields) if not each.startswith(("_", "model_"))]
-        return f"{kind.__name__} has no attribute '{self.name}'{suggestion(str(self.name), known)}"
+        own = {each for part in self._kind.__mro__ if issubclass(part, MissionModel) for each in vars(part)}
+        known = [each for each in own | set(self._kind.model_fields) if not each.startswith(("_", "model_"))]
+        return f"{self._kind.__name__} has no attribute '{self._name}'{suggestion(self._name, known)}"
 
 
 def explained(doc: str, function: Any, meanings: Mapping[str, str]) -> str:

@@ -23,13 +23,14 @@ KEY = "[key]"
 """pydantic's last step to the name of an entry, where the name and not the entry is at fault."""
 
 
-def faults_of(error: ValidationError, model: type[Any], data: Any) -> Iterator[Fault]:
+def faults_of(error: ValidationError, model: type[Any], data: Any, known: Iterable[str] = ()) -> Iterator[Fault]:
     """What a validation found, one fault a place and sentence.
 
     Args:
         error: What validating `data` as `model` raised.
         model: Has the words that there are.
         data: Decides which of pydantic's steps are places in the document.
+        known: The words of a constructor in Python, where `data` is what it was given.
     """
     reported: set[tuple[str, str]] = set()
     found = error.errors(include_url=False)
@@ -44,7 +45,7 @@ def faults_of(error: ValidationError, model: type[Any], data: Any) -> Iterator[F
         if seen in reported:
             continue
         reported.add(seen)
-        yield Fault(place, _sentence(item, on_name, _model_at(model, data, steps)))
+        yield Fault(place, _sentence(item, on_name, _model_at(model, data, steps), known if len(steps) == 1 else ()))
     if len(found) > MOST:
         yield Fault("", f"and {len(found) - MOST} more faults; mend these first")
 
@@ -120,7 +121,7 @@ def _words(model: type[Any] | None) -> list[str]:
     return [field.alias or name for name, field in model.model_fields.items()] if model else []
 
 
-def _sentence(item: Any, on_name: bool, model: type[Any] | None) -> str:
+def _sentence(item: Any, on_name: bool, model: type[Any] | None, known: Iterable[str]) -> str:
     kind, given, ctx = item["type"], item["input"], item.get("ctx", {})
     if kind == "int_type" and item["loc"][-1] == "int":
         kind = "float_type"  # the first branch of `int | float`
@@ -134,7 +135,7 @@ def _sentence(item: Any, on_name: bool, model: type[Any] | None) -> str:
             example = getattr(model, "example", "")
             like = f", as in {example % meant}" if example else ""
             return f"{_thing(model)} has no {shown(word)}; did you mean '{meant}'{like}?"
-        near, example = suggestion(word, _words(model)), getattr(model, "example", "")
+        near, example = suggestion(word, tuple(known) or _words(model)), getattr(model, "example", "")
         like = f"; write it like {example % '<'}" if example and not near.endswith("?") else ""
         return f"{_thing(model)} has no {shown(word)}{near}{like}"
     if kind == "string_pattern_mismatch":

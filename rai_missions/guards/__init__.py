@@ -4,6 +4,9 @@
 Imports the modules of the root only.
 """
 
+from typing import TYPE_CHECKING
+
+from rai_missions.errors import lazy_names
 from rai_missions.guards.boolean import All, Any_, Not
 from rai_missions.guards.compare import Compare
 from rai_missions.guards.elapsed import Elapsed
@@ -22,3 +25,6 @@ __all__ = (
 )  # fmt: skip
 
 load_kinds(__name__, __path__)
+
+if not TYPE_CHECKING:  # else a type checker would take any name for one of ours
+    __getattr__, _ = lazy_names(globals(), {})  # a misspelled name is reported with the nearest

@@ -103,11 +103,11 @@ class Mission(MissionModel):
     on_cancel: StateName | None = None
     """The state in which a cancel is carried out; without it everything is left and canceled."""
     cancel_s: Seconds = 30.0
-    """How long a cancel may take."""
+    """Seconds that a cancel may take."""
     settle_s: Seconds = 0.0
-    """How long the facts may take to agree with a final's `requires`."""
+    """Seconds that the facts may take to agree with a final's `requires`."""
     ready_s: Seconds = 10.0
-    """How long the start waits for the robot keys that are not optional."""
+    """Seconds that the start waits for the robot keys that are not optional."""
 
     def __init__(
         self, name: str, *, initial: str | Sequence[str], states: Mapping[str, State], version: str = "0.0.0",

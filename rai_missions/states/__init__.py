@@ -4,6 +4,9 @@
 Imports `guards` and the modules of the root.
 """
 
+from typing import TYPE_CHECKING
+
+from rai_missions.errors import lazy_names
 from rai_missions.kinds import load_kinds
 from rai_missions.states.action import Action
 from rai_missions.states.call import Call
@@ -36,3 +39,6 @@ __all__ = (
 )  # fmt: skip
 
 load_kinds(__name__, __path__)
+
+if not TYPE_CHECKING:  # else a type checker would take any name for one of ours
+    __getattr__, _ = lazy_names(globals(), {})  # a misspelled name is reported with the nearest

@@ -29,9 +29,9 @@ class GoalFields(MissionModel):
     achieved: AnyOf[Guard] | None = None
     """What must be true of the robot before a `succeeded` is believed; else `unverified`."""
     settle_s: Seconds = 0.0
-    """How long after the server's `succeeded` the facts may take to agree."""
+    """Seconds after the server's `succeeded` that the facts may take to agree."""
     cancel_s: Seconds = 5.0
-    """How long the end of a canceled goal may take to be confirmed before it counts as orphaned."""
+    """Seconds that the end of a canceled goal may take to be confirmed before it counts as orphaned."""
     over_orphan: Bool = False
     """Start even though an earlier goal on the same resources never confirmed its end."""
     timeout_s: Seconds | None = Field(default=None, gt=0)

@@ -48,7 +48,7 @@ class Budget(MissionModel):
     tokens: Annotated[int, Field(strict=True, ge=1)] = 20_000
     """Tokens in and out together, where the provider counts them."""
     seconds: Annotated[float, Field(strict=True, gt=0)] | None = None
-    """Wall time; the deadline bounds it anyway."""
+    """Seconds of wall time; the deadline bounds it anyway."""
 
     def __init__(self, *, calls: int = 8, tokens: int = 20_000, seconds: float | None = None) -> None: ...
 
@@ -72,9 +72,9 @@ class DecisionSpec(MissionModel):
     attempts: Annotated[int, Field(strict=True, ge=1, le=100)] = 1
     """How often each is asked before the next is."""
     deadline_s: Annotated[float, Field(strict=True, gt=0)] | None = None
-    """Bounds the whole decision; then the fallback is taken."""
+    """Seconds for the whole decision; then the fallback is taken."""
     within_s: Annotated[float, Field(strict=True, gt=0)] | None = None
-    """How long each of them has; left out, an equal share of the time left."""
+    """Seconds that each of them has; left out, an equal share of the time left."""
     fallback: Name | None = None
     """The option taken when no one gave an answer that counts; it has no `when`."""
     budget: Budget = BUDGET

@@ -74,7 +74,7 @@ class Transition(MissionModel):
     of: StateName | None = None
     """The state whose outcome is meant, if not that of the state it is written in."""
     after_s: Seconds | None = None
-    """Fires so long after the entry, once; if the guard is not true then, it is lost."""
+    """Seconds after the entry at which it fires, once; if the guard is not true then, it is lost."""
     when: AnyOf[Guard] | None = None
     """What must be true for it to fire."""
     to: Annotated[tuple[StateName, ...], *one_or_many] = ()
@@ -148,9 +148,9 @@ class State(TaggedModel, family="state", group="rai_missions.activities", word="
     transitions: Transitions = ()
     """How it is left, or what is done without leaving it; tried in this order."""
     timeout_s: Seconds | None = Field(default=None, gt=0)
-    """So long after the entry it reports `timed_out` and what it runs is canceled."""
+    """Seconds after the entry at which it reports `timed_out` and what it runs is canceled."""
     handover_s: Seconds = 5.0
-    """How long the handover of control may take before the start is `rejected`."""
+    """Seconds that the handover of control may take before the start is `rejected`."""
 
     def __init__(
         self, *,

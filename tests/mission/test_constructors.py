@@ -67,10 +67,21 @@ def test_help_explains_every_word(kind: Any) -> None:
             assert f"Default: {parameter.default!r}." in text, name
 
 
+UNITS = {"_s": "econds", "_m": "metres", "seconds": "Seconds", "tokens": "Tokens"}
+
+
+@pytest.mark.parametrize("kind", KINDS.values(), ids=KINDS)
+def test_help_states_the_unit_of_every_number_that_has_one(kind: Any) -> None:
+    texts = kind.meanings()
+    for name in inspect.signature(kind).parameters:
+        unit = next((unit for end, unit in UNITS.items() if name.endswith(end)), "")
+        assert unit in texts[name], f"{name}: {texts[name]}"
+
+
 def test_help_is_what_a_person_reads() -> None:
     text = pydoc.plain(pydoc.render_doc(Action))
     assert "Action(action: 'str', *, goal: 'Mapping[str, Value]' = {}" in text
-    assert "    cancel_s: How long the end of a canceled goal may take to be confirmed" in text
+    assert "    cancel_s: Seconds that the end of a canceled goal may take to be confirmed" in text
     assert "    timeout_s: Seconds after which it reports `timed_out` and the goal is canceled." in text
     assert "*given" not in text
     assert Action.summary() == "Pursues a goal. Its success counts only while `achieved` is true."
@@ -87,6 +98,10 @@ def test_functions_for_authors_explain_their_words(function: Any) -> None:
     [
         (lambda: On("a", too="b"), "On(…): /too: 'On' has no 'too'; did you mean 'to'?"),
         (lambda: When(Guard.read({"in": "a"}), wehn=1, to="b"), "/wehn: 'When' has no 'wehn'; did you mean 'when'?"),
+        (
+            lambda: Mission("m", initial="a", states={"a": State()}, kyes={}),
+            "Mission(…): /kyes: a mission has no 'kyes'; did you mean 'keys'?",
+        ),
         (lambda: Keys(n=int), "Keys(…): /n: <class 'int'> is no key; write Key(…)"),
         (lambda: Option("go", whn=1), "Option(…): /whn: an option has no 'whn'; did you mean 'when'?"),
         (lambda: tree.Call("horn", timeot_s=1), "a tree node with 'call' has no 'timeot_s'; did you mean 'timeout_s'?"),
@@ -111,6 +126,8 @@ def test_a_wrong_attribute_is_reported_with_the_right_one() -> None:
         Action("go").timeout  # noqa: B018
     assert str(reported.value) == "Action has no attribute 'timeout'; did you mean 'timeout_s'?"
     assert not hasattr(Action("go"), "anything")
+    with pytest.raises(AttributeError, match="has no attribute 'Timeot'; did you mean 'Timeout'"):
+        tree.Timeot  # noqa: B018
 
 
 def test_keys_and_fields_are_completed_where_a_program_is_alive() -> None:

@@ -7,6 +7,9 @@ Rule: a leaf is offered under its word of the format: `tree.Action` is next to t
 Imports `guards` and the modules of the root.
 """
 
+from typing import TYPE_CHECKING
+
+from rai_missions.errors import lazy_names
 from rai_missions.states.tree.behaviour import BehaviourLeaf as Behaviour
 from rai_missions.states.tree.composites import Branch, Selector, Sequence
 from rai_missions.states.tree.composites import ParallelTree as Parallel
@@ -43,3 +46,6 @@ __all__ = (
     "Retry", "RunningIsFailure", "RunningIsSuccess", "Selector", "Sequence", "Set", "StatusToBlackboard",
     "SuccessIsFailure", "SuccessIsRunning", "Timeout", "Tree", "TreeNode", "Wait",
 )  # fmt: skip
+
+if not TYPE_CHECKING:  # else a type checker would take any name for one of ours
+    __getattr__, _ = lazy_names(globals(), {})  # a misspelled name is reported with the nearest
