@@ -38,10 +38,13 @@ INSIDE = ("architecture.md", "guarantees.md", "security.md")
 def on_config(config: MkDocsConfig) -> MkDocsConfig:
     """Makes the navigation from what is there."""
     docs = ROOT / "docs"
-    found = {name: [_uri(path, docs) for path in sorted(docs.glob(pattern))] for name, pattern in SECTIONS.items()}
+    pages = {
+        name: sorted(docs.glob(pattern), key=lambda path: (path.parent, path)) for name, pattern in SECTIONS.items()
+    }
+    found = {name: [_uri(path, docs) for path in paths] for name, paths in pages.items()}
     config.nav = [
         {"Start": "index.md"},
-        *({name: pages} for name, pages in found.items() if pages),
+        *({name: paths} for name, paths in found.items() if paths),
         {"Reference": [{name: f"reference/{name}.md"} for name in packages()]},
         {"Schemas": [{f"{name.capitalize()} file": f"schemas/{name}.md"} for name in SCHEMAS]},
         {"Inside": [*INSIDE, "decisions/index.md", "testing/README.md"]},

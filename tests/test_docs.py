@@ -2,8 +2,9 @@
 """What the documents show is run: their Python, and their `rai-missions` commands.
 
 The blocks of one document run in the order written, in a folder that holds a copy of `missions/`; the Python blocks
-share their names. In a `console` or `sh` block, each line `$ rai-missions …` is run and must exit with 0, or with what
-a comment at its end reports: `# exits 2`. A block under `<!-- not run: why -->` is left alone.
+share their names. Those of a step of the tutorial run in a copy of its folder. In a `console` or `sh` block, each line
+`$ rai-missions …` is run and must exit with 0, or with what a comment at its end reports: `# exits 2`. A block under
+`<!-- not run: why -->` is left alone.
 """
 
 from __future__ import annotations
@@ -27,6 +28,7 @@ DOCUMENTS = [
     ROOT / "README.md",
     *sorted(ROOT.glob("docs/guide/**/*.md")),
     *sorted(ROOT.glob("docs/coming-from/*.md")),
+    *sorted(ROOT.glob("docs/tutorial/**/*.md")),
     *sorted(ROOT.glob("missions/*/README.md")),
 ]
 BLOCK = re.compile(
@@ -71,6 +73,9 @@ def test_what_a_document_shows_runs(document: Path, tmp_path: Path, monkeypatch:
     shutil.copytree(ROOT / "missions", tmp_path / "missions")
     (tmp_path / "out").mkdir()
     monkeypatch.chdir(tmp_path)
+    if "docs/tutorial" in document.as_posix():  # a step is run in its folder
+        shutil.copytree(ROOT / "docs/tutorial", tmp_path / "tutorial")
+        monkeypatch.chdir(tmp_path / document.parent.relative_to(ROOT / "docs"))
     names: dict[str, Any] = {"__name__": "document"}
     for block in blocks(document.read_text(encoding="utf-8")):
         if block.kind == "python":

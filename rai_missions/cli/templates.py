@@ -15,7 +15,7 @@ from typing import NamedTuple
 
 from rai_missions.errors import UsageError, suggestion
 
-__all__ = ("Template", "copy_template", "templates")
+__all__ = ("Template", "copy_template", "templates", "tutorial_folder")
 
 PACKAGE = Path(__file__).resolve().parents[1]
 PLACEHOLDER = "my_mission"
@@ -48,6 +48,19 @@ def templates() -> Mapping[str, Template]:
     made = [Template(name, about, home / "templates" / name, False) for name, about in index["templates"].items()]
     made += [Template(name, about, home / name, True) for name, about in index["examples"].items()]
     return {template.name: template for template in made}
+
+
+def tutorial_folder() -> Path:
+    """Where the steps of the tutorial are.
+
+    Raises:
+        UsageError: This installation has none.
+    """
+    places = (PACKAGE / "tutorial", PACKAGE.parent / "docs/tutorial")  # when installed; in a checkout
+    home = next((place for place in places if (place / "1_mission/mission.json").is_file()), None)
+    if home is None:
+        raise UsageError("this installation has no tutorial; install the package again")
+    return home
 
 
 def copy_template(name: str, directory: Path) -> Iterator[Path]:

@@ -1,0 +1,34 @@
+"""A robot that carries a bin, simulated in a few lines."""
+
+from rai_missions import PythonRobot
+
+robot = PythonRobot("bin robot, simulated")
+now = {"place": "home", "bin_out": False}
+
+robot.fact("place", every_s=0.5)(lambda: now["place"])
+robot.fact("bin_out", every_s=0.5)(lambda: now["bin_out"])
+
+
+def drive(to, run):
+    now["place"] = "yard"
+    for _ in range(6):
+        if run.canceled:
+            return run.cancel()
+        run.sleep(0.5)
+    now["place"] = to
+
+
+@robot.action("drive_out", uses=["base"])
+def drive_out(goal, run):
+    return drive("kerb", run)
+
+
+@robot.action("drive_home", uses=["base"])
+def drive_home(goal, run):
+    return drive("home", run)
+
+
+@robot.action("lower", uses=["arm"])
+def lower(goal, run):
+    run.sleep(1)
+    now["bin_out"] = True
