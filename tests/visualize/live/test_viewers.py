@@ -198,3 +198,18 @@ def test_news_that_change_nothing_do_not_keep_the_line_silent(run: Run) -> None:
 
     until(beats, "it beats")
     viewer.cut()
+
+
+def test_who_comes_later_sees_who_paused_and_whose_stop_it_was(run: Run) -> None:
+    run.send("pause", "command", by="operator Anna (page)")
+    viewer = Viewer(run.page)
+    until(lambda: viewer.sees(mode="paused", paused_by="operator Anna (page)"), "it is seen who paused")
+    viewer.cut()
+    until(lambda: run.page.viewers == 0, "no one looks on")
+    run.send("resume", "command", by="operator")
+    run.send("kill", "command", by="operator Ben (page)")
+    at = run.chart.at
+    viewer = Viewer(run.page)
+    wanted = {"e_stop_by": "operator Ben (page)", "ended_at": at, "paused_by": "", "outcome": "aborted"}
+    until(lambda: viewer.sees(**wanted), f"{viewer.seen} has {wanted}")
+    viewer.cut()
