@@ -34,7 +34,9 @@ def test_a_step_s_mission_has_no_fault_and_its_robot_takes_the_bin_out(step: str
         ("3_tree", 'now["tries"] > 1', 'now["tries"] > 3', "aborted"),
     ],
 )
-def test_what_a_step_gives_to_try_ends_as_it_says(step: str, was: str, now: str, outcome: str, tmp_path: Path) -> None:
+def test_what_a_step_gives_to_try_ends_as_it_states(
+    step: str, was: str, now: str, outcome: str, tmp_path: Path
+) -> None:
     text = (TUTORIAL / step / "robot.py").read_text(encoding="utf-8")
     assert text.count(was) == 1
     (tmp_path / "robot.py").write_text(text.replace(was, now), encoding="utf-8")

@@ -46,7 +46,7 @@ GOAL_ENDS = ("succeeded", "failed", "canceled", "rejected")
 REPLIES = ("succeeded", "failed", "timed_out", "unavailable")
 COMMANDS = {
     "pause": "the operator pauses the mission", "resume": "the operator resumes the mission",
-    "cancel": "the operator cancels the mission", "kill": "the operator presses the emergency stop",
+    "cancel": "the operator cancels the mission", "kill": "the operator presses the e-stop",
 }  # fmt: skip
 UNCHANGED = frozenset({"past", "passing", "number", "payload"})
 """What a run remembers that any step changes."""
