@@ -336,6 +336,20 @@ def test_a_mission_with_trees_images_and_control_is_played_to_its_end() -> None:
     assert play.chart.outcome == "aborted"
 
 
+def test_what_seldom_happens_to_a_goal_is_offered_last_and_only_where_it_can() -> None:
+    play = started()
+    assert [choice.name for choice in play.choices() if choice.is_rare] == ["goal 1 lost", "goal 1 contested"]
+    assert [choice.is_rare for choice in play.choices()][-2:] == [True, True]
+    play.do("goal 1 accepted")
+    play.do("command pause")  # the goal is canceled
+    rare = [choice.name for choice in play.choices() if choice.is_rare]
+    assert rare == ["goal 1 lost", "goal 1 contested", "goal 1 refused", "goal 1 over"]
+    play.do("goal 1 refused")
+    assert "goal 1 refused" not in names(play)
+    play.do("goal 1 lost")
+    assert "goal 1 lost" not in names(play)
+
+
 def test_nothing_can_happen_any_more_once_the_mission_and_its_goals_have_ended() -> None:
     play = started()
     play.do("command kill")
