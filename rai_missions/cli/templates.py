@@ -41,10 +41,10 @@ def templates() -> Mapping[str, Template]:
         UsageError: This installation has none.
     """
     places = (PACKAGE / "missions", PACKAGE.parent / "missions")  # when installed; in a checkout
-    home = next((place for place in places if (place / "templates/index.json").is_file()), None)
+    home = next((place for place in places if (place / "templates.json").is_file()), None)
     if home is None:
         raise UsageError("this installation has no templates; install the package again")
-    index = json.loads((home / "templates/index.json").read_text(encoding="utf-8"))
+    index = json.loads((home / "templates.json").read_text(encoding="utf-8"))
     made = [Template(name, about, home / "templates" / name, False) for name, about in index["templates"].items()]
     made += [Template(name, about, home / name, True) for name, about in index["examples"].items()]
     return {template.name: template for template in made}

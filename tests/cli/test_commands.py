@@ -345,18 +345,20 @@ def test_check_reports_what_it_checked_and_each_fault_in_its_own_file(
     folder: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert main(["new", "mine"]) == 0
-    given = ["check", "mine/mission.json", "--robot", "mine/robot.json"]
+    given = ["check", "mine/mission.json", "--robot", "mine/robot.ros.json"]
     capsys.readouterr()
     assert main(given) == 0
     printed = capsys.readouterr()
     assert "mine/mission.json: mission and profile: " in printed.out + printed.err
-    profile = json.loads((folder / "mine/robot.json").read_text())
+    profile = json.loads((folder / "mine/robot.ros.json").read_text())
     del profile["actions"]
-    (folder / "mine/robot.json").write_text(json.dumps(profile))
+    (folder / "mine/robot.ros.json").write_text(json.dumps(profile))
     assert main(given) == 2
-    assert "mine/robot.json: /actions/drive: missing" in capsys.readouterr().err
-    (folder / "mine/robot.json").write_text(json.dumps({**profile, "name": 5}))
+    assert "mine/robot.ros.json: /actions/drive: missing" in capsys.readouterr().err
+    (folder / "mine/robot.ros.json").write_text(json.dumps({**profile, "name": 5}))
     (folder / "mine/mission.json").write_text(json.dumps({**LAMP, "ready_s": "soon"}))
     assert main([*given, "--json"]) == 2
     rows = json.loads(capsys.readouterr().out)
-    assert {("mine/mission.json", "/ready_s"), ("mine/robot.json", "/name")} <= {(r["file"], r["place"]) for r in rows}
+    assert {("mine/mission.json", "/ready_s"), ("mine/robot.ros.json", "/name")} <= {
+        (r["file"], r["place"]) for r in rows
+    }
