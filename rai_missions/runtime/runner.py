@@ -166,7 +166,7 @@ class Runner(RunCommands):
         """Nothing that the ended mission has begun is waited for, and all that was reported of it is taken."""
         if self._chart.open_goals or self._executor.handovers.letting_go or self._executor.is_concluding:
             return False
-        return self._mailbox.empty or not self._chart.loose_goals
+        return self._mailbox.empty or not self._executor.hosts_actions
 
     def _disconnect(self, connector: Connector) -> None:
         try:

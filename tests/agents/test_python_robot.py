@@ -193,6 +193,35 @@ def test_an_action_that_ignores_its_cancel_is_orphaned_in_the_mission(robot: Pyt
     assert result.open_goals == (), "it has ended while the end of the run waited for it"
 
 
+def test_an_orphan_of_a_process_that_was_killed_has_ended_with_it(robot: PythonRobot, tmp_path: Path) -> None:
+    over = threading.Event()
+
+    @robot.action("spin")
+    def spin(goal: Any, run: Any) -> None:
+        while not over.is_set():
+            run.sleep(0.5)
+
+    states = {
+        "spinning": doing("spin", {"after_s": 1, "to": "waiting"}, cancel_s=2),
+        "waiting": {"transitions": [{"on": "orphaned", "to": "driving"}]},
+        "driving": doing("drive", over_orphan=True),
+    }
+    made, path, killed = mission(states), tmp_path / "run.journal", tmp_path / "killed"
+    killed.mkdir()
+
+    def on_step(step: Step) -> None:
+        if "driving" in step.entered:  # what is on the disk now is what a kill would leave
+            for file in tmp_path.glob("run.journal*"):
+                shutil.copy(file, killed)
+        elif step.outcome is not None:
+            over.set()
+
+    assert run(made, robot, speed=math.inf, journal=path, on_step=on_step).outcome == "succeeded"
+    with prepare(RunConfig(None, robot, resume=killed / path.name, speed=math.inf)) as again:
+        assert [each.reason for each in again.runner.view.loose_goals] == ["orphaned"]
+        assert again.runner.run().open_goals == ()
+
+
 @pytest.mark.parametrize("speed", [None, math.inf])
 def test_at_the_end_it_is_waited_for_two_seconds_at_most_and_is_then_an_open_goal(
     speed: float | None, robot: PythonRobot, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
