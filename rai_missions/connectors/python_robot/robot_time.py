@@ -79,7 +79,7 @@ class RobotTime:
         self._lock = threading.RLock()
         self._all: dict[Execution, None] = {}
         self._is_over = False
-        self._on_change: Callable[[], None] = lambda: None
+        self._on_change: Callable[[], None] = _nothing
 
     def follow(self, on_change: Callable[[], None]) -> None:
         """Have a function called, from any thread, whenever one of the robot's begins to wait or returns."""
@@ -127,7 +127,7 @@ class RobotTime:
     def close(self) -> None:
         """The run is over: whatever waits now or later ends by `RunOver`."""
         with self._lock:
-            self._is_over = True
+            self._is_over, self._on_change = True, _nothing
             for execution in self._all:
                 execution.is_over = True
                 execution.release()
@@ -167,3 +167,7 @@ class RobotTime:
             self.at = max(self.at, to)
             for execution in [each for each in self._all if each.due is not None and each.due <= self.at]:
                 self.wake(execution)
+
+
+def _nothing() -> None:
+    """No clock follows."""
