@@ -79,6 +79,11 @@ def test_the_time_and_the_answers_of_a_question_stay_in_view(
         assert window.evaluate(half) >= 0.5
         window.click("#menu")
         assert window.is_visible("[data-act=take]") and window.is_visible("#follow")
+        window.click("[data-act=cancel]")
+        assert window.is_visible("[data-act=cancel]"), "it is asked twice"
+        window.focus("#who")
+        window.keyboard.press("Escape")
+        assert window.is_hidden("#more") and window.evaluate("document.activeElement.id") == "menu"
     colours = "[...new Set([...document.querySelectorAll('#legend .form')].map((each) => getComputedStyle(each).fill))]"
     assert window.is_visible("#legend") and len(window.evaluate(colours)) >= 5
     assert_accessible(window)

@@ -71,7 +71,8 @@ class RunFeed:
             if not self._is_notified:
                 self._is_notified = True
                 self._wake()
-        if step.outcome or (step.event.kind == "command" and not step.refusal):
+        is_order = bool(step.outcome) or (step.event.kind == "command" and not step.refusal)
+        if is_order and (self._order is None or not self._order.outcome):
             self._order = step
         if step.moves or step.effects or step.why:
             self._past.append(step)

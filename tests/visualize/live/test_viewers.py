@@ -209,6 +209,7 @@ def test_who_comes_later_sees_who_paused_and_whose_stop_it_was(run: Run) -> None
     run.send("resume", "command", by="operator")
     run.send("kill", "command", by="operator Ben (page)")
     at = run.chart.at
+    run.write("battery", 0.7)
     viewer = Viewer(run.page)
     wanted = {"e_stop_by": "operator Ben (page)", "ended_at": at, "paused_by": "", "outcome": "aborted"}
     until(lambda: viewer.sees(**wanted), f"{viewer.seen} has {wanted}")

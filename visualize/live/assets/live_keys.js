@@ -5,6 +5,10 @@ class LiveKeys {
   constructor(live) {
     this.live = live;
     document.addEventListener("keydown", (event) => this.key(event));
+    byId("acts").addEventListener("click", (event) => {
+      const button = event.target.closest("button");
+      if (button && !button.dataset.sure) this.menu(false); // one that is asked twice keeps it open
+    });
     document.querySelector(".tabs").addEventListener("keydown", (event) => this.alongTabs(event));
   }
 
@@ -13,7 +17,7 @@ class LiveKeys {
   }
 
   key(event) {
-    if (event.target.closest("input, select, textarea, dialog") || event.ctrlKey || event.metaKey || event.altKey || event.defaultPrevented) return;
+    if ((event.target.closest("input, select, textarea") && event.key !== "Escape") || event.target.closest("dialog") || event.ctrlKey || event.metaKey || event.altKey || event.defaultPrevented) return;
     if (event.key === "Enter" && event.target.closest("button, a, summary")) return;
     const pan = { ArrowLeft: [60, 0], ArrowRight: [-60, 0], ArrowUp: [0, 60], ArrowDown: [0, -60] }[event.key];
     const acts = {
@@ -54,14 +58,15 @@ class LiveKeys {
 
   /** Opens or closes the bar's menu, on a narrow screen. */
   menu(open = byId("menu").getAttribute("aria-expanded") !== "true") {
+    const left = !open && byId("more").contains(document.activeElement) && byId("menu").checkVisibility();
     byId("menu").setAttribute("aria-expanded", String(open));
+    if (left) byId("menu").focus();
   }
 
   clear() {
     const open = byId("menu").getAttribute("aria-expanded") === "true";
     this.menu(false);
-    if (open) byId("menu").focus();
-    else this.live.select("", "");
+    if (!open) this.live.select("", "");
   }
 
   /** The arrows move along the tabs. */
