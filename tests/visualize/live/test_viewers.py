@@ -205,7 +205,7 @@ def test_who_comes_later_sees_who_paused_and_whose_stop_it_was(run: Run) -> None
     viewer = Viewer(run.page)
     until(lambda: viewer.sees(mode="paused", paused_by="operator Anna (page)"), "it is seen who paused")
     viewer.cut()
-    until(lambda: run.page.viewers == 0, "no one looks on")
+    until(lambda: run.feed._wake is None, "no one looks on, and nothing is followed")
     run.send("resume", "command", by="operator")
     run.send("kill", "command", by="operator Ben (page)")
     at = run.chart.at
