@@ -50,10 +50,11 @@ def open_python_robot(given: Any, mission: Mission, before: Robot | None = None)
     expected = None if was is None or "sha256" not in was else str(was["sha256"])
     if is_program(given):
         program = read_program(given, expected=expected)
-    elif program is not None and expected not in (None, program.sha256):
-        raise UsageError(f"'{program.file}' has changed since the run began; resume with the file as it was")
+    elif expected is not None and (program is None or program.sha256 != expected):
+        raise UsageError("the run's robot was another file, or has changed since; resume with the file as it was")
     robot = program.robot() if program is not None else given
     source = str(program.file) if program is not None else robot.name
-    if faults := lacking_functions(robot, mission):
+    known = before.blackboard if before is not None else ()
+    if faults := lacking_functions(robot, mission, known=known):
         raise DefinitionError(faults, source)
-    return ChosenRobot(robot, before if was is not None and before is not None else profile_of(robot, mission, program))
+    return ChosenRobot(robot, profile_of(robot, mission, program, known=known))

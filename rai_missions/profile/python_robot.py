@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import hashlib
 import sys
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from types import ModuleType
@@ -100,27 +100,32 @@ def _neighbours(file: Path) -> Iterator[None]:
             sys.path.remove(folder)
 
 
-def profile_of(robot: PythonRobot, mission: Mission, program: RobotProgram | None = None) -> Robot:
+def profile_of(
+    robot: PythonRobot, mission: Mission, program: RobotProgram | None = None, *, known: Iterable[str] = ()
+) -> Robot:
     """The profile of a robot in Python, for a mission.
 
     Args:
         robot: The robot.
         mission: Whose events and keys it may bring.
         program: Where it comes from, if from a file.
+        known: Keys that it has brought in an earlier process.
 
     Raises:
         DefinitionError: Its rules are at fault.
     """
     origin = {} if program is None else {"file": program.file.name, "sha256": program.sha256}
     facts = {
-        name: {"topic": FACTS + name, "field": "value"} for name in _facts(robot, mission) if name in mission.blackboard
+        name: {"topic": FACTS + name, "field": "value"}
+        for name in _facts(robot, mission, known)
+        if name in mission.blackboard
     }
     return _profile(robot, mission, facts, {"kind": KIND, **origin})
 
 
-def lacking_functions(robot: PythonRobot, mission: Mission) -> tuple[Fault, ...]:
-    """What a mission uses and the robot has no function for."""
-    facts = {name: {"topic": FACTS + name, "field": "value"} for name in _facts(robot, mission)}
+def lacking_functions(robot: PythonRobot, mission: Mission, *, known: Iterable[str] = ()) -> tuple[Fault, ...]:
+    """What a mission uses and the robot has no function for; `known` as for `profile_of`."""
+    facts = {name: {"topic": FACTS + name, "field": "value"} for name in _facts(robot, mission, known)}
     return missing(mission, _profile(robot, mission, facts, {"kind": KIND}), remedies=REMEDIES)
 
 
@@ -133,10 +138,10 @@ REMEDIES: Mapping[str, str] = {
 """Section of a profile → what makes a robot in Python have a name in it."""
 
 
-def _facts(robot: PythonRobot, mission: Mission) -> dict[str, None]:
+def _facts(robot: PythonRobot, mission: Mission, known: Iterable[str]) -> dict[str, None]:
     """The keys that it brings; one that need not be there may be written without being declared."""
     optional = [name for name, key in mission.blackboard.items() if key.source == "robot" and key.optional]
-    return dict.fromkeys([*robot.facts, *robot.written, *optional])
+    return dict.fromkeys([*robot.facts, *robot.written, *optional, *known])
 
 
 def _profile(robot: PythonRobot, mission: Mission, facts: Mapping[str, Any], connector: Mapping[str, Any]) -> Robot:

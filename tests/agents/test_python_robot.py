@@ -366,7 +366,9 @@ def test_after_a_kill_an_action_is_doubtful_or_starts_again_and_the_same_file_is
     assert killed.returncode == 9, killed.stderr
     shutil.copy(file, tmp_path / "as_it_was.py")
     file.write_text("open('executed', 'w')", encoding="utf-8")
+    same = PythonRobot("turtle")
     for robot, sentence in (
+        (same, "the run's robot was another file, or has changed since"),
         (None, "the run's robot is in Python; resume with the same file: --robot 'my_robot.py'"),
         (str(file), "the run's robot was another file, or has changed since"),
     ):
