@@ -15,7 +15,7 @@ from pydantic import BaseModel, ValidationError
 from rai_missions.errors import Fault, pointer, suggestion
 from rai_missions.redaction import shown
 
-__all__ = ("faults_of", "place_of")
+__all__ = ("KEY", "faults_of", "place_of")
 
 MOST = 1000
 """How many faults are listed one by one; anyone who has more reads no further."""

@@ -6,8 +6,8 @@ Rule: a word that cannot be read hides no fault elsewhere, and causes no finding
 
 from __future__ import annotations
 
-import os
 from collections.abc import Collection, Iterator, Mapping
+from pathlib import Path
 from typing import Any, NamedTuple
 
 from rai_missions.check.finding import Finding, document_order
@@ -57,18 +57,12 @@ def check_file(path: str, *, python: bool = True, named: Collection[str] | None 
     except DefinitionError as error:
         unread = [Finding(each.place, each.sentence) for each in error.faults]
         return CheckedFile(None, tuple(_with_rest(path, error.source or path, unread, named)))
-    includes = path.endswith(".json") and len(mission.states) and any("/" in name for _, name, _ in mission.walk())
-    written = read_mission(_file(path)) if includes else None
+    includes = path.endswith(".json") and any("/" in name for _, name, _ in mission.walk())
+    written = read_mission(Path(path)) if includes else None
     found = check(mission, named=named)
     if written is None:
         return CheckedFile(mission, tuple(FileFinding(path, each) for each in found))
     return CheckedFile(mission, tuple(_located(path, each, written) for each in found))
-
-
-def _file(path: str) -> Any:
-    from pathlib import Path
-
-    return Path(os.fspath(path))
 
 
 def _located(path: str, finding: Finding, written: Mission) -> FileFinding:
@@ -82,7 +76,7 @@ def _with_rest(path: str, source: str, unread: list[Finding], named: Collection[
     rest: tuple[Finding, ...] = ()
     if path.endswith(".json"):
         try:
-            document = read_json(_file(path))
+            document = read_json(Path(path))
             rest = _of_rest(document, unread, named)
         except MissionError:
             rest = ()
@@ -102,4 +96,5 @@ def _of_rest(document: Any, unread: list[Finding], named: Collection[str] | None
     if not part.unread:  # only what it includes cannot be read
         steps = tuple(tuple(unescaped(word) for word in each.place.split("/")[1:]) for each in unread)
         part = LegiblePart(part.mission, steps, part.names, has_states=True, has_targets=True)
-    return check_part(part, document, named=named)
+    hidden = (Finding(each.place, each.sentence) for each in part.faults)
+    return (*hidden, *check_part(part, document, named=named))

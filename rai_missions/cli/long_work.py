@@ -15,7 +15,7 @@ from typing import TextIO
 from rai_missions.cli.output import terminal_of
 from rai_missions.connectors.worker import Worker
 
-__all__ = ("LongWork", "Pace")
+__all__ = ("LongWork", "WorkPace")
 
 UPDATED_S = 0.25
 """Seconds between two looks on a terminal; what ends before the first shows nothing."""
@@ -24,7 +24,7 @@ LINE_S = 10.0
 ERASE = "\r\x1b[2K"
 
 
-class Pace:
+class WorkPace:
     """How much is done, and how fast.
 
     Args:

@@ -8,7 +8,7 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
-from rai_missions.cli.long_work import Pace
+from rai_missions.cli.long_work import WorkPace
 from rai_missions.errors import UsageError
 from rai_missions.journal import Header
 from rai_missions.mission.files import dump
@@ -44,7 +44,7 @@ def limits_of(states: int | None, seconds: float, memory_mb: float) -> dict[str,
     return {"most": most, "seconds": seconds, "memory_mb": memory_mb}
 
 
-def how_far(pace: Pace) -> str:
+def how_far(pace: WorkPace) -> str:
     """How far an exploration is: `3,194 states found, 1,000 of them explored, 950 states/s`."""
     if not pace.total:
         return f"exploring, {pace.elapsed_s:.0f} s"

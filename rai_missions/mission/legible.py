@@ -12,9 +12,9 @@ from typing import Any, NamedTuple
 
 from pydantic import ValidationError
 
-from rai_missions.errors import pointer
-from rai_missions.mission.mission import Mission
-from rai_missions.validation_errors import place_of
+from rai_missions.errors import Fault, pointer, unescaped
+from rai_missions.mission.mission import BUILT_IN_EVENTS, Mission
+from rai_missions.validation_errors import KEY, faults_of, place_of
 
 __all__ = ("LegiblePart", "legible_part", "words_in")
 
@@ -22,13 +22,13 @@ Steps = tuple[str | int, ...]
 ROUNDS = 30
 """A document that is not read after so many repairs is left."""
 UNREAD = "not_legible"
-"""The event and the predicate that take the place of what cannot be read."""
+"""The predicate, and the text, in the place of what cannot be read."""
 GUARDS = frozenset({"when", "achieved", "requires", "not", "possible", "held", "all", "any"})
 """The words whose value is a guard or a list of guards."""
 EFFECTS = frozenset({"do", "entry", "exit"})
 TARGETS = frozenset({"to", "transitions", "default", "initial", "on_cancel"})
-REPORTING = frozenset({"decision", "each", "mission", "tree", "action", "call"})
-"""The words of a state whose value decides which outcomes and options it has."""
+REPORTING = frozenset({"decision"})
+"""The words of a state whose value decides which options it has."""
 STATES = frozenset({"states", "parallel"})
 NAMED = frozenset({*STATES, "blackboard", "events", "options", "invariants"})
 """The words whose value has names of the author."""
@@ -50,6 +50,8 @@ class LegiblePart(NamedTuple):
     """The names of all states are known."""
     has_targets: bool
     """Whatever leads to a state is known."""
+    faults: tuple[Fault, ...] = ()
+    """What else cannot be read, which what was replaced first had hidden."""
 
     def hides(self, place: str) -> bool:
         """Whether a place is, or is inside, what was replaced or left out."""
@@ -80,16 +82,19 @@ def legible_part(data: Mapping[str, Any]) -> LegiblePart | None:
     """
     document = copy.deepcopy(dict(data))
     repair = _Repair(document)
+    faults: list[Fault] = []
     for _ in range(ROUNDS):
         try:
             mission = Mission.model_validate(document)
         except ValidationError as error:
+            found = faults_of(error, Mission, document)
+            faults += [each for each in found if _is_original(each.place, data, document)]
             if not repair.attempt(error):
                 return None
         else:
             return LegiblePart(
                 _joined(mission, document, repair.names), tuple(repair.unread), frozenset(repair.names),
-                repair.has_states, repair.has_targets,
+                repair.has_states, repair.has_targets, tuple(dict.fromkeys(faults)),
             )  # fmt: skip
     return None
 
@@ -99,12 +104,8 @@ def _joined(mission: Mission, document: dict[str, Any], names: set[str]) -> Miss
     mentioned = [name for _, name, _ in mission.walk() if name in names]
     if not mentioned:
         return mission
-    more = [{"on": UNREAD, "to": name} for name in mentioned]
-    events = document.get("events", {})
-    declared = {UNREAD: {}, **(events if isinstance(events, Mapping) else {name: {} for name in events})}
-    return Mission.model_validate(
-        {**document, "events": declared, "transitions": [*document.get("transitions", []), *more]}
-    )
+    more = [{"on": BUILT_IN_EVENTS[0], "to": name} for name in mentioned]
+    return Mission.model_validate({**document, "transitions": [*document.get("transitions", []), *more]})
 
 
 class _Repair:
@@ -117,15 +118,19 @@ class _Repair:
     def __init__(self, document: dict[str, Any]) -> None:
         self._document = document
         self.unread: list[Steps] = []
+        self._tried: set[Steps] = set()
+        self._misnamed: set[Steps] = set()
         self.names: set[str] = set()
         self.has_states = self.has_targets = True
 
     def attempt(self, error: ValidationError) -> bool:
         """Replace what an error is about; False where it cannot be."""
-        targets = {
-            self._target(tuple(place_of(item["loc"], self._document)), item["type"])
-            for item in error.errors(include_url=False)
-        }
+        targets = set()
+        for item in error.errors(include_url=False):
+            steps = tuple(place_of(item["loc"], self._document))
+            if item["loc"] and item["loc"][-1] == KEY:
+                self._misnamed.add(steps)
+            targets.add(self._target(steps, item["type"]))
         outermost = [
             each for each in targets if each and not any(each[: len(other)] == other != each for other in targets)
         ]
@@ -154,9 +159,14 @@ class _Repair:
         is_object = isinstance(holder, dict)
         if (not is_object and not isinstance(holder, list)) or (is_object and last not in holder):
             return False
-        was, again = holder[last], steps in self.unread
-        self._forget(steps, was)
-        neutral = self._neutral(steps, was, again=again)
+        was, again = holder[last], steps in self._tried
+        self._tried.add(steps)
+        neutral = None if steps in self._misnamed else self._neutral(steps, was, again=again)
+        if isinstance(was, Mapping) and isinstance(neutral, Mapping) and was and neutral.items() <= was.items():
+            for word in was.keys() - neutral.keys():
+                self._forget((*steps, word), was[word])
+        else:
+            self._forget(steps, was)
         if neutral is None and is_object:
             del holder[last]
         elif neutral is None or neutral == was:
@@ -203,6 +213,19 @@ class _Repair:
             here = here[step]
         inner = here.get("states")
         return next(iter(inner), None) if isinstance(inner, Mapping) else None
+
+
+def _is_original(place: str, data: Any, document: Any) -> bool:
+    """Whether what is at a place now is as its author wrote it."""
+    for word in place.split("/")[1:]:
+        step: Any = unescaped(word)
+        if isinstance(data, list) and isinstance(document, list) and step.isdigit():
+            step = int(step)
+        try:
+            data, document = data[step], document[step]
+        except (KeyError, IndexError, TypeError):
+            return False
+    return bool(data == document)
 
 
 def _is_entry(steps: Steps) -> bool:

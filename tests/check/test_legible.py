@@ -18,6 +18,7 @@ from rai_missions.check import check, check_file
 from rai_missions.check.rules import check_part
 from rai_missions.mission.legible import legible_part
 from rai_missions.mission.mission import Mission
+from rai_missions.validation_errors import faults_of
 
 ROOT = Path(__file__).parents[2]
 SHIPPED = {
@@ -56,9 +57,19 @@ def broken(name: str, steps: Steps, *, word: bool) -> dict[str, Any] | None:
     return None
 
 
+def unread_places(document: dict[str, Any]) -> set[str]:
+    """The places that a reader of the whole document reports."""
+    try:
+        Mission.model_validate(document)
+    except ValidationError as error:
+        return {each.place for each in faults_of(error, Mission, document)}
+    return set()
+
+
 def assert_nothing_is_invented(name: str, steps: Steps, *, word: bool) -> None:
     if (document := broken(name, steps, word=word)) is not None and (part := legible_part(document)) is not None:
         assert check_part(part, document) == (), (name, steps, word)
+        assert {each.place for each in part.faults} <= unread_places(document), (name, steps, word)
 
 
 @given(st.sampled_from(PLACES), st.booleans())

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from rai_missions.cli.long_work import ERASE, LINE_S, LongWork, Pace
+from rai_missions.cli.long_work import ERASE, LINE_S, LongWork, WorkPace
 from rai_missions.cli.output import redacted_output, terminal_of
 from rai_missions.cli.proof_report import how_far
 from rai_missions.replay.replay import replay
@@ -61,11 +61,11 @@ def test_what_is_drawn_reaches_the_terminal_below_what_is_redacted(capsys: pytes
 
 def test_a_pace_counts_by_the_clock_that_it_was_given() -> None:
     times = iter([0.0, 2.0, 2.0, 4.0])
-    pace = Pace(lambda: next(times))
+    pace = WorkPace(lambda: next(times))
     pace.set(50, 200)
     assert (pace.percent, pace.rate) == (25, 25.0)
-    assert Pace().percent == 0
-    exploring = Pace(lambda: 3.0)
+    assert WorkPace().percent == 0
+    exploring = WorkPace(lambda: 3.0)
     assert how_far(exploring) == "exploring, 0 s"
     exploring.set(1000, 3194)
     assert how_far(exploring) == "3,194 states found, 1,000 of them explored, 0 states/s"

@@ -75,9 +75,9 @@ def _first_of(path: str, faults: Sequence[Fault | Finding], where: str) -> str:
 
 def _progress(mission: Mission) -> LongWork:
     """How long it has taken; Graphviz does not report how far it is."""
-    from rai_missions.cli.long_work import LongWork, Pace
+    from rai_missions.cli.long_work import LongWork, WorkPace
 
-    pace, states = Pace(), sum(1 for _ in mission.walk())
+    pace, states = WorkPace(), sum(1 for _ in mission.walk())
     return LongWork(lambda: f"drawing {states:,} states, {pace.elapsed_s:.0f} s")
 
 

@@ -49,7 +49,7 @@ def prove(
 
     from rai_missions.check import check, faults_of
     from rai_missions.cli.inputs import load_guards
-    from rai_missions.cli.long_work import LongWork, Pace
+    from rai_missions.cli.long_work import LongWork, WorkPace
     from rai_missions.cli.proof_report import as_json, how_far, limits_of, report, write_journals
     from rai_missions.errors import DefinitionError
     from rai_missions.mission.files import load
@@ -65,7 +65,7 @@ def prove(
         raise DefinitionError(faults, mission)
     limits = limits_of(states, max_seconds, max_memory)
     of_robot = terms(profile) if profile is not None else None
-    ticker, pace = default_ticker(loaded), Pace()
+    ticker, pace = default_ticker(loaded), WorkPace()
     with LongWork(lambda: how_far(pace)):
         proof = explore(
             loaded, ticker, terms=of_robot, progress=lambda found, done: pace.set(done, found), continues=all_, **limits

@@ -87,7 +87,7 @@ def _replay(journal: str, mission: Mission | None, *, verbose: bool) -> Replay:
     import sys
 
     from rai_missions.cli.inputs import warn
-    from rai_missions.cli.long_work import LongWork, Pace
+    from rai_missions.cli.long_work import LongWork, WorkPace
     from rai_missions.cli.progress import Lines
     from rai_missions.journal import read
     from rai_missions.recording import journal_of
@@ -101,7 +101,7 @@ def _replay(journal: str, mission: Mission | None, *, verbose: bool) -> Replay:
                 mission = mission_of(record)
         if verbose:
             return repeat(found.path, on_step=Lines(mission, sys.stdout).step, mission=mission)
-        pace = Pace()
+        pace = WorkPace()
         with LongWork(lambda: f"{pace.percent} % of {pace.total:,} steps done again, {pace.rate:,.0f} steps/s"):
             return repeat(found.path, mission=mission, progress=pace.set)
 
