@@ -49,8 +49,8 @@ STALLED_S = 10.0
 MOST_CAMERAS = 32
 ASSETS = Path(__file__).parent / "assets"
 SHARED = (
-    "dom.js", "text.js", "boxes.js", "tree.js", "graph.js", "order.js", "layout.js", "shapes.js", "chart.js",
-    "gestures.js", "details.js", "legend.js",
+    "dom.js", "text.js", "detail.js", "boxes.js", "tree.js", "graph.js", "order.js", "layout.js", "shapes.js", "pen.js",
+    "chart.js", "gestures.js", "details.js", "legend.js",
 )  # fmt: skip
 OWN = (
     "entry.js", "line.js", "acts.js", "announcer.js", "state.js", "follow.js", "evidence.js", "question.js", "panel.js",

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Keeps what is active in view. Moving the chart by hand ends it; a zoom by hand is kept.
 
-const FOLLOWED = 0.7; // what is followed is never drawn smaller; then less of it is in view
-
 class Follower {
   /** @param chart Chart  @param button element that shows whether it follows, and is pressed to change that */
   constructor(chart, button) {
@@ -33,6 +31,6 @@ class Follower {
     this.at = at;
     for (const name of inner) this.chart.reveal(name);
     if (this.zoomed) this.chart.center(inner[0]);
-    else this.chart.frame(inner, FOLLOWED);
+    else this.chart.frame(inner);
   }
 }

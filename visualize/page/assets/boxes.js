@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// What is in the box of a state, measured: texts, the cells of a decision's options, and a tree.
+// What is in the box of a state at a level of detail, measured: texts, the cells of a decision's options, and a tree.
 
 const LOOKS = {
   "": ["wait", "plain"], action: ["action", "action"], call: ["call", "call"], decision: ["decision", "decision"],
   tree: ["tree", "tree"], mission: ["mission", "mission"], states: ["states", "group"], parallel: ["parallel", "group"],
   each: ["for each", "group"], history: ["history", "plain"], final: ["final", "final"],
 };
-const LINE = 210, CELL = 128, PAD = 10, LEAD = 1.28;
+const LINE = 210, CELL = 128, PAD = 10, LEAD = 1.28, KNOB = 20, COUNT = 34;
 
 /** A column of texts: what is added is below what was. */
 class Column {
@@ -48,12 +48,31 @@ function lookOf(state) {
   return LOOKS[state.kind || ""] || LOOKS[""];
 }
 
-/** The words at the head of every state. */
-function headed(column, state) {
+/** The words at the head of every state, with room for a number behind the name. */
+function headed(column, state, detail) {
   const was = state.was ? ` (was ${state.was})` : "";
-  column.add(marked(state.mark, state.name) + was, 13, { bold: true });
+  column.add(marked(state.mark, state.name) + was, NAME, { bold: true });
+  column.w += detail.counted ? COUNT : 0;
   const [word] = lookOf(state);
-  column.add(state.kind === "final" ? `final: ${word}` : state.title || word, 11, { most: 2 });
+  column.add(state.kind === "final" ? `final: ${word}` : state.title || word, 11, { most: detail.all ? 2 : 1 });
+}
+
+/** From afar: the name alone. */
+function nameBox(state, detail, more = 0) {
+  const column = new Column(detail.limit);
+  const name = state.kind === "history" ? (state.outcome === "deep" ? "H*" : "H") : state.name;
+  const whole = marked(state.mark, name);
+  column.add(whole, NAME, { bold: true, most: detail.lines });
+  if (column.texts.some((line) => line.whole)) column.texts.forEach((line, index) => Object.assign(line, { whole, text: index === column.texts.length - 1 && detail.isShared(line.text) ? tailOf(whole, detail.limit) : line.text }));
+  const beside = detail.lines > 1 ? 8 : 5, w = column.w + 2 * beside + more;
+  return { w: Math.max(w, 36 + more), h: column.h + 9, texts: column.texts, cells: [], tree: null, at: [beside, 3], words: w };
+}
+
+/** The end of a name, as much as is in a line: names that begin alike differ there. */
+function tailOf(name, limit) {
+  const all = letters(name);
+  while (all.length > 1 && width(`…${all.join("")}`, NAME, true) > limit) all.shift();
+  return `…${all.join("")}`;
 }
 
 function footed(column, state, staying) {
@@ -63,17 +82,24 @@ function footed(column, state, staying) {
   if (staying.length > 3) column.add(`↻ ${staying.length - 3} more that stay`, 10);
 }
 
-function leafBox(state, staying) {
+function leafBox(state, staying, detail) {
+  if (!detail.triggers) return nameBox(state, detail);
   if (state.kind === "history") return historyBox(state);
-  const column = new Column(state.choices ? Math.max(LINE, Math.min(state.choices.length, 5) * (CELL + 14)) : LINE);
-  headed(column, state);
+  const across = detail.turned ? 1 : Math.min(5, Math.max(1, (state.choices || []).length));
+  const column = new Column(Math.max(detail.limit, across * (CELL + 14)));
+  headed(column, state, detail);
+  if (detail.all) described(column, state, staying);
+  const box = { w: Math.max(column.w, 60) + 2 * PAD, h: column.h + 2 * PAD - 4, texts: column.texts, cells: [], tree: null };
+  if (state.choices) withCells(box, state.choices, across, detail);
+  return box;
+}
+
+/** All that is written of a state. */
+function described(column, state, staying) {
   const lines = [...(state.about ? [state.about] : []), ...(state.lines || [])];
   lines.slice(0, 7).forEach((line) => column.add(line, 10, { tone: "muted", most: 3 }));
   if (lines.length > 7) column.add(`… ${lines.length - 7} more lines`, 10, { tone: "muted" });
   footed(column, state, staying);
-  const box = { w: Math.max(column.w, 60) + 2 * PAD, h: column.h + 2 * PAD - 4, texts: column.texts, cells: [], tree: null };
-  if (state.choices) withCells(box, state.choices);
-  return box;
 }
 
 function historyBox(state) {
@@ -83,12 +109,11 @@ function historyBox(state) {
   return { w: Math.max(44, column.w + 2 * PAD), h: column.h + PAD, texts: column.texts, cells: [], tree: null };
 }
 
-/** The options, side by side below the question, at most five in a row. */
-function withCells(box, choices) {
-  const across = Math.min(5, choices.length);
+/** The options below the question, so many side by side. */
+function withCells(box, choices, across, detail) {
   let top = box.h - 2;
   for (let from = 0; from < choices.length; from += across) {
-    const columns = choices.slice(from, from + across).map(cellOf);
+    const columns = choices.slice(from, from + across).map((choice) => cellOf(choice, detail));
     const height = Math.max(...columns.map((each) => each.column.h)) + 10;
     let left = 0;
     columns.forEach(({ choice, column }) => {
@@ -103,9 +128,10 @@ function withCells(box, choices) {
   box.h = top;
 }
 
-function cellOf(choice) {
-  const column = new Column(CELL);
+function cellOf(choice, detail) {
+  const column = new Column(detail.turned ? LINE : CELL);
   column.add(marked(choice.mark, choice.name), 11, { bold: true });
+  if (!detail.all) return { choice, column };
   column.add(choice.about, 10, { tone: "muted", most: 2 });
   column.add(choice.guard ? `when ${choice.guard}` : choice.fallback ? "" : "always open", 10, { most: 4 });
   if (choice.fallback) column.add("fallback, always open", 10, { bold: true });
@@ -128,27 +154,31 @@ function spread(box, across) {
 }
 
 /** A state that holds others, closed: what is inside is given in numbers. */
-function closedBox(state, staying, inside) {
+function closedBox(state, staying, inside, detail) {
+  if (!detail.triggers) return nameBox(state, detail, KNOB);
   const column = new Column(LINE);
-  headed(column, state);
+  headed(column, state, detail);
   column.add(inside, 10, { tone: "muted", most: 3 });
-  (state.lines || []).slice(0, 3).forEach((line) => column.add(line, 10, { tone: "muted" }));
-  footed(column, state, staying);
-  return { w: Math.max(column.w, 60) + 2 * PAD + 16, h: column.h + 2 * PAD - 4, texts: column.texts, cells: [], tree: null };
+  if (detail.all) (state.lines || []).slice(0, 3).forEach((line) => column.add(line, 10, { tone: "muted" }));
+  if (detail.all) footed(column, state, staying);
+  return { w: Math.max(column.w, 60) + 2 * PAD + KNOB, h: column.h + 2 * PAD - 4, texts: column.texts, cells: [], tree: null };
 }
 
 /** The head of an open one. */
-function openHead(state, staying) {
+function openHead(state, staying, detail) {
+  if (!detail.triggers) return nameBox(state, detail, KNOB);
   const column = new Column(340);
-  headed(column, state);
-  if (state.about) column.add(state.about, 10, { tone: "muted" });
-  (state.lines || []).slice(0, 4).forEach((line) => column.add(line, 10, { tone: "muted" }));
-  footed(column, state, staying);
-  return { w: column.w + 2 * PAD + 18, h: column.h + PAD, texts: column.texts };
+  headed(column, state, detail);
+  if (detail.all && state.about) column.add(state.about, 10, { tone: "muted" });
+  if (detail.all) (state.lines || []).slice(0, 4).forEach((line) => column.add(line, 10, { tone: "muted" }));
+  if (detail.all) footed(column, state, staying);
+  const w = column.w + 2 * PAD + KNOB;
+  return { w, h: column.h + PAD, texts: column.texts, words: w };
 }
 
-/** The transitions of an arrow; those with the same words are counted. */
-function arrowBox(transitions, quiet) {
+/** The transitions of an arrow, with room for a number; those with the same words are counted. */
+function arrowBox(transitions, quiet, detail) {
+  if (!detail.triggers) return { w: 0, h: 0, texts: [] };
   const column = new Column(150);
   const same = new Map();
   for (const transition of transitions) push(same, transitionWords(transition), transition);
@@ -156,17 +186,28 @@ function arrowBox(transitions, quiet) {
     if (index) column.space(3);
     const trigger = transition.trigger && !transition.trigger.startsWith("after ") ? `on ${transition.trigger}` : transition.when;
     column.add(marked(transition.mark, quiet ? "" : trigger) + (more.length ? ` (${more.length + 1} transitions)` : ""), 10, { bold: true, most: 2 });
-    if (transition.guard) column.add(transition.trigger ? `[${transition.guard}]` : transition.guard, 10, { most: 3 });
-    if ((transition.do || []).length) column.add(`/ ${transition.do.join("; ")}`, 10, { tone: "muted", most: 2 });
+    if (detail.all && transition.guard) column.add(transition.trigger ? `[${transition.guard}]` : transition.guard, 10, { most: 3 });
+    if (detail.all && (transition.do || []).length) column.add(`/ ${transition.do.join("; ")}`, 10, { tone: "muted", most: 2 });
   });
   if (same.size > 3) column.add(`and ${same.size - 3} more kinds of transition`, 10, { bold: true });
-  return { w: column.w + (column.w ? 8 : 0), h: column.h + (column.h ? 4 : 0), texts: column.texts };
+  const counted = detail.counted ? column.w + 4 : 0, w = column.w + (detail.counted ? COUNT : 0);
+  return { w: w + (w ? 10 : 0), h: w ? Math.max(column.h, 13) + 4 : 0, texts: column.texts, counted };
 }
 
 /** The mission's own transitions, tried from everywhere. */
-function anywhereBox(transitions) {
-  const column = new Column(250);
-  column.add("From every state", 12, { bold: true });
-  transitions.forEach((transition) => column.add(`• ${transitionWords(transition)}${transition.target ? ` → ${transition.target}` : " (stays)"}`, 10, { most: 3 }));
+function anywhereBox(transitions, detail) {
+  const column = new Column(detail.triggers ? 250 : detail.limit);
+  column.add("From every state", NAME, { bold: true });
+  const words = (transition) => (detail.all ? transitionWords(transition) : transition.trigger && !transition.trigger.startsWith("after ") ? `on ${transition.trigger}` : transition.when);
+  if (!detail.triggers) return { w: column.w + 16, h: column.h + 9, texts: column.texts, cells: [], tree: null };
+  transitions.forEach((transition) => column.add(`• ${words(transition)}${transition.target ? ` → ${transition.target}` : " (stays)"}`, 10, { most: 3 }));
   return { w: column.w + 2 * PAD, h: column.h + 2 * PAD - 4, texts: column.texts, cells: [], tree: null };
+}
+
+/** An arrow's end that is elsewhere: a sign with the name of its target, from afar a dot. */
+function stubBox(name, detail) {
+  if (!detail.triggers) return { w: 8, h: 8, texts: [], cells: [], tree: null };
+  const column = new Column(150);
+  column.add(`→ ${name}`, 11, { most: 1 });
+  return { w: column.w + 16, h: column.h + 8, texts: column.texts, cells: [], tree: null };
 }

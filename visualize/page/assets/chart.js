@@ -2,7 +2,7 @@
 // The chart: a mission's states and transitions, drawn from data, with states of highlight put over it.
 // Rule: what is lit, dimmed, active or taken is set by `show`, and changes no place; opening and closing does.
 
-const OPEN_AT_FIRST = 45, READABLE = 0.9; // the smallest text is 10 high, and must be 9 on the screen
+const OPEN_AT_FIRST = [45, 20, 0], READABLE = LEAST_NAME / NAME, LARGE = 700, MARGIN = 40, MARGIN_NARROW = 16;
 
 class Chart {
   /** @param host element  @param data chart data  @param listener {select(kind, name, places)}  @param findings [{place, sentence}] */
@@ -16,9 +16,9 @@ class Chart {
     this.layer = draw("g", {});
     this.svg = draw("svg", { class: "chart", tabindex: "0", role: "application", "aria-label": `chart of ${data.name}` }, markers(), this.layer);
     host.append(this.svg);
-    this.gestures = new Gestures(this.svg, this.layer, () => this.size);
+    this.gestures = new Gestures(this.svg, this.layer, { size: () => this.size, zoomed: (x, y) => this.refine(x, y) });
+    Object.assign(this, { view: null, size: { w: 1, h: 1 }, groups: new Map(), arrows: [], level: 0, turned: false, plans: null, plan: null, work: null });
     this.openFirst();
-    this.draw();
   }
 
   /** Which states carry a fault, and its sentences. */
@@ -31,35 +31,74 @@ class Chart {
     return found;
   }
 
-  /** Outer before inner, as many as stay readable. */
+  /** As many open states as leave all names readable in the window; on a phone none. */
   openFirst() {
-    let seen = this.model.children.get("").length;
-    let wave = this.model.children.get("");
+    for (const most of this.isNarrow() ? [0] : OPEN_AT_FIRST) {
+      this.open = this.outermost(most);
+      this.plans = this.planned();
+      if (!this.open.size || this.plans.seen > LARGE) break;
+      const plan = finished(this.plans.fitting(this.room()));
+      if (scaleOf(plan, this.room()) >= READABLE) break;
+    }
+    this.draw((plans, room) => plans.fitting(room));
+  }
+
+  /** Open states, outer before inner, such that no more than so many states are seen. */
+  outermost(most) {
+    const open = new Set();
+    let wave = this.model.children.get(""), seen = wave.length;
     while (wave.length) {
       const next = [];
       for (const name of wave) {
         const inside = this.model.children.get(name);
-        if (!inside.length || seen + inside.length > OPEN_AT_FIRST) continue;
-        this.open.add(name);
+        if (!inside.length || seen + inside.length > most) continue;
+        open.add(name);
         seen += inside.length;
         next.push(...inside);
       }
       wave = next;
     }
+    return open;
+  }
+
+  isNarrow() {
+    return innerWidth < NARROW;
+  }
+
+  /** What the window has room for, on the screen's measure. */
+  room() {
+    const box = this.svg.getBoundingClientRect(), margin = this.isNarrow() ? MARGIN_NARROW : MARGIN;
+    return { w: Math.max(box.width - margin, 200), h: Math.max(box.height - margin, 100), margin };
+  }
+
+  planned() {
+    return new Plans(this.model, this.open, (level, turned) => this.content({ ...level, turned, counted: Boolean(this.state.counts), isShared: this.model.sharing(level.limit, level.lines) }));
   }
 
   /** Opens or closes states; what `still` names stays where it is on the screen. */
   change(act, still) {
     const before = still ? this.place(still) : null;
     act(this.open);
-    this.draw();
-    const after = still ? this.place(still) : null;
-    if (before && after) this.gestures.shift(before.x - after.x, before.y - after.y);
+    this.plans = this.planned();
+    if (before) this.draw((plans, room) => plans.making(this.level, this.turned, room), () => this.held(still, before));
     else this.fit(READABLE);
   }
 
+  held(name, before) {
+    const after = this.place(name);
+    if (after) this.gestures.shift(before.x - after.x, before.y - after.y);
+  }
+
   toggle(name) {
-    if (this.model.holds(name)) this.change((open) => (open.has(name) ? open.delete(name) : open.add(name)), name);
+    if (!this.model.holds(name)) return;
+    const focused = document.activeElement && document.activeElement.closest("[data-knob]");
+    this.change((open) => (open.has(name) ? open.delete(name) : open.add(name)), name);
+    if (focused) this.focus(name);
+  }
+
+  focus(name) {
+    const knob = [...this.layer.querySelectorAll("[data-knob]")].find((each) => each.dataset.knob === name);
+    if (knob) knob.focus();
   }
 
   openAll() {
@@ -76,127 +115,110 @@ class Chart {
     if (around.length) this.change((open) => around.forEach((each) => open.add(each)), around[0]);
   }
 
-  draw() {
-    this.view = viewOf(this.model, this.open);
-    this.size = layOut(this.view, this);
-    this.groups = new Map();
-    this.arrows = [];
-    const borders = [], boxes = [];
-    for (const item of allItems(this.view.root)) {
-      const made = this.drawn(item);
-      if (made) (item.inner ? borders : boxes).push(made);
+  /** Draws the layout that `plan` makes; a large one in parts, with its progress shown, while the page is used. */
+  draw(plan, then = () => {}) {
+    if (this.work && this.work.plans === this.plans) {
+      this.work.then = this.finish(then);
+      return;
     }
-    const arrows = this.view.bundles.map((bundle) => this.arrowOf(bundle));
-    this.layer.replaceChildren(...borders, ...arrows, ...boxes);
+    if (this.work) this.work.stop();
+    this.work = null;
+    const parts = this.drawing(plan(this.plans, this.room()));
+    if (this.plans.seen <= LARGE) {
+      finished(parts);
+      then();
+      return;
+    }
+    this.work = new Work(this.host, `drawing ${this.plans.seen} states`);
+    this.work.plans = this.plans;
+    this.work.run(parts, this.finish(then));
+  }
+
+  finish(then) {
+    return () => {
+      this.work = null;
+      then();
+    };
+  }
+
+  *drawing(planning) {
+    const plan = yield* planning, { view } = plan;
+    if (plan === this.plan) return;
+    const groups = new Map(), arrows = [], borders = [], boxes = [], lines = [];
+    const made = { groups, arrows, faults: this.faults, anyGroup: null };
+    const pen = new Pen(this, view, LEVELS[plan.level], made);
+    let count = 0;
+    for (const item of allItems(view.root)) {
+      const drawn = pen.drawn(item);
+      if (drawn) (item.inner ? borders : boxes).push(drawn);
+      if ((count += 1) % 20 === 0) yield 0.8 + (0.1 * boxes.length) / this.plans.seen;
+    }
+    for (const bundle of view.bundles) {
+      lines.push(pen.arrowOf(bundle));
+      if ((count += 1) % 20 === 0) yield 0.9 + (0.1 * lines.length) / view.bundles.length;
+    }
+    Object.assign(this, made, { plan, view, size: plan.size, level: plan.level, turned: plan.turned });
+    this.svg.dataset.detail = LEVELS[plan.level].word;
+    this.layer.replaceChildren(...borders, ...lines, ...boxes);
     this.show({});
+  }
+
+  /** Nearer, more is drawn, and farther less; what is at a point of the window stays there. */
+  refine(x, y) {
+    if (!this.view || this.work) return;
+    const { scale } = this.gestures;
+    const finer = this.level < FINEST && this.plans.seen <= LARGE && (scale >= LARGEST || this.scaleAt(this.level + 1) >= LEVELS[this.level + 1].readable * HYSTERESIS);
+    const coarser = this.level > 0 && scale < LEVELS[this.level].readable / HYSTERESIS && this.scaleAt(this.level - 1) > scale;
+    const level = finer ? this.level + 1 : coarser ? this.level - 1 : this.level;
+    if (level === this.level) return;
+    const to = Math.max(this.scaleAt(level), finer ? LEVELS[level].readable : 0), near = this.nearest(x, y), point = this.gestures.outside(this.place(near));
+    this.draw((plans, room) => plans.making(level, this.turned, room), () => this.gestures.hold(to, this.place(near), point));
+  }
+
+  /** The scale at which another level is as large as this one is now. */
+  scaleAt(level) {
+    if (this.plans.seen > LARGE) return 0; // another layout of so many takes too long
+    const { size } = this.plans.at(level, this.turned, this.room());
+    return this.gestures.scale * Math.sqrt((this.size.w * this.size.h) / (size.w * size.h));
+  }
+
+  /** The state whose middle is nearest to a point of the window. */
+  nearest(x, y) {
+    const at = this.gestures.inside(x, y);
+    let found = "", least = Infinity;
+    for (const [name, item] of this.view.items) {
+      const away = Math.hypot(item.X - at.x, item.Y + item.h / 2 - at.y) + (item.inner ? item.h : 0);
+      if (away < least) [found, least] = [name, away];
+    }
+    return found;
   }
 
   staying(name) {
     return (this.model.away.get(name) || []).filter((transition) => !transition.target || transition.target === name || !this.model.states.has(transition.target));
   }
 
-  // What the layout asks for: the boxes of what is seen.
-  leaf(name) {
-    const state = this.model.states.get(name);
-    if (this.model.holds(name)) return closedBox(state, this.staying(name), this.model.summary(name));
-    const box = leafBox(state, this.staying(name));
-    return state.twigs ? grownBox(box, treeBox(state.twigs)) : box;
-  }
-
-  head(name) {
-    return openHead(this.model.states.get(name), this.staying(name));
-  }
-
-  anywhere() {
-    return anywhereBox(this.model.away.get("") || []);
-  }
-
-  stub(name) {
-    const column = new Column(150);
-    column.add(`→ ${name}`, 11, { most: 1 });
-    return { w: column.w + 16, h: column.h + 8, texts: column.texts, cells: [], tree: null };
-  }
-
-  arrow(bundle, quiet) {
-    return arrowBox(bundle.transitions, quiet);
-  }
-
-  drawn(item) {
-    const left = item.X - item.w / 2, top = item.Y;
-    if (item.kind === "start") return draw("circle", { class: "start", cx: item.X, cy: top + 6, r: 6 });
-    if (item.kind === "tab") return draw("rect", { class: "tab", x: left, y: top, width: item.w, height: item.h, rx: 4 }, draw("title", {}, `from anywhere in ${item.name}, or back to it`));
-    if (item.kind === "port") return null;
-    if (item.kind === "any" || item.kind === "stub") return this.sign(item, left, top);
-    return this.stateGroup(item, left, top);
-  }
-
-  sign(item, left, top) {
-    const select = item.kind === "stub" ? () => this.listener.select("state", item.name) : () => this.listener.select("own", "");
-    const group = draw("g", { class: `sign ${item.kind}`, transform: `translate(${left},${top})`, on: { click: select } },
-      draw("rect", { width: item.w, height: item.h, rx: item.kind === "stub" ? item.h / 2 : 3 }), texts(item.box.texts, 8, 4));
-    if (item.kind === "stub") this.arrows.push({ group, transitions: item.bundle.transitions.map((transition) => transition.place), start: false });
-    else this.anyGroup = group;
-    return group;
-  }
-
-  stateGroup(item, left, top) {
-    const state = this.model.states.get(item.name), [word, look] = lookOf(state);
-    const holder = this.model.holds(item.name);
-    const group = draw("g", {
-      class: `state ${look}${item.inner ? " open" : ""}${state.region ? " region" : ""}${marks(state.mark)}`, "data-state": item.name,
-      transform: `translate(${left},${top})`, role: "button", "aria-label": `${word} ${item.name}`,
-      on: {
-        click: (event) => { event.stopPropagation(); this.listener.select("state", item.name); },
-        dblclick: (event) => { event.stopPropagation(); this.toggle(item.name); },
+  /** What the layout asks for: the boxes of what is seen. */
+  content(detail) {
+    const state = (name) => this.model.states.get(name);
+    return {
+      leaf: (name) => {
+        if (this.model.holds(name)) return closedBox(state(name), this.staying(name), this.model.summary(name), detail);
+        const box = leafBox(state(name), this.staying(name), detail);
+        return detail.all && state(name).twigs ? grownBox(box, treeBox(state(name).twigs)) : box;
       },
-    }, draw("title", {}, [state.name, state.title, state.about, ...(state.lines || [])].filter(Boolean).join("\n")), outline(state, item));
-    if (item.box.tree) group.append(...treeParts(item.box));
-    for (const cell of item.box.cells || []) group.append(this.cell(cell));
-    group.append(texts(item.box.texts, PAD, PAD - 3));
-    if (holder) group.append(this.knob(item));
-    group.append(draw("text", { class: "count", x: item.w - 6, y: item.h - 6, "text-anchor": "end" }), this.badge(item));
-    this.groups.set(item.name, group);
-    return group;
-  }
-
-  badge(item) {
-    const found = this.faults.get(item.name);
-    return found ? draw("g", { class: "badge", transform: `translate(${-4},${-4})` }, draw("title", {}, found.join("\n")), draw("circle", { r: 9 }), draw("text", { y: 4, "text-anchor": "middle" }, "!")) : "";
-  }
-
-  knob(item) {
-    const open = Boolean(item.inner);
-    return draw("g", {
-      class: "knob", transform: `translate(${item.w - 21},5)`, role: "button", "aria-label": `${open ? "close" : "open"} ${item.name}`, "data-knob": item.name,
-      on: { click: (event) => { event.stopPropagation(); this.toggle(item.name); }, dblclick: (event) => event.stopPropagation() },
-    }, draw("title", {}, open ? "close" : "open"), draw("rect", { width: 16, height: 16, rx: 3 }), draw("path", { d: open ? "M4,8H12" : "M4,8H12M8,4V12" }));
-  }
-
-  cell(cell) {
-    return draw("g", { class: `cell${cell.choice.fallback ? " fallback" : ""}${marks(cell.choice.mark)}`, "data-option": cell.choice.place, transform: `translate(${cell.x},${cell.y})` },
-      draw("title", {}, `${cell.choice.name}: ${cell.choice.about || ""} ${cell.choice.guard ? "when " + cell.choice.guard : ""}`),
-      draw("rect", { width: cell.w, height: cell.h }), texts(cell.texts, 6, 3));
-  }
-
-  arrowOf(bundle) {
-    const d = pathOf(bundle.points), first = bundle.segments[0];
-    const places = bundle.transitions.map((transition) => transition.place);
-    const mark = bundle.transitions.every((transition) => transition.mark === (bundle.transitions[0] || {}).mark) ? (bundle.transitions[0] || {}).mark : "~";
-    const select = (event) => { event.stopPropagation(); if (places.length) this.listener.select("transition", places[0], places); };
-    const group = draw("g", { class: `arrow${bundle.start ? " begin" : ""}${marks(mark)}`, "data-transitions": places.join(" "), on: { click: select } },
-      draw("title", {}, bundle.start ? `begins with ${bundle.to.name}` : bundle.transitions.map((transition) => `${transition.source || "every state"} → ${transition.target}: ${transitionWords(transition)}`).join("\n")),
-      draw("path", { class: "grip", d }), draw("path", { class: "line", d, "marker-end": "url(#tip)" }));
-    const label = first.way.find((bend) => bend.kind === "label");
-    if (label) group.append(draw("g", { class: "label", transform: `translate(${label.X - label.w / 2 + 9},${label.Y})` }, texts(label.texts, 0, 0)));
-    const [x, y] = label ? [label.X - label.w / 2 + 1, label.Y - 2] : bundle.points[0].map((value, axis) => value + (axis ? 11 : 4));
-    group.append(draw("text", { class: "count", x, y }));
-    this.arrows.push({ group, transitions: places, start: Boolean(bundle.start) });
-    return group;
+      head: (name) => openHead(state(name), this.staying(name), detail),
+      anywhere: () => anywhereBox(this.model.away.get("") || [], detail),
+      stub: (name) => stubBox(name, detail),
+      arrow: (bundle, quiet) => arrowBox(bundle.transitions, quiet, detail),
+    };
   }
 
   /** Puts a state of highlights over the chart; what is not given stays as it was. */
   show(given) {
+    const counted = Boolean(this.state.counts);
     const state = Object.assign(this.state, given);
+    if (Boolean(state.counts) !== counted) this.recount();
+    if (given.active && this.isNarrow()) given.active.forEach((name) => this.reveal(name));
     const { lens, active, taken, counts, found } = state;
     this.svg.classList.toggle("dimming", Boolean(lens));
     this.svg.classList.toggle("playing", Boolean(counts));
@@ -209,7 +231,8 @@ class Chart {
       group.classList.toggle("selected", state.selected === `state ${name}`);
       const times = counts ? sum(counts.states[name]) : 0;
       group.classList.toggle("visited", times > 0);
-      if (!this.open.has(name)) group.querySelector(":scope > .count").textContent = times ? `${times}×` : "";
+      const count = group.querySelector(":scope > .count");
+      if (count) count.textContent = times ? `${times}×` : "";
     }
     for (const cell of this.layer.querySelectorAll("[data-option]")) cell.classList.toggle("lit", Boolean(lens && lens.options.has(cell.dataset.option)));
     for (const { group, transitions } of this.arrows) {
@@ -224,6 +247,12 @@ class Chart {
     if (this.anyGroup) this.anyGroup.classList.toggle("lit", Boolean(lens && (this.model.away.get("") || []).some((transition) => lens.transitions.has(transition.place))));
   }
 
+  /** Makes room for numbers, where there is a run to count. */
+  recount() {
+    this.plans = this.planned();
+    this.draw((plans, room) => plans.making(this.level, this.turned, room));
+  }
+
   /** States and all that is around them. */
   closure(names) {
     const found = new Set();
@@ -233,7 +262,7 @@ class Chart {
 
   /** Where a state is seen, on the screen's measure; of the empty name, the sign of what leads away from every state. */
   place(name) {
-    const item = name ? this.view.seen(name) : [...allItems(this.view.root)].find((each) => each.kind === "any");
+    const item = this.view && (name ? this.view.seen(name) : this.view.anywhere);
     return item ? { x: item.X, y: item.Y, w: item.w, h: item.h, item } : null;
   }
 
@@ -242,22 +271,46 @@ class Chart {
     if (place) this.gestures.center(place.x, place.y + Math.min(place.h, 200) / 2);
   }
 
-  /** The part of the chart that holds these states: the longest beginning of the list that stays readable. */
-  frame(names, least = 0) {
-    const box = this.svg.getBoundingClientRect();
-    let around = null;
-    for (const place of names.map((name) => this.place(name)).filter(Boolean)) {
-      const left = place.x - place.w / 2, [l, t, r, b] = around || [left, place.y, left + place.w, place.y + place.h];
-      const more = [Math.min(l, left), Math.min(t, place.y), Math.max(r, left + place.w), Math.max(b, place.y + place.h)];
-      if (around && Math.min((box.width - 60) / (more[2] - more[0]), (box.height - 60) / (more[3] - more[1])) < least) break;
-      around = more;
-    }
-    if (around) this.gestures.frame({ x: around[0], y: around[1], w: around[2] - around[0], h: around[3] - around[1] });
+  /** The part of the chart that holds these states, in as much detail as can be read; else the first of them that can. */
+  frame(names) {
+    if (!this.view || this.work) return;
+    const room = this.room(), levels = this.plans.seen > BOTH_WAYS ? [this.level] : [...LEVELS.keys()].reverse();
+    const ways = levels.map((level) => this.around(names, level, room));
+    const way = ways.find((each) => each && each.whole) || ways.find((each) => each && each.level === WHOLE_NAMES) || ways[0];
+    if (way) this.draw((plans) => plans.making(way.level, this.turned, room), () => this.gestures.frame(way, room, LEVELS[way.level].most));
   }
 
-  /** All of it; with a least scale, where the mission begins if not all can be seen. */
-  fit(least) {
-    this.gestures.fit(least, least ? this.place(this.first()) : null);
+  /** Where states are at a level: as many of a list, from its beginning, as can be read together. */
+  around(names, level, room) {
+    const { view } = this.plans.at(level, this.turned, room), { readable } = LEVELS[level];
+    const places = names.map((name) => (name ? view.seen(name) : view.anywhere)).filter(Boolean);
+    let found = null;
+    for (const { X, Y, w, h } of places) {
+      const [l, t, r, b] = found || [X, Y, X, Y];
+      const more = [Math.min(l, X - w / 2), Math.min(t, Y), Math.max(r, X + w / 2), Math.max(b, Y + h)];
+      if (found && Math.min(room.w / (more[2] - more[0]), room.h / (more[3] - more[1])) < readable) return { ...boxOf(found), level, whole: false };
+      found = more;
+    }
+    return found && { ...boxOf(found), level, whole: true };
+  }
+
+  /** How the chart is looked at, to come back to. */
+  get standing() {
+    const { x, y, scale } = this.gestures;
+    return { level: this.level, turned: this.turned, x, y, scale };
+  }
+
+  set standing({ level, turned, x, y, scale }) {
+    this.draw((plans, room) => plans.making(level, turned, room), () => this.gestures.set(x, y, scale));
+  }
+
+  /** All of it, in as much detail as can be read; with a least scale, and on a phone, what is active where all cannot be read. */
+  fit(least = this.isNarrow()) {
+    this.draw((plans, room) => plans.fitting(room), () => {
+      const { readable, most } = LEVELS[this.level];
+      const [active] = [...this.state.active].reverse();
+      this.gestures.fit(least ? readable : 0, least ? this.place(active || this.first()) : null, { most, margin: this.room().margin });
+    });
   }
 
   /** The innermost state that the mission begins with. */
@@ -269,13 +322,10 @@ class Chart {
   }
 }
 
-function sum(numbers) {
-  return (numbers || []).reduce((all, each) => all + each, 0);
+function boxOf([left, top, right, bottom]) {
+  return { x: left, y: top, w: right - left, h: bottom - top };
 }
 
-function* allItems(scope) {
-  for (const item of scope.items) {
-    yield item;
-    if (item.inner) yield* allItems(item.inner);
-  }
+function sum(numbers) {
+  return (numbers || []).reduce((all, each) => all + each, 0);
 }

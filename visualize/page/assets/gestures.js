@@ -4,8 +4,8 @@
 const LEAST = 0.05, MOST = 4;
 
 class Gestures {
-  constructor(svg, layer, size) {
-    Object.assign(this, { svg, layer, size, x: 0, y: 0, scale: 1, pointers: new Map() });
+  constructor(svg, layer, { size, zoomed }) {
+    Object.assign(this, { svg, layer, size, zoomed, x: 0, y: 0, scale: 1, pointers: new Map() });
     svg.addEventListener("wheel", (event) => this.wheel(event), { passive: false });
     svg.addEventListener("pointerdown", (event) => this.down(event));
     svg.addEventListener("pointermove", (event) => this.move(event));
@@ -58,6 +58,24 @@ class Gestures {
     this.y = holdY - ((holdY - this.y) * scale) / this.scale;
     this.scale = scale;
     this.apply();
+    this.zoomed(holdX, holdY);
+  }
+
+  /** A place of the chart at a point of the window. */
+  hold(scale, place, [x, y]) {
+    this.scale = scale;
+    [this.x, this.y] = [x - place.x * scale, y - (place.y + place.h / 2) * scale];
+    this.apply();
+  }
+
+  /** Where the middle of a place of the chart is in the window. */
+  outside(place) {
+    return [this.x + place.x * this.scale, this.y + (place.y + place.h / 2) * this.scale];
+  }
+
+  /** A point of the window on the chart's measure. */
+  inside(x, y) {
+    return { x: (x - this.x) / this.scale, y: (y - this.y) / this.scale };
   }
 
   pan(x, y) {
@@ -77,33 +95,36 @@ class Gestures {
     this.x = box.width / 2 - x * this.scale;
     this.y = box.height / 2 - y * this.scale;
     this.apply();
+    this.zoomed(box.width / 2, box.height / 2);
   }
 
-  /** A part of the chart, as large as it can be seen whole, at most in its own size. */
-  frame({ x, y, w, h }) {
-    const box = this.svg.getBoundingClientRect();
-    this.scale = Math.min((box.width - 60) / Math.max(w, 1), (box.height - 60) / Math.max(h, 1), 1);
-    this.x = box.width / 2 - (x + w / 2) * this.scale;
-    this.y = box.height / 2 - (y + h / 2) * this.scale;
+  /** A part of the chart, as large as it can be seen whole. */
+  frame({ x, y, w, h }, room, most) {
+    const box = this.svg.getBoundingClientRect(), scale = Math.min(room.w / Math.max(w, 1), room.h / Math.max(h, 1), most);
+    this.set(box.width / 2 - (x + w / 2) * scale, box.height / 2 - (y + h / 2) * scale, scale);
+  }
+
+  set(x, y, scale) {
+    Object.assign(this, { x, y, scale });
     this.apply();
   }
 
   /** All of it, however small; or at least so large that it can be read, and then from a place that is to be seen. */
-  fit(least = 0, first = null) {
+  fit(least, first, { most, margin }) {
     const box = this.svg.getBoundingClientRect(), { w, h } = this.size();
-    const scale = Math.min((box.width - 40) / Math.max(w, 1), (box.height - 40) / Math.max(h, 1), 1.25);
+    const scale = Math.min((box.width - margin) / Math.max(w, 1), (box.height - margin) / Math.max(h, 1), most);
     this.scale = Math.max(scale, least, 0.001);
-    this.x = this.edge(box.width, w, first && first.x - first.w / 2, first && first.w);
-    this.y = this.edge(box.height, h, first && first.y, first && first.h);
+    this.x = this.edge(box.width, w, margin / 2, first && [first.x - first.w / 2, first.w]);
+    this.y = this.edge(box.height, h, margin / 2, first && [first.y, first.h]);
     this.apply();
   }
 
   /** Where the chart begins on one axis: in the middle, or such that what is to be seen is, and no more is left out than must be. */
-  edge(room, size, from, length) {
+  edge(room, size, margin, first) {
     const full = size * this.scale;
-    if (full + 40 <= room || from === null) return Math.max(20, (room - full) / 2);
-    const middle = room / 2 - (from + length / 2) * this.scale;
-    const start = length * this.scale + 80 > room ? 60 - from * this.scale : middle;
-    return Math.min(20, Math.max(room - full - 20, start));
+    if (full + 2 * margin <= room + 0.5 || !first) return Math.max(margin, (room - full) / 2);
+    const [from, length] = first, middle = room / 2 - (from + length / 2) * this.scale;
+    const start = length * this.scale + 4 * margin > room ? 3 * margin - from * this.scale : middle;
+    return Math.min(margin, Math.max(room - full - margin, start));
   }
 }

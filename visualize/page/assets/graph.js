@@ -34,6 +34,19 @@ class Model {
     return this.chain(name).reduce((wanted, each) => (this.states.get(each) || {}).control || wanted, "");
   }
 
+  /** Whether a name that is cut to so many lines begins as another does. */
+  sharing(limit, lines) {
+    const last = (name) => wrapped(name, NAME, { bold: true, limit, most: lines }).lines[lines - 1];
+    let found = null;
+    return (line) => {
+      if (!found) {
+        found = new Map();
+        for (const name of this.states.keys()) found.set(last(name), (found.get(last(name)) || 0) + 1);
+      }
+      return found.get(line) > 1;
+    };
+  }
+
   holds(name) {
     return this.children.get(name).length > 0;
   }
@@ -61,9 +74,10 @@ function push(map, key, value) {
 
 /** The boxes and bundles of arrows that are seen when these states are open. */
 class View {
-  constructor(model, open, far = new Set()) {
+  constructor(model, open, signs = true, far = new Set()) {
     this.model = model;
     this.open = open;
+    this.signs = signs;
     this.farAway = far;
     this.items = new Map();
     this.bundles = [];
@@ -121,7 +135,10 @@ class View {
     for (const bundle of found.values()) into.set(bundle.to, (into.get(bundle.to) || 0) + 1);
     for (const bundle of found.values()) {
       bundle.quiet = Boolean(bundle.option);
-      if ((into.get(bundle.to) > HUB && bundle.from.kind !== "any") || this.farAway.has(bundle.key)) this.stub(bundle);
+      if ((into.get(bundle.to) > HUB && bundle.from.kind !== "any") || this.farAway.has(bundle.key)) {
+        if (this.signs) this.stub(bundle);
+        else found.delete(bundle.key);
+      }
     }
     for (const [parent, target] of this.model.data.initials) {
       const scope = parent ? (this.items.get(parent) || {}).inner : this.root;

@@ -2,7 +2,7 @@
 // The layers of one scope: which box is on which, in which order, and how far to the right.
 // Sources: layers and dummies as Sugiyama, Tagawa and Toda (1981); places within a layer by isotonic regression.
 
-const APART = 26, CLOSE = 14, SWEEPS = 8, PULLS = 8;
+const SWEEPS = 8, PULLS = 8;
 
 /** Gives every item a rank (even; labels and bends are between) and every segment a way, up or down. */
 function rankScope(scope) {
@@ -36,17 +36,25 @@ function orient(items, out) {
   const seen = new Map(), order = [];
   const first = { start: 0, tab: 1, any: 3 };
   const roots = [...items].sort((a, b) => (first[a.kind] ?? 2) - (first[b.kind] ?? 2));
-  const visit = (item) => {
-    seen.set(item, "open");
-    for (const segment of out.get(item)) {
-      const state = seen.get(segment.b);
-      if (state === "open") segment.up = true;
-      else if (!state) visit(segment.b);
+  const visit = (root) => {
+    const path = [[root, out.get(root)[Symbol.iterator]()]]; // not by recursion: a chain may be longer than the stack is deep
+    seen.set(root, "open");
+    while (path.length) {
+      const [item, segments] = path[path.length - 1], next = segments.next();
+      if (next.done) {
+        seen.set(item, "done");
+        order.push(item);
+        path.pop();
+      } else if (seen.get(next.value.b) === "open") {
+        next.value.up = true;
+      } else if (!seen.has(next.value.b)) {
+        seen.set(next.value.b, "open");
+        path.push([next.value.b, out.get(next.value.b)[Symbol.iterator]()]);
+      }
     }
-    seen.set(item, "done");
-    order.unshift(item);
   };
   for (const item of roots) if (!seen.has(item)) visit(item);
+  order.reverse();
   for (const item of items) for (const segment of [...out.get(item)]) if (segment.up && !out.get(segment.b).includes(segment)) out.get(segment.b).push(segment);
   return order;
 }
@@ -86,7 +94,7 @@ function layered(scope) {
     let before = high;
     for (let rank = high.rank + 1; rank < low.rank; rank += 1) {
       const labelled = segment.label && rank === (segment.up ? low.rank - 1 : high.rank + 1);
-      const bend = labelled ? { kind: "label", w: segment.label.w, h: segment.label.h, texts: segment.label.texts } : { kind: "bend", w: 4, h: 0 };
+      const bend = labelled ? { kind: "label", w: segment.label.w, h: segment.label.h, texts: segment.label.texts, counted: segment.label.counted } : { kind: "bend", w: 4, h: 0 };
       bend.rank = rank;
       segment.way.push(bend);
       links.push({ high: before, low: bend, segment });
@@ -100,11 +108,14 @@ function layered(scope) {
     link.high.downs.push(link);
     link.low.ups.push(link);
   }
-  const put = (item) => {
-    if (item.placed) return;
-    item.placed = true;
-    at(item.rank).push(item);
-    for (const link of item.downs) put(link.low);
+  const put = (root) => {
+    for (const path = [root]; path.length;) {
+      const item = path.pop();
+      if (item.placed) continue;
+      item.placed = true;
+      at(item.rank).push(item);
+      path.push(...item.downs.map((link) => link.low).reverse());
+    }
   };
   for (const item of [...scope.items].sort((a, b) => a.rank - b.rank)) put(item);
   for (let rank = 0; rank < layers.length; rank += 1) at(rank).forEach((item, index) => (item.order = index));
@@ -117,7 +128,7 @@ function offset(link, item) {
   return item === segment.a ? segment.offA || 0 : item === segment.b ? segment.offB || 0 : 0;
 }
 
-function untangle(layers) {
+function* untangle(layers) {
   let best = Infinity, kept = null;
   const sweeps = layers.length > 120 ? 4 : SWEEPS;
   for (let sweep = 0; sweep <= sweeps; sweep += 1) {
@@ -129,6 +140,7 @@ function untangle(layers) {
     if (!crossings || sweep === sweeps) break;
     const down = sweep % 2 === 0;
     for (const layer of down ? layers : [...layers].reverse()) sortLayer(layer, down);
+    yield 0.3 + (0.2 * sweep) / sweeps;
   }
   kept.forEach((layer, rank) => {
     layers[rank] = layer;
@@ -170,25 +182,26 @@ function crossed(layer) {
 }
 
 /** Middles from left to right: as near as can be to what each item is linked with, none upon another. */
-function placeAcross(layers) {
+function* placeAcross(layers, room) {
   for (const layer of layers) {
     let right = 0;
     for (const item of layer) {
       item.x = right + item.w / 2;
-      right += item.w + gap(item, item);
+      right += item.w + gap(item, item, room);
     }
   }
   for (let pull = 0; pull <= PULLS; pull += 1) {
     const way = pull === PULLS ? "both" : pull % 2 ? "up" : "down";
-    for (const layer of way === "up" ? [...layers].reverse() : layers) pullLayer(layer, way);
+    for (const layer of way === "up" ? [...layers].reverse() : layers) pullLayer(layer, way, room);
+    yield 0.5 + (0.2 * pull) / PULLS;
   }
 }
 
-function gap(a, b) {
-  return a.kind === "bend" || b.kind === "bend" ? CLOSE : APART;
+function gap(a, b, { apart, close }) {
+  return a.kind === "bend" || b.kind === "bend" ? close : apart;
 }
 
-function pullLayer(layer, way) {
+function pullLayer(layer, way, room) {
   const wishes = layer.map((item) => {
     const links = [...(way === "up" ? [] : item.ups), ...(way === "down" ? [] : item.downs)];
     let sum = 0, weight = 0;
@@ -203,7 +216,7 @@ function pullLayer(layer, way) {
   });
   const places = [0];
   for (let index = 1; index < layer.length; index += 1) {
-    places.push(places[index - 1] + layer[index - 1].w / 2 + gap(layer[index - 1], layer[index]) + layer[index].w / 2);
+    places.push(places[index - 1] + layer[index - 1].w / 2 + gap(layer[index - 1], layer[index], room) + layer[index].w / 2);
   }
   const blocks = [];
   wishes.forEach((wish, index) => {

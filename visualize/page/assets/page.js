@@ -2,7 +2,6 @@
 // The review page put together: what the keys, the search and the address ask for, and which part shows it.
 
 const TABS = ["summary", "step", "details", "transitions"];
-const NAMES_READABLE = 0.45; // a switch shows fewer states rather than smaller ones
 
 class Page {
   constructor(data) {
@@ -132,7 +131,7 @@ class Page {
   }
 
   lit(lens) {
-    if (lens) for (const name of lens.states) if (this.model.states.size <= OPEN_AT_FIRST) this.chart.reveal(name);
+    if (lens) for (const name of lens.states) if (this.model.states.size <= OPEN_AT_FIRST[0]) this.chart.reveal(name);
     this.chart.show({ lens });
     this.look(lens);
     this.write({ lens: this.lenses ? this.lenses.on : "" });
@@ -140,13 +139,11 @@ class Page {
 
   /** Moves to what a switch shows; back to where the reader was when it is turned off. */
   look(lens) {
-    const { gestures } = this.chart;
-    if (lens && !this.before) this.before = [gestures.x, gestures.y, gestures.scale];
+    if (lens && !this.before) this.before = this.chart.standing;
     const anywhere = lens && (this.model.away.get("") || []).some((transition) => lens.transitions.has(transition.place));
-    if (lens) this.chart.frame([...lens.focus, ...(anywhere ? [""] : [])], NAMES_READABLE);
+    if (lens) this.chart.frame([...lens.focus, ...(anywhere ? [""] : [])]);
     else if (this.before) {
-      [gestures.x, gestures.y, gestures.scale] = this.before;
-      gestures.apply();
+      this.chart.standing = this.before;
       this.before = null;
     }
   }

@@ -6,6 +6,7 @@ const PEN = document.createElement("canvas").getContext("2d");
 const WIDTHS = new Map();
 const LETTERS = typeof Intl.Segmenter === "function" ? new Intl.Segmenter(undefined, { granularity: "grapheme" }) : null;
 const LONGEST = 600;
+const PLAIN = /^[ -~]*$/;
 
 function width(text, size, bold) {
   const key = `${bold ? "b" : ""}${size}|${text}`;
@@ -20,6 +21,7 @@ function width(text, size, bold) {
 }
 
 function letters(text) {
+  if (PLAIN.test(text)) return text.split("");
   return LETTERS ? Array.from(LETTERS.segment(text), (each) => each.segment) : Array.from(text);
 }
 

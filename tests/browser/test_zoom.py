@@ -1,0 +1,185 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The chart at every zoom: names that are read at fit, more the nearer, folds, and the progress of large ones."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+from benchmarks.bench_draw import chain
+from rai_missions.mission.files import load
+from rai_missions.mission.mission import Mission
+from tests.browser.conftest import Open, until
+from tests.browser.test_chart import MEETING, NEARER, SPILLED
+from tests.visualize.runs import ROOT, tractor, tractor_path
+from visualize.page import review, run_of_steps
+
+SCREEN, PHONE = {"width": 1440, "height": 900}, {"width": 390, "height": 844}
+LEAST_PX = 11
+NAMES = """(() => {
+  const chart = document.querySelector('svg.chart').getBoundingClientRect();
+  const shown = [...document.querySelectorAll('.state')].map((each) => {
+    const form = each.querySelector('.form').getBoundingClientRect(), name = each.querySelector(':scope > .texts text');
+    const inside = form.left >= chart.left - 1 && form.top >= chart.top - 1 && form.right <= chart.right + 1
+      && form.bottom <= chart.bottom + 1;
+    return [Number(name.getAttribute('font-size')) * review.chart.gestures.scale, inside];
+  });
+  return { least: Math.min(...shown.map(([px]) => px)), inside: shown.every(([, inside]) => inside),
+    detail: review.chart.svg.dataset.detail, labels: document.querySelectorAll('.label').length,
+    cells: document.querySelectorAll('.cell').length };
+})()"""
+CROSSED = """(() => {
+  const points = [...document.querySelectorAll('svg.chart .arrow .line')].flatMap((path) => {
+    const to = path.getScreenCTM(), length = path.getTotalLength();
+    return Array.from({ length: Math.ceil(length / 5) }, (_, at) => path.getPointAtLength(5 * at).matrixTransform(to));
+  });
+  const texts = [...document.querySelectorAll('.label text, .state > .texts text, .count')];
+  return texts.filter((text) => {
+    const { left, right, top, bottom } = text.getBoundingClientRect();
+    const hit = ({ x, y }) => x > left + 1 && x < right - 1 && y > top + 3 && y < bottom - 3;
+    return text.textContent && points.some(hit);
+  }).map((text) => text.textContent);
+})()"""
+COVERED = """(() => {
+  const box = (each) => each.getBoundingClientRect(), texts = [...document.querySelectorAll('.texts text')];
+  const meet = (a, b) =>
+    a.left < b.right - 1 && b.left < a.right - 1 && a.top < b.bottom - 3 && b.top < a.bottom - 3;
+  const over = [...document.querySelectorAll('.count, .badge, .knob')];
+  return over.filter((each) => each.textContent || each.dataset.knob).flatMap((each) =>
+    texts.filter((text) => meet(box(each), box(text))).map((text) => [each.textContent, text.textContent]));
+})()"""
+FORM = "document.querySelector('[data-state=NAME] .form').getBoundingClientRect()"
+ENDS = """(() => {
+  const { left, right, top, bottom } = FORM;
+  const into = review.chart.view.bundles.filter((each) => each.to.name === 'NAME' && !each.start);
+  return into.map((each) => {
+    const places = each.transitions.map(({ place }) => place).join(' ');
+    const line = document.querySelector(`.arrow[data-transitions="${places}"] .line`);
+    const { x, y } = line.getPointAtLength(line.getTotalLength()).matrixTransform(line.getScreenCTM());
+    return Math.max(0, left - x, x - right, top - y, y - bottom);
+  });
+})()""".replace("FORM", FORM)
+"""How far the end of each arrow into a state is from its form."""
+
+
+def flat(count: int, name: str = "s") -> Mission:
+    """So many states on one level, one after the other, each with a way out into the same end."""
+    states: dict[str, Any] = {
+        f"{name}{number}": {
+            "action": "navigate", "timeout_s": 60, "about": "drives to the next place of the round",
+            "transitions": [
+                {"on": "succeeded", "to": f"{name}{number + 1}" if number < count - 3 else "done"},
+                {"on": ["failed", "timed_out", "rejected"], "to": "lost"},
+            ],
+        }
+        for number in range(count - 2)
+    }  # fmt: skip
+    ends = {"done": {"final": "aborted"}, "lost": {"final": "failed"}}
+    document = {"format": 1, "name": "flat", "initial": f"{name}0", "states": {**states, **ends}}
+    return Mission.model_validate(document)
+
+
+MISSIONS = {
+    "tractor": tractor(),
+    "rosbot": load(ROOT / "missions/rosbot/mission.json"),
+    "62": flat(62),
+    "300": flat(300, "waypoint_"),
+    "300 in groups": chain(300),
+}
+
+
+@pytest.mark.parametrize("name", MISSIONS)
+def test_at_fit_all_names_are_read(name: str, opened: Open) -> None:
+    window = opened(review(MISSIONS[name]), viewport=SCREEN)
+    window.keyboard.press("f")
+    seen = window.evaluate(NAMES)
+    assert seen["least"] >= LEAST_PX
+    assert seen["inside"]
+    assert window.evaluate(SPILLED) == []
+    assert window.evaluate(MEETING) == []
+
+
+def test_the_nearer_the_more_is_drawn_and_no_label_is_crossed_or_covered(opened: Open) -> None:
+    run = run_of_steps(tractor_path())
+    window = opened(review(tractor(), runs=[run]), viewport=SCREEN)
+    window.keyboard.press("f")
+    fitted, found = window.evaluate(NAMES), {}
+    for _ in range(60):
+        found.setdefault(window.evaluate("review.chart.svg.dataset.detail"), window.evaluate(NAMES))
+        if "all" in found:
+            break
+        window.keyboard.press("+")
+    assert fitted["labels"] == fitted["cells"] == 0
+    assert list(found) == ["names", "triggers", "all"]
+    assert found["triggers"]["labels"] > 5
+    assert found["triggers"]["cells"] == found["all"]["cells"] == 4
+    assert "when signals < 3" in window.text_content("svg.chart")
+    assert window.evaluate(CROSSED) == []
+    assert window.evaluate(COVERED) == []
+    for _ in range(60):
+        window.keyboard.press("-")
+    assert window.evaluate(NAMES)["detail"] != "all"
+    window.keyboard.press("f")
+    assert window.evaluate(NAMES) == fitted
+
+
+def test_what_is_under_the_pointer_stays_when_more_is_drawn(opened: Open) -> None:
+    window = opened(review(tractor()), viewport=SCREEN)
+    form = FORM.replace("NAME", "returning")
+    middle = f"(({{ left, right, top, bottom }}) => [(left + right) / 2, (top + bottom) / 2])({form})"
+    x, y = window.evaluate(middle)
+    window.mouse.move(x, y)
+    for _ in range(12):
+        window.mouse.wheel(0, -200)
+    until(window, "review.chart.svg.dataset.detail === 'all'")
+    now = window.evaluate(middle)
+    assert abs(now[0] - x) < 8
+    assert abs(now[1] - y) < 8
+
+
+def test_a_state_folds_by_the_keyboard_and_arrows_end_at_its_border(opened: Open) -> None:
+    window = opened(review(tractor()), viewport=SCREEN)
+    window.focus("[data-knob=working]")
+    window.keyboard.press("Enter")
+    assert window.locator("[data-state=driving]").count() == 0
+    assert window.evaluate("document.activeElement.dataset.knob") == "working"
+    assert window.get_attribute("[data-knob=working]", "aria-expanded") == "false"
+    ends = window.evaluate(ENDS.replace("NAME", "working"))
+    assert ends
+    assert max(ends) <= 1
+    window.keyboard.press("Space")
+    assert window.locator("[data-state=driving]").count() == 1
+
+
+def test_on_a_phone_the_top_level_is_read_and_what_is_active_is_opened(opened: Open) -> None:
+    window = opened(review(tractor()), viewport=PHONE)
+    window.keyboard.press("f")
+    seen = window.evaluate(NAMES)
+    assert seen["least"] >= LEAST_PX
+    assert seen["inside"]
+    assert window.locator("[data-state=driving]").count() == 0
+    played = opened(review(tractor(), runs=[run_of_steps(tractor_path())]), viewport=PHONE)
+    active = played.evaluate("[...review.chart.state.active]")
+    assert all(played.locator(f"[data-state={name}]").count() for name in active)
+
+
+def test_a_very_large_chart_shows_its_progress_while_the_page_is_used(opened: Open) -> None:
+    window = opened(review(flat(3000)), viewport=SCREEN)
+    while_drawing = """(() => {
+      review.chart.change(() => {});
+      review.search('s1500');
+      const words = (selector) => document.querySelector(selector)?.textContent;
+      return [words('#chart .drawing'), Boolean(document.querySelector('#chart progress')), words('#hits')];
+    })()"""
+    assert window.evaluate(while_drawing) == ["drawing 3000 states", True, "1 found"]
+    until(window, "!document.querySelector('#chart progress')")
+    assert window.locator(".state").count() == 3000
+    assert window.locator(".state.found").get_attribute("data-state") == "s1500"
+
+
+def test_no_label_of_regions_and_loops_is_crossed_or_covered(opened: Open) -> None:
+    window = opened(review(MISSIONS["rosbot"]), viewport=SCREEN, color_scheme="dark")
+    window.evaluate(NEARER)
+    assert window.evaluate(CROSSED) == []
+    assert window.evaluate(COVERED) == []
