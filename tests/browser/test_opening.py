@@ -47,7 +47,7 @@ CUT = "(({ scrollWidth, clientWidth }) => scrollWidth - clientWidth)(document.qu
 """How much of the panel is cut at its edge."""
 BAR = "document.querySelector('#bar').getBoundingClientRect().height"
 SHARE = "document.querySelector('#chart').getBoundingClientRect().height / innerHeight"
-VIEW = "(({ level, x, y, scale }) => [level, scale, x, y])(review.chart.standing)"
+VIEW = "(({ level, x, y, scale }) => [level, scale, x, y])(review.chart.viewpoint)"
 """How much is drawn, how large, and where."""
 
 

@@ -64,8 +64,8 @@ function nameBox(state, detail, more = 0) {
   const whole = marked(state.mark, name);
   column.add(whole, NAME, { bold: true, most: detail.lines });
   if (column.texts.some((line) => line.whole)) column.texts.forEach((line, index) => Object.assign(line, { whole, text: index === column.texts.length - 1 && detail.isShared(line.text) ? tailOf(whole, detail.limit) : line.text }));
-  const beside = detail.lines > 1 ? 8 : 5, w = column.w + 2 * beside + more;
-  return { w: Math.max(w, 36 + more), h: column.h + 9, texts: column.texts, cells: [], tree: null, at: [beside, 3], words: w };
+  const pad = detail.lines > 1 ? 8 : 5, w = column.w + 2 * pad + more;
+  return { w: Math.max(w, 36 + more), h: column.h + 9, texts: column.texts, cells: [], tree: null, at: [pad, 3], words: w };
 }
 
 /** The end of a name, as much as is in a line: names that begin alike differ there. */

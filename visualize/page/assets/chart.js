@@ -295,12 +295,16 @@ class Chart {
   }
 
   /** How the chart is looked at, to come back to. */
-  get standing() {
+  get viewpoint() {
     const { x, y, scale } = this.gestures;
-    return { level: this.level, turned: this.turned, x, y, scale };
+    return { open: new Set(this.open), level: this.level, turned: this.turned, x, y, scale };
   }
 
-  set standing({ level, turned, x, y, scale }) {
+  set viewpoint({ open, level, turned, x, y, scale }) {
+    if (open.size !== this.open.size || [...open].some((name) => !this.open.has(name))) {
+      this.open = new Set(open);
+      this.plans = this.planned();
+    }
     this.draw((plans, room) => plans.making(level, turned, room), () => this.gestures.set(x, y, scale));
   }
 

@@ -131,6 +131,7 @@ class Page {
   }
 
   lit(lens) {
+    if (lens && !this.before) this.before = this.chart.viewpoint;
     if (lens) for (const name of lens.states) if (this.model.states.size <= OPEN_AT_FIRST[0]) this.chart.reveal(name);
     this.chart.show({ lens });
     this.look(lens);
@@ -139,11 +140,10 @@ class Page {
 
   /** Moves to what a switch shows; back to where the reader was when it is turned off. */
   look(lens) {
-    if (lens && !this.before) this.before = this.chart.standing;
     const anywhere = lens && (this.model.away.get("") || []).some((transition) => lens.transitions.has(transition.place));
     if (lens) this.chart.frame([...lens.focus, ...(anywhere ? [""] : [])]);
     else if (this.before) {
-      this.chart.standing = this.before;
+      this.chart.viewpoint = this.before;
       this.before = null;
     }
   }
