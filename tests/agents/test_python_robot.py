@@ -354,8 +354,9 @@ def command(folder: Path, *words: str) -> subprocess.CompletedProcess[str]:
 
 @pytest.mark.parametrize("repeat", [False, True])
 def test_after_a_kill_an_action_is_doubtful_or_starts_again_and_the_same_file_is_demanded(
-    repeat: bool, tmp_path: Path
+    repeat: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    monkeypatch.chdir(tmp_path)
     file = written(tmp_path, FILE.format(repeat=repeat))
     made = mission(
         {"driving": doing("drive", {"on": "uncertain", "to": "lost"})}, blackboard={"x": X | {"max_age_s": 60}}
@@ -376,10 +377,8 @@ def test_after_a_kill_an_action_is_doubtful_or_starts_again_and_the_same_file_is
             prepare(RunConfig(None, robot, resume=tmp_path / "run.journal"))
         assert sentence in str(caught.value)
     assert not Path("executed").exists() and not (tmp_path / "executed").exists()
-    refused = command(tmp_path, "run", "--resume", "run.journal", "--robot", "as_it_was.py", "--no-python")
-    assert refused.returncode == 2 and "--robot as_it_was.py is Python, which --no-python refuses" in refused.stderr
-    resumed = command(tmp_path, "run", "--resume", "run.journal", "--robot", "as_it_was.py", "--json")
-    assert json.loads(resumed.stdout)["outcome"] == ("succeeded" if repeat else "aborted"), resumed.stderr
+    with prepare(RunConfig(None, tmp_path / "as_it_was.py", resume=tmp_path / "run.journal")) as again:
+        assert again.runner.run().outcome == ("succeeded" if repeat else "aborted")
 
 
 def test_the_robot_of_the_guide_has_thirty_lines_and_runs_from_its_file(tmp_path: Path) -> None:
