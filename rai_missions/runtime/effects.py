@@ -12,7 +12,6 @@ from functools import partial
 from typing import Any
 
 from rai_missions.connectors.connector import Connector, HostsActions, Reply, SupportsPreconnect
-from rai_missions.engine.activities.goal_ledger import OpenGoal
 from rai_missions.engine.decision import Answerer, Question
 from rai_missions.engine.step import (
     Ask,
@@ -132,13 +131,6 @@ class EffectExecutor:
     def hosts_actions(self) -> bool:
         """The robot's actions are executed by this process."""
         return isinstance(self._connector, HostsActions)
-
-    def bury(self, goals: Iterable[OpenGoal]) -> None:
-        """What an earlier process executed, and nothing waits for, has ended with it."""
-        if self.hosts_actions:
-            for goal in goals:
-                why = "the process that executed it has ended"
-                self._event("over", goal.action, goal.number, {"owner": goal.owner, "why": why})
 
     def conclude(self) -> None:
         """The mission is over: actions that this process executes may have to be waited for."""

@@ -23,7 +23,6 @@ def resume_effects(resumed: Resumption, performer: EffectExecutor, scribe: Buffe
     """Continue with what was under way, and write down what was done again; raises what the journal raises."""
     chart, under = resumed.chart, resumed.under
     performer.resume(under, chart.awaited, chart.wanted, fresh=resumed.fresh)
-    performer.bury(goal for goal in chart.loose_goals if goal.number not in chart.awaited)
     for seq, effects in under.unsure.items():
         if resumed.fresh or (chart.outcome is not None and not any(isinstance(each, StartGoal) for each in effects)):
             scribe.settle(seq, "performed" if resumed.fresh else "in doubt")

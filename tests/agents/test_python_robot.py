@@ -99,10 +99,14 @@ def test_a_function_that_does_not_wait_is_named_and_its_time_out_comes_all_the_s
     hangs = threading.Event()
     robot.action("think")(lambda goal, run: hangs.wait(30))
     states = {"thinking": doing("think", {"on": "timed_out", "to": "lost"}, timeout_s=0.2, cancel_s=0.1)}
-    before = time.monotonic()
-    result = run(mission(states), robot, speed=math.inf)
-    assert time.monotonic() - before >= 0.1 + 0.2 + 0.1, "from then on time passes as on the wall"
+    entered: dict[str, float] = {}
+
+    def on_step(step: Step) -> None:
+        entered.update(dict.fromkeys(step.entered, time.monotonic()))
+
+    result = run(mission(states), robot, speed=math.inf, on_step=on_step)
     hangs.set()
+    assert entered["lost"] - entered["thinking"] >= 0.1 + 0.2, "from then on time passes as on the wall"
     assert result.outcome == "aborted"
     assert [each.reason for each in result.open_goals] == ["orphaned"]
     (named,) = [each.getMessage() for each in caplog.records if "without waiting in run.sleep" in each.getMessage()]
@@ -220,6 +224,9 @@ def test_an_orphan_of_a_process_that_was_killed_has_ended_with_it(robot: PythonR
     with prepare(RunConfig(None, robot, resume=killed / path.name, speed=math.inf)) as again:
         assert [each.reason for each in again.runner.view.loose_goals] == ["orphaned"]
         assert again.runner.run().open_goals == ()
+    with read(killed / path.name) as record:
+        doubts = [step.event.data["name"] for step in record.steps() if step.event.kind == "doubt"]
+    assert doubts == ["spin", "drive"]
 
 
 @pytest.mark.parametrize("speed", [None, math.inf])
