@@ -29,6 +29,7 @@ ELSEWHERE = {
     "rigs": "what tests share",
     "ros": "the package for colcon in `ros/`",
     "rosbot": "the shipped mission `missions/rosbot`",
+    "tutorial": "the steps of `docs/tutorial`",
     "security": "secrets and hostile files, in every package",
     "tractor": "the shipped mission `missions/tractor`",
     "typing": "what type checkers see of the public names",
