@@ -15,7 +15,9 @@ import pytest
 
 from rai_missions.connectors.ros2 import fastdds as middleware
 
-VARIABLE = "FASTRTPS_DEFAULT_PROFILES_FILE"
+VARIABLES = tuple(each.variable for each in (middleware.FAST_DDS_2, middleware.FAST_DDS_3))
+EDITION = middleware.edition()
+VARIABLE = EDITION.variable
 ROOMY = 8_000_000
 PROGRAM = """
 import json, os, sys
@@ -26,18 +28,18 @@ connector.start()
 sizes = {}
 for line in Path("/proc/self/maps").read_text().splitlines():
     place, *_, name = line.split()
-    if "/dev/shm/fastrtps_" in name and "port" not in name:
+    if "/dev/shm/fast" in name and "port" not in name:
         begin, end = (int(each, 16) for each in place.split("-"))
         sizes[name] = sizes.get(name, 0) + end - begin
-print(json.dumps({"largest": max(sizes.values(), default=0), "file": os.environ.get("FASTRTPS_DEFAULT_PROFILES_FILE")}))
+print(json.dumps({"largest": max(sizes.values(), default=0), "file": os.environ.get(sys.argv[2])}))
 connector.stop()
 """
 
 
 def opened(folder: Path, options: dict[str, Any], **environment: str) -> tuple[dict[str, Any], str]:
     """What a process has of shared memory after its connector's start, and what it wrote to stderr."""
-    given = {name: value for name, value in os.environ.items() if name != VARIABLE}
-    command = [sys.executable, "-W", "ignore", "-c", PROGRAM, json.dumps(options)]
+    given = {name: value for name, value in os.environ.items() if name not in VARIABLES}
+    command = [sys.executable, "-W", "ignore", "-c", PROGRAM, json.dumps(options), VARIABLE]
     ended = subprocess.run(
         command, capture_output=True, text=True, timeout=120, check=True, cwd=folder, env={**given, **environment}
     )
@@ -71,11 +73,12 @@ def test_a_users_choice_of_transports_stays(ros: None, tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("is_roomy", [True, False])
 def test_the_environment_is_as_before_whatever_happens(is_roomy: bool, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.delenv(VARIABLE, raising=False)
+    for each in VARIABLES:
+        monkeypatch.delenv(each, raising=False)
 
     def fail() -> None:
         with middleware.carried(pictures=is_roomy):
-            assert os.environ[VARIABLE] == str(middleware.PICTURES if is_roomy else middleware.PROMPT)
+            assert os.environ[VARIABLE] == str(EDITION.pictures if is_roomy else EDITION.prompt)
             raise RuntimeError
 
     with pytest.raises(RuntimeError):
@@ -84,14 +87,15 @@ def test_the_environment_is_as_before_whatever_happens(is_roomy: bool, monkeypat
 
 
 def test_a_file_in_the_folder_counts_as_the_users(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.delenv(VARIABLE, raising=False)
+    for each in VARIABLES:
+        monkeypatch.delenv(each, raising=False)
     monkeypatch.chdir(tmp_path)
-    (tmp_path / "DEFAULT_FASTRTPS_PROFILES.xml").write_text("<profiles/>")
+    (tmp_path / EDITION.default_file).write_text("<profiles/>")
     with middleware.carried(pictures=True):
         assert VARIABLE not in os.environ
 
 
-@pytest.mark.parametrize("profile", [middleware.PROMPT, middleware.PICTURES])
+@pytest.mark.parametrize("profile", [middleware.FAST_DDS_2.prompt, middleware.FAST_DDS_2.pictures])
 def test_what_is_lost_is_sent_again_within_a_tenth_of_a_second(profile: Path) -> None:
     space = "{http://www.eprosima.com/XMLSchemas/fastRTPS_Profiles}"
     writers = ElementTree.parse(profile).getroot().findall(f"{space}publisher[@is_default_profile='true']")
@@ -99,3 +103,17 @@ def test_what_is_lost_is_sent_again_within_a_tenth_of_a_second(profile: Path) ->
     assert [(each[0].text, int(each[1].text or 0) <= 100_000_000) for each in periods if each is not None] == [
         ("0", True)
     ]
+
+
+def test_the_profiles_of_both_generations_state_the_same() -> None:
+    two, three = middleware.FAST_DDS_2, middleware.FAST_DDS_3
+    for older, newer in ((two.prompt, three.prompt), (two.pictures, three.pictures)):
+        assert newer.read_text().replace("heartbeat_period", "heartbeatPeriod") == older.read_text()
+
+
+def test_the_generation_is_known_by_its_package(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("importlib.util.find_spec", lambda _name: None)
+    monkeypatch.setenv("AMENT_PREFIX_PATH", str(tmp_path))
+    assert middleware.edition() == middleware.FAST_DDS_2
+    (tmp_path / "share" / "fastdds").mkdir(parents=True)
+    assert middleware.edition() == middleware.FAST_DDS_3
