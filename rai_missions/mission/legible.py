@@ -88,7 +88,7 @@ def legible_part(data: Mapping[str, Any]) -> LegiblePart | None:
             mission = Mission.model_validate(document)
         except ValidationError as error:
             found = faults_of(error, Mission, document)
-            faults += [each for each in found if _is_original(each.place, data, document)]
+            faults += [each for each in found if _is_original(each.place.rpartition("/")[0], data, document)]
             if not repair.attempt(error):
                 return None
         else:
@@ -216,7 +216,7 @@ class _Repair:
 
 
 def _is_original(place: str, data: Any, document: Any) -> bool:
-    """Whether what is at a place now is as its author wrote it."""
+    """Whether what is at a place now is as its author wrote it; if not, a repair may be the cause."""
     for word in place.split("/")[1:]:
         step: Any = unescaped(word)
         if isinstance(data, list) and isinstance(document, list) and step.isdigit():
