@@ -30,7 +30,7 @@ class Pen {
     const holder = this.model.holds(item.name);
     const group = draw("g", {
       class: `state ${look}${item.inner ? " open" : ""}${state.region ? " region" : ""}${marks(state.mark)}`, "data-state": item.name,
-      transform: `translate(${left},${top})`, role: "button", "aria-label": `${word} ${item.name}`,
+      transform: `translate(${left},${top})`, role: holder ? "group" : "button", "aria-label": `${word} ${item.name}`,
       on: {
         click: (event) => { event.stopPropagation(); this.listener.select("state", item.name); },
         dblclick: (event) => { event.stopPropagation(); this.chart.toggle(item.name); },
