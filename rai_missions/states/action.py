@@ -70,5 +70,13 @@ class Action(GoalFields, State, word="action"):
     def activity(self) -> str:
         return f"action {self.action}"
 
+    def proof(self) -> str:
+        settle = f" within {self.settle_s:g} s" if self.settle_s else ""
+        return (
+            f"{self.action} has succeeded only when {self.achieved.words()}{settle}"
+            if self.achieved is not None
+            else ""
+        )
+
     def details(self) -> Iterator[str]:
         return self.goal_lines()

@@ -274,6 +274,10 @@ class State(TaggedModel, family="state", group="rai_missions.activities", word="
         """What it runs while it is active, in a word or two; empty for nothing."""
         return ""
 
+    def proof(self) -> str:
+        """What must be so before its success is believed, in a sentence; empty where its own report suffices."""
+        return ""
+
     def title(self) -> str:
         """What it is, in a line of a picture; empty for one that only waits, asks or holds others."""
         return self.activity()

@@ -316,10 +316,10 @@ def test_a_final_that_was_reached_inside_may_have_another_name_and_no_other_end(
     moving = {**DOCUMENT["states"]["work"]["parallel"]["body"]["states"]["moving"]}
     moving["transitions"] = [{"on": "succeeded", "to": "there"}]
     there, now = land(), changed((BODY, {"moving": moving, "there": {"final": "succeeded"}}))
-    assert continued(moved(tmp_path, there, now, waits=5, states={"moved": "there"}), there, now) == Ended(
+    assert continued(moved(tmp_path, there, now, waits=7, states={"moved": "there"}), there, now) == Ended(
         "canceled", "'over' was reached"
     )
     now = changed((BODY, {"moving": moving, "there": {"final": "failed"}}))
     (tmp_path / "again").mkdir()
     with pytest.raises(DefinitionError, match="'there' is a final: a map ends no run"):
-        moved(tmp_path / "again", land(), now, waits=5, states={"moved": "there"})
+        moved(tmp_path / "again", land(), now, waits=7, states={"moved": "there"})

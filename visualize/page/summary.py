@@ -12,7 +12,7 @@ from collections.abc import Iterator
 from typing import NamedTuple, get_args
 
 from rai_missions.mission.mission import Mission
-from rai_missions.states import Action, Final, Transition, answerer_words
+from rai_missions.states import Final, Transition, answerer_words
 from rai_missions.states.final import FinalOutcome
 from rai_missions.states.state import OUTCOMES
 from visualize.page.decision_sites import DecisionSite, fired, leads, questions, silence, unanswered
@@ -227,8 +227,8 @@ class _Reader:
             asked = source.question()
             silent = asked is not None and asked.fallback in transition.on
             words = f"answered {words}" + (f", or {unanswered(asked)}" if asked is not None and silent else "")
-        elif isinstance(source, Action) and transition.of is None and _outcomes(transition):
-            words = f"{source.action} {words}"
+        elif source is not None and transition.of is None and _outcomes(transition):
+            words = f"{source.title()} {words}".strip()
         elif transition.after_s is None and not _outcomes(transition):
             words = f"event {words}"
         return f"{where}: {words}" + (f", and {guard}" if guard else ", in other cases" if self._is_rest(edge) else "")
@@ -248,9 +248,8 @@ class _Reader:
             yield f"requires {state.requires.words()}; else it ends failed"
         for edge in into:
             source, by_success = self.roads.states.get(edge.source), edge.transition.on == ("succeeded",)
-            if isinstance(source, Action) and source.achieved is not None and by_success and edge.transition.of is None:
-                settle = f" within {source.settle_s:g} s" if source.settle_s else ""
-                yield f"{source.action} has succeeded only when {source.achieved.words()}{settle}"
+            if source is not None and by_success and edge.transition.of is None and source.proof():
+                yield source.proof()
 
 
 def _outcomes(transition: Transition) -> bool:
