@@ -19,7 +19,7 @@ __all__ = ("FactPoll", "refresh")
 
 log = logger(__name__)
 
-REFRESH_S = 0.5
+REFRESH_S = 2.0
 """So long on the wall what was done waits for readings that began after it."""
 
 
@@ -42,7 +42,7 @@ class FactPoll:
         self._time, self._execution = robot_time, Execution(f"fact '{name}'", robot_time)
         self._changed = threading.Condition()
         self._begun = self._ended = self._wanted = 0
-        self._is_stopped = False
+        self._is_stopped = self._is_late = False
         self._last_fault = ""
         robot_time.add(self._execution)
         threading.Thread(target=self._work, name=f"fact '{name}'", daemon=True).start()
@@ -60,9 +60,11 @@ class FactPoll:
         return self._wanted
 
     def wait_for(self, number: int, until: float) -> None:
-        """Return once a reading has ended, or at an instant of `time.monotonic`."""
+        """Return once a reading has ended, or at an instant of `time.monotonic`; at once while it hangs since then."""
         with self._changed:
-            self._changed.wait_for(lambda: self._ended >= number or self._is_stopped, until - time.monotonic())
+            if not self._is_late:
+                has_ended = lambda: self._ended >= number or self._is_stopped  # noqa: E731
+                self._is_late = not self._changed.wait_for(has_ended, until - time.monotonic())
 
     def _work(self) -> None:
         try:
@@ -71,7 +73,7 @@ class FactPoll:
                     self._begun += 1
                 self._read_once()
                 with self._changed:
-                    self._ended = self._begun
+                    self._ended, self._is_late = self._begun, False
                     self._changed.notify_all()
                     is_wanted = self._wanted > self._begun
                 if not is_wanted:
@@ -97,7 +99,7 @@ class FactPoll:
 def refresh(polls: list[FactPoll]) -> None:
     """Wait for a reading of each fact that begins now: what was just done is then known before it is reported as done.
 
-    Of a fact that hangs no reading is waited for longer than half a second on the wall.
+    A fact that hangs is waited for once, for two seconds on the wall.
     """
     until = time.monotonic() + REFRESH_S
     for poll, number in [(poll, poll.want()) for poll in polls]:
