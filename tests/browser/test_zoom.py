@@ -81,7 +81,7 @@ def flat(count: int, name: str = "s") -> Mission:
 
 
 MISSIONS = {
-    "tractor": tractor(),
+    "tractor": load(ROOT / "missions/tractor/mission.json"),
     "rosbot": load(ROOT / "missions/rosbot/mission.json"),
     "62": flat(62),
     "300": flat(300, "waypoint_"),
@@ -104,7 +104,8 @@ def test_the_nearer_the_more_is_drawn_and_no_label_is_crossed_or_covered(opened:
     run = run_of_steps(tractor_path())
     window = opened(review(tractor(), runs=[run]), viewport=SCREEN)
     window.keyboard.press("f")
-    fitted, found = window.evaluate(NAMES), {}
+    fitted: Any = window.evaluate(NAMES)
+    found: dict[str, Any] = {}
     for _ in range(60):
         found.setdefault(window.evaluate("review.chart.svg.dataset.detail"), window.evaluate(NAMES))
         if "all" in found:
@@ -178,8 +179,22 @@ def test_a_very_large_chart_shows_its_progress_while_the_page_is_used(opened: Op
     assert window.locator(".state.found").get_attribute("data-state") == "s1500"
 
 
-def test_no_label_of_regions_and_loops_is_crossed_or_covered(opened: Open) -> None:
-    window = opened(review(MISSIONS["rosbot"]), viewport=SCREEN, color_scheme="dark")
+ENTERED = {
+    "format": 1, "name": "entered", "initial": "first", "events": {"go": {}}, "states": {
+        "first": {"transitions": [{"on": "go", "to": "b"}]},
+        "a_state_with_a_rather_long_name_and_words": {
+            "initial": "a", "about": "a long text on what is done inside, which fills the line of the head",
+            "states": {"a": {}, "b": {"transitions": [{"on": "go", "to": "a"}]}},
+        },
+    },
+}  # fmt: skip
+"""An arrow that leads from above to a state inside another, through its border."""
+
+
+@pytest.mark.parametrize("name", ["rosbot", "entered"])
+def test_no_label_is_crossed_or_covered(name: str, opened: Open) -> None:
+    mission = MISSIONS.get(name) or Mission.model_validate(ENTERED)
+    window = opened(review(mission), viewport=SCREEN, color_scheme="dark")
     window.evaluate(NEARER)
     assert window.evaluate(CROSSED) == []
     assert window.evaluate(COVERED) == []
