@@ -10,18 +10,22 @@ share their names. Those of a step of the tutorial run in a copy of its folder. 
 from __future__ import annotations
 
 import ast
+import io
+import os
 import re
 import runpy
 import shlex
 import shutil
 import subprocess
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from functools import cache
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import pytest
+
+from rai_missions.cli.main import main
 
 ROOT = Path(__file__).parents[1]
 DOCUMENTS = [
@@ -31,6 +35,12 @@ DOCUMENTS = [
     *sorted(ROOT.glob("docs/tutorial/**/*.md")),
     *sorted(ROOT.glob("missions/*/README.md")),
 ]
+AS_PROCESSES = {
+    ROOT / each
+    for each in ("docs/guide/difference.md", "docs/tutorial/1_mission/README.md", "missions/rosbot/README.md")
+}
+"""Their commands run as processes of their own, as a reader's do; those of the others in this one, which is faster."""
+Run = Callable[[list[str]], tuple[int | str | None, str]]
 BLOCK = re.compile(
     r"^(?P<skip><!-- not run: [^\n]+ -->\n+)?```(?P<kind>\w+)[^\n]*\n(?P<text>.*?)^```$", re.DOTALL | re.MULTILINE
 )
@@ -56,16 +66,36 @@ def run_python(block: Block, where: str, names: dict[str, Any]) -> None:
     exec(compile("\n" * (block.line - 1) + block.text, where, "exec"), names)
 
 
-def run_commands(block: Block, where: str) -> None:
+def run_as_process(arguments: list[str]) -> tuple[int | str | None, str]:
+    """Run the installed script; its exit status, and what it printed."""
+    script = Path(sys.executable).with_name("rai-missions")
+    ran = subprocess.run(
+        [script, *arguments], stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=150, check=False
+    )
+    return ran.returncode, ran.stdout + ran.stderr
+
+
+def run_here(arguments: list[str]) -> tuple[int | str | None, str]:
+    """Run what the script calls in this process, which has loaded the package; its exit status, what it printed."""
+    raw = io.BytesIO()
+    printed = io.TextIOWrapper(raw, encoding="utf-8", write_through=True)
+    with open(os.devnull, encoding="utf-8") as nothing, pytest.MonkeyPatch.context() as patch:
+        for name, stream in (("stdin", nothing), ("stdout", printed), ("stderr", printed)):
+            patch.setattr(sys, name, stream)
+        patch.setattr(sys, "argv", ["rai-missions", *arguments])
+        try:
+            status: int | str | None = main(arguments)
+        except SystemExit as left:
+            status = left.code or 0
+    return status, raw.getvalue().decode()
+
+
+def run_commands(block: Block, where: str, run: Run) -> None:
     for command in COMMAND.findall(block.text):
         expected = int(found[1]) if (found := EXITS.search(command)) else 0
         _, *arguments = shlex.split(command.replace("\\\n", " "), comments=True)
-        script = Path(sys.executable).with_name("rai-missions")
-        ran = subprocess.run(
-            [script, *arguments], stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=150, check=False
-        )
-        report = f"{where}:{block.line}: {command}\nexited {ran.returncode}, not {expected}\n{ran.stdout}{ran.stderr}"
-        assert ran.returncode == expected, report
+        status, printed = run(arguments)
+        assert status == expected, f"{where}:{block.line}: {command}\nexited {status}, not {expected}\n{printed}"
 
 
 @pytest.mark.parametrize("document", DOCUMENTS, ids=lambda path: str(path.relative_to(ROOT)))
@@ -77,11 +107,12 @@ def test_what_a_document_shows_runs(document: Path, tmp_path: Path, monkeypatch:
         shutil.copytree(ROOT / "docs/tutorial", tmp_path / "tutorial")
         monkeypatch.chdir(tmp_path / document.parent.relative_to(ROOT / "docs"))
     names: dict[str, Any] = {"__name__": "document"}
+    run = run_as_process if document in AS_PROCESSES else run_here
     for block in blocks(document.read_text(encoding="utf-8")):
         if block.kind == "python":
             run_python(block, str(document), names)
         elif block.kind in ("console", "sh"):
-            run_commands(block, str(document))
+            run_commands(block, str(document), run)
 
 
 def test_blocks_are_found_with_their_lines_and_a_reasoned_exception() -> None:
@@ -100,6 +131,16 @@ def test_only_our_own_commands_are_run() -> None:
         "rai-missions draw a.json \\\n    -o b.svg",
         "rai-missions check c.json  # exits 2",
     ]
+
+
+def test_a_command_that_exits_otherwise_is_noticed() -> None:
+    refused = "$ rai-missions check none.json"
+    assert set(DOCUMENTS) >= AS_PROCESSES
+    run_commands(Block("sh", f"{refused}  # exits 2\n", 1), "here.md", run_here)
+    with pytest.raises(AssertionError, match=r"(?s)here\.md:7: .* none\.json\n.*2, not 0\n.*none\.json"):
+        run_commands(Block("sh", f"{refused}\n", 7), "here.md", run_here)
+    with pytest.raises(AssertionError, match="exited 2, not 1"):  # what the parser itself refuses
+        run_commands(Block("sh", "$ rai-missions check --none  # exits 1\n", 7), "here.md", run_here)
 
 
 def test_links_between_documents_lead_somewhere() -> None:
