@@ -21,6 +21,8 @@ __all__ = ("LegiblePart", "legible_part", "words_in")
 Steps = tuple[str | int, ...]
 ROUNDS = 30
 """A document that is not read after so many repairs is left."""
+MOST_FAULTS = 200
+"""Where more than so many words cannot be read, the rest is left: it would take long, and there is enough to mend."""
 UNREAD = "not_legible"
 """The predicate, and the text, in the place of what cannot be read."""
 GUARDS = frozenset({"when", "achieved", "requires", "not", "possible", "held", "all", "any"})
@@ -87,6 +89,8 @@ def legible_part(data: Mapping[str, Any]) -> LegiblePart | None:
         try:
             mission = Mission.model_validate(document)
         except ValidationError as error:
+            if error.error_count() > MOST_FAULTS:
+                return None
             found = faults_of(error, Mission, document)
             faults += [each for each in found if _is_original(each.place.rpartition("/")[0], data, document)]
             if not repair.attempt(error):
@@ -131,9 +135,8 @@ class _Repair:
             if item["loc"] and item["loc"][-1] == KEY:
                 self._misnamed.add(steps)
             targets.add(self._target(steps, item["type"]))
-        outermost = [
-            each for each in targets if each and not any(each[: len(other)] == other != each for other in targets)
-        ]
+        inside = (each for each in targets if any(each[:length] in targets for length in range(len(each))))
+        outermost = targets - {(), *inside}
         return bool(outermost) and not targets & UNREADABLE and all(map(self._replace, outermost))
 
     def _target(self, steps: Steps, kind: str) -> Steps:

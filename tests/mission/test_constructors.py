@@ -161,8 +161,11 @@ def test_a_kind_that_declares_no_constructor_takes_its_fields() -> None:
         ('On("blocked", wh', "when="),
     ],
 )
-def test_an_editor_completes_the_words(line: str, word: str) -> None:
-    """As Jedi does, which reads the source as editors do."""
+def test_an_editor_completes_the_words(
+    line: str, word: str, tmp_path_factory: pytest.TempPathFactory, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """As Jedi does, which reads the source as editors do; its cache is this process's own."""
+    monkeypatch.setattr(jedi.settings, "cache_directory", str(tmp_path_factory.getbasetemp() / "jedi"))
     source = f"from rai_missions import Key, On\nfrom rai_missions.states import Action, Decision, tree\n{line}"
     completed = jedi.Script(source, project=jedi.Project(ROOT)).complete(3, len(line))
     assert word in [each.name for each in completed]

@@ -242,15 +242,17 @@ def test_every_command_that_takes_a_mission_can_refuse_python(place: Place, caps
         "run": ["run", str(evil), "--no-operator"], "check": ["check", str(evil)],
         "draw": ["draw", str(evil), "-o", str(place.out / "p.dot")], "diff": ["diff", str(evil), lamp],
         "prove": ["prove", str(evil)], "replay": ["replay", journal, "--mission", str(evil)],
+        "try": ["try", str(evil), "--terminal"],
     }  # fmt: skip
     assert {name for name, dests in taken().items() if dests & {"mission", "old"}} == set(words)
     for command in (*words.values(), ["diff", lamp, str(evil)], ["run", "--resume", journal, str(evil)]):
         assert main([*command, "--no-python"]) == 2, command
         assert "is Python, which is not to be executed here" in capsys.readouterr().err
-    for command in ("run", "check", "prove"):
+    guarded = ("run", "check", "prove", "try")
+    for command in guarded:
         assert main([command, lamp, "--guards", str(evil), "--no-python"]) == 2
         assert "is Python, which --no-python refuses" in capsys.readouterr().err
-    assert {name for name, dests in taken().items() if "guards" in dests} == {"run", "check", "prove"}
+    assert {name for name, dests in taken().items() if "guards" in dests} == {*guarded}
     assert main(["run", lamp, "--no-python", "--managed", "--guards", str(evil)]) == 2
     capsys.readouterr()
     for words_of in (["run", lamp], ["run", lamp, "--managed"], ["run", lamp, "--node"], ["run", "--resume", journal]):
