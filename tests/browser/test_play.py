@@ -94,7 +94,8 @@ def test_an_event_is_clicked_a_question_answered_a_choice_undone_and_the_play_sa
         window.click("#save")
         revision(window, 10)
         assert "saved" in window.inner_text("#notice")
-        other = look(page)
+        other = look(page, viewport={"width": 390, "height": 844})
+        assert other.evaluate("document.querySelector('header').getBoundingClientRect().height") < 80, "two lines"
         choose(other, "next")
         window.click('[data-choice="next"]')
         until(window, "document.getElementById('notice').textContent.includes('in another window')")
