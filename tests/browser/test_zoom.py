@@ -165,6 +165,14 @@ def test_on_a_phone_the_top_level_is_read_and_what_is_active_is_opened(opened: O
     assert all(played.locator(f"[data-state={name}]").count() for name in active)
 
 
+def test_regions_are_side_by_side_whatever_enters_and_leaves_them(opened: Open) -> None:
+    window = opened(review(load(ROOT / "docs/tutorial/5_proof/mission.json")), viewport=SCREEN)
+    route, lamp = (window.evaluate(f"(({{ top, left, right }}) => [top, left, right])({FORM.replace('NAME', each)})")
+                   for each in ("route", "lamp"))  # fmt: skip
+    assert abs(route[0] - lamp[0]) < 1
+    assert route[2] < lamp[1] or lamp[2] < route[1]
+
+
 def test_a_very_large_chart_shows_its_progress_while_the_page_is_used(opened: Open) -> None:
     window = opened(review(flat(3000)), viewport=SCREEN)
     while_drawing = """(() => {

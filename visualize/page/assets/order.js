@@ -19,9 +19,10 @@ function rankScope(scope) {
     for (const { low, high } of out.get(item).map(ends)) if (high === item) low.rank = Math.max(low.rank, high.rank + 2);
   }
   settle(inner, scope.segments);
-  const loose = inner.filter((item) => !touched.has(item)), last = Math.max(0, ...inner.map((item) => item.rank));
-  shelve(loose.filter((item) => !item.final), touched.size > 0);
-  for (const item of loose) if (item.final) item.rank = touched.size ? last + 2 : item.rank;
+  const joined = inner.some((item) => out.get(item).length); // regions are not, whatever enters and leaves them
+  const loose = joined ? inner.filter((item) => !touched.has(item)) : inner, last = Math.max(0, ...inner.map((item) => item.rank));
+  shelve(loose.filter((item) => !item.final), joined);
+  for (const item of loose) if (item.final) item.rank = joined ? last + 2 : item.rank;
   const ranks = inner.map((item) => item.rank);
   const top = Math.min(0, ...ranks) - 2, bottom = Math.max(0, ...ranks) + 2;
   for (const item of scope.items) if (item.kind === "port") item.rank = item.side === "top" ? top : bottom;
