@@ -173,3 +173,16 @@ def test_the_page_of_a_difference_has_the_same_bar_and_chart(size: dict[str, int
     assert window.evaluate(SHARE) >= 0.5
     assert not window.is_visible("#tab-summary")
     assert_accessible(window)
+
+
+def test_on_a_phone_a_long_name_leaves_the_search_and_the_menu_apart(opened: Open) -> None:
+    mission = Mission.model_validate(
+        tractor().written() | {"name": "inspection_of_the_whole_greenhouse_by_row", "about": ""}
+    )
+    window = opened(review(mission), viewport=PHONE)
+    search, menu = (window.evaluate(f"(({{ left, right }}) => [left, right])({each}.getBoundingClientRect())")
+                    for each in ("document.querySelector('#search')", "document.querySelector('#menu')"))  # fmt: skip
+    assert search[1] < menu[0]
+    assert menu[1] <= PHONE["width"]
+    assert window.inner_text(".purpose").startswith("What this mission is for is not written")
+    assert window.text_content(".any .texts") == "From every state", "not cut"

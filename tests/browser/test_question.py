@@ -31,6 +31,9 @@ SPOKEN = """() => {
             .observe(host, { childList: true });
 }"""
 AT = "(({ id, dataset, className }) => id || dataset.act || className.baseVal || '')(document.activeElement)"
+LEAST = """(({ chart }) => Math.min(...[...document.querySelectorAll('.state > .texts text:first-child')]
+    .map((each) => Number(each.getAttribute('font-size')) * chart.gestures.scale)))(live)"""
+"""The smallest name of a state, in pixels of the screen."""
 SEEN = """(name) => {
     const box = document.querySelector(`[data-state=${name}]`).getBoundingClientRect();
     const chart = document.querySelector("#chart").getBoundingClientRect();
@@ -136,6 +139,7 @@ def test_follow_is_on_and_keeps_what_is_active_in_view_until_the_chart_is_moved(
     until(window, f"({SEEN})('driving')")
     ask(asked)
     until(window, f"({SEEN})('assessing')")
+    assert window.evaluate(LEAST) >= 11, "followed, but not as small as all of its details would be"
     box = window.locator("#chart").bounding_box()
     window.mouse.move(box["x"] + 200, box["y"] + 30)
     window.mouse.down()

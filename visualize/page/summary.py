@@ -133,7 +133,7 @@ class _Reader:
         answered = {target for site in sites if "agent" in site.asked.ask for target in self._answers(site)}
         at_once = self.roads.at_once(answered)
         return MissionSummary(
-            purpose=mission.about or "its file does not report what it is for: give it an 'about'",
+            purpose=mission.about or "What this mission is for is not written: give it an 'about'.",
             asked=self._asked(sites),
             invariants=tuple(InvariantSummary(name, guard.words()) for name, guard in mission.invariants.items()),
             decisions=tuple(map(self._decision, sites)),

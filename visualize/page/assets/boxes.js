@@ -59,7 +59,7 @@ function headed(column, state, detail) {
 
 /** From afar: the name alone. */
 function nameBox(state, detail, more = 0) {
-  const column = new Column(detail.limit);
+  const column = new Column(detail.limit + (state.mark ? width(`${state.mark} `, NAME, true) : 0));
   const name = state.kind === "history" ? (state.outcome === "deep" ? "H*" : "H") : state.name;
   const whole = marked(state.mark, name);
   column.add(whole, NAME, { bold: true, most: detail.lines });
@@ -197,7 +197,7 @@ function arrowBox(transitions, quiet, detail) {
 /** The mission's own transitions, tried from everywhere. */
 function anywhereBox(transitions, detail) {
   const column = new Column(detail.triggers ? 250 : detail.limit);
-  column.add("From every state", NAME, { bold: true });
+  column.add("From every state", NAME, { bold: true, most: 3 });
   const words = (transition) => (detail.all ? transitionWords(transition) : transition.trigger && !transition.trigger.startsWith("after ") ? `on ${transition.trigger}` : transition.when);
   if (!detail.triggers) return { w: column.w + 16, h: column.h + 9, texts: column.texts, cells: [], tree: null };
   transitions.forEach((transition) => column.add(`• ${words(transition)}${transition.target ? ` → ${transition.target}` : " (stays)"}`, 10, { most: 3 }));

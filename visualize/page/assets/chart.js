@@ -291,7 +291,9 @@ class Chart {
       if (found && Math.min(room.w / (more[2] - more[0]), room.h / (more[3] - more[1])) < readable) return { ...boxOf(found), level, whole: false };
       found = more;
     }
-    return found && { ...boxOf(found), level, whole: true };
+    if (!found) return null;
+    const box = boxOf(found);
+    return { ...box, level, whole: Math.min(room.w / box.w, room.h / box.h) >= readable };
   }
 
   /** How the chart is looked at, to come back to. */
