@@ -65,7 +65,7 @@ def stays_in_what_is_explored(given: Json, script: Script, most: int) -> None:
 def test_no_run_with_an_operator_who_takes_and_gives_control_leaves_what_was_explored(
     given: Json, script: Script
 ) -> None:
-    stays_in_what_is_explored(given, script, 150)
+    stays_in_what_is_explored(given, script, 60)
 
 
 @pytest.mark.drill

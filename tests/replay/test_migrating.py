@@ -47,7 +47,8 @@ def killed_at(number: int, do: Callable[[], object]) -> bool:
     return os.WIFSIGNALED(os.waitpid(pid, 0)[1])
 
 
-def test_anyone_who_dies_while_migrating_has_migrated_or_has_not(tmp_path: Path) -> None:
+@pytest.mark.parametrize("every", [7, pytest.param(1, marks=pytest.mark.drill)])
+def test_anyone_who_dies_while_migrating_has_migrated_or_has_not(tmp_path: Path, every: int) -> None:
     path = died(tmp_path / "run.journal", land())
     found, number, is_dead = set(), 0, True
     while is_dead:
@@ -66,7 +67,7 @@ def test_anyone_who_dies_while_migrating_has_migrated_or_has_not(tmp_path: Path)
             open_run(was).record.close()
             migrate(was, ERRAND, Map(), to=new)
             open_run(new).record.close()
-        number += 3
+        number += every
     assert found == {True, False} and number > 20
 
 
