@@ -166,7 +166,7 @@ class _Repair:
         self._tried.add(steps)
         neutral = None if steps in self._misnamed else self._neutral(steps, was, again=again)
         if isinstance(was, Mapping) and isinstance(neutral, Mapping) and was and neutral.items() <= was.items():
-            for word in was.keys() - neutral.keys():
+            for word in was.keys() - neutral.keys() - _flags(was):
                 self._forget((*steps, word), was[word])
         else:
             self._forget(steps, was)
@@ -206,7 +206,7 @@ class _Repair:
         if not _is_entry(steps) or word == "options":
             return {} if _is_entry(steps) else None
         if word in STATES:
-            kept = {key: item for key, item in was.items() if key in KEPT} if isinstance(was, Mapping) else {}
+            kept = {key: was[key] for key in was if key in KEPT - _flags(was)} if isinstance(was, Mapping) else {}
             return kept if kept != was and not again else {"final": "aborted"} if was == {} else {}
         return {"type": "string", "initial": ""} if word == "blackboard" else None if again else {}
 
@@ -216,6 +216,11 @@ class _Repair:
             here = here[step]
         inner = here.get("states")
         return next(iter(inner), None) if isinstance(inner, Mapping) else None
+
+
+def _flags(state: Mapping[str, Any]) -> frozenset[str]:
+    """The word `parallel` where it is a flag next to `states`: it holds no state's name."""
+    return frozenset({"parallel"} if isinstance(state.get("parallel"), bool) and "states" in state else ())
 
 
 def _is_original(place: str, data: Any, document: Any) -> bool:

@@ -179,6 +179,8 @@ class State(TaggedModel, family="state", group="rai_missions.activities", word="
             given.remove("states")
         unknown = [] if given else [str(word) for word in data if word not in cls.known_words()]
         given = given or [word for word in unknown if cls.kind(word) is not None]
+        if set(given) == {"parallel", "states"}:
+            raise fault("kinds", "a state has 'states' or 'parallel'; regions are written \"parallel\": {…}, alone")
         if len(given) > 1:
             raise fault("kinds", f"a state is one thing, this is {len(given)}: {', '.join(given)}; nest or split it")
         if not given:

@@ -118,6 +118,12 @@ def test_a_piped_line_at_fault_ends_the_play(
     assert why in capsys.readouterr().err
 
 
+def test_a_play_that_was_saved_elsewhere_is_saved_at_its_end_too(door: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    typed(monkeypatch, "1", "start", "s aside.journal", "q")
+    assert main(["try", "door.json", "--journal", "asked.journal"]) == 0
+    assert door.with_name("aside.journal").is_file() and door.with_name("asked.journal").is_file()
+
+
 def test_a_person_is_asked_for_values_and_asked_again_after_a_fault(door: Path) -> None:
     out = io.StringIO()
     session = PlaySession(load(door), PlayFiles(PlaySource(door)))
