@@ -48,6 +48,7 @@ class PlaySession:
         self.play = Play(mission, named=named)
         self.journal = self.files.journal or Path(f"{mission.name}.played.journal")
         self._saved: set[Path] = set()
+        self._saved_last: Path | None = None
         self._written: list[Click] = []
 
     @property
@@ -69,6 +70,7 @@ class PlaySession:
         to = path or self.journal
         aside = save(self.play, to, replaces=to.resolve() in self._saved)
         self._saved.add(to.resolve())
+        self._saved_last = to
         words = [f"saved {to}{f'; the journal that had this name is now {aside}' if aside else ''}"]
         if self.files.as_test is not None:
             words.append(self.write_test(self.files.as_test))
@@ -78,7 +80,7 @@ class PlaySession:
     def finish(self) -> list[str]:
         """Write what was asked for on the command line and is not written yet; returns what was, in words."""
         files = self.files
-        if not self.play.path or self.is_saved:
+        if not self.play.path or (self.is_saved and files.journal in (None, self._saved_last)):
             return []
         if files.journal is not None:
             return self.save()
