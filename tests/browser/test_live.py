@@ -45,13 +45,15 @@ def lit(window: Any) -> set[str]:
 
 
 def test_the_states_light_up_as_the_run_enters_them_and_the_row_taken_fades(run: Run, look: Look) -> None:
-    window = look(run.page)
+    window = look(run.page, reduced_motion="reduce")
     window.wait_for_selector("[data-state=driving].active", state="attached")
     assert lit(window) == {"working", "driving"}
     run.send("anomaly")
     window.wait_for_selector("[data-state=assessing].active", state="attached")
     assert lit(window) == {"assessing"}
     window.wait_for_selector("#chart .arrow.taken", state="attached")
+    moving = "getComputedStyle(document.querySelector('#chart .arrow.taken .line')).animationTimingFunction"
+    assert window.evaluate(moving).startswith("steps(1"), "who asks for less motion sees it go at once"
     window.wait_for_selector("#chart .arrow.taken", state="detached")
     window.click("#tab-journal")
     assert "anomaly working, driving → assessing" in " ".join(window.inner_text("#steps li:first-child").split())
