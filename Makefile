@@ -101,7 +101,7 @@ bench: .venv/.ready-bench ## Measure against the peers
 
 docs: .venv/.ready-docs ## Build the site of the documents into out/site; a link that leads nowhere fails
 	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --quiet
-	@echo "wrote out/site/index.html"
+	@echo "wrote out/site/index.html; for its search: $(BIN)/python -m http.server --bind 127.0.0.1 --directory out/site"
 
 pictures: .venv/.ready-dev ## Draw the stored pictures again, and those of the documents in a browser
 	REWRITE_PICTURES=1 $(BIN)/python -m pytest -q tests/visualize
