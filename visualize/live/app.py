@@ -12,8 +12,6 @@ import math
 import time
 from collections import OrderedDict
 from contextlib import suppress
-from functools import cache
-from pathlib import Path
 from typing import Any, Protocol
 
 from starlette.applications import Starlette
@@ -28,9 +26,9 @@ from visualize.build import picture
 from visualize.live.auth import ASGI, Allowance, Receive, Scope, Send
 from visualize.live.hub import Hub, Viewer
 from visualize.live.images import ImageStream
+from visualize.live.page_files import PageFiles
 from visualize.page.as_json import Json
 from visualize.page.chart_data import chart_data
-from visualize.page.html import asset, bundle
 
 __all__ = ("CommandSink", "ReplyCallback", "application")
 
@@ -47,15 +45,11 @@ ALWAYS = frozenset({"e_stop", "cancel"})
 STALLED_S = 10.0
 """A viewer that takes nothing for so long is gone."""
 MOST_CAMERAS = 32
-ASSETS = Path(__file__).parent / "assets"
-SHARED = (
-    "dom.js", "text.js", "detail.js", "boxes.js", "tree.js", "graph.js", "order.js", "layout.js", "shapes.js", "pen.js",
-    "chart.js", "gestures.js", "details.js", "legend.js",
-)  # fmt: skip
-OWN = (
+SCRIPTS = (
     "entry.js", "line.js", "acts.js", "announcer.js", "state.js", "follow.js", "evidence.js", "question.js", "panel.js",
     "live_keys.js", "live.js",
 )  # fmt: skip
+FILES = PageFiles("live.html", SCRIPTS, ("live.css",))
 
 
 class ReplyCallback(Protocol):
@@ -123,23 +117,10 @@ class Pages:
     def routes(self) -> list[Route]:
         """By path."""
         return [
-            Route("/", self.shell), Route("/live.js", self.script), Route("/live.css", self.style),
-            Route("/favicon.ico", self.icon),
+            *FILES.routes(),
             Route("/mission", self.mission), Route("/events", self.events), Route("/picture", self.picture),
             Route("/orders", self.orders, methods=["POST"]),
         ]  # fmt: skip
-
-    async def shell(self, request: Request) -> Response:
-        return Response(_page(), media_type="text/html")
-
-    async def script(self, request: Request) -> Response:
-        return Response(_script(), media_type="text/javascript")
-
-    async def style(self, request: Request) -> Response:
-        return Response(_style(), media_type="text/css")
-
-    async def icon(self, request: Request) -> Response:
-        return Response(status_code=204)
 
     async def mission(self, request: Request) -> Response:
         return JSONResponse(self._mission)
@@ -245,21 +226,3 @@ def _is_late(sent: str | None) -> str:
         return ""
     old = "it does not state when it was given" if math.isnan(age_s) else f"it came {age_s:.0f} s after it was given"
     return f"{old}, and orders older than {OLDEST_S:.0f} s are not carried out; look again, and give it again"
-
-
-@cache
-def _page() -> bytes:
-    """The HTML."""
-    return (ASSETS / "live.html").read_bytes()
-
-
-@cache
-def _script() -> bytes:
-    """All scripts as one."""
-    return bundle(SHARED, [(ASSETS / name).read_text(encoding="utf-8") for name in OWN]).encode()
-
-
-@cache
-def _style() -> bytes:
-    """The review page's style, and what is particular to this one."""
-    return (asset("page.css") + (ASSETS / "live.css").read_text(encoding="utf-8")).encode()

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import asyncio
 import json
-from functools import cache
 from typing import Any, Protocol
 
 from starlette.applications import Starlette
@@ -20,17 +19,17 @@ from rai_missions.errors import MissionError
 from rai_missions.mission.mission import Mission
 from rai_missions.states.state import CONTROLLERS
 from visualize.build import picture
-from visualize.live.app import ASSETS, SHARED
 from visualize.live.auth import ASGI, Allowance
+from visualize.live.page_files import PageFiles
 from visualize.page.as_json import Json
 from visualize.page.chart_data import chart_data
-from visualize.page.html import asset, bundle
 
 __all__ = ("PlayDesk", "play_application")
 
 LARGEST_ORDER = 65_536
 """Bytes."""
-OWN = ("entry.js", "line.js", "play_fields.js", "play_choices.js", "play.js")
+SCRIPTS = ("entry.js", "line.js", "play_fields.js", "play_choices.js", "play.js")
+FILES = PageFiles("play.html", SCRIPTS, ("live.css", "play.css"))
 
 
 class PlayDesk(Protocol):
@@ -63,8 +62,8 @@ class PlayPages:
     def routes(self) -> list[Route]:
         """By path."""
         return [
-            Route("/", _shell), Route("/live.js", _script_of), Route("/live.css", _style_of),
-            Route("/favicon.ico", _icon), Route("/mission", self.mission),
+            *FILES.routes(),
+            Route("/mission", self.mission),
             Route("/play", self.look), Route("/play", self.act, methods=["POST"]),
         ]  # fmt: skip
 
@@ -109,40 +108,3 @@ def _object(body: bytes) -> Json | None:
     except (ValueError, RecursionError):
         return None
     return found if isinstance(found, dict) else None
-
-
-async def _shell(request: Request) -> Response:
-    return Response(_page(), media_type="text/html")
-
-
-async def _script_of(request: Request) -> Response:
-    return Response(_script(), media_type="text/javascript")
-
-
-async def _style_of(request: Request) -> Response:
-    return Response(_style(), media_type="text/css")
-
-
-async def _icon(request: Request) -> Response:
-    return Response(status_code=204)
-
-
-@cache
-def _page() -> bytes:
-    """The HTML."""
-    return (ASSETS / "play.html").read_bytes()
-
-
-@cache
-def _script() -> bytes:
-    """All scripts as one."""
-    return bundle(SHARED, [(ASSETS / name).read_text(encoding="utf-8") for name in OWN]).encode()
-
-
-@cache
-def _style() -> bytes:
-    """The live page's style, and what is particular to this one."""
-    return (asset("page.css") + "".join((ASSETS / name).read_text(encoding="utf-8") for name in STYLES)).encode()
-
-
-STYLES = ("live.css", "play.css")

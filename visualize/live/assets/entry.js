@@ -8,6 +8,19 @@ function needed(why, who = "The run") {
   document.documentElement.dataset.ready = "refused";
 }
 
+/** Begins a page: with the token, if there is one; and again with another one. */
+function enter(open, what, who) {
+  byId("entry").addEventListener("submit", (event) => {
+    event.preventDefault();
+    sessionStorage.setItem("token", byId("token").value.trim());
+    location.reload();
+  });
+  addEventListener("hashchange", () => { if (location.hash.includes("token=")) location.reload(); });
+  const token = tokenHere();
+  if (token) open(token).catch((error) => needed(`the page could not be drawn (${error.message})`, who));
+  else needed(`This page shows ${what} to those who have its token`, who);
+}
+
 /** The token of the address; it is taken out of the address, and kept for this window alone. */
 function tokenHere() {
   const given = new URLSearchParams(location.hash.slice(1)).get("token");

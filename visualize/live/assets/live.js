@@ -314,15 +314,7 @@ function tab(name) {
 
 function open(token) {
   window.live = new Live(token);
-  window.live.begin().catch((error) => needed(`the page could not be drawn (${error.message})`));
+  return window.live.begin();
 }
 
-byId("entry").addEventListener("submit", (event) => {
-  event.preventDefault();
-  sessionStorage.setItem("token", byId("token").value.trim());
-  location.reload();
-});
-addEventListener("hashchange", () => { if (location.hash.includes("token=")) location.reload(); });
-const token = tokenHere();
-if (token) open(token);
-else needed("This page shows a run to those who have its token");
+enter(open, "a run");

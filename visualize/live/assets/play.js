@@ -169,15 +169,7 @@ function tab(name) {
 
 function open(token) {
   window.play = new PlayPage(token);
-  window.play.begin().catch((error) => needed(`the page could not be drawn (${error.message})`, ENTRY));
+  return window.play.begin();
 }
 
-byId("entry").addEventListener("submit", (event) => {
-  event.preventDefault();
-  sessionStorage.setItem("token", byId("token").value.trim());
-  location.reload();
-});
-addEventListener("hashchange", () => { if (location.hash.includes("token=")) location.reload(); });
-const token = tokenHere();
-if (token) open(token);
-else needed("This page shows a play to those who have its token", ENTRY);
+enter(open, "a play", ENTRY);

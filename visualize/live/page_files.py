@@ -1,0 +1,69 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The files of a page that is served: its HTML, all its scripts as one, its style; read once a process."""
+
+from __future__ import annotations
+
+from functools import cached_property
+from pathlib import Path
+
+from starlette.requests import Request
+from starlette.responses import Response
+from starlette.routing import Route
+
+from visualize.page.html import asset, bundle
+
+__all__ = ("PageFiles",)
+
+ASSETS = Path(__file__).parent / "assets"
+SHARED = (
+    "dom.js", "text.js", "detail.js", "boxes.js", "tree.js", "graph.js", "order.js", "layout.js", "shapes.js", "pen.js",
+    "chart.js", "gestures.js", "details.js", "legend.js",
+)  # fmt: skip
+"""Scripts of the review page that every served page has."""
+
+
+class PageFiles:
+    """The routes of a page's files.
+
+    Args:
+        html: The file of the page itself.
+        scripts: What is behind the scripts shared with the review page.
+        styles: What is behind the style shared with it.
+    """
+
+    def __init__(self, html: str, scripts: tuple[str, ...], styles: tuple[str, ...]) -> None:
+        self._html, self._scripts, self._styles = html, scripts, styles
+
+    def routes(self) -> list[Route]:
+        return [
+            Route("/", self._shell), Route("/live.js", self._script), Route("/live.css", self._style),
+            Route("/favicon.ico", self._icon),
+        ]  # fmt: skip
+
+    async def _shell(self, request: Request) -> Response:
+        return Response(self._page_bytes, media_type="text/html")
+
+    async def _script(self, request: Request) -> Response:
+        return Response(self._script_bytes, media_type="text/javascript")
+
+    async def _style(self, request: Request) -> Response:
+        return Response(self._style_bytes, media_type="text/css")
+
+    async def _icon(self, request: Request) -> Response:
+        return Response(status_code=204)
+
+    @cached_property
+    def _page_bytes(self) -> bytes:
+        return (ASSETS / self._html).read_bytes()
+
+    @cached_property
+    def _script_bytes(self) -> bytes:
+        return bundle(SHARED, map(_own, self._scripts)).encode()
+
+    @cached_property
+    def _style_bytes(self) -> bytes:
+        return "".join((asset("page.css"), *map(_own, self._styles))).encode()
+
+
+def _own(name: str) -> str:
+    return (ASSETS / name).read_text(encoding="utf-8")
