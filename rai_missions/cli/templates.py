@@ -40,10 +40,7 @@ def templates() -> Mapping[str, Template]:
     Raises:
         UsageError: This installation has none.
     """
-    places = (PACKAGE / "missions", PACKAGE.parent / "missions")  # when installed; in a checkout
-    home = next((place for place in places if (place / "templates.json").is_file()), None)
-    if home is None:
-        raise UsageError("this installation has no templates; install the package again")
+    home = _shipped("templates", PACKAGE / "missions", PACKAGE.parent / "missions", with_file="templates.json")
     index = json.loads((home / "templates.json").read_text(encoding="utf-8"))
     made = [Template(name, about, home / "templates" / name, False) for name, about in index["templates"].items()]
     made += [Template(name, about, home / name, True) for name, about in index["examples"].items()]
@@ -56,11 +53,16 @@ def tutorial_folder() -> Path:
     Raises:
         UsageError: This installation has none.
     """
-    places = (PACKAGE / "tutorial", PACKAGE.parent / "docs/tutorial")  # when installed; in a checkout
-    home = next((place for place in places if (place / "1_mission/mission.json").is_file()), None)
-    if home is None:
-        raise UsageError("this installation has no tutorial; install the package again")
-    return home
+    places = (PACKAGE / "tutorial", PACKAGE.parent / "docs/tutorial")
+    return _shipped("tutorial", *places, with_file="1_mission/mission.json")
+
+
+def _shipped(what: str, installed: Path, checkout: Path, *, with_file: str) -> Path:
+    """The folder of what is shipped, by a file that is in it."""
+    for place in (installed, checkout):
+        if (place / with_file).is_file():
+            return place
+    raise UsageError(f"this installation has no {what}; install the package again")
 
 
 def copy_template(name: str, directory: Path) -> Iterator[Path]:
