@@ -15,13 +15,16 @@ from rai_missions.mission.files import load
 
 TUTORIAL = Path(__file__).parents[2] / "docs/tutorial"
 STEPS = ("1_mission", "2_regions", "3_tree", "4_decision", "5_proof")
+ROBOTS = {step: step for step in STEPS} | {"5_proof": "4_decision"}
+"""Step → the one whose robot it runs on."""
 
 
 @pytest.mark.parametrize("step", STEPS)
 def test_a_step_s_mission_has_no_fault_and_its_robot_takes_the_bin_out(step: str, tmp_path: Path) -> None:
     folder = TUTORIAL / step
     assert check(load(folder / "mission.json")) == ()
-    result = run(folder / "mission.json", robot=folder / "robot.py", speed=math.inf, journal=tmp_path / "run.journal")
+    robot, journal = TUTORIAL / ROBOTS[step] / "robot.py", tmp_path / "run.journal"
+    result = run(folder / "mission.json", robot=robot, speed=math.inf, journal=journal)
     assert (result.outcome, result.open_goals) == ("succeeded", ())
     assert result.decisions == (1 if step >= "4" else 0)
 
