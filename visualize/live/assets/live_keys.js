@@ -9,7 +9,7 @@ class LiveKeys {
       const button = event.target.closest("button");
       if (button && !button.dataset.sure) this.menu(false); // one that is asked twice keeps it open
     });
-    document.querySelector(".tabs").addEventListener("keydown", (event) => this.alongTabs(event));
+    document.querySelector(".tabs").addEventListener("keydown", alongTabs);
   }
 
   get chart() {
@@ -67,17 +67,5 @@ class LiveKeys {
     const open = byId("menu").getAttribute("aria-expanded") === "true";
     this.menu(false);
     if (!open) this.live.select("", "");
-  }
-
-  /** The arrows move along the tabs. */
-  alongTabs(event) {
-    const way = { ArrowLeft: -1, ArrowRight: 1 }[event.key];
-    if (!way) return;
-    const all = [...event.currentTarget.querySelectorAll("[role=tab]")];
-    const next = all[(all.indexOf(event.target) + way + all.length) % all.length];
-    next.click();
-    next.focus();
-    event.preventDefault();
-    event.stopPropagation();
   }
 }

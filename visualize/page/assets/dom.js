@@ -55,3 +55,15 @@ function valueText(value, places = 3) {
   if (value.picture !== undefined) return `picture ${value.picture}`;
   return Object.entries(value).map(([name, each]) => `${name} ${valueText(each, places) || "none"}`).join(", ");
 }
+
+/** The arrows move along the tabs. */
+function alongTabs(event) {
+  const way = { ArrowLeft: -1, ArrowRight: 1 }[event.key];
+  if (!way) return;
+  const all = [...event.currentTarget.querySelectorAll("[role=tab]:not([hidden])")];
+  const next = all[(all.indexOf(event.target) + way + all.length) % all.length];
+  next.click();
+  next.focus();
+  event.preventDefault();
+  event.stopPropagation();
+}

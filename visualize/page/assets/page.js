@@ -53,7 +53,7 @@ class Page {
     document.addEventListener("click", (event) => event.target.closest("#menu, #more") || this.menu(false), true);
     byId("more").addEventListener("click", (event) => event.target.closest("button") && !event.target.closest(".tools") && this.menu(false));
     for (const name of TABS) click(`tab-${name}`, () => this.tab(name));
-    byId("tab-details").parentElement.addEventListener("keydown", (event) => this.alongTabs(event));
+    byId("tab-details").parentElement.addEventListener("keydown", alongTabs);
     this.chart.svg.addEventListener("click", () => this.select("", ""));
     byId("search").addEventListener("input", () => this.search(byId("search").value));
     byId("search").addEventListener("keydown", (event) => this.searched(event));
@@ -116,18 +116,6 @@ class Page {
       byId(`tab-${each}`).tabIndex = each === name ? 0 : -1;
     }
     if (name === "transitions" && !this.coverage.seen) this.coverage.draw();
-  }
-
-  /** The arrows move along the tabs. */
-  alongTabs(event) {
-    const way = { ArrowLeft: -1, ArrowRight: 1 }[event.key];
-    if (!way) return;
-    const all = [...event.currentTarget.querySelectorAll("[role=tab]:not([hidden])")];
-    const next = all[(all.indexOf(event.target) + way + all.length) % all.length];
-    next.click();
-    next.focus();
-    event.preventDefault();
-    event.stopPropagation();
   }
 
   lit(lens) {
