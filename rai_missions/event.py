@@ -9,7 +9,13 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any, Literal, NamedTuple, get_args
 
-__all__ = ("KINDS", "Event", "EventKind", "Tick", "is_e_stop", "is_operator", "is_taken")
+__all__ = ("KINDS", "Event", "EventKind", "Role", "Tick", "is_e_stop", "is_operator", "is_taken")
+
+Role = Literal["operator", "viewer", "person"]
+"""What a client may do: steer a run, look at it, or what a person without a token may.
+
+The door through which a message came sets it: a page's token, the terminal, a voice; never what the message holds.
+"""
 
 NOTHING: Mapping[str, Any] = {}
 EventKind = Literal[
