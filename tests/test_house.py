@@ -146,7 +146,7 @@ def test_what_a_step_depends_on_asks_for_no_secret() -> None:
 
 # -- the rooms ---------------------------------------------------------------------------------------------------------
 
-RESERVED = {"campaign", "conversation", "planning", "voice"}
+RESERVED = {"campaign", "planning", "voice"}
 """Names of packages that are to come."""
 MOST_MODULES, MOST_PACKAGES = 10, 25
 

@@ -1,0 +1,36 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Conversation with a robot that works: what is asked, ordered, confirmed and reported, as a pure state machine.
+
+No threads, no clocks, no models: values come in with their instant, and values go out. Agents build the rest around it.
+
+Imports `engine`, and the modules of the root.
+"""
+
+from rai_missions.conversation.dialogue import Dialogue
+from rai_missions.conversation.inputs import ModelText, OrderEnd, SpeechEnd, Utterance
+from rai_missions.conversation.outputs import AskModel, DropModel, Order, Output, Silence, Speech, TalkNote, TalkTurn
+from rai_missions.conversation.settings import Settings, permissions
+from rai_missions.conversation.view import Happening, KeyView, MissionView, ProgressView, StatusView
+
+__all__ = (
+    "AskModel",
+    "Dialogue",
+    "DropModel",
+    "Happening",
+    "KeyView",
+    "MissionView",
+    "ModelText",
+    "Order",
+    "OrderEnd",
+    "Output",
+    "ProgressView",
+    "Settings",
+    "Silence",
+    "Speech",
+    "SpeechEnd",
+    "StatusView",
+    "TalkNote",
+    "TalkTurn",
+    "Utterance",
+    "permissions",
+)

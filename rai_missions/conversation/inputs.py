@@ -1,0 +1,82 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What comes into a dialogue: sentences, a model's text, ends of speech and of orders; each with its instant.
+
+Rule: the role is set by the door through which a sentence came. No text and no author's name changes it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, Literal, NamedTuple
+
+from rai_missions.event import Role
+
+__all__ = ("ModelText", "OrderEnd", "SpeechEnd", "SpeechResult", "Utterance")
+
+SpeechResult = Literal["whole", "cut", "failed"]
+"""How a speech ended: every word came out; it was interrupted; the speaker did not speak it."""
+
+
+class Utterance(NamedTuple):
+    """One sentence of a person, as a door received it: typed, or transcribed from sound."""
+
+    text: str
+    """The sentence; of spoken ones the first recogniser's transcription."""
+    role: Role
+    """What the door grants: the page's token, the terminal, everything else. Never from the text."""
+    channel: str
+    """The door: `terminal`, `page`, `voice`, `topic`, …; an answer goes back to it."""
+    author: str = ""
+    """A free name, for people. Channel and author together are the speaker to whom a confirmation is bound."""
+    at: float = 0.0
+    """Seconds on the dialogue's clock, which never goes back."""
+    readings: tuple[str, ...] = ()
+    """Of a spoken sentence each recogniser's transcription, the first included; empty for a typed one.
+
+    The dialogue works out which of them agree on an order: one suffices to stop, two are needed for other orders.
+    """
+    id: str = ""
+    """The message's id, if it has one; a second message of one id from one channel changes nothing."""
+
+    @property
+    def is_spoken(self) -> bool:
+        return bool(self.readings)
+
+    @property
+    def speaker(self) -> tuple[str, str]:
+        return self.channel, self.author
+
+
+class ModelText(NamedTuple):
+    """A piece of a model's reply, as it arrives."""
+
+    number: int
+    """Of the `AskModel` that it replies to; any other is dropped."""
+    text: str = ""
+    """The next piece of its text; pieces are joined and go out sentence by sentence."""
+    order: Mapping[str, Any] | None = None
+    """An order that it proposes, in the closed form of `AskModel.orders`; it counts once a person has confirmed it."""
+    is_end: bool = False
+    """Nothing follows."""
+    failed: str = ""
+    """Why there is no reply, for the journal; empty where there is one."""
+    at: float = 0.0
+
+
+class SpeechEnd(NamedTuple):
+    """A speech has ended; for a text that is only shown, `whole` as soon as it is shown."""
+
+    key: str
+    """Of the `Speech`; any other is dropped."""
+    result: SpeechResult
+    at: float = 0.0
+
+
+class OrderEnd(NamedTuple):
+    """What became of an order that the dialogue gave out."""
+
+    number: int
+    """Of the `Order`."""
+    refused: str = ""
+    """Why it was not carried out, in a sentence; empty where it was."""
+    at: float = 0.0

@@ -1,0 +1,76 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What a robot's profile sets of a dialogue: who may order what, and what becomes of requests and late sentences."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Literal, NamedTuple, get_args
+
+from rai_missions.conversation.outputs import OrderName
+from rai_missions.errors import UsageError, suggestion
+from rai_missions.event import Role
+
+__all__ = ("MAY", "ORDERS", "ROLES", "LatePolicy", "Permission", "RequestPolicy", "Settings", "permissions")
+
+Permission = Literal["ask"] | OrderName
+ORDERS: tuple[OrderName, ...] = get_args(OrderName)
+ROLES: tuple[Role, ...] = get_args(Role)
+RequestPolicy = Literal["queue", "refuse"]
+"""What becomes of a start that is ordered while a mission runs."""
+LatePolicy = Literal["queue", "keep_last", "interrupt"]
+"""What becomes of a sentence for the model while the model answers another; rules answer theirs at once."""
+
+MAY: Mapping[Role, frozenset[Permission]] = {
+    "operator": frozenset({"ask", *ORDERS}),
+    "person": frozenset({"ask", "stop"}),
+    "viewer": frozenset({"ask"}),
+}
+"""What each role may do where the profile grants nothing more."""
+
+
+class Settings(NamedTuple):
+    """How a dialogue behaves."""
+
+    language: str = "en"
+    """The file of `languages/` with its grammar and templates."""
+    may: Mapping[Role, frozenset[Permission]] = MAY
+    requests: RequestPolicy = "queue"
+    most_requests: int = 3
+    late: LatePolicy = "queue"
+    most_late: int = 5
+    """Sentences that wait for the model at most, where the policy is `queue`."""
+    has_model: bool = False
+    """Whether a model can be asked; else what the rules do not know is answered by "I do not know"."""
+    model_s: float = 20.0
+    """Seconds that a model has for its reply."""
+    confirm_s: float = 20.0
+    """Seconds after which what was read back is void."""
+    speech_s: float = 60.0
+    """Seconds after which a speech without an end counts as failed."""
+    history: int = 40
+    """Turns that are kept."""
+    answer_at: tuple[str, ...] = ("terminal", "page")
+    """The channels at which an operator is met; a refusal names them."""
+
+
+def permissions(granted: Mapping[str, object]) -> Mapping[Role, frozenset[Permission]]:
+    """The table of a profile's `"may"`: what is granted there is added to what each role has.
+
+    Args:
+        granted: Role → the names of orders, or `ask`.
+
+    Raises:
+        UsageError: A role or an order that does not exist.
+    """
+    table = dict(MAY)
+    known = ("ask", *ORDERS)
+    for role, names in granted.items():
+        if role not in ROLES:
+            raise UsageError(f"'may' names no role: '{role}'{suggestion(role, ROLES)}")
+        if not isinstance(names, list | tuple | set | frozenset):
+            raise UsageError(f"'may' of '{role}' is no list: {names!r}; give a list of: {', '.join(known)}")
+        for name in names:
+            if name not in known:
+                raise UsageError(f"'may' of '{role}' names no order: '{name}'{suggestion(str(name), known)}")
+        table[role] = table[role] | frozenset(names)
+    return table

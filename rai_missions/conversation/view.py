@@ -1,0 +1,120 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What a dialogue knows of a run: a plain value, made again for each moment at which it is asked.
+
+Rule: every answer about the robot rests on this value alone, and on no sentence of a person or a model.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, Literal, NamedTuple
+
+from rai_missions.engine.decision import Question
+from rai_missions.keys import Source, TypeName
+
+__all__ = ("Happening", "HappeningKind", "KeyView", "MissionView", "ProgressView", "StatusView")
+
+HappeningKind = Literal["entered", "event", "command", "answered", "control", "ended"]
+
+
+class KeyView(NamedTuple):
+    """One key of the blackboard at this moment."""
+
+    name: str
+    type: TypeName
+    source: Source = "robot"
+    about: str = ""
+    """The mission's sentence about it."""
+    value: Any = None
+    age_s: float | None = None
+    """Seconds since it was so; None where it was never received."""
+    is_fresh: bool = True
+    """False: it is older than its `max_age_s`, and so unknown now."""
+    frame: str = ""
+    fields: Mapping[str, TypeName] = {}
+
+
+class MissionView(NamedTuple):
+    """A mission that can be started, as it is named and what it takes."""
+
+    name: str
+    about: str = ""
+    arguments: tuple[KeyView, ...] = ()
+    """Its argument keys; the value is the initial one."""
+
+
+class ProgressView(NamedTuple):
+    """How far something is: `2 of 6`."""
+
+    of: str
+    """The key that is counted, by name, or the list that is worked through."""
+    done: float
+    total: float
+    about: str = ""
+    """The mission's sentence about that key."""
+
+
+class Happening(NamedTuple):
+    """One thing that happened in the run."""
+
+    kind: HappeningKind
+    name: str
+    """The state, event, command, option, holder or outcome."""
+    at: float
+    about: str = ""
+    """The mission's sentence about it, where it has one."""
+    by: str = ""
+    """Who commanded or answered."""
+
+
+class StatusView(NamedTuple):
+    """The run at one moment."""
+
+    at: float = 0.0
+    """Seconds on the run's clock."""
+    run: str = ""
+    """The run's id; empty while there is none. Reports are counted by it."""
+    revision: int = 0
+    """`Status.revision`."""
+    mode: str = ""
+    """One of `MODES`; empty while there is no run."""
+    control: str = "autonomy"
+    """Who holds control."""
+    active: tuple[str, ...] = ()
+    """The active states, outer before inner, as in `Status.active`."""
+    outcome: str | None = None
+    why: str = ""
+    """Why it ended so, in words."""
+    waits: str = ""
+    """Which states wait for someone to have control, in words."""
+    held_by: str = ""
+    held_since: float | None = None
+    open_goals: tuple[str, ...] = ()
+    """The actions that may still be executing although nothing waits for them."""
+    question: Question | None = None
+    """The question that is open to a person now."""
+    confirm: frozenset[str] = frozenset()
+    """The options of that question that have `"confirm": true`."""
+    keys: Mapping[str, KeyView] = {}
+    states: Mapping[str, str] = {}
+    """State → its `about`."""
+    events: Mapping[str, str] = {}
+    """Event → its `about`."""
+    mission: str = ""
+    """The mission's name."""
+    about: str = ""
+    """The mission's `about`."""
+    robot: str = ""
+    """The robot's name."""
+    identity: str = ""
+    """A sentence on who the robot is; of its description."""
+    missions: tuple[MissionView, ...] = ()
+    """What can be started, this one included."""
+    progress: tuple[ProgressView, ...] = ()
+    happened: tuple[Happening, ...] = ()
+    """The last things that happened, oldest first; the run keeps a bounded number."""
+    since: float | None = None
+    """Since when the active states are as they are, on the run's clock."""
+    mode_by: str = ""
+    """Who brought it into this mode: of a pause, cancel or e-stop."""
+    mode_since: float | None = None
