@@ -56,7 +56,7 @@ class Event(NamedTuple):
     | `proposal`   | the answerer that answers, declines or fails      | number of question|
     | `control`    | who holds control now                             | –                 |
     | `behaviour`  | `behaviour`; its end is in `data["status"]`   | number of start   |
-    | `command`    | `pause`, `resume`, `cancel`, `kill`, `take_up`, `migrate` | –                 |
+    | `command`    | `pause`, `stop`, `resume`, `cancel`, `kill`, `take_up`, `migrate` | –                 |
     | `doubt`      | `uncertain`: whether it was done (`data["name"]`) is unknown | – |
     | `outcome`    | an outcome of a state that waits for the hand-back; never from outside | – |
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Pause, resume, cancel and e-stop: what a person may do to any mission, drawn in none; and a run that is resumed.
+"""Pause, stop, resume, cancel and e-stop: what a person may do to any mission, drawn in none; and a run that is resumed.
 
 The e-stop is the command `kill` of events and of Python; for people it has that one word everywhere.
 
@@ -34,7 +34,7 @@ from rai_missions.model import suggestion
 
 __all__ = ("receive_command", "resync")
 
-COMMANDS = ("pause", "resume", "cancel", "kill")
+COMMANDS = ("pause", "stop", "resume", "cancel", "kill")
 """What a person may order."""
 
 
@@ -55,6 +55,8 @@ def receive_command(program: Program, state: RunState, event: Event) -> None:
         _cancel(program, state, by)
     elif event.name == "pause":
         _pause(program, state)
+    elif event.name == "stop":
+        _stop(program, state)
     else:
         _resume(program, state)
 
@@ -79,6 +81,18 @@ def _pause(program: Program, state: RunState) -> None:
     nodes = program.graph.nodes
     state.suspended = tuple(name for name in list(state.running) if lay_down(program, state, nodes[name]))
     state.draft.notes.append("paused")
+
+
+def _stop(program: Program, state: RunState) -> None:
+    """Pause, if it is not paused, and end also the goals that a pause would keep; each starts again as after a pause."""
+    if state.mode != "paused":
+        _pause(program, state)
+    nodes = program.graph.nodes
+    ended = [name for name in list(state.running) if lay_down(program, state, nodes[name], keeps=False)]
+    held = [name for name in ended if is_held(state, nodes[name])]
+    state.suspended += tuple(name for name in ended if name not in held)
+    state.laid_by += tuple(held)
+    state.draft.notes.append("stopped")
 
 
 def _resume(program: Program, state: RunState) -> None:

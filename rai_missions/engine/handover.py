@@ -97,9 +97,18 @@ def _freeze(program: Program, state: RunState, controls: frozenset[str]) -> None
     state.laid_by = tuple(sorted({*state.laid_by, *laid}, key=lambda name: nodes[name].index))
 
 
-def lay_down(program: Program, state: RunState, node: Node) -> bool:
-    """End what may move the robot, and is to start again later; what a profile lists under `keep` continues."""
-    if node.state is None or not node.state.yields or getattr(node.state, "action", None) in program.facts.keep:
+def lay_down(program: Program, state: RunState, node: Node, *, keeps: bool = True) -> bool:
+    """End what may move the robot, and is to start again later.
+
+    Args:
+        program: The mission, compiled.
+        state: The run.
+        node: What is running.
+        keeps: What a profile lists under `keep` continues.
+    """
+    if node.state is None or not node.state.yields:
+        return False
+    if keeps and getattr(node.state, "action", None) in program.facts.keep:
         return False
     leave_activity(program, state, node)
     return True

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a person or a program may do to a run, from any thread: pause, resume, cancel, e-stop, hand over, answer, post.
+"""What a person or a program may do to a run, from any thread: pause, stop, resume, cancel, e-stop, hand over, answer.
 
 Rule: nothing is done here and now. The run does it on its own thread, in its turn; an e-stop overtakes.
 """
@@ -31,6 +31,10 @@ class RunCommands:
 
     def pause(self, by: str = "operator") -> None:
         self._command("pause", by)
+
+    def stop(self, by: str = "operator") -> None:
+        """Pause, and end also the goals that a pause would keep."""
+        self._command("stop", by)
 
     def resume(self, by: str = "operator") -> None:
         self._command("resume", by)
