@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Pause, stop, resume, cancel and e-stop: what a person may do to any mission, drawn in none; and a run that is resumed.
+"""Pause, stop, resume, cancel and e-stop: what a person may do to any mission, drawn in none; and resumed runs.
 
 The e-stop is the command `kill` of events and of Python; for people it has that one word everywhere.
 
@@ -84,7 +84,7 @@ def _pause(program: Program, state: RunState) -> None:
 
 
 def _stop(program: Program, state: RunState) -> None:
-    """Pause, if it is not paused, and end also the goals that a pause would keep; each starts again as after a pause."""
+    """Pause, if it is not paused, and end the goals that a pause would keep; each starts again as after a pause."""
     if state.mode != "paused":
         _pause(program, state)
     nodes = program.graph.nodes

@@ -48,7 +48,9 @@ class ModeChange(NamedTuple):
 MODE_TABLE = (
     ModeChange("start", ("ready",), "running"),
     ModeChange("pause", ("running",), "paused", "only a running mission can be paused; it is {mode}"),
-    ModeChange("stop", ("running", "paused"), "paused", "only a running or paused mission can be stopped; it is {mode}"),
+    ModeChange(
+        "stop", ("running", "paused"), "paused", "only a running or paused mission can be stopped; it is {mode}"
+    ),
     ModeChange("resume", ("paused",), "running", "only a paused mission can be resumed; it is {mode}"),
     ModeChange("cancel", ("ready", "running", "paused"), "canceling", "it is being canceled already"),
     ModeChange("kill", ALIVE, "aborted"),

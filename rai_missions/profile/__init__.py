@@ -4,6 +4,7 @@
 Imports `check`, `connectors`, `engine`, `guards`, `mission` and `states`, and the modules of the root.
 """
 
+from rai_missions.profile.conversation import GRANTED, ORDERS, ConversationPolicy, OrderName
 from rai_missions.profile.convert import plain
 from rai_missions.profile.coverage import actions_of, missing
 from rai_missions.profile.entries import ActionEntry, ServiceEntry, TopicEntry
@@ -15,8 +16,12 @@ from rai_missions.profile.python_robot import RobotProgram, lacking_functions, p
 from rai_missions.profile.sources import EventSource, Source
 
 __all__ = (
+    "GRANTED",
+    "ORDERS",
     "ActionEntry",
+    "ConversationPolicy",
     "EventSource",
+    "OrderName",
     "Robot",
     "RobotProgram",
     "Rule",

@@ -15,6 +15,7 @@ from rai_missions.engine.robot_facts import RobotFacts
 from rai_missions.errors import suggestion
 from rai_missions.guards.guard import Guard
 from rai_missions.model import AnyOf, Json, MissionModel, Name, Text, fault, without_schema
+from rai_missions.profile.conversation import ConversationPolicy
 from rai_missions.profile.entries import ActionEntry, AliveEntry, OneService, ServiceEntry, TopicEntry
 from rai_missions.profile.sources import EventSource, Source
 from rai_missions.states.state import HOLDERS
@@ -92,6 +93,8 @@ class Robot(MissionModel):
     """The folder with the robot's identity, next to this file."""
     tools: ToolPolicy | None = None
     """What the tools of a model may touch; left out, it has none."""
+    conversation: ConversationPolicy | None = None
+    """How it talks with people."""
 
     _without_schema = model_validator(mode="before")(without_schema)
 

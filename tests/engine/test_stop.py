@@ -69,7 +69,9 @@ def test_only_a_mission_that_runs_or_is_paused_can_be_stopped(mode: str) -> None
     assert refusal(mode, "stop") == f"only a running or paused mission can be stopped; it is {mode}"
 
 
-@given(st.lists(st.sampled_from(["pause", "resume", "stop", "accepted", "canceled", "operator", "autonomy"]), max_size=12))
+@given(
+    st.lists(st.sampled_from(["pause", "resume", "stop", "accepted", "canceled", "operator", "autonomy"]), max_size=12)
+)
 def test_after_a_stop_no_goal_executes_that_has_not_been_canceled(words: list[str]) -> None:
     made, number = begun(control="autonomy")
     sent: set[int] = set()

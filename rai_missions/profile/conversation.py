@@ -1,0 +1,56 @@
+# SPDX-License-Identifier: Apache-2.0
+"""How a robot talks with people: who may order what, and what becomes of what is asked of it meanwhile.
+
+Rule: it grants orders to roles. Which role a person has, the door through which the message came decides.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal, get_args
+
+from pydantic import BeforeValidator, Field, field_validator
+
+from rai_missions.errors import suggestion
+from rai_missions.model import Bool, MissionModel, Text, fault
+
+__all__ = ("GRANTED", "ORDERS", "ConversationPolicy", "OrderName", "WhileAnswering")
+
+OrderName = Literal["start", "pause", "resume", "cancel", "stop", "answer"]
+ORDERS: tuple[OrderName, ...] = get_args(OrderName)
+"""What can be ordered by talk."""
+GRANTED: dict[str, tuple[OrderName, ...]] = {"operator": ORDERS, "viewer": (), "person": ("stop",)}
+"""Role → what it may order where a profile grants nothing; every role may ask."""
+Orders = Annotated[
+    tuple[OrderName, ...], BeforeValidator(lambda given: tuple(given) if isinstance(given, list) else given)
+]
+WhileAnswering = Literal["queue", "last", "interrupt"]
+
+
+class ConversationPolicy(MissionModel):
+    """How a robot talks with people."""
+
+    may: dict[Text, Orders] = Field(default_factory=dict)
+    """Role → the orders that it may give as well: `person` is anyone who speaks or writes from outside and by default
+    may stop, `viewer` looks at a page and by default may order nothing, and `operator` may everything."""
+    requests: Literal["queue", "refuse"] = "queue"
+    """What becomes of a start that is ordered while a mission runs: it waits for its turn, at most 3, or is refused."""
+    while_answering: WhileAnswering = "queue"
+    """What becomes of a message that comes while a model answers the one before: it waits, only the last waits, or the
+    answer is dropped for it."""
+    language: Text = "en"
+    """In which language it talks: the name of a file of templates and grammar."""
+    begins: Literal["at_once", "ready"] = "at_once"
+    """Whether `run --talk` begins the mission, or waits for the order to start it."""
+    hri: Bool = False
+    """Whether it receives messages on `/from_human` and `/voice_commands`, and reports on `/to_human`."""
+
+    @field_validator("may")
+    @classmethod
+    def _knows_its_roles(cls, may: dict[str, tuple[OrderName, ...]]) -> dict[str, tuple[OrderName, ...]]:
+        for role in may.keys() - GRANTED.keys():
+            raise fault("may", f"no role '{role}'; there is: {', '.join(GRANTED)}{suggestion(role, GRANTED)}")
+        return may
+
+    def granted(self) -> dict[str, frozenset[OrderName]]:
+        """Role → all that it may order."""
+        return {role: frozenset((*orders, *self.may.get(role, ()))) for role, orders in GRANTED.items()}
