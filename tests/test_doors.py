@@ -19,6 +19,7 @@ IMPORTERS = frozenset({
 LISTED = {
     "rai_missions/answerers/model/providers.py:package_of": "the package of a provider that the user names",
     "rai_missions/cli/inputs.py:load_guards": "a file of the user's",
+    "rai_missions/connectors/process/guard.py:_become_worker": "a module of ours, by our own command",
     "rai_missions/connectors/ros2/names.py:find_type": "the package of a message type",
     "rai_missions/kinds.py:load_kinds": "the modules of a folder of ours, each a kind",
     "rai_missions/errors.py:lazy_names": "a module of ours, by the table of its package",

@@ -14,7 +14,6 @@ from langchain_core.messages import AIMessage, HumanMessage, SystemMessage, Tool
 
 from rai_missions.answerers.model.chat import Abilities, BudgetExceeded, Raised
 from rai_missions.answerers.model.parse_reply import LONGEST, ModelReply, read, reply_of
-from rai_missions.answerers.model.process.frames import LONGEST_REPLY, Broken, Inlet, outward
 from rai_missions.answerers.model.process.words import (
     LONGEST_NAME,
     abilities_in,
@@ -24,6 +23,7 @@ from rai_missions.answerers.model.process.words import (
     reply_in,
     reply_words,
 )
+from rai_missions.connectors.process.frames import LONGEST_REPLY, Broken, Inlet, outward
 from rai_missions.testing import QUESTION
 from tests.answerers.messages import ANY_CALL, TEXTS
 from tests.providers.langchain_hostile import FORGED, GOOD

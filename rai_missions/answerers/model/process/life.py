@@ -7,39 +7,24 @@ read have threads of their own, and whatever asked is released when the process 
 
 from __future__ import annotations
 
-import contextlib
-import fcntl
-import json
 import os
-import select
-import signal
-import subprocess
 import sys
 import threading
-import time
 from collections.abc import Callable, Mapping, Sequence
-from functools import partial
-from pathlib import Path
 from typing import Any
 
 from rai_missions.answerers.model.chat import Abilities, Absent, BudgetExceeded, Ended
 from rai_missions.answerers.model.parse_reply import ModelReply
-from rai_missions.answerers.model.process.frames import CHUNK, Broken, Inlet, outward
 from rai_missions.answerers.model.process.words import abilities_in, reply_in
-from rai_missions.connectors.worker import Worker
+from rai_missions.connectors.process.frames import Broken
+from rai_missions.connectors.process.life import ProcessLife
 from rai_missions.redaction import cut, secrets_held, variables
 
 __all__ = ("Life", "PendingCall")
 
-GUARD = "rai_missions.answerers.model.process.guard"
+WORK = "rai_missions.answerers.model.process.worker:work"
 UNASKED = "it sent what was not asked for"
 UNWANTED = "the answer is waited for no longer"
-PIPE_BYTES = 1 << 20
-REPORT_S = 0.5
-"""How long the guard may take to report how the model's process ended."""
-PATIENCE_S = 1.0
-"""How long the guard may take to end everything; then the session is ended from here."""
-ROOT = str(Path(__file__).resolve().parents[3])
 
 
 class PendingCall:
@@ -73,10 +58,8 @@ class Life:
     """
 
     def __init__(self, model: str, most_bytes: int, ended: Callable[[Life], None]) -> None:
-        self._most_bytes, self._on_end = most_bytes, ended
+        self._on_end = ended
         self._lock = threading.Lock()
-        self._process: subprocess.Popen[bytes] | None = None
-        self._ends = False
         self._waiting: list[PendingCall] = []
         self._able: Abilities | None = None
         self._absent = ""
@@ -87,23 +70,15 @@ class Life:
         """Questions whose drop the process has yet to confirm."""
         self._heeds = threading.Event()
         self._heeds.set()
-        self._requests, self._orders_fd = os.pipe()
-        with contextlib.suppress(OSError, AttributeError):  # a picture is then written at once
-            fcntl.fcntl(self._orders_fd, fcntl.F_SETPIPE_SZ, PIPE_BYTES)
+        self._is_over = False
         first = {
             "model": model,
             "environment": variables(secret=True),
             "path": [os.path.abspath(entry) for entry in sys.path],
             "secrets": secrets_held(),
         }
-        # What cannot be written any more is for a process that has ended, which is noticed where replies are read.
-        self._orders = Worker("model's orders", on_error=lambda _: None, at_end=partial(os.close, self._orders_fd))
-        self._send(first)
-        self.began = time.monotonic()
-        self.why = ""
-        """How it ended; empty while it lives."""
-        self._thread = threading.Thread(target=self._live, name="model's process", daemon=True)
-        self._thread.start()
+        self._process = ProcessLife("model", WORK, first, most_bytes, on_message=self._take, on_end=self._release_all)
+        self._process.start()
 
     # -- what is asked of it -------------------------------------------------------------------------------------------
 
@@ -119,7 +94,17 @@ class Life:
 
     @property
     def alive(self) -> bool:
-        return not self.why and not self._ends
+        return self._process.alive
+
+    @property
+    def began(self) -> float:
+        """When it was started, on `time.monotonic`."""
+        return self._process.began
+
+    @property
+    def why(self) -> str:
+        """How it ended; empty while it lives."""
+        return self._process.why
 
     @property
     def busy(self) -> int:
@@ -160,8 +145,8 @@ class Life:
                 return able
             if self._absent:
                 raise Absent(self._absent)
-            if (why := self.why) or self._ends:
-                raise Ended(f"the model's process ended: {why or 'it was closed'}")
+            if self._is_over or not self.alive:
+                raise self._ended()
             self._waiting.append(call)
         when_closed(lambda: call.release(BudgetExceeded(UNWANTED)))
         call.wait()
@@ -173,11 +158,11 @@ class Life:
         """Send an order; its reply comes to the call."""
         call = PendingCall()
         with self._lock:
-            if self.why or self._ends:
-                call.release(Ended(f"the model's process ended: {self.why or 'it was closed'}"))
+            if self._is_over or not self.alive:
+                call.release(self._ended())
                 return call
             self._calls[number] = call
-        self._send(order, blobs)
+        self._process.send(order, blobs)
         return call
 
     def drop(self, number: int) -> bool:
@@ -189,16 +174,11 @@ class Life:
             if self.able is not None:
                 self._unheeded.add(number)
                 self._heeds.clear()
-        self._send({"do": "drop", "id": number})
+        self._process.send({"do": "drop", "id": number})
         if call is None:
             return False
         call.release(BudgetExceeded(UNWANTED))
         return True
-
-    def _send(self, order: Mapping[str, Any], blobs: Sequence[bytes] = ()) -> None:
-        self._orders.post(partial(_write_all, self._orders_fd, outward(order, blobs)))
-
-    # -- its end -------------------------------------------------------------------------------------------------------
 
     def end(self, why: str = "") -> None:
         """Have it end, with all that descends from it; never waits.
@@ -206,86 +186,29 @@ class Life:
         Args:
             why: What is reported to those that wait for an answer, where the guard knows nothing better.
         """
-        with self._lock:
-            self._ends = True
-            self.why = self.why or why
-            process = self._process
-            if process is not None and process.stdin is not None:
-                lifeline, process.stdin = process.stdin, None
-                with contextlib.suppress(OSError):
-                    lifeline.close()
+        self._process.end(why)
 
     def join(self, within_s: float) -> None:
         """Wait until everything has ended; what does not by then is killed from here."""
-        self._thread.join(max(0.0, within_s))
-        if self._thread.is_alive() and self._process is not None:
-            end_session(self._process.pid)
-            self._thread.join(PATIENCE_S)
+        self._process.join(within_s)
 
-    # -- the threads ---------------------------------------------------------------------------------------------------
+    # -- on the thread of the process ----------------------------------------------------------------------------------
 
-    def _live(self) -> None:
-        reply_fd, why = -1, ""
-        try:
-            reply_fd = self._start()
-            self._read(reply_fd)
-        except Broken as broken:
-            why = str(broken)
-        except Exception as error:  # noqa: BLE001 - without this, whatever asked would wait for ever
-            why = cut(f"{type(error).__name__}: {error}", 200)
-        with contextlib.suppress(OSError):
-            os.close(reply_fd)
-        self._orders.close(0.0)
-        self.end(why)
-        report = self._conclude()
+    def _ended(self) -> Ended:
+        return Ended(f"the model's process ended: {self.why or 'it was closed'}")
+
+    def _release_all(self) -> None:
         with self._lock:
-            self.why = why or self.why or report or "it is gone"
+            self._is_over = True
             calls, self._calls = list(self._calls.values()), {}
             self._heeds.set()
             waiting, self._waiting = self._waiting, []
-        ended = Ended(f"the model's process ended: {self.why}")
+        ended = self._ended()
         for call in calls:
             call.release(ended)
         for call in waiting:
             call.release(Absent(self._absent) if self._absent else ended)
         self._on_end(self)
-
-    def _start(self) -> int:
-        """Start the guard; the descriptor from which replies are read."""
-        requests = self._requests
-        replies, reply_end = os.pipe()
-        command = [sys.executable, "-P", "-m", GUARD, str(requests), str(reply_end), str(self._most_bytes)]
-        try:
-            with self._lock:
-                if self._ends:
-                    raise Broken("it was closed")
-                self._process = subprocess.Popen(
-                    command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL,
-                    pass_fds=(requests, reply_end), start_new_session=True, env=_environment(),
-                )  # fmt: skip
-        except BaseException:
-            os.close(replies)
-            raise
-        finally:
-            os.close(requests)
-            os.close(reply_end)
-        return replies
-
-    def _read(self, fd: int) -> None:
-        """Take replies until the process has closed the pipe, or the guard is gone."""
-        assert self._process is not None
-        assert self._process.stdout is not None
-        inlet, guard = Inlet(), self._process.stdout.fileno()
-        while True:
-            ready, _, _ = select.select([fd, guard], [], [])
-            if fd not in ready:
-                return
-            data = os.read(fd, CHUNK)
-            if not data:
-                select.select([guard], [], [], REPORT_S)
-                return
-            for message in inlet.feed(data):
-                self._take(message)
 
     def _take(self, message: Mapping[str, Any]) -> None:
         """One message of the process, which may be anything.
@@ -328,47 +251,3 @@ class Life:
             raise
         except BaseException as raised:  # noqa: BLE001 - what the model raised goes to whatever asked
             call.release(raised)
-
-    def _conclude(self) -> str:
-        """Wait for the guard, then see to it that nothing of the session is left; what the guard reports."""
-        process = self._process
-        if process is None:
-            return ""
-        try:
-            words, _ = process.communicate(timeout=PATIENCE_S)
-        except subprocess.TimeoutExpired:
-            words = b""
-        if not words:
-            end_session(process.pid)
-            process.kill()
-            process.communicate()
-        try:
-            return cut(json.loads(words)["ended"], 200)
-        except (ValueError, KeyError, TypeError):
-            return "its guard was killed"
-
-
-def end_session(session: int) -> None:
-    """Kill all that is left of a session, and of the groups in it."""
-    with contextlib.suppress(OSError):
-        os.killpg(session, signal.SIGKILL)
-    for name in os.listdir("/proc") if os.path.isdir("/proc") else ():
-        if name.isdecimal():
-            with contextlib.suppress(OSError):
-                if os.getsid(int(name)) == session:
-                    os.kill(int(name), signal.SIGKILL)
-
-
-def _environment() -> dict[str, str]:
-    """What the process is begun with: no secret, since others may read it; and a way to this package."""
-    given = variables(secret=False)
-    if not any(part in ("site-packages", "dist-packages") for part in Path(ROOT).parts):
-        given["PYTHONPATH"] = os.pathsep.join(filter(None, (ROOT, given.get("PYTHONPATH"))))
-    return given
-
-
-def _write_all(fd: int, pieces: Sequence[bytes]) -> None:
-    for piece in pieces:
-        data = memoryview(piece)
-        while data:
-            data = data[os.write(fd, data) :]

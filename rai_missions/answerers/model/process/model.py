@@ -17,8 +17,9 @@ from rai_missions.answerers.model.chat import Abilities, Absent, BudgetExceeded
 from rai_missions.answerers.model.output_modes import AnswerForm, Mode
 from rai_missions.answerers.model.parse_reply import ModelReply
 from rai_missions.answerers.model.pending import Pending
-from rai_missions.answerers.model.process.life import PATIENCE_S, Life
+from rai_missions.answerers.model.process.life import Life
 from rai_missions.answerers.model.process.words import packed
+from rai_missions.connectors.process.life import PATIENCE_S
 from rai_missions.connectors.worker import Worker
 from rai_missions.redaction import logger
 

@@ -14,7 +14,7 @@ from langchain_core.messages import BaseMessage, HumanMessage, SystemMessage, To
 
 from rai_missions.answerers.model.chat import Abilities, BudgetExceeded, Raised
 from rai_missions.answerers.model.parse_reply import CALLS, LONGEST, ModelReply, plain, too_long, too_many
-from rai_missions.answerers.model.process.frames import Broken
+from rai_missions.connectors.process.frames import Broken
 from rai_missions.redaction import Redaction, cut, redacted
 
 __all__ = ("abilities_in", "ability_words", "messages_in", "packed", "reply_in", "reply_words")

@@ -13,7 +13,7 @@ import threading
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-from rai_missions.answerers.model.process.frames import outward, read_frame
+from rai_missions.connectors.process.frames import outward, read_frame
 
 if TYPE_CHECKING:
     from rai_missions.redaction import Redaction

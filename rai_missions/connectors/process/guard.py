@@ -1,17 +1,18 @@
 # SPDX-License-Identifier: Apache-2.0
-"""`python -m rai_missions.answerers.model.process.guard REQUESTS REPLIES BYTES`: a model's process, and its guard.
+"""`python -m rai_missions.connectors.process.guard WORK REQUESTS REPLIES BYTES`: a process, and its guard.
 
-It forks once. The child holds the model; this process, the first of a session of its own, ends whatever descends from
-the child: where the engine closes the pipe of its standard input or is gone, where the model's process ends, and where
-its processes together are resident in more memory than they may be.
+It forks once. The child does the work; this process, the first of a session of its own, ends whatever descends from
+the child: where the engine closes the pipe of its standard input or is gone, where the child ends, and where its
+processes together are resident in more memory than they may be.
 
-Rule: nothing of the model's runs here, and nothing that it does is waited for. Linux alone is asked for anything.
+Rule: nothing of the work runs here, and nothing that it does is waited for. Linux alone is asked for anything.
 """
 
 from __future__ import annotations
 
 import contextlib
 import ctypes
+import importlib
 import json
 import os
 import select
@@ -34,20 +35,21 @@ NICE = 5
 """The mission comes first where cores are few."""
 
 
-def main(requests: int, replies: int, most: int) -> int:
-    """Start the model's process, and end with it.
+def main(work: str, requests: int, replies: int, most: int) -> int:
+    """Start the process, and end with it.
 
     Args:
-        requests: The descriptor from which the model's process reads.
+        work: What the process does, as `module:function`, a module of ours.
+        requests: The descriptor from which the process reads.
         replies: The descriptor to which it writes.
         most: Bytes of resident memory.
     """
     _prctl(PR_SET_CHILD_SUBREAPER, 1)  # what daemons its children leave behind stay descendants
-    _prctl(PR_SET_PDEATHSIG, signal.SIGCONT)  # the model may have stopped this process
+    _prctl(PR_SET_PDEATHSIG, signal.SIGCONT)  # the child may have stopped this process
     engine = os.getppid()
     worker = os.fork()
     if worker == 0:
-        _become_worker(requests, replies)
+        _become_worker(work, requests, replies)
     os.close(requests)
     os.close(replies)
     why = _watch(worker, engine, most)
@@ -57,7 +59,7 @@ def main(requests: int, replies: int, most: int) -> int:
     return 0
 
 
-def _become_worker(requests: int, replies: int) -> None:
+def _become_worker(work: str, requests: int, replies: int) -> None:
     code = 1
     try:
         _prctl(PR_SET_PDEATHSIG, signal.SIGKILL)
@@ -70,10 +72,9 @@ def _become_worker(requests: int, replies: int) -> None:
         with contextlib.suppress(OSError):
             os.nice(NICE)
             with open("/proc/self/oom_score_adj", "w", encoding="ascii") as score:
-                score.write("1000")  # where memory is short, the kernel ends the model and not the mission
-        from rai_missions.answerers.model.process.worker import work
-
-        work(requests, replies)
+                score.write("1000")  # where memory is short, the kernel ends this one and not the mission
+        module, _, name = work.partition(":")
+        getattr(importlib.import_module(module), name)(requests, replies)
         code = 0
     finally:
         os._exit(code)
@@ -111,7 +112,7 @@ def _on_child() -> int:
 
 
 def _reap(worker: int) -> str | None:
-    """Take note of what has ended; how the model's process did, if it did."""
+    """Take note of what has ended; how the process did, if it did."""
     with contextlib.suppress(ChildProcessError):
         while (found := os.waitpid(-1, os.WNOHANG))[0]:
             if found[0] == worker:
@@ -181,4 +182,4 @@ def _prctl(what: int, value: int) -> None:
 
 
 if __name__ == "__main__":
-    sys.exit(main(*map(int, sys.argv[1:4])))
+    sys.exit(main(sys.argv[1], *map(int, sys.argv[2:5])))
