@@ -10,7 +10,7 @@ from pydantic import Field, model_validator
 
 from rai_missions.errors import nearest
 from rai_missions.guards.guard import Guard, GuardOrKey
-from rai_missions.model import AnyOf, Json, KeyPath, MissionModel, Name, Path, Text, fault, suggestion
+from rai_missions.model import AnyOf, Bool, Json, KeyPath, MissionModel, Name, Path, Text, fault, suggestion
 from rai_missions.states.effects import Effect
 from rai_missions.states.state import OUTCOMES, Controller, State, Transition
 
@@ -34,9 +34,12 @@ class Option(MissionModel):
     """Where this is not true the option is not offered, and not taken."""
     parameters: dict[str, Json] | None = None
     """JSON Schema of what the answer brings along, read as `answer.<name>` in the option's transition."""
+    confirm: Bool = False
+    """A person who chooses it by talk is asked once more before it counts."""
 
     def __init__(
-        self, about: str = "", *, when: GuardOrKey | None = None, parameters: Mapping[str, Any] | None = None
+        self, about: str = "", *, when: GuardOrKey | None = None, parameters: Mapping[str, Any] | None = None,
+        confirm: bool = False,
     ) -> None: ...  # fmt: skip
 
 
