@@ -177,7 +177,9 @@ def prepare(config: RunConfig) -> PreparedRun:
         runner = Runner(
             plan.mission, robot=plan.robot, connector=recorded(connector, recording), clock=clock,
             answerers=answerers, journal=journal,
-            begin=NewRun(header.arguments, config.named, run=header.run, moved_aside=moved_aside)
+            begin=NewRun(
+                header.arguments, config.named, run=header.run, moved_aside=moved_aside, waits=config.waits
+            )
             if plan.resumed is None else plan.resumed.resumption._replace(fresh=world is not None),
             observer=observers(recording, RunObserver(config.on_step, config.on_status)),
         )  # fmt: skip
@@ -202,7 +204,7 @@ def _read(config: RunConfig, closing: CleanupStack) -> RunPlan:
     plan = RunPlan(config, mission, robot, identity, resumed)
     plan.refuse(faults_of(check(mission)), config.mission)
     if resumed is None:
-        accepted(mission, config.arguments)
+        accepted(mission, config.arguments, whole=not config.waits)
     if (chosen := open_python_robot(given, mission, resumed.robot if resumed is not None else None)) is not None:
         plan = plan._replace(python=chosen.robot, robot=chosen.profile)
     plan.refuse(missing(mission, plan.robot) if plan.robot is not None else (), config.robot)

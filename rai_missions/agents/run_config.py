@@ -53,6 +53,8 @@ class RunConfig:
     resume: str | Path | None = None
     """The journal of a run that was cut short, which continues there. Its arguments are in it."""
     named: Named | None = None
+    waits: bool = False
+    """Whether the run waits, ready, for the command to start; arguments that are missing come with it."""
     speed: float | None = None
     """Simulated seconds to one of the wall; infinity is as fast as it goes.
 

@@ -13,8 +13,13 @@ from rai_missions.mission.mission import Mission
 __all__ = ("accepted",)
 
 
-def accepted(mission: Mission, arguments: Mapping[str, Any]) -> Mapping[str, Any]:
+def accepted(mission: Mission, arguments: Mapping[str, Any], *, whole: bool = True) -> Mapping[str, Any]:
     """The arguments of a run, if the mission takes them.
+
+    Args:
+        mission: Whose arguments they are.
+        arguments: Argument key → value.
+        whole: None may be missing; else the missing ones are given with the command to start.
 
     Raises:
         DefinitionError: One that it does not take, does not fit, or is missing.
@@ -32,7 +37,7 @@ def accepted(mission: Mission, arguments: Mapping[str, Any]) -> Mapping[str, Any
         key = mission.blackboard[name]
         if name in arguments and (why := type_error(key, arguments[name])):
             faults.append(Fault(f"/blackboard/{name}", f"the argument does not fit: {why}"))
-        if name not in arguments and key.initial is None and not key.optional:
+        if whole and name not in arguments and key.initial is None and not key.optional:
             faults.append(Fault(f"/blackboard/{name}", f"the mission needs the argument '{name}'; give --set {name}=…"))
     if faults:
         raise DefinitionError(faults, mission.name)

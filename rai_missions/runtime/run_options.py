@@ -27,6 +27,8 @@ class NewRun:
     """Ticks the mission's trees; py_trees by default, loaded when the mission has one."""
     run: str = ""
     """The run's identity; made up where it is empty."""
+    waits: bool = False
+    """Once the robot has reported what the mission needs, it waits, ready, for the command to start."""
     moved_aside: str | None = None
     """Where the journal of an earlier run is now, whose name this one's took; for the result."""
 

@@ -91,7 +91,8 @@ class Runner(RunCommands):
             mission, begin.ticker or default_ticker(mission), terms=terms(robot) if robot is not None else None,
             named=begin.named,
         )  # fmt: skip
-        self._arguments = accepted(mission, begin.arguments) if isinstance(begin, NewRun) else {}
+        self._waits = isinstance(begin, NewRun) and begin.waits
+        self._arguments = accepted(mission, begin.arguments, whole=not self._waits) if isinstance(begin, NewRun) else {}
         self._moved_aside = begin.moved_aside if isinstance(begin, NewRun) else None
         self._decisions = begin.decisions if isinstance(begin, Resumption) else 0
         self._steps = self._chart.seq
@@ -117,6 +118,27 @@ class Runner(RunCommands):
         """
         self._notes.append((text, data))
         self.call_soon(self._write_notes)
+
+    def start(self, arguments: Mapping[str, Any]) -> str:
+        """Begin a run that waits, ready, for this command; from any thread.
+
+        Args:
+            arguments: Those of the mission that are given now; they replace those that the run was made with.
+
+        Returns:
+            Why it cannot be begun, or empty.
+        """
+        if not self._waits:
+            return "the mission has been started already"
+        try:
+            given = accepted(self.mission, {**self._arguments, **arguments})
+        except DefinitionError as error:
+            return "; ".join(fault.sentence for fault in error.faults)
+        self.call_soon(lambda: self._begin_with(given))
+        return ""
+
+    def _begin_with(self, arguments: Mapping[str, Any]) -> None:
+        self._arguments, self._waits = arguments, False
 
     # -- the loop -------------------------------------------------------------------------------------------------
 
@@ -206,9 +228,7 @@ class Runner(RunCommands):
     def _get_ready(self) -> None:
         """Receive every robot key once before the start."""
         chart = self._chart
-        for key, value in self._arguments.items():
-            if key not in chart.view.board or chart.view.board[key].value != value:
-                self._step(lambda key=key, value=value: chart.write(key, value, self._clock.now()))  # type: ignore[misc]
+        self._write_arguments()
         until, rivalry = self._clock.now() + self.mission.ready_s, self._executor.rivalry
         rivalry.ask(actions_of(self.mission), self.mission.ready_s)
         self._loop(lambda: chart.outcome is not None or not self._unheard or self._clock.now() >= until, until)
@@ -220,9 +240,19 @@ class Runner(RunCommands):
         self._loop(lambda: chart.outcome is not None or rivalry.is_known or self._clock.now() >= until, until)
         if rivalry.contests and chart.outcome is None:
             raise UsageError("; ".join(rivalry.contests))
+        if self._waits:
+            self._loop(lambda: chart.outcome is not None or not self._waits)
+            self._write_arguments()
         holder = self._executor.holder
         if holder is not None and holder != chart.holder and chart.outcome is None:
             self._step(lambda: chart.send(Event(holder, self._clock.now(), {"by": "robot"}, "control")))
+
+    def _write_arguments(self) -> None:
+        chart = self._chart
+        for key, value in self._arguments.items():
+            is_new = key not in chart.view.board or chart.view.board[key].value != value
+            if is_new and chart.outcome is None:
+                self._step(lambda key=key, value=value: chart.write(key, value, self._clock.now()))  # type: ignore[misc]
 
     @property
     def _unheard(self) -> tuple[str, ...]:
@@ -235,7 +265,7 @@ class Runner(RunCommands):
             event = self._mailbox.take()
             if event is not None:
                 self._take(event)
-                self._clock.taken(self._mailbox, paced=self._executor.thinking)
+                self._clock.taken(self._mailbox, paced=self._is_paced)
             elif not done() and self._scheduler.due > -math.inf:  # a wake may be taken before what it was for
                 self._idle(until)
 
@@ -256,10 +286,15 @@ class Runner(RunCommands):
             return
         wake = self._chart.wake_at
         due = min(until, math.inf if wake is None else wake, self._scheduler.due)
-        self._clock.wait(self._mailbox, min(due, self._due), paced=self._executor.thinking)
+        self._clock.wait(self._mailbox, min(due, self._due), paced=self._is_paced)
         now = self._clock.now()
         if wake is not None and wake <= now and self._mailbox.empty:
             self._step(lambda: self._chart.send(Tick(now)))
+
+    @property
+    def _is_paced(self) -> bool:
+        """A model or a person thinks: simulated time goes no faster than on the wall."""
+        return self._executor.thinking or (self._waits and self._chart.mode == "ready")
 
     def _take(self, event: Event) -> None:
         now = self._clock.now()

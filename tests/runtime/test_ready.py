@@ -1,0 +1,68 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A run that waits, ready, for the command to start: nothing moves, and the arguments come with the command."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from rai_missions.errors import DefinitionError
+from rai_missions.journal import Header, Journal
+from rai_missions.mission.files import dump
+from rai_missions.replay.replay import replay
+from tests.rigs.runs import Rig, mission
+
+COUNTED: dict[str, Any] = {
+    "counting": {"transitions": [{"when": {"key": "n", "==": 3}, "to": "three"}, {"after_s": 5, "to": "other"}]},
+    "three": {"final": "aborted"},
+    "other": {"final": "failed"},
+}
+KEYS: dict[str, Any] = {"n": {"type": "integer", "source": "argument"}}
+
+
+def test_it_begins_with_the_command_and_with_its_arguments() -> None:
+    rig = Rig(mission(COUNTED, blackboard=KEYS), waits=True)
+    seen: list[str] = []
+    rig.stage.play(
+        {0.2: lambda: seen.append(rig.runner.view.mode), 0.3: lambda: seen.append(rig.runner.start({"n": 3}))}
+    )
+    assert rig.run().outcome == "aborted"
+    assert seen == ["ready", ""]
+    assert rig.runner.start({"n": 3}) == "the mission has been started already"
+
+
+def test_its_journal_replays(tmp_path: Path) -> None:
+    asked = mission(COUNTED, blackboard=KEYS)
+    journal = Journal.create(tmp_path / "run.journal", Header(dump(asked)))
+    rig = Rig(asked, waits=True, journal=journal)
+    rig.stage.play({0.2: lambda: rig.runner.start({"n": 3})})
+    rig.run()
+    journal.close()
+    again = replay(journal.path)
+    assert again.holds and again.outcome == "aborted", again.difference
+
+
+def test_what_does_not_fit_is_refused_and_it_still_waits() -> None:
+    rig = Rig(mission(COUNTED, blackboard=KEYS), waits=True)
+    why: list[str] = []
+    given: tuple[dict[str, Any], ...] = ({}, {"n": "three"}, {"m": 1, "n": 3})
+    rig.stage.play({
+        **{at / 10: lambda each=each: why.append(rig.runner.start(each)) for at, each in enumerate(given, start=1)},
+        0.5: lambda: why.append(rig.runner.view.mode), 0.6: lambda: why.append(rig.runner.start({"n": 4})),
+    })  # fmt: skip
+    assert rig.run().outcome == "failed"
+    assert "needs the argument 'n'" in why[0] and "does not fit" in why[1] and "takes no argument 'm'" in why[2]
+    assert why[3:] == ["ready", ""]
+
+
+def test_a_cancel_ends_it_before_it_has_begun() -> None:
+    rig = Rig(mission(COUNTED, blackboard=KEYS), waits=True)
+    rig.stage.play({0.2: rig.runner.cancel})
+    assert rig.run().outcome == "canceled"
+
+
+def test_without_waiting_a_missing_argument_is_refused_when_the_run_is_made() -> None:
+    with pytest.raises(DefinitionError, match="needs the argument 'n'"):
+        Rig(mission(COUNTED, blackboard=KEYS))
