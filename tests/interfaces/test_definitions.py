@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Our own definitions of messages: what Jazzy has, field by field, and packages that any builder can build."""
+"""Our own definitions of messages: what Jazzy and RAI have, field by field, and packages that any builder can build."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ ON_THE_WAY = {
     "distance_remaining": "float",
 }
 ERROR = {"error_code": "uint16", "error_msg": "string"}
-JAZZY: Mapping[str, tuple[Mapping[str, str], ...]] = {
+UPSTREAM: Mapping[str, tuple[Mapping[str, str], ...]] = {
     "nav2_msgs/action/NavigateToPose": ({"pose": POSE, "behavior_tree": "string"}, ERROR, ON_THE_WAY),
     "nav2_msgs/action/NavigateThroughPoses": (
         {"poses": f"sequence<{POSE}>", "behavior_tree": "string"},
@@ -65,6 +65,18 @@ JAZZY: Mapping[str, tuple[Mapping[str, str], ...]] = {
         {"success": "boolean", "error_code": "uint16", "error_msg": "string"},
         {},
     ),
+    "rai_interfaces/msg/HRIMessage": (
+        {
+            "header": "std_msgs/Header",
+            "text": "string",
+            "images": "sequence<sensor_msgs/Image>",
+            "audios": "sequence<rai_interfaces/AudioMessage>",
+            "communication_id": "string",
+            "seq_no": "int64",
+            "seq_end": "boolean",
+        },
+    ),
+    "rai_interfaces/msg/AudioMessage": ({"audio": "sequence<int16>", "sample_rate": "uint16", "channels": "uint16"},),
     "tf2_msgs/msg/TFMessage": ({"transforms": "sequence<geometry_msgs/TransformStamped>"},),
     "tf2_msgs/msg/TF2Error": ({"error": "uint8", "error_string": "string"},),
     "tf2_msgs/srv/FrameGraph": ({}, {"frame_yaml": "string"}),
@@ -101,15 +113,15 @@ def built(name: str) -> Any:
     return getattr(module, last)
 
 
-def test_every_definition_of_anothers_package_is_held_against_jazzy() -> None:
+def test_every_definition_of_anothers_package_is_held_against_its_owners() -> None:
     ours = {type_name(path) for path in DEFINITIONS if path.parents[1].name != "rai_missions_msgs"}
-    assert ours == JAZZY.keys()
+    assert ours == UPSTREAM.keys()
 
 
-@pytest.mark.parametrize("name", sorted(JAZZY))
-def test_a_built_type_has_the_fields_of_jazzy_in_their_order(name: str) -> None:
+@pytest.mark.parametrize("name", sorted(UPSTREAM))
+def test_a_built_type_has_its_owners_fields_in_their_order(name: str) -> None:
     found = built(name)
-    for part, fields in zip(PARTS[name.split("/")[1]], JAZZY[name], strict=True):
+    for part, fields in zip(PARTS[name.split("/")[1]], UPSTREAM[name], strict=True):
         reported = (getattr(found, part) if part else found).get_fields_and_field_types()
         assert [pair for pair in reported.items() if pair[0] != NO_FIELD] == list(fields.items()), (name, part)
 

@@ -7,6 +7,7 @@ import os
 from collections.abc import Iterator, Mapping
 
 from rai_missions.cli.doctor.finding import MachineFinding, tried
+from rai_missions.cli.doctor.interfaces import copies
 from rai_missions.cli.doctor.machine import installed
 from rai_missions.connectors.ros2 import REMEDY
 
@@ -36,6 +37,7 @@ def ros(environment: Mapping[str, str] | None = None, *, has_wheels: bool | None
     if not sourced and not wheels:
         yield MachineFinding("absent", "ROS 2", REMEDY)
         return
+    yield from copies(given)
     if sourced and wheels:  # libraries would come from either at random
         remedy = "use one: a shell without the sourced ROS, or an environment without the ros-* wheels"
         yield MachineFinding("missing", f"ROS {sourced} is sourced and ROS wheels are installed", remedy)

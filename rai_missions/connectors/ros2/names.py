@@ -19,7 +19,7 @@ __all__ = ("Kind", "check_name", "find_type", "why_absent")
 Kind = Literal["msg", "srv", "action"]
 WHAT = {"msg": "message", "srv": "service", "action": "action"}
 EXAMPLE = {"msg": "std_msgs/msg/String", "srv": "std_srvs/srv/Trigger", "action": "nav2_msgs/action/NavigateToPose"}
-OURS_TO_BUILD = {"nav2_msgs": " (Nav2)", "rai_missions_msgs": "", "tf2_msgs": ""}
+OURS_TO_BUILD = {"nav2_msgs": " (Nav2)", "rai_interfaces": " (RAI)", "rai_missions_msgs": "", "tf2_msgs": ""}
 """Packages that no wheel brings and whose definitions we have, and what brings them along on a robot."""
 
 
