@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     )
     from rai_missions.connectors.chaos import ChaosConnector, Rates
     from rai_missions.connectors.contract import Inbox, PatientServer, check_connector
+    from rai_missions.connectors.hri.contract import check_hri_connector
     from rai_missions.engine.contract import check_activity
     from rai_missions.guards.contract import check_guard
     from rai_missions.replay.play.passage import let_time_pass
@@ -57,6 +58,7 @@ __all__ = (
     "check_answerer",
     "check_connector",
     "check_guard",
+    "check_hri_connector",
     "check_world",
     "let_time_pass",
 )  # fmt: skip
@@ -75,6 +77,7 @@ if not TYPE_CHECKING:
             "answerers.script": ("ScriptAnswerer",),
             "connectors.chaos": ("ChaosConnector", "Rates"),
             "connectors.contract": ("Inbox", "PatientServer", "check_connector"),
+            "connectors.hri.contract": ("check_hri_connector",),
             "engine.contract": ("check_activity",),
             "guards.contract": ("check_guard",),
             "replay.play.passage": ("let_time_pass",),

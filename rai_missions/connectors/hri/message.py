@@ -17,7 +17,7 @@ from rai_missions.errors import UsageError
 from rai_missions.image import Image
 from rai_missions.redaction import shown
 
-__all__ = ("MOST_BYTES", "MOST_TEXT", "RATES_HZ", "Audio", "Author", "HRIMessage")
+__all__ = ("MOST_BYTES", "MOST_ITEMS", "MOST_TEXT", "RATES_HZ", "Audio", "Author", "HRIMessage", "size_of")
 
 Author = Literal["human", "ai"]
 """Who wrote a message: a person, or a machine that speaks for itself."""
@@ -137,13 +137,25 @@ class HRIMessage:
             raise UsageError(f"seq_end: {shown(self.seq_end)} is neither true nor false")
         _check_items("images", self.images, Image)
         _check_items("audios", self.audios, Audio)
-        size = sum(map(_image_bytes, self.images)) + sum(len(audio.samples) for audio in self.audios)
+        size = sum(map(size_of, self.attachments))
         if size > MOST_BYTES:
             raise UsageError(f"images and audios: {size} bytes; a message carries {MOST_BYTES} at the most")
+
+    @property
+    def attachments(self) -> tuple[Image | Audio, ...]:
+        """Its pictures, then its sound."""
+        return (*self.images, *self.audios)
 
     def __bool__(self) -> bool:
         """Whether it carries anything."""
         return bool(self.text or self.images or self.audios)
+
+
+def size_of(item: Image | Audio) -> int:
+    """Bytes of a picture or a piece of sound; raw pixels, which may be costly, are not asked for."""
+    if isinstance(item, Audio):
+        return len(item.samples)
+    return item.width * item.height * 3 if item.encoding == "rgb8" else len(item.data)
 
 
 def _is_whole(value: object, least: int, most: int) -> bool:
@@ -168,8 +180,3 @@ def _check_items(field: str, items: object, kind: type) -> None:
         raise UsageError(f"{field}: {shown(items)} is no tuple of {kind.__name__}")
     if len(items) > MOST_ITEMS:
         raise UsageError(f"{field}: {len(items)} of them; there are {MOST_ITEMS} at the most")
-
-
-def _image_bytes(image: Image) -> int:
-    """Without making raw pixels, which may be costly."""
-    return image.width * image.height * 3 if image.encoding == "rgb8" else len(image.data)

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import base64
 import json
+from array import array
 from collections.abc import Mapping
 from typing import Any
 
@@ -52,6 +53,8 @@ def _jsonable(value: Any) -> Any:
         return {IMAGE: [value.ref, value.width, value.height, value.encoding, base64.b64encode(value.data).decode()]}
     if isinstance(value, Mapping):
         return dict(value)
+    if isinstance(value, array):
+        return value.tolist()
     raise TypeError(f"{cut_repr(value, 60)} is a {type(value).__name__}")
 
 

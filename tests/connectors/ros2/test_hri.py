@@ -1,0 +1,57 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Talk over the real rclpy, with the message type that RAI's microphones, speakers and pages have."""
+
+from __future__ import annotations
+
+import importlib.util
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+
+from rai_missions.connectors.contract import Inbox
+from rai_missions.connectors.hri.connector import FROM_HUMAN, TO_HUMAN, VOICE_COMMANDS, HRIConnector
+from rai_missions.connectors.hri.contract import check_hri_connector
+from rai_missions.connectors.hri.message import HRIMessage
+from rai_missions.connectors.ros2 import open_connector
+from rai_missions.connectors.ros2.config import read_options
+from rai_missions.errors import ConnectorError
+from rai_missions.image import Image
+
+built = pytest.mark.skipif(
+    importlib.util.find_spec("rai_interfaces") is None, reason="rai_interfaces is not built here: make ros-interfaces"
+)
+
+
+@built
+@pytest.mark.usefixtures("alone")
+def test_talk_over_ros_keeps_the_contract() -> None:
+    check_hri_connector(lambda: open_connector({"discovery_s": 5.0}))
+
+
+@built
+def test_talk_reaches_another_node(open_ros: Callable[..., Any]) -> None:
+    robot, person = HRIConnector(open_ros()), HRIConnector(open_ros())
+    inbox: Inbox[HRIMessage] = Inbox()
+    robot.listen(FROM_HUMAN, inbox)
+    robot.connector.serve("/hri/there", "std_srvs/srv/Trigger", lambda _: {})
+    found: Inbox[Any] = Inbox()
+    person.connector.call("/hri/there", "std_srvs/srv/Trigger", {}, on_reply=found, timeout_s=30.0)
+    found.wait(bool, "the nodes met")
+    long = HRIMessage("word " * 10_000, name="Anna", communication_id="id")
+    person.send(long, FROM_HUMAN)
+    assert inbox.wait(bool, "a long message was sent") == [long]
+
+
+@built
+@pytest.mark.usefixtures("alone")
+def test_a_picture_file_is_refused_with_what_would_carry_it(open_ros: Callable[..., Any]) -> None:
+    picture = HRIMessage("look", (Image("x", 1, 1, "png", b""),))
+    with pytest.raises(ConnectorError, match="images/0: a picture in 'png' travels as sensor_msgs/msg/CompressedImage"):
+        HRIConnector(open_ros()).send(picture, TO_HUMAN)
+
+
+@pytest.mark.parametrize("topic", [FROM_HUMAN, TO_HUMAN, VOICE_COMMANDS, "/robot1/from_human"])
+def test_no_part_is_dropped_for_the_next_one(topic: str) -> None:
+    quality = read_options({}).quality(topic)
+    assert (quality.reliability, quality.durability, quality.depth) == (None, "volatile", 1000)
