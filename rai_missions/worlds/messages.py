@@ -13,6 +13,7 @@ from rai_missions.image import Image
 __all__ = ("TRIGGER", "battery_state", "header", "image", "pose", "pose_stamped", "stamp", "text", "trigger")
 
 TRIGGER = "std_srvs/srv/Trigger"
+PIXEL_BYTES: Mapping[str, int] = {"rgb8": 3, "16UC1": 2, "mono8": 1}
 
 
 def trigger(success: bool, message: str) -> dict[str, Any]:
@@ -43,7 +44,7 @@ def image(picture: Image, at: float) -> dict[str, Any]:
         "width": picture.width,
         "encoding": picture.encoding,
         "is_bigendian": 0,
-        "step": picture.width * 3,
+        "step": picture.width * PIXEL_BYTES[picture.encoding],
         "data": picture,
     }
 

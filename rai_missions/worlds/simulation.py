@@ -29,15 +29,18 @@ class Simulation:
         camera: Whether there is one.
         start_s: What the clock shows at the start.
         timestep_s: Of the physics.
+        aligned: Depth and segmentation are as large as the camera's pictures.
     """
 
     period_s = 0.05
 
     def __init__(
-        self, model: Any, outbox: Outbox, battery: Battery, *, camera: bool, start_s: float, timestep_s: float
-    ) -> None:
+        self, model: Any, outbox: Outbox, battery: Battery, *, camera: bool, start_s: float, timestep_s: float,
+        aligned: bool = False,
+    ) -> None:  # fmt: skip
         self.model, self.data, self.battery = model, mujoco.MjData(model), battery
-        self.camera = Camera(model) if camera else None
+        size = {"frame_width": 640, "frame_height": 480} if aligned else {}
+        self.camera = Camera(model, **size) if camera else None
         self.substeps = round(self.period_s / timestep_s)
         self._outbox = outbox
         self._steps, self._start_s = 0, start_s
@@ -65,6 +68,7 @@ class Simulation:
         self, connector: Connector, *, pictures: Collection[str],
         actions: Iterable[tuple[str, str, ActionServer]],
         services: Mapping[tuple[str, str], Callable[[Mapping[str, Any]], dict[str, Any]]],
+        without: Collection[str] = (),
     ) -> None:  # fmt: skip
         """Put everything on a connector.
 
@@ -73,10 +77,11 @@ class Simulation:
             pictures: Topics that need a camera.
             actions: Name, type and server of each.
             services: Name and type → what answers, while no step is made.
+            without: Topics that are not published this time.
         """
         if self.camera is not None:
             self.camera.check()
-        self._outbox.open(connector, without=() if self.camera is not None else pictures)
+        self._outbox.open(connector, without=(*without, *(() if self.camera is not None else pictures)))
         for (name, type_name), answer in services.items():
             self._closes.append(connector.serve(name, type_name, self._locked(answer)))
         for name, type_name, server in actions:

@@ -130,5 +130,6 @@ def _mismatch(taken: Any, value: Any) -> str:
         fitting, called = SORTS[sorts[0]]
         fits = isinstance(value, fitting) and (sorts[0] is bool or not isinstance(value, bool))
         return "" if fits and not (isinstance(value, float) and not math.isfinite(value)) else called
-    is_object = Mapping in sorts and isinstance(value, str | int | float) and Sequence not in sorts
+    is_taken = type(value) in sorts or Sequence in sorts
+    is_object = Mapping in sorts and isinstance(value, str | int | float) and not is_taken
     return "an object" if is_object else ""

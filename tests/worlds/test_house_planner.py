@@ -85,7 +85,7 @@ def test_every_place_is_free_and_every_wall_is_not() -> None:
     grid = Costmap()
     assert all(grid.is_free_on_the_map(place.x, place.y) for place in PLACES.values())
     assert all(grid.is_free_on_the_map(*door) for door in DOORS.values())
-    assert not any(grid.is_free_on_the_map(*box.middle) for box in (*WALLS, *FURNITURE))
+    assert not any(grid.is_free_on_the_map(*box.middle) for box in (*WALLS, *FURNITURE.values()))
 
 
 def scan(far: float) -> tuple[np.ndarray, np.ndarray]:

@@ -12,7 +12,9 @@ from rai_missions.image import Image
 __all__ = ("PICTURES", "check_picture", "message_of_picture")
 
 RAW, COMPRESSED = "sensor_msgs/msg/Image", "sensor_msgs/msg/CompressedImage"
-CARRIED = {RAW: ("rgb8",), COMPRESSED: ("png", "jpeg")}
+PIXEL_BYTES = {"rgb8": 3, "16UC1": 2, "mono8": 1}
+"""Encodings of raw pixels that are sent → bytes a pixel; `16UC1` is depth in mm (REP 118)."""
+CARRIED = {RAW: tuple(PIXEL_BYTES), COMPRESSED: ("png", "jpeg")}
 """Messages that carry a picture → the encodings that they carry."""
 
 
@@ -25,8 +27,8 @@ def message_of_picture(picture: Image, type_name: str, place: str) -> dict[str, 
     check_picture(picture, type_name, place)
     if type_name == RAW:
         return {
-            "width": picture.width, "height": picture.height, "encoding": "rgb8", "step": picture.width * 3,
-            "data": picture.data,
+            "width": picture.width, "height": picture.height, "encoding": picture.encoding,
+            "step": picture.width * PIXEL_BYTES[picture.encoding], "data": picture.data,
         }  # fmt: skip
     return {"format": picture.encoding, "data": picture.data}
 
@@ -39,7 +41,7 @@ def check_picture(picture: Image, type_name: str, place: str) -> None:
     """
     if picture.encoding in CARRIED.get(type_name, ()):
         return
-    carrier = RAW if picture.encoding == "rgb8" else COMPRESSED
+    carrier = RAW if picture.encoding in PIXEL_BYTES else COMPRESSED
     raise ConnectorError(f"{place or type_name}: a picture in '{picture.encoding}' travels as {carrier}")
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The servers of Nav2's actions: drive to a pose, and drive to the dock.
+"""The servers of Nav2's actions: drive to a pose, drive to the dock, and wait.
 
 Rule: a goal ends as the robot's pose and the charger state, and canceled only once the robot has stopped. As in Nav2,
 a newer goal replaces the one that is pursued, which is aborted.
@@ -18,10 +18,11 @@ from rai_missions.worlds.house.navigator import Navigator
 from rai_missions.worlds.house.rosbot import FASTEST_MPS, RobotPose
 from rai_missions.worlds.messages import pose_stamped, stamp
 
-__all__ = ("DOCK", "NAVIGATE", "DockRobot", "NavigateToPose", "Server")
+__all__ = ("DOCK", "NAVIGATE", "WAIT", "DockRobot", "NavigateToPose", "Server", "Wait")
 
 NAVIGATE = "/navigate_to_pose", "nav2_msgs/action/NavigateToPose"
 DOCK = "/dock_robot", "nav2_msgs/action/DockRobot"
+WAIT = "/wait", "nav2_msgs/action/Wait"
 NOT_STAGED, NOT_CHARGED = 903, 906
 """FAILED_TO_STAGE and FAILED_TO_CHARGE of nav2_msgs/action/DockRobot."""
 CHARGE_S = 3.0
@@ -154,6 +155,51 @@ class DockRobot(Server):
         error = error if error in (0, NOT_CHARGED) else NOT_STAGED
         retries = self.navigator.recoveries
         return {"success": not why, "error_code": error, "num_retries": retries, "error_msg": why}
+
+
+class Wait(GoalServer):
+    """nav2_msgs/action/Wait: stay for a while; it moves nothing, and is no concern of the navigation."""
+
+    _until = 0.0
+
+    def accept(self, goal_id: str, goal: Data, report: Callable[[Report], None]) -> None:
+        running, time = RunningGoal(goal_id, report, self.at), goal.get("time")
+        lasts = _seconds(time)
+        if lasts is None:
+            self._reject(running, f"{time!r} is no time to wait; give 'sec' and 'nanosec', 0 or more")
+            return
+        if self.running is not None:
+            self._conclude(self.running, "failed", "a newer goal replaced this one")
+        self._until = self.at + lasts
+        self._begin(running)
+
+    def cancel(self, goal_id: str) -> None:
+        if self.running is not None and self.running.goal_id == goal_id:
+            self._conclude(self.running, "canceled", "canceled")
+
+    def step(self, at: float, _pose: RobotPose, *, charging: bool) -> None:
+        """Report what has come about."""
+        self.at, running = at, self.running
+        if running is None:
+            return
+        if at >= self._until - 1e-9:
+            self._conclude(running, "succeeded", "")
+        else:
+            self._feed_back(running, lambda _taken_s: {"time_left": stamp(self._until - at)})
+
+    def _conclude(self, running: RunningGoal, end: End, why: str) -> None:
+        self._end(running, end, {"total_elapsed_time": stamp(self.at - running.begun)}, why)
+
+
+def _seconds(time: Any) -> float | None:
+    """A builtin_interfaces/msg/Duration, or seconds; None where it is neither, or negative."""
+    if isinstance(time, Mapping):
+        parts = (time.get("sec", 0), time.get("nanosec", 0))
+        if not all(isinstance(part, int | float) and not isinstance(part, bool) for part in parts):
+            return None
+        time = parts[0] + parts[1] / 1e9
+    is_number = isinstance(time, int | float) and not isinstance(time, bool)
+    return float(time) if is_number and math.isfinite(time) and time >= 0 else None
 
 
 def _pose(goal: Data) -> NavigationRequest | str:

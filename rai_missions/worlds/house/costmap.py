@@ -94,7 +94,7 @@ class Costmap:
     def _drawn(self) -> Grid:
         drawn: Grid = np.zeros(self.shape, bool)
         half = CELL_M / 2 - 1e-6
-        for box in (*WALLS, *FURNITURE):
+        for box in (*WALLS, *FURNITURE.values()):
             across = (self._x > box.west - half) & (self._x < box.east + half)
             drawn |= across & (self._y > box.south - half) & (self._y < box.north + half)
         return drawn

@@ -50,6 +50,11 @@ class Doors:
         """Whether its crate stands there now."""
         return bool(self._data.mocap_pos[self._mocap[door]][2] > 0)
 
+    @property
+    def blocked(self) -> list[tuple[float, float]]:
+        """The doorways that a crate is in now."""
+        return [place for door, place in DOORS.items() if self.is_blocked(door)]
+
     def step(self, at: float, robot: tuple[float, float]) -> None:
         for door, place in DOORS.items():
             wanted = self._wanted.get(door, self._is_due(door, at))

@@ -11,22 +11,40 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rai_missions.worlds import messages
-from rai_missions.worlds.house.layout import NamedPose
+from rai_missions.worlds.house.layout import FURNITURE, ROOMS, NamedPose
 from rai_missions.worlds.house.lidar import BEAMS, NEAREST_M, REACH_M
-from rai_missions.worlds.house.rosbot import RobotPose
+from rai_missions.worlds.house.rosbot import BODY_M, CAMERA_AT, CAMERA_FOVY_DEG, CAMERA_PITCH, RobotPose
+from rai_missions.worlds.house.speech import FROM_HUMAN, HRI_MESSAGE
+from rai_missions.worlds.perception.finder import FinderConfig
+from rai_missions.worlds.perception.projection import Mount
 
-__all__ = ("CAMERA", "CMD_VEL", "TOPICS", "laser_scan", "located", "odometry")
+__all__ = (
+    "CAMERA", "CMD_VEL", "DEPTH", "FINDER", "LENS", "SEEN", "TOPICS", "camera_info", "laser_scan", "located",
+    "odometry",
+)  # fmt: skip
 
 CAMERA = "camera/color/image_raw"
+DEPTH, LENS = "camera/depth/image_raw", "camera/color/camera_info"
+SEEN = CAMERA, DEPTH, LENS
+"""Topics that a camera is needed for."""
 CMD_VEL = "/cmd_vel", "geometry_msgs/msg/Twist"
 TOPICS: Mapping[str, str] = {
     "amcl_pose": "geometry_msgs/msg/PoseWithCovarianceStamped",
     "battery": "sensor_msgs/msg/BatteryState",
     CAMERA: "sensor_msgs/msg/Image",
+    DEPTH: "sensor_msgs/msg/Image",
+    LENS: "sensor_msgs/msg/CameraInfo",
+    FROM_HUMAN: HRI_MESSAGE,
     "odom": "nav_msgs/msg/Odometry",
     "scan": "sensor_msgs/msg/LaserScan",
 }
 """What is published, and its types."""
+FINDER = FinderConfig(
+    mount=Mount(CAMERA_AT[0], CAMERA_AT[1] + BODY_M, CAMERA_PITCH),
+    rooms={name: box[:4] for name, box in ROOMS.items()},
+    furniture={name: box[:4] for name, box in FURNITURE.items()},
+)
+"""The names that the object finder uses here."""
 TURN = 2 * math.pi / BEAMS
 
 
@@ -61,4 +79,20 @@ def odometry(pose: RobotPose, start: NamedPose, at: float) -> dict[str, Any]:
         "child_frame_id": "base_link",
         "pose": {"pose": turned},
         "twist": {"twist": twist},
+    }
+
+
+def camera_info(width: int, height: int, at: float) -> dict[str, Any]:
+    """A sensor_msgs/msg/CameraInfo of the colour camera, which has no distortion; depth is aligned with it."""
+    focal = height / 2 / math.tan(math.radians(CAMERA_FOVY_DEG) / 2)
+    k = [focal, 0.0, width / 2, 0.0, focal, height / 2, 0.0, 0.0, 1.0]
+    return {
+        "header": messages.header(at, "camera"),
+        "height": height,
+        "width": width,
+        "distortion_model": "plumb_bob",
+        "d": [0.0] * 5,
+        "k": k,
+        "r": [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0],
+        "p": [*k[:3], 0.0, *k[3:6], 0.0, *k[6:], 0.0],
     }

@@ -10,7 +10,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import NamedTuple
 
-__all__ = ("CRATE", "DEPTH_M", "DOORS", "FURNITURE", "PLACES", "WALLS", "WIDTH_M", "Box", "NamedPose")
+__all__ = (
+    "CRATE", "DEPTH_M", "DOORS", "FURNITURE", "PLACES", "ROOMS", "SPOTS", "WALLS", "WIDTH_M", "Box", "NamedPose",
+    "Spot",
+)  # fmt: skip
 
 WIDTH_M, DEPTH_M = 10.0, 8.0
 
@@ -66,16 +69,53 @@ DOORS: Mapping[str, tuple[float, float]] = {
 CRATE = 0.4, 0.4, 0.3
 """Half the size of what stands in a blocked doorway: too wide to pass by."""
 
-FURNITURE: tuple[Box, ...] = (
-    Box(0.1, 6.6, 0.9, 7.9, 0.8, ".25 .35 .55"),  # sofa
-    Box(2.4, 5.6, 3.2, 6.4, 0.45, ".55 .38 .22"),  # low table
-    Box(3.6, 7.5, 4.9, 7.9, 1.5, ".45 .3 .18"),  # bookcase
-    Box(0.1, 0.1, 0.7, 0.8, 1.7, ".85 .87 .88"),  # fridge
-    Box(2.4, 1.2, 3.4, 2.0, 0.74, ".6 .45 .28"),  # table
-    Box(8.0, 5.8, 9.9, 7.4, 0.6, ".7 .68 .75"),  # bed
-    Box(5.1, 2.7, 5.6, 3.7, 0.75, ".5 .35 .2"),  # desk
-    Box(9.4, 0.1, 9.9, 2.6, 1.8, ".75 .72 .65"),  # shelf
-)
+FURNITURE: Mapping[str, Box] = {
+    "sofa": Box(0.1, 6.6, 0.9, 7.9, 0.8, ".25 .35 .55"),
+    "low table": Box(2.4, 5.6, 3.2, 6.4, 0.45, ".55 .38 .22"),
+    "bookcase": Box(3.6, 7.5, 4.9, 7.9, 1.5, ".45 .3 .18"),
+    "fridge": Box(0.1, 0.1, 0.7, 0.8, 1.7, ".85 .87 .88"),
+    "table": Box(2.4, 1.2, 3.4, 2.0, 0.74, ".6 .45 .28"),
+    "bed": Box(8.0, 5.8, 9.9, 7.4, 0.6, ".7 .68 .75"),
+    "desk": Box(5.1, 2.7, 5.6, 3.7, 0.75, ".5 .35 .2"),
+    "shelf": Box(9.4, 0.1, 9.9, 2.6, 1.8, ".75 .72 .65"),
+}
+"""What is on the map, by name."""
+
+ROOMS: Mapping[str, Box] = {
+    "kitchen": Box(0.1, 0.1, 5.0, 4.1),
+    "living room": Box(0.1, 4.2, 5.0, 7.9),
+    "bedroom": Box(5.1, 4.2, 9.9, 7.9),
+    "study": Box(5.1, 0.1, 7.6, 4.1),
+    "pantry": Box(7.7, 0.1, 9.9, 4.1),
+}
+"""Where each room is."""
+
+
+class Spot(NamedTuple):
+    """A place for an object: near an edge that the robot's camera can see from the floor."""
+
+    x: float
+    y: float
+    height: float
+    """Of what it is on, above the floor; 0 is the floor itself."""
+
+
+SPOTS: Mapping[str, Spot] = {
+    "table_north": Spot(2.6, 1.88, 0.74),
+    "table_corner": Spot(3.24, 1.86, 0.74),
+    "low_table_north": Spot(2.62, 6.3, 0.45),
+    "low_table_west": Spot(2.5, 6.02, 0.45),
+    "sofa_south": Spot(0.8, 6.95, 0.8),
+    "sofa_north": Spot(0.8, 7.5, 0.8),
+    "bed_south": Spot(8.1, 6.2, 0.6),
+    "bed_north": Spot(8.1, 6.95, 0.6),
+    "desk_south": Spot(5.52, 2.95, 0.75),
+    "desk_north": Spot(5.52, 3.45, 0.75),
+    "kitchen_floor": Spot(4.5, 0.5, 0.0),
+    "living_room_floor": Spot(4.4, 4.7, 0.0),
+    "bedroom_floor": Spot(5.6, 7.4, 0.0),
+    "pantry_floor": Spot(8.3, 0.6, 0.0),
+}
 
 PLACES: Mapping[str, NamedPose] = {
     "dock": NamedPose(0.6, 2.6),

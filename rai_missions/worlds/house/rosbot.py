@@ -10,7 +10,9 @@ import numpy as np
 
 from rai_missions.worlds.house.layout import NamedPose
 
-__all__ = ("ACTUATORS", "RADIUS_M", "RobotPose", "Rosbot", "body")
+__all__ = (
+    "ACTUATORS", "BODY_M", "CAMERA_AT", "CAMERA_FOVY_DEG", "CAMERA_PITCH", "RADIUS_M", "RobotPose", "Rosbot", "body",
+)  # fmt: skip
 
 WHEEL_M, TRACK_M = 0.048, 0.27
 SKID = 1.55
@@ -21,6 +23,12 @@ FASTEST_MPS, FASTEST_RADPS = 0.5, 1.8
 PULL_MPS2, TWIST_RADPS2 = 1.0, 6.0
 """How quickly the commanded speeds change."""
 WHEELS = {"fl": (0.085, 0.135), "fr": (0.085, -0.135), "rl": (-0.085, 0.135), "rr": (-0.085, -0.135)}
+BODY_M = 0.048
+"""How high the body's origin is when it stands on its wheels."""
+CAMERA_AT = 0.14, 0.15
+"""Where the camera is: m ahead of the body's origin, and above it."""
+CAMERA_PITCH, CAMERA_FOVY_DEG = 0.1, 58
+"""How far it looks up (rad), so that it sees what is on a table, and how high its picture is."""
 GHOST = 'contype="0" conaffinity="0" mass=".01"'
 
 ACTUATORS = "".join(f'<velocity name="{name}" joint="{name}" kv="1.2" forcerange="-3 3"/>' for name in WHEELS)
@@ -56,7 +64,8 @@ def body(start: NamedPose) -> str:
 <geom type="cylinder" size=".012 .03" pos="-.02 0 .12" rgba=".3 .3 .3 1" group="2" {GHOST}/>
 <geom type="box" size=".012 .045 .012" pos=".12 0 .15" rgba=".6 .6 .62 1" group="2" {GHOST}/>
 <site name="laser" pos="-.02 0 .175"/>
-<camera name="front" pos=".14 0 .15" xyaxes="0 -1 0 .05 0 1" fovy="58"/>{wheels}</body>"""
+<camera name="front" pos="{CAMERA_AT[0]} 0 {CAMERA_AT[1]}" xyaxes="0 -1 0 {-math.tan(CAMERA_PITCH):.4f} 0 1"
+ fovy="{CAMERA_FOVY_DEG}"/>{wheels}</body>"""
 
 
 class Rosbot:

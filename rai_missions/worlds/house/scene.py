@@ -1,19 +1,23 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The house as one MuJoCo model: floor, walls, furniture, crates that may block doorways, and the robot.
+"""The house as one MuJoCo model: floor, walls, furniture, objects, people, crates that may block doorways, the robot.
 
-Geom groups: 0 the floor, 1 whatever the lidar sees, 2 the robot as it is seen and 3 its wheels as they collide.
+Geom groups: 0 the floor, 1 whatever the lidar sees, 2 the robot, objects and people as they are seen, and 3 the
+wheels as they collide.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import mujoco
 
-from rai_missions.worlds.house import rosbot
+from rai_missions.worlds.house import figures, rosbot
 from rai_missions.worlds.house.layout import CRATE, DOORS, FURNITURE, PLACES, WALLS, Box
+from rai_missions.worlds.house.objects import HouseObject
+from rai_missions.worlds.house.people import Resident
 
-__all__ = ("TIMESTEP_S", "build", "crate")
+__all__ = ("TIMESTEP_S", "build", "crate", "object_name", "person_name")
 
 TIMESTEP_S = 0.005
 AWAY_Z = -3.0
@@ -25,8 +29,20 @@ def crate(door: str) -> str:
     return f"crate_{door}"
 
 
-def build() -> Any:
+def object_name(number: int) -> str:
+    """The name of an object's body."""
+    return f"object_{number}"
+
+
+def person_name(number: int) -> str:
+    """The name of a person's body."""
+    return f"person_{number}"
+
+
+def build(objects: Sequence[HouseObject] = (), people: Sequence[Resident] = ()) -> Any:
     """Compile the house."""
+    meshes = figures.person_assets() if people else {}
+    mesh_list = "".join(f'<mesh name="{name.removesuffix(".obj")}" file="{name}"/>' for name in meshes)
     xml = f"""<mujoco model="house"><compiler angle="degree"/>
 <option timestep="{TIMESTEP_S}" integrator="implicitfast"/>
 <visual><global offwidth="1280" offheight="960"/><quality shadowsize="0" offsamples="0"/><map znear=".01" zfar="20"/>
@@ -35,24 +51,30 @@ def build() -> Any:
 <asset>
  <texture name="floor" type="2d" builtin="checker" rgb1=".66 .48 .31" rgb2=".62 .45 .29" width="256" height="256"/>
  <material name="floor" texture="floor" texrepeat="20 16" specular=".1"/>
- <texture type="skybox" builtin="flat" rgb1=".8 .85 .9" width="16" height="96"/></asset>
+ <texture type="skybox" builtin="flat" rgb1=".8 .85 .9" width="16" height="96"/>{mesh_list}</asset>
 <worldbody>
  <light pos="2.5 6 2.4" diffuse=".4 .4 .38" castshadow="false"/>
  <light pos="7.5 2 2.4" diffuse=".4 .4 .38" castshadow="false"/>
  <geom name="floor" type="plane" pos="5 4 0" size="6 5 .1" material="floor" friction="1 .005 .0001"/>
- {"".join(_box(box) for box in (*WALLS, *FURNITURE))}
+ {"".join(_box(box) for box in (*WALLS, *FURNITURE.values()))}
  {"".join(_crate(door) for door in DOORS)}
+ {"".join(_object(number, one) for number, one in enumerate(objects))}
+ {"".join(figures.person(person_name(number), number, (one.x, one.y)) for number, one in enumerate(people))}
  {_dock()}
  {rosbot.body(PLACES["dock"])}
  <camera name="top" pos="5 4 9.2" xyaxes="1 0 0 0 1 0" fovy="52"/>
 </worldbody><actuator>{rosbot.ACTUATORS}</actuator></mujoco>"""
-    return mujoco.MjModel.from_xml_string(xml)
+    return mujoco.MjModel.from_xml_string(xml, meshes)
 
 
 def _box(box: Box) -> str:
     (x, y), half = box.middle, box.height / 2
     size = f"{(box.east - box.west) / 2:.3f} {(box.north - box.south) / 2:.3f} {half:.3f}"
     return f'<geom type="box" pos="{x:.3f} {y:.3f} {half:.3f}" size="{size}" rgba="{box.colour} 1" group="1"/>'
+
+
+def _object(number: int, one: HouseObject) -> str:
+    return figures.figure(one.kind, one.colour, object_name(number), one.place, one.turn_deg)
 
 
 def _crate(door: str) -> str:

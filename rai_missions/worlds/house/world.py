@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The house: a robot, its navigation and its surroundings, stepped in simulated time.
+"""The house: a robot, its navigation, objects and people, stepped in simulated time.
 
 Rule: what is published comes from sensors, from the battery and from the pose; no one learns what the navigation
 merely believes.
@@ -17,13 +17,21 @@ from rai_missions.connectors.connector import Connector, Message
 from rai_missions.errors import UsageError
 from rai_missions.worlds import messages
 from rai_missions.worlds.battery import Battery
-from rai_missions.worlds.house import interface, scene
-from rai_missions.worlds.house.actions import DOCK, NAVIGATE, DockRobot, NavigateToPose
+from rai_missions.worlds.house import interface
+from rai_missions.worlds.house.actions import DOCK, NAVIGATE, WAIT, DockRobot, NavigateToPose, Wait
+from rai_missions.worlds.house.detector import DetectorErrors, OpenSetDetector, Thing
 from rai_missions.worlds.house.doors import Blocked, Doors
 from rai_missions.worlds.house.layout import DOORS, PLACES
 from rai_missions.worlds.house.lidar import Lidar
 from rai_missions.worlds.house.navigator import Navigator
+from rai_missions.worlds.house.objects import Objects, place_objects
+from rai_missions.worlds.house.people import People, walkers
+from rai_missions.worlds.house.residents import Residents
 from rai_missions.worlds.house.rosbot import RobotPose, Rosbot
+from rai_missions.worlds.house.scene import TIMESTEP_S, build, object_name, person_name
+from rai_missions.worlds.house.scene_file import read_scene
+from rai_missions.worlds.house.speech import FROM_HUMAN, Speech, sentences
+from rai_missions.worlds.house.vision import Vision
 from rai_missions.worlds.publish_queue import Outbox
 from rai_missions.worlds.simulation import Simulation
 
@@ -41,11 +49,17 @@ class House(Simulation):
     """A `World`: a robot of the size of a ROSbot XL in a house of five rooms.
 
     Args:
-        seed: Of the lidar's noise.
+        seed: Of the lidar's, the depth's and the detector's noise, and of the objects and people that are not given.
         blocked: Doors with a crate in them, `["study_pantry"]`, or when, `{"study_pantry": [20, 60]}`.
         recoveries: How many the navigation tries before it gives up.
         battery: `capacity_wh` and `charge` (0 to 1).
-        camera: Without it there are no pictures, and no OpenGL is needed.
+        camera: Without it there are no pictures and no detections, and no OpenGL is needed.
+        objects: As `Objects`; None: one of each kind, where the seed puts them.
+        people: How many walk about, or who, as `People`.
+        scene: A file of JSON, or an object, with `objects` and `people`; the options of these names go first.
+        detector: Fields of `DetectorErrors`.
+        detects: Whether the simulated detector is there; false where another one serves its names.
+        speech: What the people speak on `/from_human`, and when.
         start_s: What its clock shows at the start.
     """
 
@@ -57,26 +71,53 @@ class House(Simulation):
         recoveries: int = 6,
         battery: Mapping[str, float] | None = None,
         camera: bool = True,
+        objects: Objects | None = None,
+        people: People | None = None,
+        scene: str | Mapping[str, Any] | None = None,
+        detector: Mapping[str, Any] | None = None,
+        detects: bool = True,
+        speech: Speech = (),
         start_s: float = 0.0,
     ) -> None:
         if recoveries < 0:
             raise UsageError(f"recoveries: {recoveries} is no number of attempts; give 0 or more")
         energy = Battery.of(battery, capacity_wh=20.0, rest_w=15.0, volts=(9.0, 12.6))
         outbox = Outbox("", interface.TOPICS)
-        super().__init__(scene.build(), outbox, energy, camera=camera, start_s=start_s, timestep_s=scene.TIMESTEP_S)
+        words = read_scene(scene)
+        self.objects = place_objects(seed, words.get("objects") if objects is None else objects)
+        here = walkers(seed, words.get("people", 0) if people is None else people)
+        super().__init__(
+            build(self.objects, here), outbox, energy, camera=camera, start_s=start_s,
+            timestep_s=TIMESTEP_S, aligned=True,
+        )  # fmt: skip
         self.rosbot = Rosbot(self.model, self.data)
         self.doors = Doors(self.model, self.data, blocked)
+        self.residents = Residents(self.model, self.data, here)
         self.navigator = Navigator(recoveries)
+        errors = DetectorErrors.of(detector)
+        seer = OpenSetDetector(self._things(), errors, seed) if detects else None
+        self.vision = Vision(self.camera, seer, seed, self._since) if self.camera is not None else None
+        self._speech = sentences(speech)
         self._lidar = Lidar(self.model, self.data, seed)
-        self._servers = {
+        self._servers: dict[tuple[str, str], NavigateToPose | DockRobot | Wait] = {
             NAVIGATE: NavigateToPose(self.navigator, outbox.add, start_s),
             DOCK: DockRobot(self.navigator, outbox.add, start_s),
+            WAIT: Wait(outbox.add, start_s),
         }
         self._command, self._command_until = (0.0, 0.0), -math.inf
 
     @property
     def pose(self) -> RobotPose:
         return self.rosbot.pose
+
+    def _since(self) -> float:
+        return self.at - self._start_s
+
+    def _things(self) -> dict[int, Thing]:
+        """What each body of the model is that may be detected."""
+        names = [(object_name(number), Thing(one.kind, one.colour)) for number, one in enumerate(self.objects)]
+        names += [(person_name(number), Thing("person", "")) for number in range(len(self.residents.walkers))]
+        return {int(self.model.body(name).id): thing for name, thing in names}
 
     @property
     def is_charging(self) -> bool:
@@ -88,13 +129,19 @@ class House(Simulation):
         """Put the robot's topics and actions, and a service for each door, on a connector."""
         actions = [(*name, server) for name, server in self._servers.items()]
         services = {(f"/house/{door}", "std_srvs/srv/SetBool"): self._door(door) for door in DOORS}
-        self._open(connector, pictures=(interface.CAMERA,), actions=actions, services=services)
+        if self.vision is not None:
+            services |= self.vision.services()
+        without = () if self._speech else (FROM_HUMAN,)
+        self._open(connector, pictures=interface.SEEN, actions=actions, services=services, without=without)
         self._closes.append(connector.subscribe(*interface.CMD_VEL, self._on_command))
+        if self.vision is not None:
+            self._closes += self.vision.open(connector)
 
     def step(self) -> None:
         """Go one period on: look, drive, let physics happen, and publish what happened."""
         with self._outbox.lock:
-            self.doors.step(self.at - self._start_s, self.pose[:2])
+            self.doors.step(self._since(), self.pose[:2])
+            self.residents.step(self._since(), self.period_s, self.pose[:2], self.doors.blocked)
             if self._steps % FAST == 0:
                 self._scan()
             self._drive()
@@ -131,8 +178,11 @@ class House(Simulation):
             self._outbox.publish("odom", interface.odometry(pose, PLACES["dock"], at))
         if self._is_due(SLOW):
             self._publish_battery(charging=self.is_charging)
-        if self.camera is not None and self._is_due(MEDIUM):
+        if self.camera is not None and self.vision is not None and self._is_due(MEDIUM):
+            self.vision.publish(self._outbox, self.camera.moment(self.data), at)
             self._publish_picture(self.camera, interface.CAMERA, f"/{interface.CAMERA}")
+        while self._speech and self._speech[0].at_s <= self._since():
+            self._outbox.publish(FROM_HUMAN, self._speech.pop(0).message(at))
 
     def _on_command(self, message: Message) -> None:
         twist = message.data

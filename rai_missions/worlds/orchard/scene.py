@@ -14,10 +14,10 @@ from typing import Any
 import mujoco
 import numpy as np
 
+from rai_missions.worlds.meshes import Mesh
 from rai_missions.worlds.orchard import bodies as figures
 from rai_missions.worlds.orchard import textures, tractor
 from rai_missions.worlds.orchard.layout import Layout
-from rai_missions.worlds.orchard.meshes import Mesh
 from rai_missions.worlds.orchard.obstacles import Obstacle
 
 __all__ = ("TIMESTEP_S", "build")

@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from rai_missions.worlds.orchard.meshes import Mesh, turned
+from rai_missions.worlds.meshes import Mesh, turned
 
 __all__ = ("ACTUATORS", "CONTACT", "NOSE_M", "TAIL_M", "Tractor", "TractorPose", "body", "meshes")
 

@@ -1,0 +1,87 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The pictures that the house's camera took lately, by their stamps, so that each can be measured later.
+
+Rule: a picture, its depth and what a detector reads in it are of one moment; nothing is rendered before it is asked
+for.
+"""
+
+from __future__ import annotations
+
+import threading
+from collections import OrderedDict
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from rai_missions.worlds.camera import Camera, Frame, Moment
+
+__all__ = ("FrameHistory",)
+
+KEPT, MEASURED = 40, 3
+"""Moments, and measured frames, that are kept."""
+DEPTH_NOISE = 0.004
+"""Standard deviation of a pixel's depth, as a share of it."""
+NEAREST_M, FARTHEST_M = 0.2, 8.0
+"""What is nearer or farther has no depth."""
+
+
+class FrameHistory:
+    """The last moments of one camera.
+
+    Args:
+        camera: Whose frames are as large as its pictures.
+        seed: Of the depth's noise.
+    """
+
+    def __init__(self, camera: Camera, seed: int) -> None:
+        self._camera, self._seed = camera, seed
+        self._lock = threading.Lock()
+        self._moments: OrderedDict[int, Moment] = OrderedDict()
+        self._measured: OrderedDict[int, Frame] = OrderedDict()
+
+    def keep(self, at: float, moment: Moment) -> None:
+        """Remember the moment of a picture that is published now."""
+        with self._lock:
+            self._moments[_milliseconds(at)] = moment
+            while len(self._moments) > KEPT:
+                self._moments.popitem(last=False)
+
+    def of_picture(self, picture: Any) -> tuple[int, Frame] | None:
+        """When a picture was taken, in ms, and its frame; None where it is none of the last ones.
+
+        Args:
+            picture: A sensor_msgs/msg/Image; its stamp counts.
+        """
+        stamp = ((picture or {}).get("header") or {}).get("stamp") if isinstance(picture, Mapping) else None
+        if not isinstance(stamp, Mapping):
+            return None
+        moment_ms = _milliseconds(float(stamp.get("sec", 0)) + float(stamp.get("nanosec", 0)) / 1e9)
+        with self._lock:
+            moment = self._moments.get(moment_ms)
+        return None if moment is None else (moment_ms, self._frame(moment_ms, moment))
+
+    def depth_mm(self, at: float, moment: Moment) -> bytes:
+        """The depth of a moment in mm, two bytes a pixel, the low one first, with the sensor's noise; 0 is unknown."""
+        moment_ms = _milliseconds(at)
+        frame = self._frame(moment_ms, moment)
+        noise = np.random.default_rng((self._seed, moment_ms)).normal(1, DEPTH_NOISE, frame.depth_m.shape)
+        depth = frame.depth_m * noise
+        known = (depth > NEAREST_M) & (depth < FARTHEST_M)
+        return np.where(known, np.rint(depth * 1000), 0).astype("<u2").tobytes()
+
+    def _frame(self, moment_ms: int, moment: Moment) -> Frame:
+        with self._lock:
+            known = self._measured.get(moment_ms)
+        if known is not None:
+            return known
+        frame, _ = self._camera.frame(moment)
+        with self._lock:
+            self._measured[moment_ms] = frame
+            while len(self._measured) > MEASURED:
+                self._measured.popitem(last=False)
+        return frame
+
+
+def _milliseconds(at: float) -> int:
+    return round(at * 1000)

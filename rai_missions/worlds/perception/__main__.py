@@ -1,0 +1,78 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The object finder as a process next to a robot on ROS 2: `python -m rai_missions.worlds.perception --config FILE`."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import signal
+import sys
+import threading
+from collections.abc import Mapping, Sequence
+from dataclasses import fields
+from pathlib import Path
+from typing import Any
+
+from rai_missions.errors import ConnectorError, UsageError, suggestion
+from rai_missions.worlds.perception.finder import FinderConfig, ObjectFinder
+from rai_missions.worlds.perception.projection import Mount
+
+__all__ = ("main", "read_config")
+
+
+def read_config(path: str) -> FinderConfig:
+    """The names on a robot, from a file with an object of `FinderConfig`'s fields.
+
+    Raises:
+        UsageError: It cannot be read, or has a field that does not exist.
+    """
+    try:
+        given = json.loads(Path(path).read_text(encoding="utf-8"))
+    except (OSError, ValueError) as fault:
+        raise UsageError(f"{path}: {fault}") from fault
+    known = [each.name for each in fields(FinderConfig)]
+    if not isinstance(given, Mapping):
+        raise UsageError(f"{path}: give an object with the fields {', '.join(known)}")
+    for name in given:
+        if name not in known:
+            raise UsageError(f"{path}: no field {name!r}{suggestion(name, known)}")
+    mount = given.get("mount", {})
+    try:
+        return FinderConfig(**{**given, "mount": Mount(**mount)})
+    except TypeError as fault:
+        raise UsageError(f"{path}: mount takes {', '.join(Mount._fields)}, not {mount!r}") from fault
+
+
+def main(words: Sequence[str] | None = None) -> int:
+    """Run until a signal; the exit status."""
+    reader = argparse.ArgumentParser(prog="python -m rai_missions.worlds.perception", description=__doc__)
+    reader.add_argument("--config", metavar="FILE", help="the robot's names, as JSON; left out: those of the house")
+    given = reader.parse_args(words)
+    try:
+        config = read_config(given.config) if given.config else FinderConfig()
+        return _run(config)
+    except (UsageError, ConnectorError) as fault:
+        sys.stderr.write(f"error: {fault}\n")
+        return 2
+
+
+def _run(config: FinderConfig) -> int:
+    from rai_missions.connectors.ros2 import open_connector  # heavy: rclpy
+
+    connector: Any = open_connector({"node": "object_finder"})
+    ended = threading.Event()
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, lambda *_: ended.set())
+    closes = ObjectFinder(connector, config).open()
+    connector.start()
+    sys.stdout.write(f"ready: {config.look_for} starts it, {config.seen} has what it sees\n")
+    sys.stdout.flush()
+    ended.wait()
+    for close in closes:
+        close()
+    connector.stop()
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
