@@ -6,6 +6,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
@@ -17,7 +18,8 @@ from rai_missions.mission.files import load
 from rai_missions.mission.mission import Mission
 from rai_missions.replay.play import PlaySource
 from tests.browser.conftest import assert_accessible, until
-from visualize.live import LivePage, PageAddress
+from visualize.live import JournalFeed, LivePage, PageAddress
+from visualize.page import review
 
 ROOT = Path(__file__).parents[2]
 TRACTOR = ROOT / "missions/tractor/mission.json"
@@ -104,10 +106,50 @@ def test_an_event_is_clicked_a_question_answered_a_choice_undone_and_the_play_sa
         window.click("#clicks li:nth-child(3) button")
         revision(window, 12)
         assert lit(window) == ["driving", "working"]
+    (tmp_path / "p.html").write_bytes(review(load(TRACTOR), [tmp_path / "p.journal"]))
+    played = look(SimpleNamespace(url=(tmp_path / "p.html").as_uri(), address=""))
+    assert "played, no evidence" in played.inner_text("#player")
+    assert played.inner_text("#player option").startswith("p.journal – played")
     with read(tmp_path / "p.journal") as record:
         assert record.header.played
         assert [step.event.name for step in record.steps()][:4] == ["start", "anomaly", "agent", "agent"]
     assert 'chart.propose(2, "abort", at=0.0)' in (tmp_path / "test_p.py").read_text(encoding="utf-8")
+
+
+PLACE = "(({ top, height }) => [top, height])(document.querySelector('svg.chart').getBoundingClientRect())"
+MOVED = "document.querySelector('svg.chart > g').getAttribute('transform')"
+
+
+@pytest.mark.parametrize("size", [(1440, 900), (1000, 700), (390, 844)])
+def test_the_chart_stays_where_it_is_through_clicks_and_has_a_legend(size: tuple[int, int], look: Look) -> None:
+    with served(PlaySession(load(TRACTOR))) as page:
+        window = look(page, viewport=dict(zip(("width", "height"), size, strict=True)))
+        assert "decision" in window.inner_text("#legend")
+        before, moved = window.evaluate(PLACE), window.evaluate(MOVED)
+        assert before[1] > 0.35 * size[1]
+        for name in ("readings", "start", "event anomaly", "control agent", "answer 2 replan"):
+            choose(window, name)
+            assert window.evaluate(PLACE) == before, name
+            if size[0] > 1400:
+                assert window.evaluate(MOVED) == moved, "what is active was in view"
+        assert window.evaluate("scrollY") == 0
+
+
+def test_a_played_journal_is_shown_as_played_by_watch(look: Look, tmp_path: Path) -> None:
+    session = PlaySession(load(TRACTOR), PlayFiles(journal=tmp_path / "p.journal"))
+    for name in ("readings", "start"):
+        session.play.do(name, {})
+    session.save()
+    feed = JournalFeed(tmp_path / "p.journal")
+    page = LivePage(PageAddress(port=0))
+    page.start(feed.mission, feed, None, {"played": feed.header.played})
+    try:
+        window = look(page)
+        window.wait_for_selector("#mode[data-mode=cut]")
+        assert window.inner_text("#mode") == "played"
+        assert "Played" in window.inner_text("#state") and "no evidence" in window.inner_text("#state")
+    finally:
+        page.stop()
 
 
 def large(states: int) -> Mission:

@@ -16,7 +16,7 @@ from tests.visualize.runs import ROOT, tractor, tractor_path
 from visualize.page import review, run_of_steps
 
 SCREEN, PHONE = {"width": 1440, "height": 900}, {"width": 390, "height": 844}
-LEAST_PX = 11
+LEAST_PX, LEAST_PHONE_PX = 11, 10
 NAMES = """(() => {
   const chart = document.querySelector('svg.chart').getBoundingClientRect();
   const shown = [...document.querySelectorAll('.state')].map((each) => {
@@ -41,6 +41,15 @@ CROSSED = """(() => {
     return text.textContent && points.some(hit);
   }).map((text) => text.textContent);
 })()"""
+HELD = """(name) => {
+  const { chart } = review, { left, right, top, bottom } = chart.gestures.edges(chart.place(name));
+  const { width, height } = chart.svg.getBoundingClientRect();
+  return left >= 0 && top >= 0 && (right <= width || right - left > width - 16)
+    && (bottom <= height || bottom - top > height - 16);
+}"""
+"""Whether a state is in the window, or from its beginning on where it is larger."""
+WRITTEN = """[...document.querySelectorAll('.state > .texts')].map((each) =>
+  [...each.querySelectorAll('text')].map((line) => line.textContent).join(' '))"""
 COVERED = """(() => {
   const box = (each) => each.getBoundingClientRect(), texts = [...document.querySelectorAll('.texts text')];
   const meet = (a, b) =>
@@ -163,6 +172,51 @@ def test_on_a_phone_the_top_level_is_read_and_what_is_active_is_opened(opened: O
     played = opened(review(tractor(), runs=[run_of_steps(tractor_path())]), viewport=PHONE)
     active = played.evaluate("[...review.chart.state.active]")
     assert all(played.locator(f"[data-state={name}]").count() for name in active)
+
+
+def test_on_a_phone_the_names_of_a_shipped_mission_are_whole(opened: Open) -> None:
+    window = opened(review(MISSIONS["tractor"]), viewport=PHONE)
+    window.keyboard.press("f")
+    seen, written = window.evaluate(NAMES), window.evaluate(WRITTEN)
+    assert seen["least"] >= LEAST_PHONE_PX
+    assert seen["inside"]
+    assert [each for each in written if "…" in each] == []
+    assert {"setting_ out", "replanning", "unfinished_ home"} <= set(written)
+    assert window.evaluate(SPILLED) == []
+
+
+def test_a_zoom_by_key_keeps_the_chosen_state_else_the_active_one_in_view(opened: Open) -> None:
+    window = opened(review(tractor(), runs=[run_of_steps(tractor_path())]), viewport=PHONE)
+    for chosen in ("", "signalling"):
+        if chosen:
+            window.locator(f"[data-state={chosen}] .form").dispatch_event("click")
+        kept = chosen or window.evaluate("[...review.chart.state.active].at(-1)")
+        for _ in range(12):
+            window.keyboard.press("+")
+            assert window.evaluate(HELD, kept), kept
+        window.keyboard.press("f")
+
+
+def test_a_group_whose_head_is_out_of_the_window_is_named_at_its_edge(opened: Open) -> None:
+    window = opened(review(tractor()), viewport=SCREEN)
+    crumb = "document.querySelector('.crumb').textContent"
+    assert window.evaluate(crumb) == ""
+    window.evaluate("review.go('state', 'driving')")
+    for _ in range(14):
+        window.keyboard.press("+")
+    assert window.evaluate(crumb) == "working"
+    window.keyboard.press("f")
+    assert window.evaluate(crumb) == ""
+
+
+def test_the_legend_explains_the_dots_of_arrows_that_end_elsewhere(opened: Open) -> None:
+    dots = "getComputedStyle(document.querySelector('#legend .dots')).visibility"
+    many = opened(review(MISSIONS["62"]), viewport=SCREEN)
+    assert many.locator("svg.chart .sign.stub").count() > 0
+    assert many.evaluate(dots) == "visible"
+    few = opened(review(tractor()), viewport=SCREEN)
+    assert few.locator("svg.chart .sign.stub").count() == 0
+    assert few.evaluate(dots) == "hidden"
 
 
 def test_regions_are_side_by_side_whatever_enters_and_leaves_them(opened: Open) -> None:

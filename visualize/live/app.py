@@ -100,7 +100,7 @@ class Pages:
         mission: Whose run is shown.
         hub: Its viewers.
         desk: Who takes orders; None: the page may look and do nothing.
-        about: What the page reports about the run next to what happens: `run`, `journal`, `answers`.
+        about: What the page reports about the run next to what happens: `run`, `journal`, `answers`, `played`.
     """
 
     def __init__(self, mission: Mission, hub: Hub, desk: CommandSink | None, about: Json) -> None:

@@ -29,6 +29,7 @@ LOOKS_EVERY_S = 0.1
 ASKS_EVERY = 10
 """Looks after which it is asked whether anybody still writes."""
 CUT_SHORT = "no process writes its journal any more, and no end of the mission is in it"
+PLAYED = "a person was the robot (rai-missions try): it is no evidence of what a robot does"
 BATCH = 2000
 """Rows that are read before what they state is passed on."""
 
@@ -115,7 +116,8 @@ class JournalFeed:
         except MissionError as error:
             self._scene.fault(str(error))
         self._size = size
-        self._scene.cut_short("" if continues or self._scene.outcome else CUT_SHORT)
+        ended = PLAYED if self.header.played else CUT_SHORT
+        self._scene.cut_short("" if continues or self._scene.outcome else ended)
         return True
 
     def _follow(self, record: Record, raw: Raw) -> None:

@@ -103,7 +103,7 @@ class LivePage:
             mission: Whose run it is.
             feed: Where its steps come from.
             desk: Who takes orders; None: the page only looks on.
-            about: What the page reports about the run: `run`, `journal`, `answers`.
+            about: What the page reports about the run: `run`, `journal`, `answers`, `played`.
         """
 
         def inside() -> ASGI:

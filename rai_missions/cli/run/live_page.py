@@ -94,14 +94,18 @@ def show_journal(page: LivePage, path: Path, own: Mapping[str, Any] | None) -> N
     """
     from rai_missions.recording import journal_of
     from visualize.live import JournalFeed
+    from visualize.live.journal_feed import PLAYED
 
     ended = threading.Event()
     with journal_of(str(path)) as journal:
         warn(journal.warning)
         _check_mission(journal.path)
         feed = JournalFeed(journal.path)
-        page.start(feed.mission, feed, None, {"run": feed.header.run, "journal": str(path), "answers": False})
+        about = {"run": feed.header.run, "journal": str(path), "answers": False, "played": feed.header.played}
+        page.start(feed.mission, feed, None, about)
         print(f"watch: {page.url}", flush=True)
+        if feed.header.played:
+            warn(f"this run was played: {PLAYED}")
         if own is not None:
             warn(f"this page only shows the run; the run's own page takes commands: {own['url']}")
         with on_signals(lambda *_: ended.set()):

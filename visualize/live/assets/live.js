@@ -31,7 +31,8 @@ class Live {
   }
 
   build() {
-    const { chart, acts, holders } = this.data;
+    const { chart, acts, holders, played } = this.data;
+    this.state.played = Boolean(played);
     Object.assign(HOLDERS, holders);
     this.chart = new Chart(byId("chart"), chart, { select: (kind, name, more) => this.select(kind, name, more) });
     this.chart.svg.addEventListener("click", () => this.select("", ""));
@@ -162,7 +163,7 @@ class Live {
     const { mode, control, outcome, cut, faults, open_goals: loose } = this.state;
     const away = !this.reached && !this.isOver;
     this.lineWord();
-    byId("mode").textContent = cut ? "cut short" : away && UNFINISHED.includes(mode) ? `${mode}?` : mode;
+    byId("mode").textContent = cut ? (this.state.played ? "played" : "cut short") : away && UNFINISHED.includes(mode) ? `${mode}?` : mode;
     byId("mode").dataset.mode = cut ? "cut" : mode;
     byId("control").textContent = holderWords(control).replace(/^the /, "");
     byId("control").dataset.control = control;

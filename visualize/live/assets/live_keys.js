@@ -46,7 +46,7 @@ class LiveKeys {
 
   /** Larger or smaller, and it stays so; 0 fits the chart into the window. */
   zoom(by) {
-    if (by) this.chart.gestures.zoom(by);
+    if (by) this.chart.zoom(by);
     else this.chart.fit();
     this.live.follower.zoomed = true;
   }

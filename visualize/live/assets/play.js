@@ -23,6 +23,7 @@ class PlayPage {
     this.details = new Details(byId("details"), this.chart.model, { findings: [], coverage: {}, runs: [], go: (kind, name) => this.go(kind, name) });
     this.details.nothing();
     this.choices = new Choices(byId("choices"), { choose: (name, values) => this.order({ do: name, values }), notify: (words, kind) => this.notify(words, kind) });
+    this.legend = new Legend(byId("legend"), { chart, runs: [{}] });
     byId("name").textContent = shown(chart.name);
     byId("version").textContent = shown(chart.version);
     document.title = shown(`play: ${chart.name}`);
@@ -34,8 +35,8 @@ class PlayPage {
   listen() {
     const click = (id, act) => byId(id).addEventListener("click", act);
     click("fit", () => this.chart.fit());
-    click("nearer", () => this.chart.gestures.zoom(1.25));
-    click("farther", () => this.chart.gestures.zoom(0.8));
+    click("nearer", () => this.chart.zoom(1.25));
+    click("farther", () => this.chart.zoom(0.8));
     click("theme", () => theme());
     click("undo", () => this.undo(1));
     click("save", () => this.order({ save: true }));
@@ -124,7 +125,7 @@ class PlayPage {
     if (!inner[0] || inner[0] === this.followed) return;
     this.followed = inner[0];
     this.chart.reveal(inner[0]);
-    this.chart.center(inner[0]);
+    if (!this.chart.isSeen(inner[0], true)) this.chart.center(inner[0]);
   }
 
   notify(words, kind) {

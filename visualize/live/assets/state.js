@@ -2,11 +2,11 @@
 // The strip below the bar that stays while a run is paused, is being canceled, or has ended, with the reason.
 
 /** The state in which a run does not simply continue: {state, sign, title, words}; null where it does. */
-function lasting({ mode, outcome, why, cut, paused_at: since, paused_by: by, e_stop_by: stopped, ended_at: at }) {
+function lasting({ mode, outcome, why, cut, played, paused_at: since, paused_by: by, e_stop_by: stopped, ended_at: at }) {
   const when = (seconds) => (typeof seconds === "number" ? ` at ${seconds.toFixed(1)} s` : "");
   if (stopped) return { state: "e_stop", sign: "■", title: "E-stop", words: `by ${stopped}${when(at)}: the mission ended ${outcome}, and no one has control.` };
-  if (outcome) return { state: outcome, sign: outcome === "succeeded" ? "✓" : "■", title: `Ended: ${outcome}`, words: `${when(at).trim()}${at === null || at === undefined ? "" : ": "}${why}` };
-  if (cut) return { state: "cut", sign: "■", title: "Cut short", words: cut };
+  if (outcome) return { state: outcome, sign: outcome === "succeeded" ? "✓" : "■", title: `${played ? "Played, ended" : "Ended"}: ${outcome}`, words: `${when(at).trim()}${at === null || at === undefined ? "" : ": "}${why}` };
+  if (cut) return { state: "cut", sign: "■", title: played ? "Played" : "Cut short", words: cut };
   if (mode === "paused") return { state: "paused", sign: "‖", title: "Paused", words: `${by ? `by ${by}` : ""}${when(since)}: timers and events wait.`.trim() };
   if (mode === "canceling") return { state: "canceling", sign: "…", title: "Canceling", words: "what runs is brought to its end." };
   return null;

@@ -59,13 +59,19 @@ function headed(column, state, detail) {
 
 /** From afar: the name alone. */
 function nameBox(state, detail, more = 0) {
-  const column = new Column(detail.limit + (state.mark ? width(`${state.mark} `, NAME, true) : 0));
   const name = state.kind === "history" ? (state.outcome === "deep" ? "H*" : "H") : state.name;
   const whole = marked(state.mark, name);
+  const column = new Column(limitOf(name, detail) + (state.mark ? width(`${state.mark} `, NAME, true) : 0));
   column.add(whole, NAME, { bold: true, most: detail.lines });
   if (column.texts.some((line) => line.whole)) column.texts.forEach((line, index) => Object.assign(line, { whole, text: index === column.texts.length - 1 && detail.isShared(line.text) ? tailOf(whole, detail.limit) : line.text }));
-  const pad = detail.lines > 1 ? 8 : 5, w = column.w + 2 * pad + more;
+  const pad = detail.lines > 1 && !detail.whole ? 8 : 5, w = column.w + 2 * pad + more;
   return { w: Math.max(w, 36 + more), h: column.h + 9, texts: column.texts, cells: [], tree: null, at: [pad, 3], words: w };
+}
+
+/** How wide a name may be: as wide as its widest part that is not broken, where the level leaves parts whole. */
+function limitOf(name, { limit, whole }) {
+  if (!whole) return limit;
+  return Math.min(whole, Math.max(limit, ...name.split(/(?<=[_./])/).map((part) => width(part, NAME, true) + 1)));
 }
 
 /** The end of a name, as much as is in a line: names that begin alike differ there. */

@@ -15,8 +15,9 @@ class Chart {
     this.state = { lens: null, active: new Set(), taken: new Set(), options: new Set(), counts: null, selected: null, found: new Set() };
     this.layer = draw("g", {});
     this.svg = draw("svg", { class: "chart", tabindex: "0", role: "application", "aria-label": `chart of ${data.name}` }, markers(), this.layer);
-    host.append(this.svg);
-    this.gestures = new Gestures(this.svg, this.layer, { size: () => this.size, zoomed: (x, y) => this.refine(x, y) });
+    this.crumb = make("div", { class: "crumb", "aria-hidden": "true" });
+    host.append(this.svg, this.crumb);
+    this.gestures = new Gestures(this.svg, this.layer, { size: () => this.size, zoomed: (x, y) => this.refine(x, y), moved: () => this.within() });
     Object.assign(this, { view: null, size: { w: 1, h: 1 }, groups: new Map(), arrows: [], level: 0, turned: false, plans: null, plan: null, work: null });
     this.openFirst();
   }
@@ -68,7 +69,7 @@ class Chart {
   /** What the window has room for, on the screen's measure. */
   room() {
     const box = this.svg.getBoundingClientRect(), margin = this.isNarrow() ? MARGIN_NARROW : MARGIN;
-    return { w: Math.max(box.width - margin, 200), h: Math.max(box.height - margin, 100), margin };
+    return { w: Math.max(box.width - margin, 200), h: Math.max(box.height - margin, 100), margin, narrow: this.isNarrow() };
   }
 
   planned() {
@@ -159,6 +160,7 @@ class Chart {
     }
     Object.assign(this, made, { plan, view, size: plan.size, level: plan.level, turned: plan.turned });
     this.svg.dataset.detail = LEVELS[plan.level].word;
+    this.svg.toggleAttribute("data-dots", !LEVELS[plan.level].triggers && [...allItems(view.root)].some((item) => item.kind === "stub"));
     this.layer.replaceChildren(...borders, ...lines, ...boxes);
     this.show({});
   }
@@ -173,6 +175,37 @@ class Chart {
     if (level === this.level) return;
     const to = Math.max(this.scaleAt(level), finer ? LEVELS[level].readable : 0), near = this.nearest(x, y), point = this.gestures.outside(this.place(near));
     this.draw((plans, room) => plans.making(level, this.turned, room), () => this.gestures.hold(to, this.place(near), point));
+  }
+
+  /** Larger or smaller by a button or key: the chosen state stays where it is, else the active one, and neither is pushed out. */
+  zoom(by) {
+    const name = this.kept(), place = name && this.place(name);
+    if (!place) return this.gestures.zoom(by);
+    this.gestures.zoom(by, ...this.gestures.outside(place));
+    const now = this.place(name);
+    if (now) this.gestures.bring(now, this.room().margin / 2);
+  }
+
+  /** The chosen state, or the innermost active one, where it is seen in the window. */
+  kept() {
+    const [kind, name] = (this.state.selected || "").split(" "), source = ((this.model.transitions.get(name) || [])[0] || {}).source;
+    const wanted = [kind === "state" ? name : kind === "transition" ? source : "", ...[...this.state.active].reverse()];
+    return wanted.find((each) => each && this.isSeen(each)) || "";
+  }
+
+  /** Whether a state is in the window: all of it, or a part of one; that which is folded away is seen as what it is folded into. */
+  isSeen(name, whole = false) {
+    const place = this.place(name);
+    return Boolean(place) && this.gestures.isSeen(place, whole);
+  }
+
+  /** Names the groups around the middle of the window, where the head of one is out of it. */
+  within() {
+    if (!this.view) return;
+    const { width, height } = this.svg.getBoundingClientRect(), at = this.gestures.inside(width / 2, height / 2);
+    const around = [...this.view.items].filter(([, { inner, X, Y, w, h }]) => inner && Math.abs(at.x - X) < w / 2 && at.y > Y && at.y < Y + h);
+    const last = around.findLastIndex(([, { X, Y, w, box }]) => !this.gestures.isSeen({ x: X - w / 2 + (box.words || w) / 2, y: Y, w: box.words || w, h: NAME }, true));
+    this.crumb.textContent = shown(around.slice(0, last + 1).map(([name]) => name).join(" › "));
   }
 
   /** The scale at which another level is as large as this one is now. */
@@ -313,7 +346,7 @@ class Chart {
   /** All of it, in as much detail as can be read; with a least scale, and on a phone, what is active where all cannot be read. */
   fit(least = this.isNarrow()) {
     this.draw((plans, room) => plans.fitting(room), () => {
-      const { readable, most } = LEVELS[this.level];
+      const { most } = LEVELS[this.level], readable = readableIn(this.level, this.room());
       const [active] = [...this.state.active].reverse();
       this.gestures.fit(least ? readable : 0, least ? this.place(active || this.first()) : null, { most, margin: this.room().margin });
     });

@@ -4,8 +4,8 @@
 const LEAST = 0.05, MOST = 4;
 
 class Gestures {
-  constructor(svg, layer, { size, zoomed }) {
-    Object.assign(this, { svg, layer, size, zoomed, x: 0, y: 0, scale: 1, pointers: new Map() });
+  constructor(svg, layer, { size, zoomed, moved }) {
+    Object.assign(this, { svg, layer, size, zoomed, moved, x: 0, y: 0, scale: 1, pointers: new Map() });
     svg.addEventListener("wheel", (event) => this.wheel(event), { passive: false });
     svg.addEventListener("pointerdown", (event) => this.down(event));
     svg.addEventListener("pointermove", (event) => this.move(event));
@@ -15,6 +15,7 @@ class Gestures {
 
   apply() {
     this.layer.setAttribute("transform", `translate(${this.x.toFixed(2)},${this.y.toFixed(2)}) scale(${this.scale.toFixed(4)})`);
+    this.moved();
   }
 
   wheel(event) {
@@ -71,6 +72,25 @@ class Gestures {
   /** Where the middle of a place of the chart is in the window. */
   outside(place) {
     return [this.x + place.x * this.scale, this.y + (place.y + place.h / 2) * this.scale];
+  }
+
+  /** The edges of a place of the chart in the window. */
+  edges({ x, y, w, h }) {
+    return { left: this.x + (x - w / 2) * this.scale, right: this.x + (x + w / 2) * this.scale, top: this.y + y * this.scale, bottom: this.y + (y + h) * this.scale };
+  }
+
+  /** Whether a place of the chart is in the window, all of it or a part. */
+  isSeen(place, whole) {
+    const { left, right, top, bottom } = this.edges(place), { width, height } = this.svg.getBoundingClientRect();
+    return whole ? left >= 0 && top >= 0 && right <= width && bottom <= height : left < width && top < height && right > 0 && bottom > 0;
+  }
+
+  /** Moves as little as brings a place of the chart into the window; of one that is larger, its upper left part. */
+  bring(place, margin) {
+    const { left, right, top, bottom } = this.edges(place), { width, height } = this.svg.getBoundingClientRect();
+    const by = (from, to, room) => (from < margin || to - from > room - 2 * margin ? margin - from : to > room - margin ? room - margin - to : 0);
+    const [x, y] = [by(left, right, width), by(top, bottom, height)];
+    if (x || y) this.pan(x, y);
   }
 
   /** A point of the window on the chart's measure. */

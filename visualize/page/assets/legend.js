@@ -22,6 +22,8 @@ class Legend {
     const items = LEGEND.filter(([fits]) => states.some(fits)).map(([, state, words]) => this.item(state, words));
     if (data.changes) items.unshift(this.mark("+", "added"), this.mark("−", "removed"), this.mark("~", "changed"));
     if (data.runs.length) items.push(this.item({ kind: "", active: true }, "active"), this.line("taken"));
+    const dot = draw("rect", { x: 16, y: 6, width: 8, height: 8, rx: 4 });
+    items.push(make("li", { class: "dots" }, draw("svg", { class: "key", width: 26, height: 20, "aria-hidden": "true" }, draw("path", { d: "M2,10H16" }), dot), "leads elsewhere; its name: zoom in"));
     host.replaceChildren(make("ul", {}, items));
   }
 

@@ -42,8 +42,8 @@ class Page {
   listen() {
     const click = (id, act) => byId(id).addEventListener("click", act);
     click("fit", () => this.chart.fit());
-    click("nearer", () => this.chart.gestures.zoom(1.25));
-    click("farther", () => this.chart.gestures.zoom(0.8));
+    click("nearer", () => this.chart.zoom(1.25));
+    click("farther", () => this.chart.zoom(0.8));
     click("open-all", () => this.chart.openAll());
     click("close-all", () => this.chart.closeAll());
     click("theme", () => this.theme());
@@ -66,7 +66,7 @@ class Page {
     if (event.target.closest("input[type=search], select, dialog") || event.ctrlKey || event.metaKey || event.altKey) return;
     const pan = { ArrowLeft: [60, 0], ArrowRight: [-60, 0], ArrowUp: [0, 60], ArrowDown: [0, -60] }[event.key];
     const acts = {
-      "/": () => byId("search").focus(), f: () => this.chart.fit(), "+": () => this.chart.gestures.zoom(1.25), "=": () => this.chart.gestures.zoom(1.25), "-": () => this.chart.gestures.zoom(0.8),
+      "/": () => byId("search").focus(), f: () => this.chart.fit(), "+": () => this.chart.zoom(1.25), "=": () => this.chart.zoom(1.25), "-": () => this.chart.zoom(0.8),
       a: () => this.chart.openAll(), c: () => this.chart.closeAll(), t: () => this.theme(), "?": () => byId("keys").showModal(), Escape: () => this.clear(),
       ",": () => this.play((player) => player.seek(player.index - 1)), ".": () => this.play((player) => player.seek(player.index + 1)),
       "<": () => this.play((player) => player.jump(-1)), ">": () => this.play((player) => player.jump(1)),

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // A run played step by step: what happened, what was known and how fresh, what was asked, answered and judged.
 
+const PLAYED = "a person was the robot (rai-missions try), so it is no evidence of what a robot does";
 const TRUTH = [["✗", "false", "no"], ["✓", "true", "yes"], ["?", "unknown", "maybe"]];
 
 class Player {
@@ -9,13 +10,14 @@ class Player {
     Object.assign(this, { bar, host, data, model, listener, index: 0, number: 0, due: false });
     this.replays = new Map();
     this.choice = make("select", { "aria-label": "run", on: { change: () => this.use(() => this.turn(Number(this.choice.value), null)) } },
-      data.runs.map((run, index) => make("option", { value: String(index) }, `${run.name}${run.outcome ? ` – ${run.outcome}` : ""}`)));
+      data.runs.map((run, index) => make("option", { value: String(index) }, `${run.name}${run.head.played ? " – played" : ""}${run.outcome ? ` – ${run.outcome}` : ""}`)));
     this.slider = make("input", { type: "range", min: "0", value: "0", "aria-label": "step", on: { input: () => this.use(() => this.seek(Number(this.slider.value))) } });
     this.now = make("output", {});
+    this.mark = make("b", { class: "played", hidden: true, title: PLAYED }, "▷ played, no evidence");
     const button = (words, title, act) => make("button", { type: "button", title, "aria-label": title, on: { click: () => this.use(act) } }, words);
     bar.append(this.choice,
       button("|◀", "the change before (shift ,)", () => this.jump(-1)), button("◁", "one step back (,)", () => this.seek(this.index - 1)),
-      button("▷", "one step on (.)", () => this.seek(this.index + 1)), button("▶|", "the next change (shift .)", () => this.jump(1)), this.slider, this.now);
+      button("▷", "one step on (.)", () => this.seek(this.index + 1)), button("▶|", "the next change (shift .)", () => this.jump(1)), this.mark, this.slider, this.now);
   }
 
   get replay() {
@@ -33,6 +35,7 @@ class Player {
   turn(number, index) {
     this.number = Math.min(Math.max(0, number || 0), this.data.runs.length - 1);
     this.choice.value = String(this.number);
+    this.mark.hidden = !this.data.runs[this.number].head.played;
     this.slider.max = String(Math.max(0, this.replay.length - 1));
     this.seek(index ?? this.replay.first());
   }
@@ -65,7 +68,7 @@ class Player {
   }
 
   faults(run) {
-    return make("div", {}, run.faults.map((fault) => make("p", { class: "fault" }, "⚠ ", fault)));
+    return make("div", {}, run.head.played ? make("p", { class: "played" }, `▷ Played: ${PLAYED}.`) : "", run.faults.map((fault) => make("p", { class: "fault" }, "⚠ ", fault)));
   }
 
   event(step) {
