@@ -157,7 +157,7 @@ def _limits(proof: Proof) -> Iterable[str]:
         "no run enters": proof.never,
     }
     yield from (f"{limit}: {', '.join(names)}" for limit, names in listed.items() if names)
-    yield "in every state the operator may pause, resume, take control or give it; timers run out in any order"
+    yield "in every state the operator may pause, stop, resume, take control or give it; timers run out in any order"
     yield "comes to rest assumes that an operator who has taken control gives it back"
     yield "not explored: a process that is killed and resumed"
 

@@ -24,7 +24,7 @@ from rai_missions.errors import suggestion
 from rai_missions.event import Event, is_taken
 from rai_missions.states.state import HOLDERS
 
-__all__ = ("ask_back", "lay_down", "receive_control", "settle_holds")
+__all__ = ("ask_back", "is_kept", "lay_down", "receive_control", "settle_holds")
 
 
 def receive_control(program: Program, state: RunState, event: Event) -> None:
@@ -97,6 +97,11 @@ def _freeze(program: Program, state: RunState, controls: frozenset[str]) -> None
     state.laid_by = tuple(sorted({*state.laid_by, *laid}, key=lambda name: nodes[name].index))
 
 
+def is_kept(program: Program, node: Node) -> bool:
+    """Whether a profile lists under `keep` what a state does: a pause and a handover leave it as it is."""
+    return getattr(node.state, "action", None) in program.facts.keep
+
+
 def lay_down(program: Program, state: RunState, node: Node, *, keeps: bool = True) -> bool:
     """End what may move the robot, and is to start again later.
 
@@ -106,9 +111,7 @@ def lay_down(program: Program, state: RunState, node: Node, *, keeps: bool = Tru
         node: What is running.
         keeps: What a profile lists under `keep` continues.
     """
-    if node.state is None or not node.state.yields:
-        return False
-    if keeps and getattr(node.state, "action", None) in program.facts.keep:
+    if node.state is None or not node.state.yields or (keeps and is_kept(program, node)):
         return False
     leave_activity(program, state, node)
     return True

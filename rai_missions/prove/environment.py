@@ -15,7 +15,7 @@ from rai_missions.engine.activities.activity import Machine
 from rai_missions.engine.activities.ticker import Trees
 from rai_missions.engine.activities.tree import TreeMachine
 from rai_missions.engine.configuration import CompiledStep
-from rai_missions.engine.handover import receive_control
+from rai_missions.engine.handover import is_kept, receive_control
 from rai_missions.engine.nodes import Node
 from rai_missions.engine.robot_facts import RobotFacts
 from rai_missions.engine.state import RunState
@@ -144,12 +144,20 @@ class Environment:
             yield from self._handovers()
             if mode == "running" and self.pause_matters and not self.control.is_calm:
                 yield Stimulus("the operator pauses", "command", self.ordering("pause"))
+                yield from self._stop()
 
     def _meanwhile(self) -> Iterator[Stimulus]:
         """What can happen while the mission is paused; what would wait for its continuation can come then, too."""
         yield from self.inputs.of_calls()
         yield from self._writes()
         yield Stimulus(RESUME, "event", self._resume)
+        yield from self._stop()
+
+    def _stop(self) -> Iterator[Stimulus]:
+        """A stop ends what a pause keeps; where nothing of that runs, it is a pause."""
+        program, running = self.chart.program, self.chart.state.running
+        if not self.control.is_calm and any(is_kept(program, program.graph.nodes[name]) for name in running):
+            yield Stimulus("the operator stops the robot", "command", self.ordering("stop"))
 
     def _resume(self) -> None:
         """Control may have changed hands meanwhile: then it did before anything starts again."""
@@ -172,11 +180,11 @@ class Environment:
         begin_run(self.chart.program, self.chart.state, NOW)
 
     def ordering(self, command: str) -> Callable[[], None]:
-        """The operator's order to `pause`, `resume` or `cancel`, or the e-stop (`kill`)."""
+        """The operator's order to `pause`, `stop`, `resume` or `cancel`, or the e-stop (`kill`)."""
 
         def order() -> None:
             self.inputs.handle(Event(command, NOW, {"by": "operator"}, "command"))
-            if command == "pause":
+            if command in ("pause", "stop"):
                 self.control.lay_by()
 
         return order

@@ -370,6 +370,6 @@ def happenings(rng: random.Random, *, commands: bool = True) -> list[Happening]:
         elif kind == "control":
             words = (rng.choice(["autonomy", "agent", "operator"]),)
         elif kind == "command":
-            words = (rng.choice(["pause", "pause", "resume", "resume", "resume", "cancel"]),)
+            words = (rng.choice(["pause", "pause", "stop", "resume", "resume", "resume", "cancel"]),)
         script.append(Happening((kind, *words), at))
     return script

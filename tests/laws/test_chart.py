@@ -57,7 +57,9 @@ def happenings(*, commands: bool = True) -> st.SearchStrategy[list[tuple[Any, ..
         st.tuples(st.just("control"), st.sampled_from(["autonomy", "agent", "operator", "nobody"])),
     ]
     if commands:
-        kinds.append(st.tuples(st.just("command"), st.sampled_from(["pause", "resume", "resume", "cancel", "kill"])))
+        kinds.append(
+            st.tuples(st.just("command"), st.sampled_from(["pause", "stop", "resume", "resume", "cancel", "kill"]))
+        )
     waits = st.sampled_from([0.0, 0.0, 0.5, 2.0, 6.0, 25.0])
     return st.lists(st.tuples(st.one_of(kinds), waits), max_size=14)
 

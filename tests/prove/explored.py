@@ -113,7 +113,12 @@ def scripts() -> st.SearchStrategy[list[tuple[tuple[Any, ...], float]]]:
         st.tuples(st.just("proposal"), back, st.sampled_from([*OPTIONS, "nonsense"])),
         st.tuples(st.just("control"), st.sampled_from(["", "", *HANDS]), st.sampled_from(["operator", "robot"])),
         st.sampled_from(
-            [("command", "cancel"), *[("command", "pause"), ("command", "resume")] * 3, *[("tick", "")] * 4]
+            [
+                ("command", "cancel"),
+                *[("command", "pause"), ("command", "resume")] * 3,
+                ("command", "stop"),
+                *[("tick", "")] * 4,
+            ]
         ),
     ]
     waits = st.sampled_from([0.0, 0.0, 0.0, 0.5, 1.0, 2.0, 3.7, 6.0, 25.0])

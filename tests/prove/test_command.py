@@ -35,7 +35,7 @@ def test_what_is_proved_is_reported_claim_by_claim(
     assert main(["prove", written()]) == 0
     reported = capsys.readouterr().out
     assert reported.startswith("tractor_orchard 1.0.0: ") and reported.count("  proved ") == 9
-    assert "the operator may pause, resume" in reported and "not explored: a process that is killed" in reported
+    assert "the operator may pause, stop, resume" in reported and "not explored: a process that is killed" in reported
     assert not list(Path().glob("*.journal"))
 
 
