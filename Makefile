@@ -121,19 +121,19 @@ clean: ## Remove what was made
 	@touch $@ .venv/.ready-run
 
 .venv/.ready-dev: $(RECIPE)
-	@scripts/setup.sh sim,draw,local,browser,dev
+	@scripts/setup.sh sim,draw,local,browser,identity,urdf-test,dev
 	@touch $@ .venv/.ready-run .venv/.ready-local
 
 .venv/.ready-middleware: $(RECIPE)
-	@scripts/setup.sh sim,draw,local,browser,mqtt$(ROS),dev
+	@scripts/setup.sh sim,draw,local,browser,mqtt,identity,urdf-test$(ROS),dev
 	@touch $@ .venv/.ready-run .venv/.ready-local .venv/.ready-dev
 
 .venv/.ready-fuzz: $(RECIPE)
-	@scripts/setup.sh sim,draw,local,browser,dev,fuzz
+	@scripts/setup.sh sim,draw,local,browser,identity,urdf-test,dev,fuzz
 	@touch $@ .venv/.ready-run .venv/.ready-local .venv/.ready-dev
 
 .venv/.ready-mutate: $(RECIPE)
-	@scripts/setup.sh sim,draw,local,browser,dev,mutate
+	@scripts/setup.sh sim,draw,local,browser,identity,urdf-test,dev,mutate
 	@touch $@ .venv/.ready-run .venv/.ready-local .venv/.ready-dev
 
 .venv/.ready-audit: $(RECIPE)

@@ -320,7 +320,7 @@ def _open_model(
     from rai_missions.answerers.model.agent import DecisionAgent
     from rai_missions.answerers.model.process.model import ModelProcess
     from rai_missions.answerers.model.providers import check_model
-    from rai_missions.answerers.model.tools import open_toolbox
+    from rai_missions.answerers.model.tools import open_recall, open_toolbox
 
     identity = Identity.read(plan.identity) if plan.identity is not None else None
     toolbox = open_toolbox(plan.mission, plan.robot, connector, clock.now)
@@ -330,7 +330,8 @@ def _open_model(
     if isinstance(model, str):
         check_model(model, memory_gib=memory_gib)
     chat = ModelProcess(model, memory_gib=memory_gib) if isinstance(model, str) else model
-    agent = DecisionAgent(chat, identity, toolbox.read_only if toolbox is not None else ())
+    looking = (*(toolbox.read_only if toolbox is not None else ()), *open_recall(plan.mission, identity))
+    agent = DecisionAgent(chat, identity, looking)
     closing.closes(agent.stop)
     agent.run()
     return agent

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """The command line: parsers, output for people and programs, exit statuses.
 
-Imports `agents`, `answerers`, `check`, `connectors`, `engine`, `gate`, `journal`, `mission`, `node`, `profile`,
-`prove`, `recording`, `replay`, `runtime`, `states`, `visualize` and `worlds`, and the modules of the root. Nothing
-imports it.
+Imports `agents`, `answerers`, `check`, `connectors`, `embodiment`, `engine`, `gate`, `journal`, `mission`, `node`,
+`profile`, `prove`, `recording`, `replay`, `runtime`, `states`, `visualize` and `worlds`, and the modules of the root.
+Nothing imports it.
 """
 
 __all__ = ()

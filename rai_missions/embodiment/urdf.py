@@ -1,73 +1,127 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a URDF holds of a robot's build: the names of its links and joints.
+"""What a URDF holds of a robot's build: links with masses and sizes, joints with parents and limits.
 
-Source: the URDF XML specification (`robot`, `link`, `joint` and its `type`).
+Source: the URDF XML specification (`robot`, `link`, `inertial`, `collision`, `visual`, `geometry`, `joint`, `limit`).
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
-from typing import NamedTuple
-from xml.parsers import expat
+from typing import Any, NamedTuple
 
-from rai_missions.redaction import cut
+from rai_missions.embodiment.xml_events import RefusedXml, read_xml
+from rai_missions.redaction import cut, cut_repr
 
-__all__ = ("Body", "read_body")
+__all__ = ("Body", "BodyJoint", "BodyLink", "BodyShape", "read_body")
 
 MOST = 2_000
-"""Links or joints that are read."""
+"""Links, joints or shapes that are read."""
 LONGEST_NAME = 100
 SHOWN = 40
-DEEPEST = 100
+SHAPES = {"box": ("size",), "cylinder": ("radius", "length"), "sphere": ("radius",), "mesh": ()}
+"""Shape → its measures, as attributes; a mesh is a file, which is not opened."""
+LIMITS = ("lower", "upper", "velocity", "effort")
+
+
+class BodyShape(NamedTuple):
+    """A shape of a link."""
+
+    kind: str
+    """`box`, `cylinder`, `sphere` or `mesh`."""
+    measures_m: tuple[float, ...]
+    """Box: its three edges; cylinder: radius and length; sphere: radius; mesh: none."""
+    use: str
+    """`collision` or `visual`."""
+
+
+class BodyLink(NamedTuple):
+    """A rigid part of a robot."""
+
+    name: str
+    mass_kg: float | None = None
+    """None where none is given."""
+    shapes: tuple[BodyShape, ...] = ()
+
+
+class BodyJoint(NamedTuple):
+    """What connects two links."""
+
+    name: str
+    kind: str
+    """`revolute`, `continuous`, `prismatic`, `fixed`, `floating`, `planar`."""
+    parent: str = ""
+    child: str = ""
+    axis: tuple[float, ...] = (1.0, 0.0, 0.0)
+    origin_m: tuple[float, ...] = (0.0, 0.0, 0.0)
+    """Where the child begins, in the parent."""
+    lower: float | None = None
+    """In radians, or metres for `prismatic`."""
+    upper: float | None = None
+    velocity: float | None = None
+    """At most, in radians or metres a second."""
+    effort: float | None = None
+    """At most, in newton metres or newtons."""
 
 
 class Body(NamedTuple):
     """A robot's build."""
 
     name: str
-    links: tuple[str, ...]
-    joints: tuple[tuple[str, str], ...]
-    """Name and type (`revolute`, `fixed`, …) of each."""
+    links: tuple[BodyLink, ...]
+    joints: tuple[BodyJoint, ...]
+
+    @property
+    def mass_kg(self) -> float:
+        """The sum of the masses that are given."""
+        return math.fsum(link.mass_kg or 0.0 for link in self.links)
 
     def words(self) -> str:
         """The build in a few lines; fixed joints, which do not move, are left out."""
-        moving = [f"{name} ({kind})" for name, kind in self.joints if kind != "fixed"]
-        return f"Build of '{self.name}'. Links: {_listed(self.links)}. Moving joints: {_listed(moving)}."
+        links = [link.name for link in self.links]
+        moving = [f"{joint.name} ({joint.kind})" for joint in self.joints if joint.kind != "fixed"]
+        return f"Build of '{self.name}'. Links: {_listed(links)}. Moving joints: {_listed(moving)}."
 
 
-def _listed(names: tuple[str, ...] | list[str]) -> str:
+def _listed(names: list[str]) -> str:
     more = f", and {len(names) - SHOWN} more" if len(names) > SHOWN else ""
     return (", ".join(names[:SHOWN]) or "none") + more
 
 
-class RefusedDocument(Exception):
-    """The document is more than a robot's description."""
-
-
 class _Listener:
-    """Receives the elements of a URDF."""
+    """Receives the elements of a URDF; what is not of links and joints is passed over."""
 
     def __init__(self) -> None:
         self.path: list[str] = []
         self.name = ""
-        self.links: list[str] = []
-        self.joints: list[tuple[str, str]] = []
+        self.links: list[dict[str, Any]] = []
+        self.joints: list[dict[str, Any]] = []
+        self._shapes = 0
 
-    def begin(self, tag: str, attributes: Mapping[str, str]) -> None:
-        if not self.path and tag != "robot":
-            raise RefusedDocument(f"is no URDF: it begins with <{cut(tag, LONGEST_NAME)}> instead of <robot>")
+    def begin(self, tag: str, attributes: Mapping[str, str], line: int) -> None:
         name = cut(attributes.get("name", ""), LONGEST_NAME)
-        if not self.path:
-            self.name = name
-        elif self.path == ["robot"] and tag == "link":
-            self.links.append(name)
-        elif self.path == ["robot"] and tag == "joint":
-            self.joints.append((name, cut(attributes.get("type", ""), LONGEST_NAME)))
+        match self.path:
+            case []:
+                if tag != "robot":
+                    raise RefusedXml(f"is no URDF: it begins with <{cut(tag, LONGEST_NAME)}> instead of <robot>")
+                self.name = name
+            case ["robot"] if tag == "link":
+                self.links.append({"name": name, "shapes": []})
+            case ["robot"] if tag == "joint":
+                self.joints.append({"name": name, "kind": cut(attributes.get("type", ""), LONGEST_NAME)})
+            case ["robot", "link", "inertial"] if tag == "mass":
+                self.links[-1]["mass_kg"] = _mass(attributes, line)
+            case ["robot", "link", ("collision" | "visual") as use, "geometry"] if tag in SHAPES:
+                self._shapes += 1
+                self.links[-1]["shapes"].append(BodyShape(tag, _measures(tag, attributes, line), use))
+            case ["robot", "joint"]:
+                self.joints[-1] |= _part_of_joint(tag, attributes, line)
         self.path.append(tag)
-        if max(len(self.links), len(self.joints)) > MOST:
-            raise RefusedDocument(f"has more than {MOST} links or joints")
-        if len(self.path) > DEEPEST:
-            raise RefusedDocument(f"is nested more than {DEEPEST} deep")
+        if max(len(self.links), len(self.joints), self._shapes) > MOST:
+            raise RefusedXml(f"has more than {MOST} links or joints")
+
+    def text(self, text: str) -> None:
+        """A URDF keeps everything in attributes."""
 
     def end(self, _tag: str) -> None:
         self.path.pop()
@@ -77,21 +131,52 @@ def read_body(_name: str, data: bytes) -> Body:
     """The build that a URDF describes.
 
     Raises:
-        ValueError: It is no well-formed XML, no URDF, or brings a document type, by which XML can read other files.
+        ValueError: It is no well-formed XML, no URDF, has a number that is none, or brings a document type, by which
+            XML can read other files.
     """
-    listener, parser = _Listener(), expat.ParserCreate()
+    found = _Listener()
+    read_xml(data, found)
+    links = tuple(BodyLink(**{**link, "shapes": tuple(link["shapes"])}) for link in found.links)
+    return Body(found.name, links, tuple(BodyJoint(**joint) for joint in found.joints))
 
-    def refuse(*_: object) -> None:
-        raise RefusedDocument("brings a document type (<!DOCTYPE …>), which a URDF does not need; remove it")
 
-    parser.StartElementHandler, parser.EndElementHandler = listener.begin, listener.end
-    parser.StartDoctypeDeclHandler = refuse
+def _part_of_joint(tag: str, attributes: Mapping[str, str], line: int) -> dict[str, Any]:
+    if tag in ("parent", "child"):
+        return {tag: cut(attributes.get("link", ""), LONGEST_NAME)}
+    if tag == "axis":
+        return {"axis": _numbers(attributes.get("xyz", "1 0 0"), 3, "the axis", line)}
+    if tag == "origin":
+        return {"origin_m": _numbers(attributes.get("xyz", "0 0 0"), 3, "the origin", line)}
+    if tag == "limit":
+        return {name: _number(attributes[name], f"the limit '{name}'", line) for name in LIMITS if name in attributes}
+    return {}
+
+
+def _mass(attributes: Mapping[str, str], line: int) -> float:
+    mass = _number(attributes.get("value", ""), "the mass", line)
+    if mass < 0:
+        raise RefusedXml(f"has a negative mass in line {line}: {mass}")
+    return mass
+
+
+def _measures(tag: str, attributes: Mapping[str, str], line: int) -> tuple[float, ...]:
+    if tag == "box":
+        return _numbers(attributes.get("size", ""), 3, "the size of the box", line)
+    return tuple(_number(attributes.get(name, ""), f"the {name} of the {tag}", line) for name in SHAPES[tag])
+
+
+def _numbers(text: str, count: int, what: str, line: int) -> tuple[float, ...]:
+    parts = text.split(maxsplit=count)
+    if len(parts) != count:
+        raise RefusedXml(f"{what} in line {line} is {cut_repr(text, 40)}; it is {count} numbers")
+    return tuple(_number(part, what, line) for part in parts)
+
+
+def _number(text: str, what: str, line: int) -> float:
     try:
-        parser.Parse(data, True)
-    except RefusedDocument as refused:
-        raise ValueError(str(refused)) from None
-    except expat.ExpatError as error:
-        raise ValueError(f"is not well-formed XML: {error}") from None
-    except LookupError as error:
-        raise ValueError(f"is not well-formed XML: {error}") from None
-    return Body(listener.name, tuple(listener.links), tuple(listener.joints))
+        value = float(text)
+    except ValueError:
+        value = math.nan
+    if not math.isfinite(value):
+        raise RefusedXml(f"{what} in line {line} is {cut_repr(text, 40)}, which is no number")
+    return value

@@ -20,6 +20,7 @@ __all__ = (
     "ListGoals",
     "NavigateToPose",
     "PublishMessage",
+    "Recall",
     "ReceiveMessage",
     "StartAction",
     "WatchAction",
@@ -149,3 +150,8 @@ class NavigateToPose(Arguments):
     frame: Name = Field("map", description="The frame of x, y and yaw.")
     action: Name = Field("/navigate_to_pose", description="The action's whole name.")
     timeout_s: Timeout = Field(5.0, description="How long its server may take to accept it, in seconds; 0 to 60.")
+
+
+class Recall(Arguments):
+    question: str = Field(min_length=1, max_length=500, description="A question in plain English, about one subject.")
+    count: int = Field(5, ge=1, le=10, description="How many passages at most.")

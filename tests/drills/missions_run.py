@@ -138,7 +138,7 @@ def _run(seed: str, random: Random, folder: Path, steps: list[Step], mission: Mi
     model = model or hostile
     box = open_toolbox(mission, ROBOT, connector, lambda: yard.at)
     assert box is not None
-    identity = Identity(f"You are a yard vehicle. {random.choice(COMMANDS)}", documents={"note.md": COMMANDS[0]})
+    identity = Identity(f"You are a yard vehicle. {random.choice(COMMANDS)}")
     agent = DecisionAgent(model, identity, box.read_only)
     who = Misnumbered(agent, random)
     began = time.monotonic()

@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from PIL import Image as Pillow
 
 from rai_missions.embodiment import Body, Identity
-from rai_missions.embodiment.urdf import read_body
+from rai_missions.embodiment.urdf import BodyLink, read_body
 from rai_missions.errors import DefinitionError
 from rai_missions.image import Image
 
@@ -60,8 +60,9 @@ def test_an_identity_is_a_description_pictures_a_build_and_documents(tmp_path: P
         ("identity/a.png", "png", 7, 5),
     ]
     assert identity.portrait == identity.images[0]
-    assert identity.body == Body("arm", ("base", "hand"), (("wrist", "revolute"), ("mount", "fixed")))
-    assert identity.documents == {"manual.md": "Mind the crane."}
+    assert identity.body is not None and identity.body.name == "arm"
+    assert [link.name for link in identity.body.links] == ["base", "hand"]
+    assert [(joint.name, joint.kind) for joint in identity.body.joints] == [("wrist", "revolute"), ("mount", "fixed")]
     assert identity.words() == "A tractor.\n\nBuild of 'arm'. Links: base, hand. Moving joints: wrist (revolute)."
 
 
@@ -77,7 +78,7 @@ def test_a_pictures_size_is_read_from_its_bytes(width: int, height: int, kind: s
 
 
 def test_a_long_build_is_reported_in_short() -> None:
-    body = Body("snake", tuple(f"l{number}" for number in range(50)), ())
+    body = Body("snake", tuple(BodyLink(f"l{number}") for number in range(50)), ())
     assert body.words().endswith("l39, and 10 more. Moving joints: none.")
 
 
@@ -111,14 +112,14 @@ OUTSIDE = b'<!DOCTYPE r [<!ENTITY a SYSTEM "file:///etc/passwd">]><robot name="x
     [
         ("description.md", b"\xff\xfe", "is not UTF-8 at byte 0; save it as UTF-8"),
         ("description.md", b" \n", "is empty; write in it who the robot is"),
-        ("manual.md", b"x" * 200_001, "is larger than 200000 bytes"),
+        ("description.md", b"x" * 200_001, "is larger than 200000 bytes; move what is not the description elsewhere"),
         ("a.png", b"GIF89a", "is neither a PNG nor a JPEG file"),
         ("a.png", picture("png")[:20], "is a broken PNG file: it does not report its size"),
         ("a.JPG", picture("jpeg")[:10], "is a broken JPEG file: it does not report its size"),
         ("a.urdf", b"<robot>", "is not well-formed XML: no element found: line 1, column 7"),
         ("a.urdf", b"<sdf/>", "is no URDF: it begins with <sdf> instead of <robot>"),
-        ("a.urdf", BOMB, "brings a document type (<!DOCTYPE …>), which a URDF does not need; remove it"),
-        ("a.urdf", OUTSIDE, "brings a document type (<!DOCTYPE …>), which a URDF does not need; remove it"),
+        ("a.urdf", BOMB, "brings a document type (<!DOCTYPE …>), which it does not need; remove it"),
+        ("a.urdf", OUTSIDE, "brings a document type (<!DOCTYPE …>), which it does not need; remove it"),
         ("a.urdf", b"<robot>" + b"<a>" * 200, "is nested more than 100 deep"),
         ("a.urdf", b"<robot>" + b"<link/>" * 2001, "has more than 2000 links or joints"),
         ("a.urdf", b'<?xml version="1.0" encoding="x-none"?><robot/>', "is not well-formed XML: unknown encoding"),
@@ -144,21 +145,22 @@ def test_a_link_out_of_the_folder_is_not_followed(tmp_path: Path) -> None:
     inside = tmp_path / "identity"
     inside.mkdir()
     (tmp_path / "secret.md").write_text("the key")
-    (folder(inside, {}) / "manual.md").symlink_to(tmp_path / "secret.md")
-    assert faults(inside) == ["/manual.md: leads out of the identity's folder; copy the file into it"]
+    (inside / "description.md").symlink_to(tmp_path / "secret.md")
+    assert faults(inside) == ["/description.md: leads out of the identity's folder; copy the file into it"]
 
 
 def test_a_link_within_the_folder_is_followed(tmp_path: Path) -> None:
-    (folder(tmp_path, {"manual.md": b"Mind the crane."}) / "manual_en.md").symlink_to("manual.md")
-    assert Identity.read(tmp_path).documents["manual_en.md"] == "Mind the crane."
+    (tmp_path / "me.md").write_text("A tractor.")
+    (tmp_path / "description.md").symlink_to("me.md")
+    assert Identity.read(tmp_path).description == "A tractor."
 
 
 def test_what_is_no_file_is_not_waited_for(tmp_path: Path) -> None:
-    os.mkfifo(folder(tmp_path, {}) / "pipe.md")
-    (tmp_path / "folder.md").mkdir()
-    (tmp_path / "loop.md").symlink_to("loop.md")
+    os.mkfifo(folder(tmp_path, {}) / "pipe.png")
+    (tmp_path / "folder.png").mkdir()
+    (tmp_path / "loop.png").symlink_to("loop.png")
     assert faults(tmp_path) == [
-        "/folder.md: is a folder, no file", "/loop.md: is no file", "/pipe.md: is a named pipe (FIFO), no file",
+        "/folder.png: is a folder, no file", "/loop.png: is no file", "/pipe.png: is a named pipe (FIFO), no file",
     ]  # fmt: skip
 
 
@@ -170,6 +172,6 @@ def test_what_is_no_folder_is_reported(tmp_path: Path, make: Any) -> None:
 
 
 def test_a_folder_of_very_many_files_is_refused(tmp_path: Path) -> None:
-    assert faults(folder(tmp_path, {f"{number}.md": b"" for number in range(50)})) == [
-        "/: has 51 files; at most 50 are read"
+    assert faults(folder(tmp_path, {f"{number}.md": b"" for number in range(200)})) == [
+        "/: has 201 files; at most 200 are read"
     ]

@@ -51,7 +51,7 @@ def messages_of(
     seen = _pictures(question, identity) if images else []
     shown = {key for key, _ in seen}
     text = "\n\n".join(
-        part for part in (_facts(question, shown), _options(question.options), _form(mode, tools)) if part
+        part for part in (_facts(question, shown, identity), _options(question.options), _form(mode, tools)) if part
     )
     content: Any = (
         [{"type": "text", "text": text}, *(block for _, blocks in seen for block in blocks)] if seen else text
@@ -69,12 +69,13 @@ def quoted(text: str) -> str:
 def _system(identity: Identity | None) -> str:
     if identity is None:
         return RULES
-    words = identity.words().replace("</", "< /")
+    words = identity.description.strip().replace("</", "< /")
     return f"<identity>\n{words}\n</identity>\n\n{RULES}"
 
 
-def _facts(question: Question, shown: Iterable[str]) -> str:
-    lines = [_fact(evidence, seen=evidence.key in shown) for evidence in question.evidence]
+def _facts(question: Question, shown: Iterable[str], identity: Identity | None) -> str:
+    build = [identity.body.words()] if identity is not None and identity.body is not None else []
+    lines = build + [_fact(evidence, seen=evidence.key in shown) for evidence in question.evidence]
     refused = [f"an earlier answer was refused: {why}" for why in question.refused[-REFUSALS:]]
     text = f"Question: {question.text}"
     if not lines and not refused:

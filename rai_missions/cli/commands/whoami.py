@@ -1,0 +1,101 @@
+# SPDX-License-Identifier: Apache-2.0
+"""`rai-missions whoami`."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Annotated, Literal
+
+from rai_missions.cli.command import Argument, command
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from rai_missions.embodiment import Library
+
+__all__ = ("whoami",)
+
+
+@command()
+def whoami(
+    deed: Literal["build", "ask", "show"],
+    folder: Annotated[str, Argument("FOLDER")],
+    question: Annotated[str, Argument("QUESTION")] = "",
+    *,
+    index: Annotated[str | None, Argument("FILE", files=("*",))] = None,
+    count: Annotated[int, Argument("N")] = 5,
+) -> int:
+    """Look up what a robot's own documents state: its identity folder, searched by words and by meaning.
+
+    The folder has a description.md, pictures, a URDF and documents (md, txt, html, pdf, docx). Nothing is fetched from
+    the network, and no link is followed out of the folder.
+
+    Args:
+        deed: build: bring the index up to date; ask: quote what the documents have on a question; show: what the
+            folder holds, and what is missing to read or search it.
+        folder: The identity folder.
+        question: For ask: in free words, English.
+        index: The index; without it: a file in the user's cache.
+        count: For ask: passages at most, 1 to 20.
+
+    Exit status:
+        0 it was done or answered, 1 the documents have no answer, 2 the input is at fault
+
+    Example:
+        rai-missions whoami ask missions/tractor/identity "How heavy are you?"
+    """
+    from pathlib import Path
+
+    from rai_missions.embodiment import Library
+    from rai_missions.errors import UsageError
+
+    if (deed == "ask") != bool(question.strip()):
+        raise UsageError("a QUESTION is for ask, and ask needs one: rai-missions whoami ask FOLDER QUESTION")
+    library = Library(Path(folder), Path(index) if index is not None else None)
+    if deed == "build":
+        return _build(library)
+    return _ask(library, question, count) if deed == "ask" else _show(library, Path(folder))
+
+
+def _build(library: Library) -> int:
+    import sys
+
+    report = library.build()
+    for fault in report.faults:
+        print(f"{library.folder}: {fault}", file=sys.stderr)
+    for name in report.read:
+        print(f"read {name}")
+    print(f"{report.documents} documents, {report.passages} passages, {report.embedded} embedded now: {library.index}")
+    _warn_of_words_alone(report.has_vectors)
+    return 2 if report.faults else 0
+
+
+def _ask(library: Library, question: str, count: int) -> int:
+    found = library.recall(question, count)
+    _warn_of_words_alone(found.is_by_meaning)
+    print(found.words())
+    return 0 if found.is_answered else 1
+
+
+def _show(library: Library, folder: Path) -> int:
+    from rai_missions.embodiment import Identity
+    from rai_missions.embodiment.index import IndexReader
+    from rai_missions.embodiment.minilm import why_no_vectors
+
+    identity = Identity.read(folder)
+    print(identity.words())
+    print(f"Pictures: {', '.join(image.ref for image in identity.images) or 'none'}.")
+    library.open()
+    with IndexReader(library.index) as reader:
+        for each in reader.documents():
+            passages = len(reader.passages(each.name))
+            print(f"{each.name}: {each.fault or f'{passages} passages'}")
+    print(f"Index: {library.index}")
+    print(why_no_vectors() or "Searched by words and by meaning.")
+    return 0
+
+
+def _warn_of_words_alone(has_vectors: bool) -> None:
+    from rai_missions.cli.inputs import warn
+    from rai_missions.embodiment.minilm import why_no_vectors
+
+    warn("" if has_vectors else f"searched by words alone: {why_no_vectors()}")

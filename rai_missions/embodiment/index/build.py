@@ -1,0 +1,151 @@
+# SPDX-License-Identifier: Apache-2.0
+"""An index is built from a folder: what has not changed since the last time is neither read nor embedded again.
+
+Rule: a document that cannot be read is reported and left out; all others are in the index.
+"""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import NamedTuple
+
+from rai_missions.embodiment.chunks import passages_of
+from rai_missions.embodiment.folder import IdentityFolder
+from rai_missions.embodiment.index.database import IndexedDocument, IndexedPassage, IndexReader, write_index
+from rai_missions.embodiment.minilm import TextEmbedder
+from rai_missions.embodiment.passage import DocumentPassage
+from rai_missions.embodiment.readers import FORMATS
+from rai_missions.embodiment.reading_process import ReadingProcess
+from rai_missions.errors import Fault, UsageError
+
+__all__ = ("BuildReport", "build_index", "is_current")
+
+MOST_DOCUMENTS = 200
+MOST_PASSAGES = 20_000
+"""Of all documents: a search looks at the vectors of all of them."""
+
+
+class BuildReport(NamedTuple):
+    """What a build did."""
+
+    documents: int
+    passages: int
+    read: tuple[str, ...]
+    """The documents that were read: new, changed, or at fault the last time."""
+    embedded: int
+    """Passages whose vectors were made."""
+    faults: tuple[Fault, ...]
+    """The documents that are not in the index, each with its remedy."""
+    has_vectors: bool
+
+
+def build_index(folder: Path, path: Path, embedder: TextEmbedder | None, *, longest_s: float = 60.0) -> BuildReport:
+    """Bring the index of a folder's documents up to date.
+
+    Args:
+        folder: The identity's folder.
+        path: The index.
+        embedder: Makes the vectors; None: full text only.
+        longest_s: Wall time for reading one document.
+
+    Raises:
+        DefinitionError: The folder cannot be read.
+        UsageError: The index cannot be written, or holds too much.
+    """
+    files = _opened(folder)
+    name = embedder.name if embedder is not None else ""
+    earlier, is_same = _earlier(path, name)
+    found: list[IndexedDocument] = []
+    kept: dict[str, Sequence[tuple[DocumentPassage, bytes | None]]] = {}
+    read: list[str] = []
+    with ReadingProcess(longest_s) as process:
+        for file in files.files:
+            document, passages = _read(files, file, earlier, process)
+            found.append(document)
+            kept[file] = passages
+            if passages is not earlier.get(file, (None, None))[1]:
+                read.append(file)
+    rows = [each for passages in kept.values() for each in passages]
+    if len(rows) > MOST_PASSAGES:
+        raise UsageError(
+            f"the documents have {len(rows)} passages; at most {MOST_PASSAGES} are searched: leave some out"
+        )
+    vectors, count = _vectors(rows, embedder, is_same)
+    numbered = [
+        IndexedPassage(at, row[0], vector) for at, (row, vector) in enumerate(zip(rows, vectors, strict=True), 1)
+    ]
+    write_index(path, {"embedder": name}, found, numbered)
+    faults = tuple(Fault(f"/{each.name}", each.fault) for each in found if each.fault)
+    return BuildReport(len(found) - len(faults), len(rows), tuple(read), count, faults, embedder is not None)
+
+
+def is_current(folder: Path, reader: IndexReader, embedder: TextEmbedder | None) -> bool:
+    """Whether an index holds the documents of a folder as they are now, with the vectors that this machine can make."""
+    files = _opened(folder)
+    if embedder is not None and reader.about().get("embedder") != embedder.name:
+        return False
+    known = {each.name: each.sha256 for each in reader.documents()}
+    return known == {file: _digest(files, file) for file in files.files}
+
+
+def _opened(folder: Path) -> IdentityFolder:
+    return IdentityFolder(
+        folder, {ending: each.largest for ending, each in FORMATS.items()}, most=MOST_DOCUMENTS, inner=True
+    )  # fmt: skip
+
+
+Known = Mapping[str, tuple[IndexedDocument, Sequence[tuple[DocumentPassage, bytes | None]]]]
+
+
+def _earlier(path: Path, embedder: str) -> tuple[Known, bool]:
+    """What the last build knew, by document, and whether its vectors are still of use."""
+    try:
+        with IndexReader(path) as reader:
+            known = {
+                each.name: (each, tuple((row.passage, row.vector) for row in reader.passages(each.name)))
+                for each in reader.documents()
+            }
+            return known, bool(embedder) and reader.about().get("embedder") == embedder
+    except UsageError:
+        return {}, False
+
+
+def _read(
+    files: IdentityFolder, file: str, earlier: Known, process: ReadingProcess
+) -> tuple[IndexedDocument, Sequence[tuple[DocumentPassage, bytes | None]]]:
+    digest = ""
+    try:
+        data = files.data(file)
+        digest = hashlib.sha256(data).hexdigest()
+        known, passages = earlier.get(file, (None, ()))
+        if known is not None and known.sha256 == digest and not known.fault:
+            return known, passages
+        document = process.read(file, data)
+    except ValueError as error:
+        return IndexedDocument(file, digest, "", str(error)), ()
+    return IndexedDocument(file, digest, document.title, ""), tuple(
+        (each, None) for each in passages_of(file, document)
+    )
+
+
+def _digest(files: IdentityFolder, file: str) -> str:
+    """Of a file's bytes; empty for one that cannot be read, as in the index."""
+    try:
+        return hashlib.sha256(files.data(file)).hexdigest()
+    except ValueError:
+        return ""
+
+
+def _vectors(
+    rows: Sequence[tuple[DocumentPassage, bytes | None]], embedder: TextEmbedder | None, is_same: bool
+) -> tuple[list[bytes | None], int]:
+    """A vector for each passage, and how many of them were made now."""
+    if embedder is None:
+        return [None for _ in rows], 0
+    known = {passage: vector for passage, vector in rows if vector is not None} if is_same else {}
+    fresh = list(dict.fromkeys(passage for passage, _ in rows if passage not in known))
+    made = embedder.vectors([f"{each.heading}\n{each.text}" for each in fresh])
+    known |= {passage: vector.tobytes() for passage, vector in zip(fresh, made, strict=True)}
+    return [known[passage] for passage, _ in rows], len(fresh)

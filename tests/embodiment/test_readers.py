@@ -1,0 +1,224 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Every format gives the same text under the same headings; what no person sees is no text; bad files are refused."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator
+from importlib.util import find_spec
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from rai_missions.embodiment.chunks import LONGEST_SENTENCE, passages_of
+from rai_missions.embodiment.document import TextDocument
+from rai_missions.embodiment.readers import FORMATS, read_document
+from rai_missions.embodiment.reading_process import ReadingProcess
+from tests.rigs.documents import WRITERS, docx, html_page, markdown, pdf, zipped
+
+needs_pypdf = pytest.mark.skipif(find_spec("pypdf") is None, reason="pypdf is not installed: the extra `identity`")
+PARTS = [
+    (0, "A paragraph ahead of all headings."), (1, "Care"), (0, "Wipe it & dry it."), (2, "Every week"),
+    (0, "Pressure: 1.2 bar <cold>."), (0, "Grease it."), (1, "Storage"), (0, "Dry."),
+]  # fmt: skip
+
+
+def read(name: str, data: bytes) -> TextDocument:
+    return read_document(name, data)
+
+
+def text(document: TextDocument) -> str:
+    return "\n\n".join(section.text for section in document.sections)
+
+
+def fault(name: str, data: bytes) -> str:
+    with pytest.raises(ValueError, match=r"\w") as caught:
+        read(name, data)
+    return str(caught.value)
+
+
+@pytest.mark.parametrize("ending", [".docx", ".html", ".txt"])
+def test_a_document_is_the_same_in_every_format(ending: str) -> None:
+    document = read(f"care{ending}", WRITERS[ending](PARTS))
+    assert [(section.heading, section.text) for section in document.sections] == [
+        ((), "A paragraph ahead of all headings."),
+        (("Care",), "Wipe it & dry it."),
+        (("Care", "Every week"), "Pressure: 1.2 bar <cold>.\n\nGrease it."),
+        (("Storage",), "Dry."),
+    ]
+
+
+@needs_pypdf
+def test_a_pdf_has_its_text_by_page_and_the_headings_of_its_outline() -> None:
+    document = read("care.pdf", pdf(PARTS, pages=3))
+    (section,) = document.sections
+    assert section.heading == ("Storage", "page 1")
+    assert "Wipe it & dry it." in section.text and "Pressure: 1.2 bar <cold>." in section.text
+
+
+def test_markdown_is_read_as_its_reader_sees_it() -> None:
+    source = (
+        b"---\nkey: value\n---\n# Use `it`\n\nA [link](http://x.y) and **bold**.\n\n| a | b |\n|---|---|\n| 1 | 2 |\n"
+    )
+    document = read("use.md", source + b"\n```\n# no heading\n```\n\nUnder\n-----\n- one\n- two\n")
+    assert [(section.heading, section.text) for section in document.sections] == [
+        (("Use it",), "A link and bold.\n\na | b\n\n1 | 2\n\n# no heading"),
+        (("Use it", "Under"), "one\n\ntwo"),
+    ]
+
+
+def test_tables_keep_their_lines() -> None:
+    table = "<table><tr><th>What</th><th>Value</th></tr><tr><td>Mass</td><td><p>6 kg</p></td></tr></table>"
+    assert text(read("a.html", table.encode())) == "What | Value\n\nMass | 6 kg"
+    cells = "".join(f"<w:tc><w:p><w:r><w:t>{each}</w:t></w:r></w:p></w:tc>" for each in ("Mass", "6 kg"))
+    assert text(read("a.docx", docx([], f"<w:tbl><w:tr>{cells}</w:tr></w:tbl>"))) == "Mass | 6 kg"
+
+
+HIDDEN = "HIDDENWORDS"
+
+
+@pytest.mark.parametrize(
+    ("name", "data"),
+    [
+        ("a.html", f"<p>seen</p><script>{HIDDEN}</script><style>{HIDDEN}</style><!-- {HIDDEN} -->".encode()),
+        ("a.html", f"<p>seen<span style='color: red; display : none'>{HIDDEN}<b>{HIDDEN}</b></span></p>".encode()),
+        ("a.html", f"<p>seen</p><div hidden><p>{HIDDEN}</div><p aria-hidden='true'>{HIDDEN}".encode()),
+        ("a.html", f"<p>seen<template>{HIDDEN}</template><span style='font-size:0'>{HIDDEN}</span>".encode()),
+        ("a.md", f"seen <!-- {HIDDEN} -->\n\n<!-- {HIDDEN} -->\n\n[x]: http://{HIDDEN}.com\n".encode()),
+        ("a.md", f"seen <span hidden>{HIDDEN}</span>".encode()),
+        ("a.docx", docx([(0, "seen")], f"<w:p><w:r><w:rPr><w:vanish/></w:rPr><w:t>{HIDDEN}</w:t></w:r></w:p>")),
+        ("a.docx", docx([(0, "seen")], f"<w:p><w:del><w:r><w:delText>{HIDDEN}</w:delText></w:r></w:del></w:p>")),
+    ],
+)
+def test_what_no_person_sees_is_no_text(name: str, data: bytes) -> None:
+    found = text(read(name, data))
+    assert "seen" in found and HIDDEN not in found
+
+
+def test_characters_that_are_not_seen_are_dropped() -> None:
+    tags = "".join(chr(0xE0000 + ord(each)) for each in "obey")
+    assert text(read("a.txt", f"wa\u200bit\u202e {tags}here\x1b[2J\u00a0now".encode())) == "wait here[2J now"
+
+
+# -- bad files -----------------------------------------------------------------------------------------------------
+
+BOMB = '<!DOCTYPE r [<!ENTITY a "aaaaaaaaaa"><!ENTITY b "&a;&a;&a;&a;">]>'
+ENTITY_BOMB = zipped({"word/document.xml": f"{BOMB}<w>&b;</w>"})
+
+
+@pytest.mark.parametrize(
+    ("name", "data", "sentence"),
+    [
+        ("a.md", b"\xff", "is not UTF-8 at byte 0; save it as UTF-8"),
+        ("a.txt", b" \n", "holds no text; a scanned page needs text recognition (OCR) first"),
+        ("a.html", b"<script>x</script>", "holds no text; a scanned page needs text recognition (OCR) first"),
+        ("a.html", b"<div>" * 501, "is nested more than 500 deep"),
+        ("a.html", b"<p>" + b"x y " * 600_000, "holds more than 2000000 characters of text; split it"),
+        ("a.txt", b"a\n===\nb\n\n" * 5_002, "has more than 5000 sections; split it"),
+        ("a.docx", b"PK\x03\x04", "is no readable .docx (File is not a zip file); open it and save it again as .docx"),
+        (
+            "a.docx",
+            zipped({"x": ""}),
+            "has no word/document.xml, so it is no .docx; open it and save it again as .docx",
+        ),
+        (
+            "a.docx",
+            zipped({str(at): "" for at in range(5_001)}),
+            "is an archive of more than 5000 parts; save it again",
+        ),
+        (
+            "a.docx",
+            zipped({"word/document.xml": "x" * 40_000_001}),
+            "unpacks to more than 40000000 bytes (word/document",
+        ),
+        ("a.docx", ENTITY_BOMB, "brings a document type (<!DOCTYPE …>), which it does not need; remove it"),
+        ("a.docx", zipped({"word/document.xml": "<a>" * 300}), "is nested more than 200 deep"),
+        pytest.param(
+            "a.pdf",
+            pdf([], pages=10_000),
+            "has 10000 pages; at most 1000 are read: split it, or leave out what is not",
+            marks=needs_pypdf,
+        ),
+        pytest.param("a.pdf", b"%PDF-1.7", "is a broken PDF (", marks=needs_pypdf),
+        pytest.param(
+            "a.pdf",
+            pdf([(0, "")]),
+            "holds no text; a scanned page needs text recognition (OCR) first",
+            marks=needs_pypdf,
+        ),
+        (
+            "a.urdf",
+            b"<robot><link name='a'><inertial>\n<mass value='x'/>",
+            "the mass in line 2 is 'x', which is no number",
+        ),
+        ("a.urdf", b"<robot><link name='a'><inertial><mass value='-1'/>", "has a negative mass in line 1: -1.0"),
+        ("a.urdf", b"<robot><joint name='a'><axis xyz='1 0'/>", "the axis in line 1 is '1 0'; it is 3 numbers"),
+        ("a.urdf", b"<robot><joint name='a'><limit lower='nan'/>", "the limit 'lower' in line 1 is 'nan', which is no"),
+    ],
+)
+def test_a_bad_file_is_refused_with_its_remedy(name: str, data: bytes, sentence: str) -> None:
+    assert fault(name, data).startswith(sentence)
+
+
+@needs_pypdf
+def test_a_pdf_that_is_encrypted_is_refused() -> None:
+    import io
+
+    from pypdf import PdfReader, PdfWriter
+
+    writer, made = PdfWriter(clone_from=PdfReader(io.BytesIO(pdf(PARTS)))), io.BytesIO()
+    writer.encrypt("secret", algorithm="RC4-128")
+    writer.write(made)
+    assert fault("a.pdf", made.getvalue()) == "is encrypted; save a copy of it without a password"
+
+
+SEEDS = {ending: write(PARTS) for ending, write in WRITERS.items()}
+
+
+def damaged() -> Iterator[st.SearchStrategy[tuple[str, bytes]]]:
+    for ending, seed in SEEDS.items():
+        cut = st.tuples(st.integers(0, len(seed)), st.integers(0, len(seed)), st.binary(max_size=20))
+        yield cut.map(
+            lambda found, seed=seed, ending=ending: (f"a{ending}", seed[: found[0]] + found[2] + seed[found[1] :])
+        )
+
+
+@given(st.one_of(*damaged()) | st.tuples(st.sampled_from([f"a{each}" for each in FORMATS]), st.binary(max_size=200)))
+def test_any_bytes_are_a_document_or_refused(given_file: tuple[str, bytes]) -> None:
+    try:
+        document = read(*given_file)
+    except ValueError:
+        return
+    assert document.sections and all(section.text.strip() for section in document.sections)
+
+
+# -- the process that reads ----------------------------------------------------------------------------------------
+
+
+def test_a_file_that_hangs_or_ends_its_reader_costs_that_file_alone() -> None:
+    with ReadingProcess(longest_s=1.5) as process:
+        began = time.monotonic()
+        with pytest.raises(ValueError, match=r"took longer than 1.5 s to read; split it, or save it again"):
+            process.read("a.html", b"<a " * 600_000)  # quadratic in Python's own parser
+        assert time.monotonic() - began < 10
+        assert process.read("a.md", markdown(PARTS)) == read("a.md", markdown(PARTS))
+        with pytest.raises(ValueError, match="is nested more than 500 deep"):
+            process.read("b.html", b"<div>" * 600)
+        assert process.read("c.html", html_page(PARTS)) == read("c.html", html_page(PARTS))
+
+
+# -- passages ------------------------------------------------------------------------------------------------------
+
+
+@given(
+    st.lists(st.text("ab .", min_size=1, max_size=60) | st.integers(1, 4000).map(lambda count: "x" * count), min_size=1)
+)
+def test_passages_are_short_and_lose_no_word(paragraphs: list[str]) -> None:
+    try:
+        document = read("a.txt", "\n\n".join(paragraphs).encode())
+    except ValueError:
+        return
+    passages = list(passages_of("a.txt", document))
+    assert all(len(each.text) <= LONGEST_SENTENCE + 1 for each in passages)
+    assert "".join("".join(each.text for each in passages).split()) == "".join(text(document).split())
