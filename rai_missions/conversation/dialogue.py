@@ -10,8 +10,12 @@ from collections.abc import Mapping
 from typing import Any, Self
 
 from rai_missions.conversation.inputs import ModelText, OrderEnd, SpeechEnd, Utterance
+from rai_missions.conversation.model_side import ModelSide
+from rai_missions.conversation.order_side import OrderSide
 from rai_missions.conversation.outputs import Output, TalkTurn
 from rai_missions.conversation.settings import Settings
+from rai_missions.conversation.speaking import Speaking
+from rai_missions.conversation.talk import Talk
 from rai_missions.conversation.view import StatusView
 
 __all__ = ("Dialogue",)
@@ -25,20 +29,41 @@ class Dialogue:
     Args:
         settings: What the profile sets.
         view: The run as it is now.
+
+    Raises:
+        UsageError: There is no language of the settings' code.
     """
 
     def __init__(self, settings: Settings = SETTINGS, view: StatusView = NO_RUN) -> None:
-        self.settings, self.view = settings, view
+        self._talk = Talk(settings, view)
+        self._speaking = Speaking(self._talk)
+        self._orders = OrderSide(self._talk, self._speaking)
+        self._models = ModelSide(self._talk, self._speaking, self._orders)
+
+    @property
+    def settings(self) -> Settings:
+        return self._talk.settings
+
+    @property
+    def view(self) -> StatusView:
+        """The run as it was last given."""
+        return self._talk.view
 
     @property
     def wake_at(self) -> float | None:
         """The instant at which `on_time` has something to do, on the dialogue's clock; None: nothing is due."""
-        return None
+        sides = (self._speaking, self._orders, self._models)
+        return min((at for each in sides if (at := each.wake_at()) is not None), default=None)
 
     @property
     def history(self) -> tuple[TalkTurn, ...]:
         """The last turns, oldest first; bounded by the settings."""
-        return ()
+        return tuple(self._talk.turns)
+
+    @property
+    def unspoken(self) -> tuple[str, ...]:
+        """The identities of the reports that were not spoken whole; a page shows them so."""
+        return self._speaking.reports.unspoken()
 
     def on_utterance(self, utterance: Utterance, view: StatusView) -> tuple[Output, ...]:
         """A person's sentence.
@@ -47,42 +72,79 @@ class Dialogue:
             utterance: The sentence, with the role of its door.
             view: The run at this moment: ages and states are as new as this.
         """
-        return ()
+        self._begin(utterance.at)
+        self._follow(view)
+        if self._talk.is_new(utterance):
+            number = self._talk.add_person(utterance)
+            handling = self._orders.on_utterance(utterance, number)
+            if handling == "unknown":
+                self._models.ask(utterance, number)
+            elif handling == "stopped":
+                self._models.drop_all()
+        return self._talk.taken()
 
     def on_status(self, view: StatusView, at: float) -> tuple[Output, ...]:
         """The run has changed: each change of `Status`, of the open question, and of the run itself."""
-        self.view = view
-        return ()
+        self._begin(at)
+        self._follow(view)
+        self._speaking.speak_due(now=False)
+        return self._talk.taken()
 
     def on_mission_speech(self, text: str, at: float) -> tuple[Output, ...]:
-        """The mission's own effect `say`."""
-        return ()
+        """The mission's own effect `say`: its author's sentence, spoken as it is."""
+        self._begin(at)
+        self._speaking.speak(text, priority="chatter")
+        return self._talk.taken()
 
     def on_model(self, reply: ModelText) -> tuple[Output, ...]:
         """A piece of a model's reply."""
-        return ()
+        self._begin(reply.at)
+        self._models.on_text(reply)
+        return self._talk.taken()
 
     def on_speech_end(self, end: SpeechEnd) -> tuple[Output, ...]:
         """A speech has ended."""
-        return ()
+        self._begin(end.at)
+        if self._speaking.on_end(end):
+            self._orders.on_speech_end(end)
+            self._models.on_speech_end(end)
+        return self._talk.taken()
 
     def on_order_end(self, end: OrderEnd) -> tuple[Output, ...]:
         """An order was carried out, or refused by what should do so."""
-        return ()
+        self._begin(end.at)
+        self._orders.on_order_end(end)
+        return self._talk.taken()
 
     def on_speaker(self, *, is_alive: bool, at: float) -> tuple[Output, ...]:
         """The speaker died, or speaks again: what it did not speak follows then, marked as repeated."""
-        return ()
+        self._begin(at)
+        self._speaking.on_speaker(is_alive=is_alive)
+        return self._talk.taken()
 
     def on_time(self, at: float) -> tuple[Output, ...]:
         """Time has passed: confirmations expire, a model is not waited for any longer, an owed report follows."""
-        return ()
+        self._begin(at)
+        return self._talk.taken()
+
+    def _begin(self, at: float) -> None:
+        self._talk.pass_time(at)
+        self._orders.on_time()
+        self._models.on_time()
+        self._speaking.on_time()
+
+    def _follow(self, view: StatusView) -> None:
+        before, self._talk.view = self._talk.view, view
+        self._speaking.follow()
+        self._orders.follow(before)
 
     def snapshot(self) -> dict[str, Any]:
         """What must outlive the process, as JSON: which reports were spoken, and which are owed."""
-        return {}
+        return {"format": 1, "reports": self._speaking.reports.snapshot()}
 
     @classmethod
     def restore(cls, saved: Mapping[str, Any], settings: Settings = SETTINGS, view: StatusView = NO_RUN) -> Self:
         """The dialogue of a process that ended: nothing is confirmed or queued; owed reports follow, as repeated."""
-        return cls(settings, view)
+        made = cls(settings, view)
+        made._speaking.reports.restore(saved.get("reports", []))
+        return made

@@ -12,8 +12,8 @@ from typing import Any, Literal, NamedTuple
 from rai_missions.event import Role
 
 __all__ = (
-    "AskModel", "DropModel", "Mapper", "Order", "OrderName", "Output", "Priority", "Silence", "Speech", "TalkNote",
-    "TalkTurn", "Way",
+    "AskModel", "DropModel", "Mapper", "NoteKind", "Order", "OrderName", "Output", "Priority", "Silence", "Speech",
+    "TalkNote", "TalkTurn", "Way",
 )  # fmt: skip
 
 Priority = Literal["end", "question", "answer", "chatter"]
@@ -23,6 +23,12 @@ Way = Literal["rules", "model", "unknown"]
 OrderName = Literal["start", "pause", "resume", "cancel", "stop", "answer"]
 Mapper = Literal["grammar", "model"]
 """What read a sentence as an order."""
+
+
+NoteKind = Literal[
+    "heard", "mapped", "read_back", "confirmed", "void", "refused", "ordered", "performed", "queued", "dropped",
+    "asked_model", "model_text", "replaced", "spoken", "unspoken",
+]  # fmt: skip
 
 
 class Speech(NamedTuple):
@@ -47,9 +53,11 @@ class Speech(NamedTuple):
 
 
 class Silence(NamedTuple):
-    """Stop speaking now and drop what is queued, uncut speech included; each reports its end as `cut`."""
+    """Stop speaking now and drop what is queued; each speech reports its end as `cut`."""
 
     at: float
+    is_total: bool = True
+    """Uncut speech is stopped as well: after a stop. False: only what a person may interrupt."""
 
 
 class Order(NamedTuple):
@@ -120,10 +128,7 @@ class DropModel(NamedTuple):
 class TalkNote(NamedTuple):
     """A line for the journal, as data: sentence, mapper, confirmation, refusal, replaced claim, what was spoken."""
 
-    kind: Literal[
-        "heard", "mapped", "read_back", "confirmed", "void", "refused", "ordered", "performed", "queued", "dropped",
-        "asked_model", "model_text", "replaced", "spoken", "unspoken",
-    ]  # fmt: skip
+    kind: NoteKind
     at: float
     data: Mapping[str, Any]
 

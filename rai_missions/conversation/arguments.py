@@ -1,0 +1,98 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Values in a sentence: `with alleys four and speed 1.5`, held to the types of the mission's keys.
+
+Rule: a value that does not fit its key is a fault in words; nothing is guessed or coerced.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from rai_missions.conversation.language import Language, spoken
+from rai_missions.conversation.named import key_named, unit_of
+from rai_missions.conversation.numbers import number
+from rai_missions.conversation.view import KeyView, StatusView
+from rai_missions.errors import MissionError
+
+__all__ = ("BadValue", "key_value", "read_arguments", "spoken_name")
+
+IN_WORDS = frozenset({"integer", "number", "boolean", "string"})
+
+
+class BadValue(MissionError):
+    """A sentence gives a value that does not fit; its text is for the person, in the dialogue's language."""
+
+
+def spoken_name(key: KeyView, language: Language) -> str:
+    """The name of a key as it is spoken, without its unit."""
+    return unit_of(key.name, language.data["units"])[0]
+
+
+def key_value(words: Sequence[str], key: KeyView, language: Language) -> Any:
+    """The value that the words are for a key.
+
+    Raises:
+        BadValue: They are none of its type.
+    """
+    name, kind = spoken_name(key, language), language.data["texts"]["types"][key.type]
+    if key.type not in IN_WORDS:
+        raise BadValue(language.text("not_spoken", name=name, type=kind))
+    value: Any = number(words, language.data)
+    if key.type == "boolean":
+        given = " ".join(words)
+        value = True if given in language.data["true"] else False if given in language.data["false"] else None
+    elif key.type == "string":
+        value = " ".join(words)
+    elif key.type == "integer" and not isinstance(value, int):
+        value = None
+    if value is None:
+        raise BadValue(language.text("bad_value", given=" ".join(words), name=name, type=kind))
+    return value
+
+
+def read_arguments(
+    words: Sequence[str], keys: Sequence[KeyView], language: Language, *, owner: str
+) -> Mapping[str, Any]:
+    """The values of a list of arguments.
+
+    Args:
+        words: What follows `with`.
+        keys: The arguments that there are.
+        language: The grammar.
+        owner: Whose arguments they are, for a fault.
+
+    Raises:
+        BadValue: A part names no argument, or its value does not fit.
+    """
+    values = dict[str, Any]()
+    for chunk in _chunks(words, language):
+        key, value = _one(chunk, keys, language, owner)
+        values[key.name] = value
+    return values
+
+
+def _chunks(words: Sequence[str], language: Language) -> list[list[str]]:
+    chunks: list[list[str]] = [[]]
+    for word in words:
+        if word in language.data["argument_joints"]:
+            chunks.append([])
+        else:
+            chunks[-1].append(word)
+    return [chunk for chunk in chunks if chunk]
+
+
+def _one(chunk: list[str], keys: Sequence[KeyView], language: Language, owner: str) -> tuple[KeyView, Any]:
+    view, misfit = StatusView(keys={key.name: key for key in keys}), None
+    for slots in language.argument.match(chunk):
+        path = key_named(slots["key"].split(), view, language, strict=True)
+        if path not in view.keys:
+            continue
+        try:
+            return view.keys[path], key_value(slots["value"].split(), view.keys[path], language)
+        except BadValue as error:
+            misfit = misfit or error
+    if misfit is not None:
+        raise misfit
+    names = language.listed([spoken_name(key, language) for key in keys]) or language.text("no_arguments")
+    raise BadValue(language.text("bad_argument", given=" ".join(chunk), mission=spoken(owner), arguments=names))

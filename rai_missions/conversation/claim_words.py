@@ -1,0 +1,159 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The words by which claims are found, of one language: subjects, what they may do, acts, results, idioms."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any, Literal, NamedTuple
+
+from rai_missions.conversation.language import Language
+from rai_missions.conversation.phrases import Phrases
+
+__all__ = ("ClaimWords", "Subject", "SubjectKind")
+
+POSSESSIVE = re.compile(r"(?<=\w{3})'s\b")
+SubjectKind = Literal["self", "it", "work", "soft", "let"]
+
+
+class Subject(NamedTuple):
+    """A subject in a clause: the robot itself, `it`, its work or a part of it, or a word that may mean them."""
+
+    kind: SubjectKind
+    start: int
+    end: int
+
+
+class ClaimWords:
+    """The section `claims` of a language.
+
+    Args:
+        language: Whose.
+    """
+
+    def __init__(self, language: Language) -> None:
+        data: Mapping[str, Any] = language.data["claims"]
+        self._data, self._words = data, language.normaliser.words
+        self.verb_second: bool = data["verb_second"]
+        self.harmless, self.let = Phrases(data["harmless"], {}), Phrases(data["let"], {})
+        self.idioms, self.whole_idioms = Phrases(data["idioms"], {}), Phrases(data["whole_idioms"], {})
+        self.allowed = {kind: Phrases(each, {}) for kind, each in data["allowed"].items()}
+        self._past, self._past_pattern = frozenset(data["past"]), re.compile(data["past_pattern"])
+        self._progressive = re.compile(data["progressive_pattern"])
+
+    def __getattr__(self, name: str) -> frozenset[str]:
+        """A word list of the file, by its name there.
+
+        Raises:
+            AttributeError: The file has none of that name.
+        """
+        words = self.__dict__["_data"].get(name) if "_data" in self.__dict__ else None
+        if not isinstance(words, list):
+            raise AttributeError(f"the claims of a language have no list '{name}'")
+        found = self.__dict__[name] = frozenset(words)
+        return found
+
+    @property
+    def self_words(self) -> frozenset[str]:
+        """The words for the robot itself."""
+        return frozenset(self._data["self"])
+
+    def words(self, text: str) -> list[str]:
+        """The words of a text; what may be a short `is` is one."""
+        return self._words(POSSESSIVE.sub(" is", text) if not self.verb_second else text)
+
+    def share(self, words: Sequence[str]) -> float:
+        """How many of the words are the language's small words; 0 to 1."""
+        return sum(word in self.function for word in words) / max(len(words), 1)
+
+    def subjects(self, words: Sequence[str], names: frozenset[str]) -> Iterator[Subject]:
+        """The subjects of a clause, in its order.
+
+        Args:
+            words: Of the clause.
+            names: What this robot, its mission and its keys are called.
+        """
+        data, at = self._data, 0
+        while at < len(words):
+            word, end = words[at], at + 1
+            if word in self.self_words:
+                yield Subject("self", at, end)
+            elif word in data["let_objects"] and at and words[at - 1] in data["let_verbs"]:
+                yield Subject("let", at, end)
+            elif word in data["it"]:
+                yield Subject("it", at, end)
+            elif word in data["possessive"] and words[end : end + 1] and words[end] not in data["harmless_nouns"]:
+                end = self._last_noun(words, end, names)
+                yield Subject("work", at, end)
+            elif word in self.work or word in names:
+                end = self._last_noun(words, at, names)
+                yield Subject("work", at, end)
+            elif word in self.soft:
+                yield Subject("soft", at, end)
+            at = end
+
+    def _last_noun(self, words: Sequence[str], at: int, names: frozenset[str]) -> int:
+        """Behind a compound: `mission plan`, `battery status`."""
+        at += 1
+        while at < len(words) and (words[at] in self.work or words[at] in names):
+            at += 1
+        return at
+
+    def is_object(self, words: Sequence[str], subject: Subject) -> bool:
+        """Whether a noun is no subject: `ask the robot`, `about your mission`."""
+        before = [word for word in words[: subject.start] if word not in self.articles]
+        return bool(before) and before[-1] in self.objects_after
+
+    def is_generic(self, words: Sequence[str], subject: Subject) -> bool:
+        """Whether a noun is any of its kind: `a robot`, `most robots`."""
+        return bool(subject.start) and words[subject.start - 1] in self.generic and words[subject.start] in self.work
+
+    def reports(self, after: Sequence[str], *, is_relative: bool) -> bool:
+        """Whether what follows a word reports an act or a state: `has arrived`, `is done`, `went well`."""
+        predicate = self.skip(after)
+        if not predicate:
+            return False
+        if predicate[0] in self.perfect or predicate[0] in self.auxiliaries:
+            rest = self.skip(predicate[1:])
+            is_bare = predicate[0] in self.auxiliaries and predicate[0] not in self.perfect
+            if rest and (rest[0] in self.acts or rest[0] in self.states or rest[0] in self.strong):
+                return True
+            return self.has_act(predicate[1:]) or (is_bare and self.is_past(predicate[0]) and not is_relative)
+        return predicate[0] in self.acts or (not is_relative and self.is_past(predicate[0]))
+
+    def has_act(self, words: Sequence[str]) -> bool:
+        """Whether an act of a robot follows an auxiliary; in German anywhere up to the clause's end."""
+        if self.verb_second:
+            return any(
+                word in self.acts or self._past_pattern.fullmatch(word) for word in words if word not in self.not_past
+            )
+        rest = self.skip(words)
+        while rest and rest[0] in self.perfect:
+            rest = self.skip(rest[1:])
+        return bool(rest) and rest[0] in self.acts
+
+    def is_past(self, word: str) -> bool:
+        """Whether it looks like a past tense or a participle."""
+        return word in self._past or (word not in self.not_past and self._past_pattern.fullmatch(word) is not None)
+
+    def is_progressive(self, word: str) -> bool:
+        """Whether it looks like `moving`."""
+        return word not in self.not_progressive and self._progressive.fullmatch(word) is not None
+
+    def skip(self, words: Sequence[str]) -> list[str]:
+        """Without the adverbs at its beginning."""
+        at = 0
+        while at < len(words) and (words[at] in self.adverbs or self._is_adverb(words[at])):
+            at += 1
+        return list(words[at:])
+
+    def _is_adverb(self, word: str) -> bool:
+        ending: str = self._data["adverb_ending"]
+        return bool(ending) and word.endswith(ending) and len(word) > len(ending) + 2
+
+    def skip_lead(self, words: Sequence[str]) -> list[str]:
+        """Without what leads in: `okay`, `sure`, `now`."""
+        at = 0
+        while at < len(words) and words[at] in self.lead:
+            at += 1
+        return self.skip(words[at:])

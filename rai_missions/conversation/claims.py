@@ -1,0 +1,206 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Claims: which sentences of a model are about the robot or its work, and so are replaced by the status.
+
+A sentence whose subject is the robot or its work passes only with a verb of a short list; so does one that has no
+subject, or whose passive leaves open who did it. What cannot be judged, as of another language, is replaced as well.
+Rule: in doubt it is a claim. A harmless sentence that is replaced costs a sentence; a claim that passes costs trust.
+"""
+
+from __future__ import annotations
+
+import re
+import unicodedata
+from collections.abc import Sequence
+from itertools import pairwise
+from typing import Literal
+
+from rai_missions.conversation.claim_words import ClaimWords, Subject
+from rai_missions.conversation.language import language, languages, spoken
+from rai_missions.conversation.normalise import readable
+from rai_missions.conversation.view import StatusView
+
+__all__ = ("ClaimKind", "Claims")
+
+ClaimKind = Literal["", "script", "language", "idiom", "subject", "passive", "result", "fragment", "second verb"]
+"""Why a sentence is replaced; empty where it is not."""
+CLAUSES = re.compile(r"[,;:()\n–—…|/]+|\s-+\s|[.!?]+\s+|\b(?=that\b)")
+DISGUISES = str.maketrans({"0": "o", "1": "i", "3": "e", "4": "a", "5": "s", "7": "t", "@": "a", "$": "s"})
+MIXED = re.compile(r"(?=\w*[^\W\d_])(?=\w*[\d])\w+|\w*[@$]\w+")
+SPACED = re.compile(r"\b(?:[^\W\d_] ){2,}[^\W\d_]\b")
+MARKS = re.compile(r"[*_`~#>\"“”„«»\[\]{}]+|(?<!\w)'|'(?!\w)")
+LEAST_SHARE = 0.15
+"""Of a sentence's words that are the language's small words, below which it is taken for another language."""
+SHORT = 2
+"""Words up to which a sentence passes only if it is listed as harmless, or has a small word."""
+
+
+class Claims:
+    """Finds the sentences of a model that are claims.
+
+    Args:
+        code: The dialogue's language; claims in the others are found as well.
+    """
+
+    def __init__(self, code: str) -> None:
+        own = ClaimWords(language(code))
+        self._own = own
+        self._every = (own, *(ClaimWords(language(each)) for each in languages() if each != code))
+
+    def why_replaced(self, sentence: str, view: StatusView) -> ClaimKind:
+        """Why the status is put in the place of a sentence; empty where it may be spoken.
+
+        Args:
+            sentence: One sentence of a model.
+            view: The run: its robot, mission, states and keys are subjects, too.
+        """
+        text = _plain(sentence)
+        if any(each.isalpha() and "LATIN" not in unicodedata.name(each, "") for each in text):
+            return "script"
+        words = self._own.words(text)
+        if not words:
+            return "script" if sentence.strip(" \n.!?…-") else ""
+        if self._own.harmless.fits(words):
+            return ""
+        names, share = _names(view), self._own.share(words)
+        for rules in self._every:
+            theirs = rules.words(text)
+            if rules is self._own or rules.share(theirs) >= max(share, LEAST_SHARE):
+                kind = _Judged(rules, text, names).kind
+                if kind:
+                    return kind
+        return self._unknown(words, share)
+
+    def _unknown(self, words: Sequence[str], share: float) -> ClaimKind:
+        if len(words) <= SHORT:
+            return "" if share else "fragment"
+        return "" if share >= LEAST_SHARE else "language"
+
+
+def _plain(sentence: str) -> str:
+    """Without marks, quotes and disguises."""
+    text = MARKS.sub(" ", readable(sentence))
+    text = SPACED.sub(lambda found: found.group().replace(" ", ""), text)
+    return MIXED.sub(lambda found: found.group().translate(DISGUISES), text)
+
+
+def _names(view: StatusView) -> frozenset[str]:
+    """The words by which this robot, its mission, its states and its keys are called."""
+    own = re.findall(r"[^\W\d_]{3,}", f"{view.robot.partition(',')[0]} {spoken(view.mission)}".lower())
+    keys = [word for name in view.keys for word in spoken(name).split() if len(word) > 3]
+    return frozenset([*own, *keys, *(word for word in view.robot.lower().partition(",")[0].split() if word)])
+
+
+class _Judged:
+    """One sentence, judged by the words of one language."""
+
+    def __init__(self, rules: ClaimWords, text: str, names: frozenset[str]) -> None:
+        self._rules, self._names = rules, names
+        self._clauses = [words for part in CLAUSES.split(text) if (words := rules.words(part))]
+        self.kind = self._judge(rules.words(text))
+
+    def _judge(self, words: list[str]) -> ClaimKind:
+        rules = self._rules
+        if rules.whole_idioms.fits(words) or any(rules.whole_idioms.fits(each) for each in self._clauses):
+            return "idiom"
+        if rules.idioms.within(words):
+            return "idiom"
+        if self._has_result(words):
+            return "result"
+        if any(self._is_fragment(each) for each in self._clauses):
+            return "fragment"
+        clauses = [words, *self._clauses]
+        if any(self._is_claim(each, subject) for each in clauses for subject in rules.subjects(each, self._names)):
+            return "subject"
+        if any(self._has_passive(each) for each in clauses):
+            return "passive"
+        return "second verb" if self._has_second_verb(words) else ""
+
+    def _is_claim(self, words: Sequence[str], subject: Subject) -> bool:
+        """Whether what follows a subject is a claim."""
+        rules, after = self._rules, words[subject.end :]
+        predicate = rules.skip(after)
+        if subject.kind == "let":
+            return bool(after) and not rules.let.begin(after)
+        allowed = rules.allowed.get(subject.kind)
+        before = words[subject.start - 1] if subject.start else ""
+        if subject.kind in ("self", "it"):
+            if before in rules.inverted or (allowed and (allowed.begin(after) or allowed.begin(predicate))):
+                return False
+            return not self._is_inverted_harmless(words, subject) and bool(after or rules.verb_second)
+        if subject.kind == "soft":
+            return rules.reports(after, is_relative=words[subject.start] in rules.relative)
+        if rules.is_object(words, subject) and not self._has_predicate(predicate):
+            return False
+        if allowed and (allowed.begin(after) or allowed.begin(predicate)):
+            return False
+        if self._is_inverted_harmless(words, subject):
+            return False
+        if rules.is_generic(words, subject):
+            return rules.reports(after, is_relative=False)
+        return bool(after)
+
+    def _is_inverted_harmless(self, words: Sequence[str], subject: Subject) -> bool:
+        """In a language whose verb may precede the subject: `das kann ich nicht sagen`."""
+        rules = self._rules
+        allowed = rules.allowed.get(subject.kind)
+        if not rules.verb_second or not subject.start or allowed is None:
+            return False
+        if subject.start > 1 and words[subject.start - 2] in rules.self_words:
+            return False
+        turned = [words[subject.start - 1], *words[subject.end :]]
+        return allowed.begin(turned) or allowed.begin([turned[0], *rules.skip(turned[1:])])
+
+    def _has_predicate(self, words: Sequence[str]) -> bool:
+        rules = self._rules
+        return bool(words) and (words[0] in rules.auxiliaries or words[0] in rules.acts or rules.is_past(words[0]))
+
+    def _has_passive(self, words: Sequence[str]) -> bool:
+        """`The cup has been placed`, `der Becher wurde gefunden`: an act, and no word of who did it."""
+        rules = self._rules
+        for at, word in enumerate(words):
+            if word not in rules.perfect:
+                continue
+            subject = next((each for each in reversed(words[:at]) if each not in rules.adverbs), "")
+            if subject in rules.modals or subject in rules.person:
+                continue
+            if rules.has_act(words[at + 1 :]):
+                return True
+        return False
+
+    def _has_result(self, words: Sequence[str]) -> bool:
+        """`Success`, `completed`, anywhere, but for what can or shall be so."""
+        rules = self._rules
+        for before, (at, word) in zip(["", *words], enumerate(words), strict=False):
+            is_possible = before in rules.modals or (
+                before in rules.perfect and at > 1 and words[at - 2] in rules.modals
+            )
+            if word in rules.strong and not is_possible:
+                return True
+        return False
+
+    def _is_fragment(self, words: Sequence[str]) -> bool:
+        """A clause without a subject that begins with an act: `moving to the dock`, `arrived`."""
+        rules = self._rules
+        words = rules.skip_lead(words)
+        if not words:
+            return False
+        first = words[0]
+        return (
+            first in rules.acts
+            or (rules.is_past(first) and first not in rules.imperative)
+            or rules.is_progressive(first)
+        )
+
+    def _has_second_verb(self, words: Sequence[str]) -> bool:
+        """`I understand and have moved`: a second verb of the same subject."""
+        rules = self._rules
+        subjects = list(rules.subjects(words, self._names))
+        for at, (word, following) in enumerate(pairwise(words)):
+            rest = rules.skip(words[at + 1 :]) if word in rules.conjunctions else []
+            if not rest or not any(each.end <= at for each in subjects):
+                continue
+            allowed = rules.allowed.get("self")
+            is_verb = rest[0] in rules.second or rules.is_past(rest[0]) or rules.is_progressive(rest[0])
+            if is_verb and not (allowed and allowed.begin(rest)) and following not in rules.person:
+                return True
+        return False

@@ -1,0 +1,31 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A confirmation: one order that was read back and waits for its yes.
+
+Rule: the yes counts for exactly what was read back: by one who may, in time, and while what it rests on is the same.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from rai_missions.conversation.inputs import Utterance
+from rai_missions.conversation.outputs import Mapper
+from rai_missions.conversation.senses import Sense
+
+__all__ = ("Confirmable",)
+
+
+class Confirmable(NamedTuple):
+    """An order that was read back."""
+
+    sense: Sense
+    utterance: Utterance
+    """The sentence that was read as this order."""
+    mapper: Mapper
+    words: str
+    """The order as it was read back."""
+    binding: tuple[object, ...]
+    """What it rests on; `judging.binding`."""
+    until: float
+    key: str = ""
+    """Of the speech that reads it back."""

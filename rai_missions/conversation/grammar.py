@@ -1,0 +1,200 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The grammar: what a whole sentence may mean now. A sentence inside other talk means nothing.
+
+Rule: the word to stop comes first, whatever else it could be; it needs no question, no state and no confirmation.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+from rai_missions.conversation.arguments import BadValue, read_arguments
+from rai_missions.conversation.language import Language, spoken
+from rai_missions.conversation.named import key_named, missions_named, option_named
+from rai_missions.conversation.normalise import is_near, once
+from rai_missions.conversation.senses import Sense
+from rai_missions.conversation.view import KeyView, MissionView, StatusView
+from rai_missions.engine.decision import Offer
+
+__all__ = ("STOP", "Grammar")
+
+STOP = Sense("order", "stop")
+MOST_WORDS = 40
+"""Words of the longest sentence that may be an order or a question of state."""
+NEAREST = 5
+"""Letters of the shortest word whose misspelling is mended."""
+JSON_TYPES = {"integer": "integer", "number": "number", "boolean": "boolean", "string": "string"}
+
+
+class Grammar:
+    """Reads sentences of one language.
+
+    Args:
+        language: Its data.
+    """
+
+    def __init__(self, language: Language) -> None:
+        self.language = language
+        self._vocabulary = language.vocabulary()
+
+    def senses(self, text: str, view: StatusView) -> tuple[Sense, ...]:
+        """What the sentence may mean in this moment; several where it is ambiguous, empty for other talk.
+
+        Args:
+            text: The sentence, as it was received.
+            view: The run: which options, missions and keys there are.
+        """
+        whole = self._sentence(text, view)
+        parts = [] if whole else self.language.normaliser.parts(text)
+        if len(parts) < 2:
+            return whole
+        each = [self._sentence(part, view) for part in parts]
+        if STOP in each[0] or STOP in each[-1]:
+            return (STOP,)
+        meant = [senses for senses in each if not _is_greeting(senses)]
+        return meant[0] if all(each) and len(meant) == 1 else ()
+
+    def _sentence(self, text: str, view: StatusView) -> tuple[Sense, ...]:
+        normaliser = self.language.normaliser
+        words = normaliser.words(text)
+        if not words or len(words) > MOST_WORDS:
+            return ()
+        names = (view.robot, spoken(view.robot), view.robot.partition(",")[0])
+        bare = list(once(normaliser.bare(words, names)))
+        found = self._words(bare, view) or self._words(words, view)
+        return found or self._mended(bare, view)
+
+    def _mended(self, words: list[str], view: StatusView) -> tuple[Sense, ...]:
+        """As after small errors of a recogniser or a keyboard."""
+        known = {*self._vocabulary, *_words_of(view)}
+        misheard = self.language.data["mishearings"]
+        mended = [misheard.get(word, word) if word not in known else word for word in words]
+        if len(words) == 1:
+            mended = [misheard.get(words[0], words[0])]
+        mended = [self._nearest(word, known) for word in mended]
+        return self._words(mended, view) if mended != words else ()
+
+    def _nearest(self, word: str, known: set[str]) -> str:
+        if word in known or len(word) < NEAREST:
+            return word
+        near = [each for each in known if len(each) >= NEAREST - 1 and is_near(word, each)]
+        return near[0] if len(near) == 1 else word
+
+    def _words(self, words: list[str], view: StatusView) -> tuple[Sense, ...]:
+        language = self.language
+        if language.quiet.fits(words):
+            return (Sense("quiet"),)
+        if language.orders["stop"].fits(words):
+            return (STOP,)
+        found = [Sense("yes")] if language.yes.fits(words) else [Sense("no")] if language.no.fits(words) else []
+        found += self._answers(words, view)
+        found += [Sense("order", name) for name, each in language.orders.items() if each.fits(words)]
+        found += self._starts(words, view)
+        found = found or list(self._questions(words, view))
+        return tuple({sense.identity: sense for sense in found}.values())
+
+    # -- the open question ---------------------------------------------------------------------------------------------
+
+    def _answers(self, words: list[str], view: StatusView) -> list[Sense]:
+        if view.question is None:
+            return []
+        options, found = view.question.options, list[Sense]()
+        for slots in self.language.answer.match(words):
+            named = option_named(slots["option"].split(), options, self.language)
+            if named is not None:
+                found.append(self._answer(named.offer, is_partial=named.is_partial))
+        whole = [sense for sense in found if not sense.is_partial]
+        return (whole or found)[:1] or self._with_values(words, options)
+
+    def _answer(self, offer: Offer, *, is_partial: bool, words: Sequence[str] = ()) -> Sense:
+        schema = offer.parameters or {}
+        properties = schema.get("properties") or {}
+        if not words and not schema.get("required"):
+            return Sense("order", "answer", option=offer.name, is_partial=is_partial)
+        keys = [KeyView(name, JSON_TYPES.get(str(each.get("type")), "object")) for name, each in properties.items()]  # type: ignore[arg-type]
+        try:
+            values = read_arguments(words, keys, self.language, owner=offer.name)
+        except BadValue as error:
+            return Sense("fault", "answer", fault=str(error))
+        lacking = [spoken(name) for name in schema.get("required") or () if name not in values]
+        if lacking:
+            names = self.language.listed(lacking)
+            return Sense(
+                "fault", "answer", fault=self.language.text("needs_values", option=spoken(offer.name), names=names)
+            )
+        return Sense("order", "answer", option=offer.name, parameters=values, is_partial=is_partial)
+
+    def _with_values(self, words: list[str], options: Sequence[Offer]) -> list[Sense]:
+        taking = [offer for offer in options if offer.parameters]
+        for slots in self.language.with_values.match(words) if taking else ():
+            for way in self.language.answer.match(slots["option"].split()):
+                named = option_named(way["option"].split(), taking, self.language)
+                if named is not None:
+                    return [self._answer(named.offer, is_partial=named.is_partial, words=slots["arguments"].split())]
+        return []
+
+    # -- start ---------------------------------------------------------------------------------------------------------
+
+    def _starts(self, words: list[str], view: StatusView) -> list[Sense]:
+        faults = list[Sense]()
+        for slots in self.language.start.match(words):
+            named = (slots.get("mission") or slots.get("called", "")).split()
+            is_called = "called" in slots
+            for sense in self._start(named, slots.get("arguments", "").split(), view, is_called=is_called):
+                if sense.kind != "fault":
+                    return [sense]
+                faults.append(sense)
+        return faults[:1]
+
+    def _start(self, named: list[str], arguments: list[str], view: StatusView, *, is_called: bool) -> Iterator[Sense]:
+        language = self.language
+        offered = language.listed([spoken(each.name) for each in view.missions], "or")
+        found = missions_named(named, view, language) if named else _own(view)
+        if len(found) == 1:
+            yield self._start_with(found[0], arguments)
+        elif found or not named:
+            text = "which_mission" if view.missions else "no_run"
+            yield Sense("fault", "start", fault=language.text(text, missions=offered))
+        elif is_called:
+            yield Sense("fault", "start", fault=language.text("no_mission", given=" ".join(named), missions=offered))
+
+    def _start_with(self, mission: MissionView, arguments: list[str]) -> Sense:
+        try:
+            values = read_arguments(arguments, mission.arguments, self.language, owner=mission.name)
+        except BadValue as error:
+            return Sense("fault", "start", fault=str(error))
+        return Sense("order", "start", mission=mission.name, arguments=values)
+
+    # -- questions of state --------------------------------------------------------------------------------------------
+
+    def _questions(self, words: list[str], view: StatusView) -> Iterator[Sense]:
+        for name, phrases in self.language.questions.items():
+            for slots in phrases.match(words):
+                if "key" not in slots:
+                    yield Sense("question", name)
+                    return
+                named = slots["key"].split()
+                path = key_named(named, view, self.language, strict=len(named) == len(words))
+                if path:
+                    yield Sense("question", name, key=path)
+                    return
+
+
+def _is_greeting(senses: Sequence[Sense]) -> bool:
+    return bool(senses) and all(sense.kind == "question" and sense.name in ("hello", "thanks") for sense in senses)
+
+
+def _own(view: StatusView) -> list[MissionView]:
+    """The missions that are meant where none is named: the run's own, or the only one."""
+    own = [each for each in view.missions if each.name == view.mission]
+    return own or list(view.missions)
+
+
+def _words_of(view: StatusView) -> Iterator[str]:
+    for name in (*view.keys, *(each.name for each in view.missions)):
+        yield from spoken(name).split()
+    for mission in view.missions:
+        yield from (word for key in mission.arguments for word in spoken(key.name).split())
+    for offer in view.question.options if view.question is not None else ():
+        yield from spoken(offer.name).split()
+        yield from offer.about.lower().split()

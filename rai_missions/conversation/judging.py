@@ -1,0 +1,201 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Orders, judged like proposals: permitted for the role, possible now, and whether a person must confirm them.
+
+Rule: what a model proposes becomes an order only by this closed form, and is always read back.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from rai_missions.conversation.arguments import spoken_name
+from rai_missions.conversation.language import Language, spoken
+from rai_missions.conversation.outputs import Mapper
+from rai_missions.conversation.senses import Sense
+from rai_missions.conversation.settings import ORDERS, Permission, Settings
+from rai_missions.conversation.state_answers import is_alive, state_of_run
+from rai_missions.conversation.values import value_words
+from rai_missions.conversation.view import KeyView, MissionView, StatusView
+from rai_missions.event import Role
+from rai_missions.keys import Key, type_error
+from rai_missions.mission.option_parameters import parameter_faults
+from rai_missions.plain_data import listed
+
+__all__ = ("TWO_NEEDED", "binding", "is_request", "may", "must_confirm", "order_forms", "order_words", "proposed",
+           "why_not_now", "why_not_permitted")  # fmt: skip
+
+TWO_NEEDED = frozenset({"start", "resume", "cancel"})
+"""The spoken orders that two recognisers must agree on; so must they on the confirming yes."""
+CONFIRMED = frozenset({"start", "cancel"})
+JSON_TYPE = {"integer": "integer", "number": "number", "boolean": "boolean", "string": "string", "list": "array"}
+
+
+def may(role: Role, what: Permission, settings: Settings) -> bool:
+    """Whether a role may do this; a role that is not listed may do nothing."""
+    return what in settings.may.get(role, frozenset())
+
+
+def why_not_permitted(order: str, role: Role, channel: str, settings: Settings, language: Language) -> str:
+    """The refusal, and where the order can be given."""
+    where = language.listed([language.word("channels", each) for each in settings.answer_at], "or")
+    return language.text(
+        "not_permitted", channel=language.word("channels", channel), role=language.word("roles", role),
+        order=language.word("order_names", order), where=where,
+    )  # fmt: skip
+
+
+def is_request(sense: Sense, view: StatusView) -> bool:
+    """Whether it is a start that has to wait for the end of the mission that runs."""
+    return sense.name == "start" and is_alive(view) and view.mode != "ready"
+
+
+def why_not_now(sense: Sense, view: StatusView, language: Language) -> str:
+    """Why an order is not possible in this moment, in words; empty where it is."""
+    state = state_of_run(view, language)
+    possible = {
+        "stop": True,
+        "pause": view.mode == "running",
+        "resume": view.mode == "paused",
+        "cancel": view.mode in ("ready", "running", "paused"),
+        "start": _can_start(sense, view),
+        "answer": view.question is not None and is_alive(view),
+    }[sense.name]
+    if not possible:
+        return language.text(f"why_not_{sense.name}", state=state)
+    if sense.name == "answer" and _offered(sense, view) is None:
+        return language.text("bad_option", given=spoken(sense.option), question="").strip()
+    return ""
+
+
+def _can_start(sense: Sense, view: StatusView) -> bool:
+    if sense.mission not in {each.name for each in view.missions}:
+        return False
+    return not is_alive(view) or (view.mode == "ready" and sense.mission == view.mission)
+
+
+def _offered(sense: Sense, view: StatusView) -> Any:
+    options = view.question.options if view.question is not None else ()
+    return next((offer for offer in options if offer.name == sense.option), None)
+
+
+def must_confirm(sense: Sense, view: StatusView, *, mapper: Mapper, agreeing: int | None) -> bool:
+    """Whether the order is read back before it counts.
+
+    Args:
+        sense: The order.
+        view: The run.
+        mapper: What read the sentence.
+        agreeing: Of a spoken one, how many recognisers agree on it; None for a typed one.
+    """
+    if mapper == "model" or sense.is_partial or sense.name in CONFIRMED:
+        return True
+    if sense.name != "answer":
+        return False
+    return sense.option in view.confirm or (agreeing is not None and agreeing < 2)
+
+
+def binding(sense: Sense, view: StatusView) -> tuple[object, ...]:
+    """What a confirmation rests on: where it differs later, what was read back is void."""
+    number = view.question.number if view.question is not None and sense.name == "answer" else 0
+    return view.run, view.mode, view.mission, number
+
+
+def _key_of(view: KeyView) -> Key:
+    return Key(view.type, source="argument", frame=view.frame)
+
+
+def _argument_words(values: Mapping[str, Any], keys: Mapping[str, KeyView], language: Language) -> str:
+    words = list[str]()
+    for name, value in values.items():
+        key = keys.get(name, KeyView(name, "string"))
+        shown = listed(value) if key.type in ("pose", "object", "list") else value_words(value, key, language)
+        words.append(language.text("argument", name=spoken_name(key, language), value=shown))
+    return language.listed(words)
+
+
+def order_words(sense: Sense, view: StatusView, language: Language) -> str:
+    """The order in words, with all that it does: `start the mission 'x' with alleys 4`."""
+    if sense.name == "start":
+        mission = next((each for each in view.missions if each.name == sense.mission), MissionView(sense.mission))
+        keys = {key.name: key for key in mission.arguments}
+        arguments = _argument_words(sense.arguments, keys, language)
+        form = "order_start_with" if arguments else "order_start"
+        return language.text(form, mission=spoken(sense.mission), arguments=arguments)
+    if sense.name == "answer":
+        arguments = _argument_words(sense.parameters, {}, language)
+        question = view.question.text if view.question is not None else ""
+        form = "order_answer_with" if arguments else "order_answer"
+        return language.text(form, option=spoken(sense.option), arguments=arguments, question=question)
+    return language.text(f"order_{sense.name}")
+
+
+def order_forms(view: StatusView, allowed: frozenset[str]) -> tuple[Mapping[str, Any], ...]:
+    """What a model may propose now, each a closed JSON Schema."""
+    forms = list[Mapping[str, Any]]()
+    for name in ("pause", "resume", "cancel", "stop"):
+        if name in allowed:
+            forms.append(_form({"order": {"const": name}}))
+    if "start" in allowed:
+        for mission in view.missions:
+            arguments = {key.name: {"type": JSON_TYPE.get(key.type, "object")} for key in mission.arguments}
+            fields = {"order": {"const": "start"}, "mission": {"const": mission.name}}
+            forms.append(
+                _form(fields, arguments={"type": "object", "properties": arguments, "additionalProperties": False})
+            )
+    if "answer" in allowed and view.question is not None:
+        for offer in view.question.options:
+            optional = {"parameters": dict(offer.parameters)} if offer.parameters else {}
+            forms.append(_form({"order": {"const": "answer"}, "option": {"const": offer.name}}, **optional))
+    return tuple(forms)
+
+
+def _form(fields: Mapping[str, Any], **optional: Any) -> Mapping[str, Any]:
+    properties = {**fields, **optional}
+    return {"type": "object", "properties": properties, "required": list(fields), "additionalProperties": False}
+
+
+def proposed(order: object, view: StatusView) -> Sense | None:
+    """The order that a model proposes; None where it is not exactly of the closed form.
+
+    Args:
+        order: Anything: it comes from outside.
+        view: The run at this moment.
+    """
+    if not isinstance(order, Mapping):
+        return None
+    name = order.get("order")
+    fields = {"start": {"mission", "arguments"}, "answer": {"option", "parameters"}}
+    if not isinstance(name, str) or name not in ORDERS or set(order) - {"order"} - fields.get(name, set()):
+        return None
+    if name == "start":
+        return _proposed_start(order, view)
+    if name == "answer":
+        return _proposed_answer(order, view)
+    return Sense("order", name)
+
+
+def _proposed_start(order: Mapping[str, Any], view: StatusView) -> Sense | None:
+    mission = next((each for each in view.missions if each.name == order.get("mission")), None)
+    values = order.get("arguments", {})
+    if mission is None or not isinstance(values, Mapping):
+        return None
+    keys = {key.name: key for key in mission.arguments}
+    if any(
+        name not in keys or value is None or type_error(_key_of(keys[name]), value) for name, value in values.items()
+    ):
+        return None
+    return Sense("order", "start", mission=mission.name, arguments=dict(values))
+
+
+def _proposed_answer(order: Mapping[str, Any], view: StatusView) -> Sense | None:
+    option, values = order.get("option"), order.get("parameters", {})
+    sense = Sense("order", "answer", option=option if isinstance(option, str) else "")
+    offer = _offered(sense, view)
+    if offer is None or not isinstance(values, Mapping):
+        return None
+    if (offer.parameters is None and values) or (
+        offer.parameters is not None and parameter_faults(offer.parameters, values)
+    ):
+        return None
+    return sense._replace(parameters=dict(values))

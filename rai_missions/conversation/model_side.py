@@ -1,0 +1,168 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Sentences that the rules do not know: a model is asked, and its text goes out labelled, sentence by sentence.
+
+Rule: a model's sentence about the robot or its work is replaced by the status; a model's order is read back.
+"""
+
+from __future__ import annotations
+
+from rai_missions.conversation.claims import Claims
+from rai_missions.conversation.inputs import ModelText, SpeechEnd, Utterance
+from rai_missions.conversation.judging import may, order_forms, proposed
+from rai_missions.conversation.model_turns import ModelTurn, ModelTurns, WaitingSentence
+from rai_missions.conversation.order_side import OrderSide
+from rai_missions.conversation.outputs import AskModel, DropModel
+from rai_missions.conversation.sentences import SentenceStream
+from rai_missions.conversation.speaking import Speaking
+from rai_missions.conversation.talk import Talk
+from rai_missions.plain_data import plain
+from rai_missions.redaction import cut
+
+__all__ = ("ModelSide",)
+
+LONGEST_NOTE = 500
+
+
+class ModelSide:
+    """Asks the model, and lets out of its reply what may be spoken.
+
+    Args:
+        talk: What the sides share.
+        speaking: Where texts go out.
+        orders: Where an order that a model proposes is judged.
+    """
+
+    def __init__(self, talk: Talk, speaking: Speaking, orders: OrderSide) -> None:
+        self._talk, self._speaking, self._orders = talk, speaking, orders
+        self._turns = ModelTurns(talk.settings)
+        self._claims = Claims(talk.settings.language)
+        self._spoken: dict[str, int] = {}
+        """Key of a speech → the request whose text it is."""
+
+    def ask(self, utterance: Utterance, number: int) -> None:
+        """A sentence that the rules do not know."""
+        if not self._talk.settings.has_model or not may(utterance.role, "ask", self._talk.settings):
+            self._do_not_know(utterance, number)
+            return
+        sentence = WaitingSentence(number, utterance)
+        if self._turns.turn is None:
+            self._begin(sentence)
+            return
+        is_interrupted, dropped = self._turns.late(sentence)
+        for each in dropped:
+            self._talk.note("dropped", number=each.number, policy=self._talk.settings.late)
+            if each.number == number:
+                self._speaking.reply("late_full", utterance, number, text=cut(utterance.text, 80))
+        if is_interrupted:
+            self._drop()
+            self._next()
+
+    def _do_not_know(self, utterance: Utterance, number: int) -> None:
+        text = self._talk.language.text("unknown")
+        self._speaking.speak(text, to=utterance.channel, reply_to=number, way="unknown")
+
+    def _begin(self, sentence: WaitingSentence) -> None:
+        talk, utterance = self._talk, sentence.utterance
+        turn = self._turns.begin(sentence, talk.now)
+        allowed = talk.settings.may.get(utterance.role, frozenset())
+        history = tuple(each for each in talk.turns if each.number < sentence.number)
+        talk.put(
+            AskModel(
+                turn.number, cut(utterance.text, 2_000), utterance.role, utterance.channel, utterance.author, history,
+                talk.answers.status(talk.view), order_forms(talk.view, frozenset(allowed)), talk.now, turn.until,
+            )
+        )  # fmt: skip
+        talk.note("asked_model", request=turn.number, number=sentence.number)
+        if utterance.is_spoken:
+            self._speaking.speak(
+                talk.language.text("filler"), to=utterance.channel, reply_to=sentence.number, priority="chatter"
+            )  # fmt: skip
+
+    # -- the reply -----------------------------------------------------------------------------------------------------
+
+    def on_text(self, reply: ModelText) -> None:
+        """A piece of a reply."""
+        turn = self._turns.take(reply.number)
+        if turn is None:
+            return
+        stream, whole = turn.stream.add(reply.text, is_end=reply.is_end)
+        self._turns.turn = turn = turn._replace(stream=stream)
+        for sentence in whole:
+            turn = self._let_out(sentence, turn)
+        if reply.order is not None and not turn.has_order:
+            turn = self._propose(reply.order, turn)
+        self._turns.turn = turn
+        if reply.is_end or reply.failed or turn.is_full:
+            self._end(turn, reply)
+
+    def _let_out(self, sentence: str, turn: ModelTurn) -> ModelTurn:
+        """A sentence goes out, or the status in its place, once a reply."""
+        if turn.is_full:
+            return turn
+        utterance, number, sentence = turn.sentence.utterance, turn.sentence.number, cut(sentence, LONGEST_NOTE)
+        self._talk.note("model_text", request=turn.number, text=sentence)
+        why = self._claims.why_replaced(sentence, self._talk.view)
+        if not why:
+            speech = self._speaking.speak(sentence, to=utterance.channel, reply_to=number, way="model")
+            self._spoken[speech.key] = turn.number
+            return turn._replace(spoken=turn.spoken + 1)
+        self._talk.note("replaced", request=turn.number, text=sentence, by=why)
+        if not turn.is_replaced:
+            status = self._talk.answers.status(self._talk.view)
+            self._speaking.speak(status, to=utterance.channel, reply_to=number)
+        return turn._replace(spoken=turn.spoken + 1, is_replaced=True)
+
+    def _propose(self, order: object, turn: ModelTurn) -> ModelTurn:
+        """An order that the model read in the person's sentence; it is judged as that person's."""
+        utterance, number = turn.sentence.utterance, turn.sentence.number
+        sense = proposed(order, self._talk.view)
+        if sense is None:
+            shown = cut(repr(plain(order)), LONGEST_NOTE)
+            self._talk.note("refused", number=number, order=shown, by="form")
+        else:
+            self._orders.take(sense, utterance, number, mapper="model")
+        return turn._replace(has_order=True)
+
+    def _end(self, turn: ModelTurn, reply: ModelText) -> None:
+        if reply.failed:
+            self._talk.note("dropped", request=turn.number, failed=cut(reply.failed, LONGEST_NOTE))
+        if not reply.is_end:
+            self._talk.put(DropModel(turn.number))
+        if not turn.spoken and not turn.has_order:
+            self._do_not_know(turn.sentence.utterance, turn.sentence.number)
+        self._turns.turn = None
+        self._next()
+
+    def _next(self) -> None:
+        if self._turns.waiting and self._turns.turn is None:
+            self._begin(self._turns.waiting.popleft())
+
+    def _drop(self) -> None:
+        if self._turns.turn is not None:
+            self._talk.put(DropModel(self._turns.turn.number))
+            self._turns.turn = None
+
+    def drop_all(self) -> None:
+        """After a stop: neither the reply nor what waits is wanted."""
+        for each in self._turns.waiting:
+            self._talk.note("dropped", number=each.number, policy="stop")
+        self._turns.waiting.clear()
+        self._drop()
+
+    def on_speech_end(self, end: SpeechEnd) -> None:
+        """A person who interrupts the model's text does not want the rest of it."""
+        request = self._spoken.pop(end.key, None)
+        turn = self._turns.turn
+        if end.result == "cut" and turn is not None and turn.number == request:
+            self._drop()
+            self._next()
+
+    def on_time(self) -> None:
+        """A reply that did not come in time is not waited for."""
+        turn = self._turns.turn
+        if turn is not None and self._talk.now >= turn.until:
+            self._end(turn._replace(stream=SentenceStream()), ModelText(turn.number, failed="no reply in time"))
+
+    def wake_at(self) -> float | None:
+        """When the reply is not waited for any longer."""
+        return None if self._turns.turn is None else self._turns.turn.until

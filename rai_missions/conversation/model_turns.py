@@ -1,0 +1,88 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The model's turns: which sentence it answers, which wait, and what becomes of those that come meanwhile.
+
+Rule: nothing else waits for a model: rules answer at once, and a model that hangs costs its own reply.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from typing import NamedTuple
+
+from rai_missions.conversation.inputs import Utterance
+from rai_missions.conversation.sentences import SentenceStream
+from rai_missions.conversation.settings import Settings
+
+__all__ = ("ModelTurn", "ModelTurns", "WaitingSentence")
+
+MOST_SENTENCES = 12
+"""Sentences of one reply; what follows is dropped."""
+
+
+class WaitingSentence(NamedTuple):
+    """A sentence for the model."""
+
+    number: int
+    """Of the turn, as in `TalkTurn.number`."""
+    utterance: Utterance
+
+
+class ModelTurn(NamedTuple):
+    """A reply that is expected."""
+
+    number: int
+    """Of the `AskModel`."""
+    sentence: WaitingSentence
+    until: float
+    stream: SentenceStream = SentenceStream()
+    spoken: int = 0
+    """Sentences that went out or were replaced."""
+    is_replaced: bool = False
+    """The status was put in the place of a claim already."""
+    has_order: bool = False
+
+    @property
+    def is_full(self) -> bool:
+        return self.spoken >= MOST_SENTENCES
+
+
+class ModelTurns:
+    """The reply that is expected, and the sentences that wait.
+
+    Args:
+        settings: The policy for sentences that come while the model answers.
+    """
+
+    def __init__(self, settings: Settings) -> None:
+        self._settings = settings
+        self._number = 0
+        self.turn: ModelTurn | None = None
+        self.waiting: deque[WaitingSentence] = deque()
+
+    def begin(self, sentence: WaitingSentence, at: float) -> ModelTurn:
+        """A request begins."""
+        self._number += 1
+        self.turn = ModelTurn(self._number, sentence, at + self._settings.model_s)
+        return self.turn
+
+    def late(self, sentence: WaitingSentence) -> tuple[bool, list[WaitingSentence]]:
+        """A sentence that comes while the model answers.
+
+        Returns:
+            Whether the present reply is to be dropped for it, and the sentences that are dropped.
+        """
+        if self._settings.late == "interrupt":
+            dropped = [*([self.turn.sentence] if self.turn else []), *self.waiting]
+            self.waiting = deque([sentence])
+            return True, dropped
+        if self._settings.late == "keep_last":
+            dropped, self.waiting = list(self.waiting), deque([sentence])
+            return False, dropped
+        if len(self.waiting) >= self._settings.most_late:
+            return False, [sentence]
+        self.waiting.append(sentence)
+        return False, []
+
+    def take(self, number: int) -> ModelTurn | None:
+        """The reply of this number, if it is the one that is expected."""
+        return self.turn if self.turn is not None and self.turn.number == number else None

@@ -1,0 +1,121 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What the words of a sentence name: a key or its field, a mission, an option that is offered."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from typing import NamedTuple
+
+from rai_missions.conversation.language import Language, spoken
+from rai_missions.conversation.numbers import ordinal
+from rai_missions.conversation.view import KeyView, MissionView, StatusView
+from rai_missions.engine.decision import Offer
+
+__all__ = ("NamedOption", "key_named", "missions_named", "option_named", "option_place", "unit_of")
+
+SHORTEST = 4
+"""Letters of a word that alone may mean a key by its `about`."""
+
+
+def unit_of(name: str, units: Mapping[str, str]) -> tuple[str, str]:
+    """A name without its unit, as it is spoken, and the unit: `height_m` is `height` in `m`."""
+    parts = name.split("_")
+    for count in (2, 1):
+        unit = units.get("_".join(parts[-count:]))
+        if len(parts) > count and unit is not None:
+            return spoken("_".join(parts[:-count])), unit
+    return spoken(name), ""
+
+
+def _bare(words: Iterable[str], language: Language) -> list[str]:
+    return [word for word in words if word not in language.data["articles"]]
+
+
+def _alike(words: Sequence[str], others: Sequence[str]) -> bool:
+    """Equal but for a plural's last letter."""
+    return [word.removesuffix("s") for word in words] == [word.removesuffix("s") for word in others]
+
+
+def _names(key: KeyView, units: Mapping[str, str]) -> Iterator[tuple[str, list[str]]]:
+    """Each path of a key, with its words."""
+    own = unit_of(key.name, units)[0].split()
+    yield key.name, own
+    yield key.name, spoken(key.name).split()
+    for name in key.fields:
+        field = unit_of(name, units)[0].split()
+        yield f"{key.name}.{name}", [*own, *field]
+        yield f"{key.name}.{name}", [*field, *own]
+
+
+def key_named(words: Sequence[str], view: StatusView, language: Language, *, strict: bool = False) -> str:
+    """The path of the key that the words name; empty where they name none, or several.
+
+    Args:
+        words: Of the sentence's slot.
+        view: The run.
+        language: Whose articles, units and aliases count.
+        strict: Only its name counts, not the words of its `about`.
+    """
+    bare = _bare(words, language)
+    alias = language.data["aliases"].get(" ".join(bare))
+    units = language.data["units"]
+    for path, names in (each for key in view.keys.values() for each in _names(key, units)):
+        if names and (_alike(bare, names) or path == alias):
+            return path
+    if strict or not any(len(word) >= SHORTEST for word in bare):
+        return ""
+    within = {path for key in view.keys.values() for path, names in _names(key, units) if set(bare) <= set(names)}
+    by_name = {path.partition(".")[0] for path in within}
+    if len(by_name) == 1:
+        return min(within, key=len)
+    about = [key.name for key in view.keys.values() if set(bare) <= set(language.normaliser.words(key.about))]
+    return about[0] if not within and len(about) == 1 else ""
+
+
+def missions_named(words: Sequence[str], view: StatusView, language: Language) -> list[MissionView]:
+    """The missions that the words name: one by its whole name, else each whose name has all of the words."""
+    bare = [word for word in _bare(words, language) if word != language.data["mission_word"]]
+    whole = [each for each in view.missions if spoken(each.name).split() == bare]
+    return whole or [each for each in view.missions if bare and set(bare) <= set(spoken(each.name).split())]
+
+
+class NamedOption(NamedTuple):
+    """An option that was named."""
+
+    offer: Offer
+    is_partial: bool
+    """Only some of its words were used."""
+
+
+def option_named(words: Sequence[str], options: Sequence[Offer], language: Language) -> NamedOption | None:
+    """The option that the words name: by number, name, its `about`, or some of its words where no other has them."""
+    bare = _bare(words, language)
+    for offer in options:
+        if bare and any(bare == _bare(each, language) for each in _ways(offer, language)):
+            return NamedOption(offer, is_partial=False)
+    place = ordinal(bare or list(words), language.data)
+    if place is not None:
+        place = len(options) if place == -1 else place
+        return NamedOption(options[place - 1], is_partial=False) if 1 <= place <= len(options) else None
+    if not any(len(word) >= SHORTEST for word in bare):
+        return None
+    having = [offer for offer in options if set(bare) <= _every_word(offer, language)]
+    return NamedOption(having[0], is_partial=True) if len(having) == 1 else None
+
+
+def option_place(name: str, options: Sequence[Offer]) -> int:
+    """The number by which an option is offered, from 1; 0 where it is not."""
+    return next((number for number, offer in enumerate(options, start=1) if offer.name == name), 0)
+
+
+def _ways(offer: Offer, language: Language) -> Iterator[list[str]]:
+    words = language.normaliser.words
+    yield spoken(offer.name).split()
+    if offer.about:
+        yield words(offer.about)
+        for mark in ",;:":
+            yield words(offer.about.partition(mark)[0])
+
+
+def _every_word(offer: Offer, language: Language) -> set[str]:
+    return {*spoken(offer.name).split(), *language.normaliser.words(offer.about)}

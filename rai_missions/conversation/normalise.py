@@ -1,0 +1,101 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A sentence as the grammar reads it: one case, no punctuation, contractions written out, politeness removed."""
+
+from __future__ import annotations
+
+import re
+import unicodedata
+from collections.abc import Iterable, Iterator, Mapping
+from typing import Any
+
+from rai_missions.redaction import cut
+
+__all__ = ("LONGEST", "Normaliser", "is_near", "once", "readable")
+
+LONGEST = 2_000
+"""Characters of a sentence that are read; no order is longer."""
+QUOTES = re.compile(r"[\"“”„«»]")
+SENTENCES = re.compile(r"(?<=[.!?;])\s+")
+TOKEN = re.compile(r"\d+(?:st|nd|rd|th)\b|-?\d+(?:[.,]\d+)*|[^\W\d_]+(?:'[^\W\d_]+)*|[^\W_]+")
+
+
+def readable(text: str) -> str:
+    """The text in one Unicode form, without characters that are not shown, apostrophes alike, cut to `LONGEST`."""
+    text = unicodedata.normalize("NFKC", cut(text, LONGEST))
+    text = "".join(each for each in text if unicodedata.category(each) not in ("Cf", "Cs", "Co") or each == "\n")
+    return re.sub(r"[’‘ʼ`´]", "'", text)
+
+
+def is_near(one: str, other: str) -> bool:
+    """Whether two words differ by one letter at most: one too many, one missing, one wrong, or two exchanged."""
+    if abs(len(one) - len(other)) > 1 or one == other:
+        return one == other
+    if len(one) > len(other):
+        one, other = other, one
+    at = next((index for index, (a, b) in enumerate(zip(one, other, strict=False)) if a != b), len(one))
+    if len(one) < len(other):
+        return one[at:] == other[at + 1 :]
+    is_exchanged = one[at : at + 2] == other[at : at + 2][::-1] and one[at + 2 :] == other[at + 2 :]
+    return one[at + 1 :] == other[at + 1 :] or is_exchanged
+
+
+class Normaliser:
+    """Reads sentences of one language.
+
+    Args:
+        data: The language's file.
+    """
+
+    def __init__(self, data: Mapping[str, Any]) -> None:
+        self._contractions: Mapping[str, str] = data["contractions"]
+        self._fillers = frozenset(data["fillers"])
+        self._lead = _by_length(data["lead"])
+        self._tail = _by_length(data["tail"])
+        self._reporting = frozenset(data["reporting"])
+
+    def words(self, text: str) -> list[str]:
+        """The words and numbers of a sentence, in lower case, contractions written out."""
+        found = list[str]()
+        for token in TOKEN.findall(readable(text).lower()):
+            found += self._contractions.get(token, token).split()
+        return found
+
+    def bare(self, words: list[str], names: Iterable[str] = ()) -> list[str]:
+        """The words without politeness, address and fillers.
+
+        Args:
+            words: Of one sentence.
+            names: How the robot is called; each may come first or last.
+        """
+        called = [name.lower().split() for name in names if name.strip()]
+        words = [word for word in words if word not in self._fillers]
+        lead, tail = [*called, *self._lead], [*called, *self._tail]
+        shorter = True
+        while shorter and words:
+            shorter = False
+            for each in lead:
+                if len(words) > len(each) and words[: len(each)] == each:
+                    words, shorter = words[len(each) :], True
+            for each in tail:
+                if len(words) > len(each) and words[-len(each) :] == each:
+                    words, shorter = words[: -len(each)], True
+        return words
+
+    def parts(self, text: str) -> list[str]:
+        """The sentences of an utterance; one alone where it quotes or reports the words of others."""
+        if QUOTES.search(text) or self._reporting & set(self.words(text)):
+            return [text]
+        return [each for each in SENTENCES.split(text.strip()) if each]
+
+
+def _by_length(given: Iterable[str]) -> list[list[str]]:
+    return sorted((each.split() for each in given), key=len, reverse=True)
+
+
+def once(words: list[str]) -> Iterator[str]:
+    """The words without immediate repetitions: `stop stop stop` is `stop`."""
+    last = ""
+    for word in words:
+        if word != last:
+            yield word
+        last = word

@@ -1,0 +1,92 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Numbers in words and digits: `twenty five`, `three point five`, `minus two`, `2.5`; in German `fünfundzwanzig`."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+__all__ = ("number", "ordinal")
+
+DIGITS = re.compile(r"-?\d{1,15}(?:[.,]\d{1,9})?")
+
+
+def number(words: Sequence[str], data: Mapping[str, Any]) -> int | float | None:
+    """The number that the words are as a whole; None where they are none.
+
+    Args:
+        words: In lower case.
+        data: The language's file.
+    """
+    if not words:
+        return None
+    if words[0] == data["minus"]:
+        rest = number(words[1:], data)
+        return None if rest is None else -rest
+    if len(words) == 1 and DIGITS.fullmatch(words[0]):
+        return _digits(words[0], data["decimal"])
+    if data["point"] in words:
+        return _with_decimals(words, data)
+    return _whole(words, data)
+
+
+def _digits(text: str, decimal: str) -> int | float | None:
+    sign = next((each for each in text if each in ".,"), "")
+    if not sign:
+        return int(text)
+    is_grouped = sign != decimal and re.fullmatch(r"-?\d{1,3}[.,]\d{3}", text) is not None
+    value = float(text.replace(sign, "" if is_grouped else "."))
+    return int(value) if is_grouped else value if math.isfinite(value) else None
+
+
+def _with_decimals(words: Sequence[str], data: Mapping[str, Any]) -> float | None:
+    at = list(words).index(data["point"])
+    whole = number(words[:at], data)
+    decimals = [number([word], data) for word in words[at + 1 :]]
+    if (
+        not isinstance(whole, int)
+        or not decimals
+        or not all(isinstance(each, int) and 0 <= each < 10 for each in decimals)
+    ):
+        return None
+    return float(f"{whole}." + "".join(str(each) for each in decimals))
+
+
+def _whole(words: Sequence[str], data: Mapping[str, Any]) -> int | None:
+    numbers, factors, joint = data["numbers"], data["hundred"], data["number_joint"]
+    total, part, used = 0, 0, False
+    for word in words:
+        values = [numbers.get(word)] if word in numbers else _compound(word, numbers, joint)
+        if word in factors and used:
+            part = max(part, 1) * factors[word]
+            if factors[word] == 1000:
+                total, part = total + part, 0
+        elif word in factors:
+            part, used = factors[word], True
+        elif word == joint and used:
+            continue
+        elif values[0] is not None and (part % 10 == 0) and (part == 0 or values[0] < 10 or part >= 100):
+            part, used = part + values[0], True
+        else:
+            return None
+    return total + part if used else None
+
+
+def _compound(word: str, numbers: Mapping[str, int], joint: str) -> list[int | None]:
+    """`fünfundzwanzig` is one word."""
+    for tens, value in numbers.items():
+        ones = word.removesuffix(joint + tens)
+        if value >= 20 and ones != word and (ones in numbers or ones == "ein"):
+            return [value + numbers.get(ones, 1)]
+    return [None]
+
+
+def ordinal(words: Sequence[str], data: Mapping[str, Any]) -> int | None:
+    """`second`, `2nd`, `two` or `2` is 2; `last` is −1."""
+    if len(words) == 1 and words[0] in data["ordinals"]:
+        found: int = data["ordinals"][words[0]]
+        return found
+    value = number(words, data)
+    return value if isinstance(value, int) else None

@@ -1,0 +1,411 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Sentences that the rules understand: orders, confirmations and questions of state.
+
+Rule: this is the only place that gives out an `Order`; whatever leads to one passes `_take` or `_confirm`.
+"""
+
+from __future__ import annotations
+
+from collections import defaultdict, deque
+from collections.abc import Sequence
+from typing import Literal, NamedTuple
+
+from rai_missions.conversation.confirmation import Confirmable
+from rai_missions.conversation.grammar import STOP, Grammar
+from rai_missions.conversation.inputs import OrderEnd, SpeechEnd, Utterance
+from rai_missions.conversation.judging import (
+    TWO_NEEDED,
+    binding,
+    is_request,
+    may,
+    must_confirm,
+    order_words,
+    why_not_now,
+    why_not_permitted,
+)
+from rai_missions.conversation.language import spoken
+from rai_missions.conversation.named import option_place
+from rai_missions.conversation.outputs import Mapper, Order
+from rai_missions.conversation.senses import Sense
+from rai_missions.conversation.settings import ORDERS
+from rai_missions.conversation.speaking import Speaking
+from rai_missions.conversation.state_answers import Asker, is_alive
+from rai_missions.conversation.talk import Talk
+from rai_missions.conversation.view import StatusView
+from rai_missions.redaction import cut
+
+__all__ = ("Handling", "OrderSide")
+
+Handling = Literal["handled", "stopped", "unknown"]
+"""What became of a sentence: rules answered it, it stopped the run, or the rules do not know it."""
+REMEMBERED = 10
+"""Orders of one speaker that it can ask about; speakers and orders under way that are remembered."""
+STARTING_S = 30.0
+"""Seconds that an ordered start may take until the run is seen; then the next request is possible."""
+LONGEST_REASON = 200
+
+
+class Judged(NamedTuple):
+    """An order that may count, and where it comes from."""
+
+    sense: Sense
+    utterance: Utterance
+    number: int
+    """Of the sentence's turn."""
+    mapper: Mapper
+    words: str
+    """The order in words."""
+    confirmed: str = ""
+
+
+class OrderSide:
+    """Reads sentences by the grammar, judges orders, and keeps what waits for a confirmation or for its turn.
+
+    Args:
+        talk: What the sides share.
+        speaking: Where texts go out.
+    """
+
+    def __init__(self, talk: Talk, speaking: Speaking) -> None:
+        self._talk, self._speaking = talk, speaking
+        self._grammar = Grammar(talk.language)
+        self._count = 0
+        self._pending: Confirmable | None = None
+        self._requests: deque[Judged] = deque()
+        self._under_way: dict[int, Judged] = {}
+        self._ordered: dict[tuple[str, str], deque[str]] = defaultdict(lambda: deque(maxlen=REMEMBERED))
+        self._ended_run: str | None = talk.view.run if talk.view.mode and not is_alive(talk.view) else None
+        self._starting_until = float("-inf")
+
+    # -- sentences -----------------------------------------------------------------------------------------------------
+
+    def on_utterance(self, utterance: Utterance, number: int) -> Handling:
+        """A person's sentence."""
+        readings = utterance.readings or (utterance.text,)
+        each = [self._grammar.senses(cut(text, 10_000), self._talk.view) for text in readings]
+        if any(STOP in senses for senses in each):
+            return self._stop(utterance, number)
+        self._speaking.speak_due(now=True)
+        senses = each[0]
+        if any(sense.kind in ("yes", "no") for sense in senses) and self._pending is not None:
+            meant = next(sense.kind for sense in senses if sense.kind in ("yes", "no"))
+            agreeing = sum(any(sense.kind == meant for sense in others) for others in each)
+            self._decide(utterance, number, is_yes=meant == "yes", agreeing=agreeing)
+            return "handled"
+        senses = tuple(sense for sense in senses if sense.kind not in ("yes", "no")) or senses
+        if not senses:
+            return "unknown"
+        if senses[0].kind in ("yes", "no"):
+            return self._answer_nothing(utterance, number)
+        sense = self._chosen(senses, utterance, number)
+        if sense is not None:
+            agreeing = sum(any(sense.identity == other.identity for other in others) for others in each)
+            self._handle(sense, utterance, number, agreeing if utterance.is_spoken else None)
+        return "handled"
+
+    def _answer_nothing(self, utterance: Utterance, number: int) -> Handling:
+        if self._talk.settings.has_model:
+            return "unknown"
+        self._speaking.reply("nothing_to_confirm", utterance, number)
+        return "handled"
+
+    def _chosen(self, senses: Sequence[Sense], utterance: Utterance, number: int) -> Sense | None:
+        """The one sense that is meant; None where the person must decide, and is asked."""
+        view, language, settings = self._talk.view, self._talk.language, self._talk.settings
+        if len(senses) == 1:
+            return senses[0]
+        possible = [
+            sense
+            for sense in senses
+            if sense.kind == "order" and may(utterance.role, sense.name, settings)  # type: ignore[arg-type]
+            and (not why_not_now(sense, view, language) or is_request(sense, view))
+        ]  # fmt: skip
+        if len(possible) < 2:
+            return possible[0] if possible else senses[0]
+        choices = language.listed([self._choice(sense) for sense in possible], "or")
+        self._speaking.reply("ambiguous", utterance, number, choices=choices)
+        return None
+
+    def _choice(self, sense: Sense) -> str:
+        language, question = self._talk.language, self._talk.view.question
+        if sense.name != "answer" or question is None:
+            return language.text("choice_order", order=language.word("order_names", sense.name))
+        return language.text(
+            "choice_option", number=option_place(sense.option, question.options), option=spoken(sense.option)
+        )
+
+    def _handle(self, sense: Sense, utterance: Utterance, number: int, agreeing: int | None) -> None:
+        if sense.kind == "quiet":
+            self._speaking.silence(is_total=False)
+        elif sense.kind == "question":
+            self._answer(sense, utterance, number)
+        elif not may(utterance.role, sense.name, self._talk.settings):  # type: ignore[arg-type]
+            self._refuse_permission(sense.name, utterance, number)
+        elif sense.kind == "fault":
+            self._talk.note("refused", number=number, order=sense.name, why=sense.fault, by="grammar")
+            self._speaking.speak(sense.fault, to=utterance.channel, reply_to=number)
+        else:
+            self.take(sense, utterance, number, mapper="grammar", agreeing=agreeing)
+
+    def _answer(self, sense: Sense, utterance: Utterance, number: int) -> None:
+        if not may(utterance.role, "ask", self._talk.settings):
+            self._refuse_ask(utterance, number)
+            return
+        text = self._talk.answers.answer(sense, self._talk.view, self._asker(utterance))
+        self._speaking.speak(text, to=utterance.channel, reply_to=number)
+
+    def _refuse_ask(self, utterance: Utterance, number: int) -> None:
+        channel = self._talk.language.word("channels", utterance.channel)
+        self._talk.note("refused", number=number, order="ask", role=utterance.role, by="role")
+        self._speaking.reply("ask_not_permitted", utterance, number, channel=channel)
+
+    def _refuse_permission(self, order: str, utterance: Utterance, number: int) -> None:
+        language, settings = self._talk.language, self._talk.settings
+        why = why_not_permitted(order, utterance.role, utterance.channel, settings, language)
+        self._talk.note("refused", number=number, order=order, role=utterance.role, by="role")
+        self._speaking.speak(why, to=utterance.channel, reply_to=number)
+
+    def _asker(self, utterance: Utterance) -> Asker:
+        language, settings = self._talk.language, self._talk.settings
+        names = tuple(language.word("order_names", each) for each in ORDERS if may(utterance.role, each, settings))
+        ordered = tuple(self._ordered.get(utterance.speaker, ()))
+        return Asker(ordered, tuple(each.words for each in self._requests), names)
+
+    # -- orders --------------------------------------------------------------------------------------------------------
+
+    def _stop(self, utterance: Utterance, number: int) -> Handling:
+        if not may(utterance.role, "stop", self._talk.settings):
+            self._refuse_permission("stop", utterance, number)
+            return "handled"
+        language, view = self._talk.language, self._talk.view
+        self._put(Judged(STOP, utterance, number, "grammar", language.text("order_stop")))
+        self._speaking.silence(is_total=True)
+        if self._pending is not None:
+            self._void("stop")
+        text = language.text("done_stop" if is_alive(view) else "stop_no_run")
+        if is_alive(view) and may(utterance.role, "resume", self._talk.settings):
+            text = f"{text} {language.text('stop_more')}"
+        self._speaking.speak(text, to=utterance.channel, reply_to=number)
+        self._drop_requests("requests_stopped")
+        return "stopped"
+
+    def take(
+        self, sense: Sense, utterance: Utterance, number: int, *, mapper: Mapper, agreeing: int | None = None
+    ) -> None:
+        """Judge an order that a sentence was read as; it is given out, read back, queued or refused.
+
+        Args:
+            sense: The order.
+            utterance: The sentence.
+            number: Of its turn.
+            mapper: What read it.
+            agreeing: Of a spoken one that the grammar read, how many recognisers agree.
+        """
+        view, language, settings = self._talk.view, self._talk.language, self._talk.settings
+        if not may(utterance.role, sense.name, settings):  # type: ignore[arg-type]
+            self._refuse_permission(sense.name, utterance, number)
+            return
+        words = order_words(sense, view, language)
+        judged = Judged(sense, utterance, number, mapper, words)
+        self._talk.note("mapped", number=number, order=_data(sense), mapper=mapper)
+        if self._is_impossible(judged):
+            return
+        if sense.name in TWO_NEEDED and agreeing is not None and agreeing < 2:
+            self._talk.note("refused", number=number, order=sense.name, by="recognisers")
+            self._speaking.reply("two_needed", utterance, number, order=words)
+        elif must_confirm(sense, view, mapper=mapper, agreeing=agreeing):
+            self._read_back(judged)
+        else:
+            self._settle(judged)
+
+    def _is_request(self, sense: Sense) -> bool:
+        is_starting = sense.name == "start" and self._talk.now < self._starting_until
+        return is_starting or is_request(sense, self._talk.view)
+
+    def _is_impossible(self, judged: Judged) -> bool:
+        """Whether the order is refused, because it is not possible now; the person is informed."""
+        sense, settings = judged.sense, self._talk.settings
+        if self._is_request(sense):
+            form = "request_refused" if settings.requests == "refuse" else ""
+            form = form or ("queue_full" if len(self._requests) >= settings.most_requests else "")
+            if form:
+                self._refuse(judged, form, count=len(self._requests), order=judged.words)
+            return bool(form)
+        why = why_not_now(sense, self._talk.view, self._talk.language)
+        if why:
+            self._refuse(judged, "not_now", why=why.rstrip("."))
+        return bool(why)
+
+    def _refuse(self, judged: Judged, form: str, **values: object) -> None:
+        self._talk.note("refused", number=judged.number, order=judged.sense.name, by=form)
+        self._speaking.reply(form, judged.utterance, judged.number, **values)
+
+    def _settle(self, judged: Judged) -> None:
+        """The order counts: it is given out, or waits for the end of the mission."""
+        if self._is_request(judged.sense):
+            self._requests.append(judged)
+            place = len(self._requests)
+            self._talk.note("queued", number=judged.number, order=_data(judged.sense), place=place)
+            self._speaking.reply(
+                "queued_request", judged.utterance, judged.number, number=place, order=judged.words
+            )  # fmt: skip
+            return
+        self._put(judged)
+        sense = judged.sense
+        values = {"mission": spoken(sense.mission), "option": spoken(sense.option)}
+        self._speaking.reply(f"done_{sense.name}", judged.utterance, judged.number, **values)
+
+    def _put(self, judged: Judged) -> None:
+        """Give the order out."""
+        self._count += 1
+        sense, utterance, question = judged.sense, judged.utterance, self._talk.view.question
+        if sense.name == "start":
+            self._starting_until = self._talk.now + STARTING_S
+        self._under_way[self._count] = judged
+        for old in list(self._under_way)[:-REMEMBERED]:
+            del self._under_way[old]
+        self._ordered[utterance.speaker].append(judged.words)
+        for old_speaker in list(self._ordered)[: -REMEMBERED * 10]:
+            del self._ordered[old_speaker]
+        asked = question.number if question is not None and sense.name == "answer" else 0
+        self._talk.note(
+            "ordered", order_number=self._count, number=judged.number, order=_data(sense), role=utterance.role,
+            mapper=judged.mapper, confirmed=judged.confirmed,
+        )  # fmt: skip
+        self._talk.put(
+            Order(
+                self._count, sense.name, utterance.role, utterance.channel, utterance.author, sense.mission,  # type: ignore[arg-type]
+                dict(sense.arguments), asked, sense.option, dict(sense.parameters), judged.mapper,
+                cut(utterance.text, 2_000), judged.confirmed, self._talk.now,
+            )
+        )  # fmt: skip
+
+    # -- confirmations -------------------------------------------------------------------------------------------------
+
+    def _read_back(self, judged: Judged) -> None:
+        if self._pending is not None:
+            self._void("replaced")
+        form = "read_back_model" if judged.mapper == "model" else "read_back"
+        speech = self._speaking.reply(form, judged.utterance, judged.number, order=judged.words)
+        self._pending = Confirmable(
+            judged.sense, judged.utterance, judged.mapper, judged.words, binding(judged.sense, self._talk.view),
+            self._talk.now + self._talk.settings.confirm_s, speech.key,
+        )  # fmt: skip
+        self._talk.note("read_back", number=judged.number, order=_data(judged.sense), mapper=judged.mapper)
+
+    def _void(self, by: Literal["time", "changed", "replaced", "stop", "unspoken"]) -> None:
+        """What was read back does not count any more; the person is informed where that is not obvious."""
+        pending, self._pending = self._pending, None
+        if pending is None:
+            return
+        self._talk.note("void", order=_data(pending.sense), by=by)
+        if by in ("time", "changed", "replaced"):
+            self._speaking.reply(f"void_{by}", pending.utterance, 0, order=pending.words)
+
+    def _decide(self, utterance: Utterance, number: int, *, is_yes: bool, agreeing: int) -> None:
+        """A yes or a no to what was read back."""
+        pending = self._pending
+        if pending is None:
+            return
+        if not may(utterance.role, pending.sense.name, self._talk.settings):  # type: ignore[arg-type]
+            role = self._talk.language.word("roles", utterance.role)
+            self._talk.note("refused", number=number, order="confirm", role=utterance.role, by="role")
+            self._speaking.reply("not_yours", utterance, number, role=role[:1].upper() + role[1:])
+        elif not is_yes:
+            self._pending = None
+            self._talk.note("void", order=_data(pending.sense), by="no", number=number)
+            self._speaking.reply("dropped", utterance, number)
+        elif utterance.is_spoken and agreeing < 2:
+            self._talk.note("refused", number=number, order="confirm", by="recognisers")
+            self._speaking.reply("two_needed", utterance, number, order=pending.words)
+        else:
+            self._confirm(pending, utterance, number)
+
+    def _confirm(self, pending: Confirmable, utterance: Utterance, number: int) -> None:
+        self._pending = None
+        self._talk.note("confirmed", number=number, order=_data(pending.sense), sentence=cut(utterance.text, 2_000))
+        confirmed = cut(utterance.text, 2_000)
+        judged = Judged(pending.sense, pending.utterance, number, pending.mapper, pending.words, confirmed)
+        if not self._is_impossible(judged):
+            self._settle(judged)
+
+    # -- what happens to the run ---------------------------------------------------------------------------------------
+
+    def follow(self, before: StatusView) -> None:
+        """The run's status is new: what was read back may be void, and a request's turn may have come."""
+        view = self._talk.view
+        if self._pending is not None and binding(self._pending.sense, view) != self._pending.binding:
+            self._void("changed")
+        if is_alive(view) and view.run != before.run:
+            self._starting_until = float("-inf")
+        if view.mode and not is_alive(view) and view.run != self._ended_run:
+            self._ended_run = view.run
+            self._starting_until = float("-inf")
+            self._next_request()
+
+    def _next_request(self) -> None:
+        """The mission has ended: the oldest request begins where it succeeded, else all are dropped."""
+        if not self._requests:
+            return
+        if self._talk.view.mode != "succeeded":
+            self._drop_requests("requests_dropped")
+            return
+        request = self._requests.popleft()
+        permitted = may(request.utterance.role, "start", self._talk.settings)
+        if not permitted or why_not_now(request.sense, self._talk.view, self._talk.language):
+            self._talk.note("dropped", order=_data(request.sense))
+            self._speaking.reply("request_impossible", request.utterance, 0, order=request.words)
+            return
+        self._speaking.speak(self._talk.language.text("request_begins", order=request.words), priority="question")
+        self._put(request)
+
+    def _drop_requests(self, form: str) -> None:
+        if not self._requests:
+            return
+        view, language = self._talk.view, self._talk.language
+        requests = language.listed([each.words for each in self._requests])
+        for each in self._requests:
+            self._talk.note("dropped", order=_data(each.sense))
+        self._requests.clear()
+        values = {"mission": spoken(view.mission), "mode": language.word("modes", view.mode), "requests": requests}
+        self._speaking.speak(language.text(form, **values), priority="question")
+
+    def on_order_end(self, end: OrderEnd) -> None:
+        """What became of an order; a refusal is reported."""
+        judged = self._under_way.pop(end.number, None)
+        if judged is None:
+            return
+        why = cut(end.refused, LONGEST_REASON)
+        self._talk.note("performed", order_number=end.number, order=judged.sense.name, refused=why)
+        if why and judged.sense.name == "start":
+            self._starting_until = float("-inf")
+        if why:
+            self._speaking.reply("refused", judged.utterance, 0, order=judged.words, why=why.rstrip("."))
+
+    def on_speech_end(self, end: SpeechEnd) -> None:
+        """The time to confirm counts from the end of the reading back; what was not spoken cannot be confirmed."""
+        pending = self._pending
+        if pending is None or pending.key != end.key:
+            return
+        if end.result == "failed" and pending.utterance.is_spoken:
+            self._void("unspoken")
+        else:
+            self._pending = pending._replace(until=self._talk.now + self._talk.settings.confirm_s)
+
+    def on_time(self) -> None:
+        """A confirmation that was not given in time is void."""
+        if self._pending is not None and self._talk.now >= self._pending.until:
+            self._void("time")
+
+    def wake_at(self) -> float | None:
+        """When a confirmation expires."""
+        return None if self._pending is None else self._pending.until
+
+
+def _data(sense: Sense) -> dict[str, object]:
+    """An order as the journal has it."""
+    data = {
+        "order": sense.name, "mission": sense.mission, "arguments": dict(sense.arguments), "option": sense.option,
+        "parameters": dict(sense.parameters),
+    }  # fmt: skip
+    return {name: value for name, value in data.items() if value}

@@ -1,0 +1,80 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Phrases of a grammar as data, compiled: `(start|begin) [the] {mission}`.
+
+`(a|b)` is one of several, `[a|b]` may be left out, `{slot}` is one or more words, `*` too, `<part>` a list of the file.
+Rule: a phrase matches a whole sentence or nothing.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Iterator, Mapping
+
+from rai_missions.errors import UsageError
+
+__all__ = ("Phrases",)
+
+ATOM = re.compile(r"[()\[\]|*]|\{(\w+)\}|<(\w+)>|[^\s()\[\]|{}<>*]+")
+WORDS = r"(?:\S+ )+?"
+
+
+def _compiled(phrase: str, parts: Mapping[str, str]) -> str:
+    """The regular expression of a phrase, over words that each end with a space.
+
+    Raises:
+        UsageError: The phrase is not closed, or names a part that does not exist.
+    """
+    made = list[str]()
+    for atom in ATOM.finditer(phrase):
+        text = atom.group()
+        if atom.group(1):
+            made.append(f"(?P<{atom.group(1)}>{WORDS})")
+        elif atom.group(2):
+            if atom.group(2) not in parts:
+                raise UsageError(f"the phrase '{phrase}' names no part: '{text}'; there is: {', '.join(parts)}")
+            made.append(f"(?:{_compiled(parts[atom.group(2)], parts)})")
+        else:
+            made.append(_SIGNS.get(text) or f"{re.escape(text)} ")
+    try:
+        re.compile("".join(made))
+    except re.error as error:
+        raise UsageError(f"the phrase '{phrase}' is not closed: {error}") from None
+    return "".join(made)
+
+
+_SIGNS = {"(": "(?:", ")": ")", "[": "(?:", "]": ")?", "|": "|", "*": WORDS}
+
+
+class Phrases:
+    """Several phrases of one sense.
+
+    Args:
+        phrases: Each as the module's docstring has it.
+        parts: The lists that `<part>` names.
+    """
+
+    def __init__(self, phrases: Iterable[str], parts: Mapping[str, str]) -> None:
+        self._each = [re.compile(_compiled(phrase, parts)) for phrase in phrases]
+        sources = " ".join([*phrases, *parts.values()])
+        self.words = frozenset(re.findall(r"[^\W\d_]+", re.sub(r"\{\w+\}|<\w+>", " ", sources)))
+
+    def match(self, words: Iterable[str]) -> Iterator[Mapping[str, str]]:
+        """The slots of each phrase that the words fit as a whole."""
+        text = "".join(f"{word} " for word in words)
+        for each in self._each:
+            if found := each.fullmatch(text):
+                yield {name: value.strip() for name, value in found.groupdict().items() if value}
+
+    def begin(self, words: Iterable[str]) -> bool:
+        """Whether the words begin with one of them."""
+        text = "".join(f"{word} " for word in words)
+        return any(each.match(text) for each in self._each)
+
+    def within(self, words: Iterable[str]) -> bool:
+        """Whether one of them is anywhere in the words."""
+        text = "".join(f" {word}" for word in words) + " "
+        return any(each.match(text, at + 1) for each in self._each for at, sign in enumerate(text) if sign == " ")
+
+    def fits(self, words: Iterable[str]) -> bool:
+        """Whether the words fit one of them as a whole."""
+        return next(iter(self.match(list(words))), None) is not None

@@ -1,0 +1,169 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Reports: what the mission reports of itself, each spoken whole exactly once in a process life.
+
+A report is cut once at most: spoken again it is uncut. After a kill or a dead speaker it follows, marked as repeated.
+Rule: a report has an identity; its texts may be spoken again, its identity is reported once.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import Any, Literal, NamedTuple
+
+from rai_missions.conversation.language import Language, spoken
+from rai_missions.conversation.outputs import Priority
+from rai_missions.conversation.state_answers import is_alive, question_text
+from rai_missions.conversation.values import about_words
+from rai_missions.conversation.view import StatusView
+
+__all__ = ("MissionReport", "Reports")
+
+AGAIN_S = 2.0
+"""After a cut a report waits so long for the end of the person's sentence, then it is spoken over it."""
+RETRY_S = 5.0
+MOST_TRIES = 5
+"""Attempts with a speaker that fails without being known as dead."""
+KEPT = 200
+"""Reports that are remembered; the oldest of those that were spoken are forgotten."""
+
+
+class MissionReport(NamedTuple):
+    """One report, and how far it is."""
+
+    identity: str
+    text: str
+    priority: Priority
+    state: Literal["owed", "speaking", "spoken", "failed"] = "owed"
+    due: float = 0.0
+    """Of an owed one: the instant from which on it is spoken."""
+    key: str = ""
+    """Of the speech that is under way, or was the last."""
+    uncut: bool = False
+    repeated: bool = False
+    tries: int = 0
+
+
+class Reports:
+    """The reports of a process life.
+
+    Args:
+        language: Their templates.
+    """
+
+    def __init__(self, language: Language) -> None:
+        self._language = language
+        self._all: dict[str, MissionReport] = {}
+        self._waits = ""
+        self.is_speaker_alive = True
+
+    def follow(self, view: StatusView, at: float) -> None:
+        """Add what the run's new status makes due."""
+        for identity, text, priority in self._new(view):
+            if identity not in self._all:
+                self._all[identity] = MissionReport(identity, text, priority, due=at)
+        self._forget(view.run or "run")
+
+    def _forget(self, run: str) -> None:
+        """Only of other runs: what was spoken of this one must not be spoken again."""
+        old = [
+            each.identity
+            for each in self._all.values()
+            if each.state == "spoken" and not each.identity.startswith(f"{run}:")
+        ]
+        for identity in old[: max(len(self._all) - KEPT, 0)]:
+            del self._all[identity]
+
+    def _new(self, view: StatusView) -> Iterator[tuple[str, str, Priority]]:
+        language, run = self._language, view.run or "run"
+        if view.mode and view.mode != "ready":
+            about, mission = view.about.strip(), spoken(view.mission)
+            form = "report_start" if about else "report_start_only"
+            yield f"{run}:start", language.text(form, mission=mission, about=about), "question"
+        if view.question is not None and is_alive(view):
+            text = language.text("report_question", question=question_text(view.question, language))
+            yield f"{run}:question:{view.question.number}", text, "question"
+        waits = about_words(view.waits) if is_alive(view) else ""
+        if waits and f"{run}:{waits}" != self._waits:
+            yield f"{run}:waits:{view.revision}", language.text("report_waits", waits=waits), "question"
+        self._waits = f"{run}:{waits}" if waits else ""
+        if view.mode and not is_alive(view):
+            yield f"{run}:end", self._end(view), "end"
+
+    def _end(self, view: StatusView) -> str:
+        why, mode = about_words(view.why), self._language.word("modes", view.mode)
+        text = self._language.text(
+            "report_end_why" if why else "report_end", mission=spoken(view.mission), mode=mode, why=why
+        )
+        if view.open_goals:
+            goals = self._language.listed([spoken(name) for name in view.open_goals])
+            text += " " + self._language.text("open_goals", goals=goals)
+        return text
+
+    def due(self, at: float, *, now: bool = False) -> list[MissionReport]:
+        """What is to be spoken: the end of a mission first, then the oldest.
+
+        Args:
+            at: The present.
+            now: Also what waits for the end of a person's sentence: before the next answer.
+        """
+        ready = [
+            each
+            for each in self._all.values()
+            if (each.state == "owed" and (now or each.due <= at)) and (each.tries == 0 or self.is_speaker_alive)
+        ]
+        return sorted(ready, key=lambda each: each.priority != "end")
+
+    def begin(self, report: MissionReport, key: str) -> MissionReport:
+        """The report is being spoken under this key."""
+        begun = report._replace(state="speaking", key=key, tries=report.tries + 1)
+        self._all[report.identity] = begun
+        return begun
+
+    def end(self, key: str, result: str, at: float) -> MissionReport | None:
+        """A speech has ended; the report that it was, None where it was none that is waited for."""
+        report = next((each for each in self._all.values() if each.key == key), None)
+        if report is None or report.state == "spoken":
+            return None
+        if result == "whole":
+            ended = report._replace(state="spoken")
+        elif result == "cut":
+            ended = report._replace(state="owed", uncut=True, due=at + AGAIN_S, tries=0)
+        elif report.tries >= MOST_TRIES:
+            ended = report._replace(state="failed", repeated=True)
+        else:
+            ended = report._replace(state="owed", repeated=True, due=at + RETRY_S)
+        self._all[report.identity] = ended
+        return ended
+
+    def revive(self, at: float) -> None:
+        """The speaker speaks again: what it did not speak is owed."""
+        self.is_speaker_alive = True
+        for each in self._all.values():
+            if each.state == "failed" or (each.state == "owed" and each.tries):
+                self._all[each.identity] = each._replace(state="owed", due=at, tries=0)
+
+    def wake_at(self) -> float | None:
+        """When the next owed report is due."""
+        waiting = [
+            each.due
+            for each in self._all.values()
+            if each.state == "owed" and (not each.tries or self.is_speaker_alive)
+        ]
+        return min(waiting, default=None)
+
+    def unspoken(self) -> tuple[str, ...]:
+        """The identities of the reports that were not spoken whole."""
+        return tuple(each.identity for each in self._all.values() if each.state != "spoken")
+
+    def snapshot(self) -> list[dict[str, Any]]:
+        """As JSON."""
+        return [each._asdict() for each in self._all.values()]
+
+    def restore(self, saved: list[Mapping[str, Any]]) -> None:
+        """Of a process that ended: what was not spoken whole is owed, and may have been spoken before."""
+        for each in saved:
+            report = MissionReport(**each)
+            if report.state != "spoken":
+                begun = report.repeated or report.state != "owed" or report.uncut
+                report = report._replace(state="owed", key="", due=0.0, tries=0, repeated=begun)
+            self._all[report.identity] = report

@@ -1,0 +1,36 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What a sentence may mean, as a value: an order, yes or no, a question of state, or a fault in an order."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from typing import Any, Literal, NamedTuple
+
+__all__ = ("Sense", "SenseKind")
+
+SenseKind = Literal["order", "yes", "no", "quiet", "question", "fault"]
+
+
+class Sense(NamedTuple):
+    """One thing that a sentence may mean in this moment."""
+
+    kind: SenseKind
+    name: str = ""
+    """The order, or the question's name in the language file."""
+    mission: str = ""
+    arguments: Mapping[str, Any] = {}
+    option: str = ""
+    parameters: Mapping[str, Any] = {}
+    key: str = ""
+    """The key that a question is about, or a field of it: `obstacle.height_m`."""
+    is_partial: bool = False
+    """Only a part of an option's words was named: it is read back."""
+    fault: str = ""
+    """Of a `fault`: what is wrong and what would be right, in the dialogue's language."""
+
+    @property
+    def identity(self) -> str:
+        """Equal for the same sense, whatever the words were; two recognisers agree by it."""
+        data = [self.kind, self.name, self.mission, self.arguments, self.option, self.parameters, self.key]
+        return json.dumps(data, sort_keys=True, default=str)

@@ -1,0 +1,102 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The robot's side of a dialogue: every text that goes out has a key, and its end is waited for."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from rai_missions.conversation.inputs import SpeechEnd, Utterance
+from rai_missions.conversation.outputs import NoteKind, Priority, Silence, Speech, Way
+from rai_missions.conversation.reports import MissionReport, Reports
+from rai_missions.conversation.talk import Talk
+
+__all__ = ("Speaking",)
+
+
+class Outstanding(NamedTuple):
+    """A speech whose end has not been reported."""
+
+    speech: Speech
+    until: float
+
+
+class Speaking:
+    """Gives out speech and reports, and follows what becomes of them.
+
+    Args:
+        talk: What the sides share.
+    """
+
+    def __init__(self, talk: Talk) -> None:
+        self._talk = talk
+        self._keys = 0
+        self._open: dict[str, Outstanding] = {}
+        self.reports = Reports(talk.language)
+
+    def reply(self, name: str, to: Utterance, number: int = 0, /, **values: object) -> Speech:
+        """A template of the language, as an answer to a sentence."""
+        return self.speak(self._talk.language.text(name, **values), to=to.channel, reply_to=number)
+
+    def speak(
+        self, text: str, *, to: str = "", reply_to: int = 0, priority: Priority = "answer", way: Way = "rules",
+        report: MissionReport | None = None,
+    ) -> Speech:  # fmt: skip
+        """Give out a text."""
+        self._keys += 1
+        speech = Speech(f"s{self._keys}", text, priority, way, to=to, reply_to=reply_to)
+        if report is not None:
+            speech = speech._replace(report=report.identity, uncut=report.uncut, repeated=report.repeated)
+        self._open[speech.key] = Outstanding(speech, self._talk.now + self._talk.settings.speech_s)
+        self._talk.add_robot(speech)
+        self._talk.put(speech)
+        return speech
+
+    def silence(self, *, is_total: bool) -> None:
+        """Stop speaking."""
+        self._talk.put(Silence(self._talk.now, is_total))
+
+    def follow(self) -> None:
+        """The run's status is new."""
+        self.reports.follow(self._talk.view, self._talk.now)
+
+    def speak_due(self, *, now: bool) -> None:
+        """Speak the reports that are due; with `now` also those that wait for the end of a sentence."""
+        for report in self.reports.due(self._talk.now, now=now):
+            text = report.text
+            if report.repeated:
+                text = self._talk.language.text("repeated", text=text)
+            speech = self.speak(text, priority=report.priority, report=report)
+            self.reports.begin(report, speech.key)
+
+    def on_end(self, end: SpeechEnd) -> bool:
+        """A speech has ended; False where none of its key is waited for."""
+        open_one = self._open.pop(end.key, None)
+        report = self.reports.end(end.key, end.result, self._talk.now)
+        if open_one is None:
+            return report is not None
+        kind: NoteKind = "spoken" if end.result == "whole" else "unspoken"
+        speech = open_one.speech
+        self._talk.note(kind, key=end.key, result=end.result, report=speech.report, text=speech.text, way=speech.way)
+        return True
+
+    def on_speaker(self, *, is_alive: bool) -> None:
+        """The speaker died, or speaks again."""
+        if is_alive and not self.reports.is_speaker_alive:
+            self.reports.revive(self._talk.now)
+            self.speak_due(now=False)
+        self.reports.is_speaker_alive = is_alive
+        for key in list(self._open) if not is_alive else ():
+            self.on_end(SpeechEnd(key, "failed", self._talk.now))
+
+    def on_time(self) -> None:
+        """A speech without an end has failed; owed reports follow."""
+        for key, each in list(self._open.items()):
+            if each.until <= self._talk.now:
+                self.on_end(SpeechEnd(key, "failed", self._talk.now))
+        self.speak_due(now=False)
+
+    def wake_at(self) -> float | None:
+        """When the next of both is due."""
+        times = [each.until for each in self._open.values()]
+        due = self.reports.wake_at()
+        return min([*times, *([] if due is None else [due])], default=None)

@@ -1,0 +1,243 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Answers to questions of state: templates of the language, filled with what the run and the robot report.
+
+Rule: nothing here comes from a model, and nothing is known that the `StatusView` does not have.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import NamedTuple
+
+from rai_missions.conversation.language import Language, spoken
+from rai_missions.conversation.named import unit_of
+from rai_missions.conversation.senses import Sense
+from rai_missions.conversation.values import about_words, duration, key_sentence, value_words
+from rai_missions.conversation.view import Happening, StatusView
+from rai_missions.engine.decision import Question
+from rai_missions.engine.modes import ALIVE
+
+__all__ = ("Asker", "StateAnswers", "is_alive", "question_text", "state_of_run")
+
+MOST_HAPPENINGS = 5
+"""Lines of an answer to "what happened"."""
+
+
+class Asker(NamedTuple):
+    """What the dialogue knows of the one who asks, and of what waits."""
+
+    orders: tuple[str, ...] = ()
+    """What it ordered, in words, oldest first."""
+    requests: tuple[str, ...] = ()
+    """The requests that wait, in words."""
+    may: tuple[str, ...] = ()
+    """The orders that its role may give, in words."""
+
+
+def is_alive(view: StatusView) -> bool:
+    """Whether there is a run that has not ended."""
+    return view.mode in ALIVE
+
+
+def _mission(view: StatusView) -> str:
+    return spoken(view.mission)
+
+
+def state_of_run(view: StatusView, language: Language) -> str:
+    """`the mission 'x' is paused`, or that none is running; without a full stop."""
+    if not view.mode:
+        return language.text("state_none")
+    return language.text("state", mission=_mission(view), mode=language.word("modes", view.mode))
+
+
+def question_text(question: Question, language: Language) -> str:
+    """The question with its options, numbered."""
+    lines = list[str]()
+    for number, offer in enumerate(question.options, start=1):
+        name, about = spoken(offer.name), about_words(offer.about)
+        form = "option_about" if about and about != name else "option"
+        lines.append(language.text(form, number=number, name=name, about=about))
+    return language.text("question", question=question.text.strip(), options="; ".join(lines))
+
+
+class StateAnswers:
+    """Answers questions of state in one language.
+
+    Args:
+        language: Its templates.
+    """
+
+    def __init__(self, language: Language) -> None:
+        self.language = language
+        self._by_name: Mapping[str, Callable[[StatusView, Asker], str]] = {
+            "doing": lambda view, _: self.status(view), "progress": self._progress, "where": self._where,
+            "why_stopped": self._why_stopped, "waits": self._waits, "asked": self._asked, "ordered": self._ordered,
+            "control": self._control, "capabilities": self._capabilities, "mission": self._about_mission,
+            "happened": self._happened, "who": self._who,
+            "hello": lambda *_: self.language.text("hello"), "thanks": lambda *_: self.language.text("thanks"),
+        }  # fmt: skip
+
+    def answer(self, sense: Sense, view: StatusView, asker: Asker = Asker()) -> str:  # noqa: B008 - a frozen value
+        """The answer to a question of state.
+
+        Args:
+            sense: The question, of the kind `question`.
+            view: The run at this moment.
+            asker: The one who asks.
+        """
+        if sense.name == "key":
+            return key_sentence(sense.key, view.keys, self.language)
+        return self._by_name[sense.name](view, asker)
+
+    def status(self, view: StatusView) -> str:
+        """What the mission does now: its mode, its state with its `about`, how far it is, and what it waits for."""
+        language = self.language
+        if not view.mode:
+            missions = language.listed([spoken(each.name) for each in view.missions], "or")
+            return language.text("no_run_offer", missions=missions) if missions else language.text("no_run")
+        if view.mode not in ALIVE:
+            return self._ended(view)
+        parts = [self._in_state(view, "mode_state"), *self._steps(view)]
+        if view.held_by:
+            parts.append(language.text("held", holder=language.word("holders", view.held_by)))
+        if view.question is not None:
+            parts.append(language.text("waits_question", question=view.question.text))
+        return " ".join(parts)
+
+    def _in_state(self, view: StatusView, form: str) -> str:
+        mode = self.language.word("modes", view.mode)
+        if not view.active:
+            return self.language.text("mode", mission=_mission(view), mode=mode)
+        state = next((name for name in reversed(view.active) if view.states.get(name)), "")
+        about = about_words(view.states.get(state, ""))
+        values = {"mission": _mission(view), "mode": mode, "state": spoken(view.active[-1])}
+        return self.language.text(f"{form}_about" if about else form, **values, about=about)
+
+    def _ended(self, view: StatusView) -> str:
+        why = about_words(view.why)
+        values = {"mission": _mission(view), "mode": self.language.word("modes", view.mode), "why": why}
+        text = self.language.text("ended_why" if why else "ended", **values)
+        if not view.open_goals:
+            return text
+        goals = self.language.listed([spoken(name) for name in view.open_goals])
+        return f"{text} {self.language.text('open_goals', goals=goals)}"
+
+    def _steps(self, view: StatusView) -> list[str]:
+        units = self.language.data["units"]
+        made = list[str]()
+        for each in view.progress:
+            name = unit_of(each.of, units)[0]
+            numbers = {"done": f"{each.done:g}", "total": f"{each.total:g}"}
+            made.append(self.language.text("progress", of=f"{name[:1].upper()}{name[1:]}", **numbers))
+        return made
+
+    def _progress(self, view: StatusView, _: Asker) -> str:
+        if not is_alive(view):
+            return self.status(view)
+        return (
+            " ".join(self._steps(view)) or f"{self.language.text('no_progress')} {self._in_state(view, 'mode_state')}"
+        )
+
+    def _where(self, view: StatusView, _: Asker) -> str:
+        poses = [key for key in view.keys.values() if key.type == "pose" and key.source == "robot"]
+        if not poses:
+            where = self._in_state(view, "mode_state") if is_alive(view) else ""
+            return f"{self.language.text('no_position')} {where}".strip()
+        key = poses[0]
+        if not key.is_fresh or key.value is None:
+            return key_sentence(key.name, view.keys, self.language)
+        value = value_words(key.value, key, self.language)
+        return self.language.text("position", name=spoken(key.name), value=value)
+
+    def _why_stopped(self, view: StatusView, asker: Asker) -> str:
+        if view.mode == "paused":
+            return self._mode_by(view, "paused")
+        if view.mode == "canceling" and view.mode_by:
+            return self.language.text("canceling_by", by=view.mode_by)
+        if not is_alive(view) or view.held_by or view.question is not None or view.waits:
+            return self.status(view) if not view.waits or view.held_by else self._waits(view, asker)
+        return self._in_state(view, "not_stopped")
+
+    def _mode_by(self, view: StatusView, name: str) -> str:
+        if not view.mode_by:
+            return self.language.text(name)
+        time = duration(view.at - (view.at if view.mode_since is None else view.mode_since), self.language)
+        return self.language.text(f"{name}_by", by=view.mode_by, time=time)
+
+    def _waits(self, view: StatusView, _: Asker) -> str:
+        language = self.language
+        if view.question is not None and is_alive(view):
+            return language.text("waits_question", question=view.question.text)
+        if view.waits or view.held_by:
+            return language.text(
+                "waits_control", waits=about_words(view.waits) or language.word("holders", view.held_by)
+            )
+        if view.mode == "ready":
+            return language.text("waits_start")
+        if view.mode == "paused":
+            return language.text("waits_resume")
+        if is_alive(view) and view.active:
+            return language.text("waits_state", state=spoken(view.active[-1]))
+        return language.text("waits_nothing")
+
+    def _asked(self, view: StatusView, _: Asker) -> str:
+        if view.question is None:
+            return self.language.text("no_question")
+        return question_text(view.question, self.language)
+
+    def _ordered(self, _: StatusView, asker: Asker) -> str:
+        language = self.language
+        orders = language.text("ordered", orders=language.listed(list(asker.orders)))
+        text = orders if asker.orders else language.text("ordered_none")
+        return f"{text} {self._queue(asker.requests)}" if asker.requests else text
+
+    def _queue(self, requests: Sequence[str]) -> str:
+        return self.language.text("queued", requests=self.language.listed(list(requests)))
+
+    def _control(self, view: StatusView, _: Asker) -> str:
+        text = self.language.text("control", holder=self.language.word("holders", view.control))
+        if view.held_by:
+            text += " " + self.language.text("held", holder=self.language.word("holders", view.held_by))
+        return text
+
+    def _capabilities(self, view: StatusView, asker: Asker) -> str:
+        language = self.language
+        keys = [unit_of(key.name, language.data["units"])[0] for key in view.keys.values() if key.source == "robot"]
+        parts = [language.text("capabilities", keys=language.listed(keys) or language.text("nothing"))]
+        if asker.may:
+            parts.append(language.text("capabilities_orders", orders=language.listed(list(asker.may))))
+        missions = [self._mission_line(each.name, each.about) for each in view.missions]
+        if missions:
+            parts.append(language.text("capabilities_missions", missions="; ".join(missions)))
+        return " ".join(parts)
+
+    def _mission_line(self, name: str, about: str) -> str:
+        form = "mission_line_about" if about else "mission_line"
+        return self.language.text(form, name=spoken(name), about=about_words(about))
+
+    def _about_mission(self, view: StatusView, _: Asker) -> str:
+        if not view.mission:
+            return self.status(view)
+        form = "mission_about" if view.about else "mission_no_about"
+        return self.language.text(form, mission=_mission(view), about=view.about)
+
+    def _happened(self, view: StatusView, _: Asker) -> str:
+        lines = [self._line(each, view) for each in view.happened[-MOST_HAPPENINGS:]]
+        text = (
+            self.language.text("happened", lines="; ".join(lines)) if lines else self.language.text("happened_nothing")
+        )
+        return f"{text} {self._ended(view)}" if view.mode and not is_alive(view) else text
+
+    def _line(self, happening: Happening, view: StatusView) -> str:
+        template: str = self.language.data["happenings"][happening.kind]
+        table = {"control": "holders", "ended": "modes"}.get(happening.kind)
+        name = self.language.word(table, happening.name) if table else spoken(happening.name)
+        about = self.language.text("about", about=about_words(happening.about)) if happening.about else ""
+        by = self.language.text("by", by=happening.by) if happening.by else ""
+        return template.format(ago=duration(view.at - happening.at, self.language), name=name, about=about, by=by)
+
+    def _who(self, view: StatusView, _: Asker) -> str:
+        if not view.robot:
+            return self.language.text("who_none")
+        form = "who" if view.identity else "who_only"
+        return self.language.text(form, robot=view.robot, identity=view.identity)

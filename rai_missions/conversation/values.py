@@ -1,0 +1,103 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Values as they are spoken: with their unit, in the language's decimals; missing and stale ones are named as such."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+from rai_missions.conversation.language import Language
+from rai_missions.conversation.named import unit_of
+from rai_missions.conversation.view import KeyView
+from rai_missions.image import Image
+from rai_missions.keys import is_number
+from rai_missions.plain_data import rounded
+from rai_missions.redaction import cut
+
+__all__ = ("about_words", "duration", "key_sentence", "value_words")
+
+AGED_S = 2.0
+"""From this age on, the age of a value is spoken as well."""
+MOST_ITEMS = 5
+LONGEST_TEXT = 200
+
+
+def duration(seconds: float, language: Language) -> str:
+    """`45 s`, `3 min`."""
+    if not math.isfinite(seconds):
+        return language.text("nothing")
+    if seconds < 120:
+        return language.text("seconds", n=_decimals(rounded(round(max(seconds, 0.0), 1), "_s"), language))
+    return language.text("minutes", n=round(seconds / 60))
+
+
+def about_words(about: str) -> str:
+    """A mission's sentence, to be put inside another one."""
+    return cut(about, LONGEST_TEXT).strip().rstrip(".!")
+
+
+def _decimals(text: str, language: Language) -> str:
+    decimal: str = language.data["decimal"]
+    return text.replace(".", decimal)
+
+
+def value_words(value: Any, key: KeyView, language: Language, *, field: str = "") -> str:
+    """A value in words.
+
+    Args:
+        value: Of the key, or of its field.
+        key: Whose it is.
+        field: The field, where only that is spoken.
+    """
+    unit = unit_of(field or key.name, language.data["units"])[1]
+    if key.type == "pose" and isinstance(value, Mapping):
+        return _pose(value, key, language)
+    if isinstance(value, bool) or value is None:
+        return language.text({True: "true", False: "false", None: "nothing"}[value])
+    if is_number(value):
+        return _decimals(rounded(float(value), unit and f"_{unit}"), language) + (f" {unit}" if unit else "")
+    if isinstance(value, Mapping):
+        parts = [_field(str(name), each, key, language) for name, each in list(value.items())[:MOST_ITEMS]]
+        return language.listed(parts) or language.text("empty")
+    if isinstance(value, list | tuple):
+        return language.text("items", count=len(value))
+    return cut(str(value), LONGEST_TEXT)
+
+
+def _field(name: str, value: Any, key: KeyView, language: Language) -> str:
+    words = unit_of(name, language.data["units"])[0]
+    return language.text("field", name=words, value=value_words(value, key, language, field=name))
+
+
+def _pose(value: Mapping[str, Any], key: KeyView, language: Language) -> str:
+    x, y = (_decimals(rounded(float(value.get(axis, 0.0)), "_m"), language) for axis in ("x", "y"))
+    yaw = value.get("yaw")
+    if is_number(yaw):
+        text = language.text("pose_yaw", x=x, y=y, yaw=round(math.degrees(float(yaw))))  # type: ignore[arg-type]
+    else:
+        text = language.text("pose", x=x, y=y)
+    return f"{text}, {language.text('frame', frame=key.frame)}" if key.frame else text
+
+
+def key_sentence(path: str, keys: Mapping[str, KeyView], language: Language) -> str:
+    """A key, or a field of one, with its value, its `about` and its age, or that it is unknown."""
+    name, _, field = path.partition(".")
+    key = keys[name]
+    words = unit_of(name, language.data["units"])[0]
+    if field:
+        words = f"{words} {unit_of(field, language.data['units'])[0]}"
+    words = f"{words[:1].upper()}{words[1:]}"
+    value = key.value.get(field) if field and isinstance(key.value, Mapping) else key.value
+    if key.age_s is None and key.value is None:
+        return language.text("key_never", name=words)
+    age = duration(key.age_s or 0.0, language)
+    if not key.is_fresh:
+        return language.text("key_stale", name=words, age=age)
+    if isinstance(value, Image) or key.type == "image":
+        return language.text("key_picture", name=words, age=age)
+    shown = value_words(value, key, language, field=field)
+    shown += language.text("age", age=age) if (key.age_s or 0.0) >= AGED_S and key.source == "robot" else ""
+    if key.about and not field:
+        return language.text("key_about", name=words, value=shown, about=about_words(key.about))
+    return language.text("key", name=words, value=shown)
