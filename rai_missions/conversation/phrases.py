@@ -54,7 +54,9 @@ class Phrases:
     """
 
     def __init__(self, phrases: Iterable[str], parts: Mapping[str, str]) -> None:
-        self._each = [re.compile(_compiled(phrase, parts)) for phrase in phrases]
+        compiled = [_compiled(phrase, parts) for phrase in phrases]
+        self._each = [re.compile(each) for each in compiled]
+        self._any = re.compile("|".join(f"(?:{re.sub(r'[(][?]P<[a-z]+>', '(?:', each)})" for each in compiled))
         sources = " ".join([*phrases, *parts.values()])
         self.words = frozenset(re.findall(r"[^\W\d_]+", re.sub(r"\{\w+\}|<\w+>", " ", sources)))
 
@@ -67,14 +69,14 @@ class Phrases:
 
     def begin(self, words: Iterable[str]) -> bool:
         """Whether the words begin with one of them."""
-        text = "".join(f"{word} " for word in words)
-        return any(each.match(text) for each in self._each)
+        return self._any.match("".join(f"{word} " for word in words)) is not None
 
     def within(self, words: Iterable[str]) -> bool:
         """Whether one of them is anywhere in the words."""
-        text = "".join(f" {word}" for word in words) + " "
-        return any(each.match(text, at + 1) for each in self._each for at, sign in enumerate(text) if sign == " ")
+        text = "".join(f"{word} " for word in words)
+        starts = (0, *(at + 1 for at, sign in enumerate(text[:-1]) if sign == " "))
+        return any(self._any.match(text, at) for at in starts)
 
     def fits(self, words: Iterable[str]) -> bool:
         """Whether the words fit one of them as a whole."""
-        return next(iter(self.match(list(words))), None) is not None
+        return self._any.fullmatch("".join(f"{word} " for word in words)) is not None
