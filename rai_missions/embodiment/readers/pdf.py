@@ -52,7 +52,7 @@ def read_pdf(_name: str, data: bytes) -> TextDocument:
 
 def _page_count(reader: PdfReader) -> int:
     """The pages that the file claims to have, or those that it has, whichever are more."""
-    claimed: Any = reader.root_object["/Pages"].get_object().get("/Count", 0)  # type: ignore[union-attr]
+    claimed: Any = reader.root_object["/Pages"].get_object().get("/Count", 0)
     return claimed if isinstance(claimed, int) and claimed > MOST_PAGES else len(reader.pages)
 
 
