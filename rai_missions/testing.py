@@ -26,6 +26,8 @@ if TYPE_CHECKING:
     from rai_missions.connectors.chaos import ChaosConnector, Rates
     from rai_missions.connectors.contract import Inbox, PatientServer, check_connector
     from rai_missions.connectors.hri.contract import check_hri_connector
+    from rai_missions.connectors.sound.contract import check_sound_connector
+    from rai_missions.connectors.sound.room import RoomSound
     from rai_missions.engine.contract import check_activity
     from rai_missions.guards.contract import check_guard
     from rai_missions.replay.play.passage import let_time_pass
@@ -45,6 +47,7 @@ __all__ = (
     "RaisingModel",
     "Rates",
     "ReplyCollector",
+    "RoomSound",
     "ScriptAnswerer",
     "ScriptedModel",
     "SilentAnswerer",
@@ -59,6 +62,7 @@ __all__ = (
     "check_connector",
     "check_guard",
     "check_hri_connector",
+    "check_sound_connector",
     "check_world",
     "let_time_pass",
 )  # fmt: skip
@@ -78,6 +82,8 @@ if not TYPE_CHECKING:
             "connectors.chaos": ("ChaosConnector", "Rates"),
             "connectors.contract": ("Inbox", "PatientServer", "check_connector"),
             "connectors.hri.contract": ("check_hri_connector",),
+            "connectors.sound.contract": ("check_sound_connector",),
+            "connectors.sound.room": ("RoomSound",),
             "engine.contract": ("check_activity",),
             "guards.contract": ("check_guard",),
             "replay.play.passage": ("let_time_pass",),

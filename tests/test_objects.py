@@ -40,6 +40,8 @@ GLOBALS = {
     ("rai_missions/worlds/opengl.py", "os.environ"): READS,
     ("rai_missions/connectors/process/guard.py", "os.nice"): PROCESS,
     ("rai_missions/connectors/process/guard.py", "signal.signal"): PROCESS,
+    ("rai_missions/voice/recognisers/whisper.py", "os.environ"): PROCESS,
+    ("rai_missions/voice/worker.py", "sys.path"): PROCESS,
     ("rai_missions/cli/signals.py", "signal.signal"): "the program's own, and put back when the run ends",
     ("rai_missions/connectors/ros2/connector.py", "atexit.register"): "taken back when it stops",
     ("rai_missions/prove/__init__.py", "gc.set_threshold"): "put back when the proof ends",

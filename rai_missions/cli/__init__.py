@@ -2,7 +2,8 @@
 """The command line: parsers, output for people and programs, exit statuses.
 
 Imports `agents`, `answerers`, `check`, `connectors`, `embodiment`, `engine`, `gate`, `journal`, `mission`, `node`,
-`profile`, `prove`, `recording`, `replay`, `runtime`, `states`, `visualize` and `worlds`, and the modules of the root.
+`profile`, `prove`, `recording`, `replay`, `runtime`, `states`, `visualize`, `voice` and `worlds`, and the modules of
+the root.
 Nothing imports it.
 """
 

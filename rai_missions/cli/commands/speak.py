@@ -1,0 +1,56 @@
+# SPDX-License-Identifier: Apache-2.0
+"""`rai-missions speak`."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from rai_missions.cli.command import Argument, command
+
+__all__ = ("speak",)
+
+
+@command()
+def speak(
+    text: Annotated[str, Argument("TEXT")],
+    *,
+    output: Annotated[str | None, Argument("FILE", short="-o", files=("*.wav",))] = None,
+    voice: Annotated[str, Argument("NAME")] = "flite",
+    device: Annotated[str | None, Argument("NAME")] = None,
+) -> int:
+    """Speak a text, or write its sound into a file.
+
+    Args:
+        text: What is spoken.
+        output: A WAV file, written instead of played.
+        voice: flite, espeak, piper, kokoro, or a voice of another package; with options as flite:speaker=rms.
+        device: The speaker, as 'doctor --voice' lists it.
+
+    Exit status:
+        0 it was spoken, 1 it was not, 2 the input is at fault
+
+    Example:
+        rai-missions speak hello -o hello.wav
+    """
+    from rai_missions.cli.sound import play_sound
+    from rai_missions.connectors.sound.wav import write_wav
+    from rai_missions.errors import UsageError
+    from rai_missions.voice.process import SpeechProcess
+    from rai_missions.voice.setup import split_options
+
+    if not text.strip():
+        raise UsageError("there is nothing to speak: the text is empty")
+    name, options = split_options(voice)
+    process = SpeechProcess("voice", name, options, within_s=30.0)
+    process.open()
+    try:
+        reply, sound = process.ask_and_wait({"do": "speak", "text": text})
+    finally:
+        process.close()
+    if reply.fault:
+        raise UsageError(process.absent or reply.fault)
+    if output is None:
+        return play_sound(sound, device)
+    write_wav(output, sound)
+    print(f"wrote {output}: {len(sound) / 32000:.1f} s")
+    return 0

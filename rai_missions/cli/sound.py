@@ -1,0 +1,92 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What `listen` and `speak` do with sound."""
+
+from __future__ import annotations
+
+import json
+import sys
+import threading
+
+from rai_missions.connectors.sound.connector import FRAME_BYTES, FRAME_S, SoundConnector
+from rai_missions.connectors.sound.devices import DeviceSound
+from rai_missions.connectors.sound.files import FileSound
+from rai_missions.voice.listener import ListenSettings, SpeechListener, Transcript
+from rai_missions.voice.setup import ListenNames, open_recognition
+
+__all__ = ("listen_to", "play_sound")
+
+AHEAD = 64
+"""Frames of a file that may wait to be looked at."""
+AFTER_S = 1.0
+"""Silence after the end of a file, so that its last turn ends."""
+
+
+def play_sound(sound: bytes, device: str | None) -> int:
+    """Play 16 kHz samples to their end; returns an exit status."""
+    speaker, done = DeviceSound(speaker=device), threading.Event()
+    pieces = iter(range(0, len(sound), FRAME_BYTES))
+
+    def source(_: float) -> bytes:
+        start = next(pieces, None)
+        if start is None:
+            done.set()
+            return b""
+        return sound[start : start + FRAME_BYTES]
+
+    speaker.start()
+    close = speaker.play(source)
+    try:
+        is_played = done.wait(len(sound) / (2 * 16000) + 10.0)
+    finally:
+        close()
+        speaker.stop()
+    if not is_played:
+        print("rai-missions speak: the device took no sound", file=sys.stderr)
+    return int(not is_played)
+
+
+def listen_to(file: str | None, device: str | None, names: ListenNames, *, as_json: bool) -> int:
+    """Print each transcript; returns an exit status."""
+    sound: SoundConnector = FileSound(file) if file is not None else DeviceSound(device)
+    count = [0]
+
+    def show(transcript: Transcript) -> None:
+        if transcript.fault:
+            print(f"rai-missions listen: {transcript.fault}", file=sys.stderr)
+        if transcript.text:
+            count[0] += 1
+            print(json.dumps(transcript._asdict()) if as_json else line_of(transcript), flush=True)
+
+    recognition = open_recognition(names, ListenSettings(), on_transcript=show)
+    try:
+        recognition.wait_ready()
+        sound.listen(recognition.listener.take)
+        sound.start()
+        if isinstance(sound, FileSound):
+            _to_the_end(sound, recognition.listener)
+        else:
+            print("listening; Ctrl-C ends it", file=sys.stderr)
+            threading.Event().wait()
+    except KeyboardInterrupt:
+        return 0
+    finally:
+        sound.stop()
+        recognition.close()
+    return int(not count[0])
+
+
+def line_of(transcript: Transcript) -> str:
+    """A transcript in one line: when, how many recognisers agree, and the text."""
+    agree = sum(reading == transcript.text for reading in transcript.readings)
+    return f"{transcript.began:6.1f} s  {agree} of 2  {transcript.text}"
+
+
+def _to_the_end(sound: FileSound, listener: SpeechListener) -> None:
+    steps, last = 0, AFTER_S / FRAME_S
+    while not sound.over or last > 0:
+        last -= sound.over
+        sound.step()
+        steps += 1
+        if steps % AHEAD == 0:
+            listener.catch_up()
+    listener.finish()

@@ -1,0 +1,19 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What is missing for speech, in one sentence that names the extra or the program."""
+
+from __future__ import annotations
+
+from rai_missions.errors import UsageError
+
+__all__ = ("absent",)
+
+
+def absent(what: str, needs: str, remedy: str = "pip install 'rai-missions[voice]'") -> UsageError:
+    """The error for something that is not installed.
+
+    Args:
+        what: What cannot be used: `the recogniser 'whisper'`.
+        needs: The package or program that it needs.
+        remedy: How to get it.
+    """
+    return UsageError(f"{what} needs {needs}, which is not installed; {remedy}")

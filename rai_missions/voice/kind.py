@@ -1,0 +1,97 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What a recogniser, a voice and an ear do, and which there are: ours, and those of other packages by entry points.
+
+Rule: one of them is loaded in the process that holds it, and nowhere else. It is looked up by its name only.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any, Literal, NamedTuple, Protocol
+
+from rai_missions.errors import UsageError, suggestion
+from rai_missions.kinds import offered
+
+__all__ = (
+    "RECOGNISERS", "VOICES", "EarReading", "FrameReader", "Reading", "Recogniser", "SpeechSort", "Voice", "opened",
+)  # fmt: skip
+
+SpeechSort = Literal["recogniser", "voice", "ear"]
+
+
+class Reading(NamedTuple):
+    """What a recogniser makes of some sound."""
+
+    text: str
+    """Empty where it recognises no words."""
+    phrase: str = ""
+    """The phrase of those given that the sound may be; a guess, which counts only where another recogniser agrees."""
+
+
+class Recogniser(Protocol):
+    """Makes words of sound."""
+
+    def transcribe(self, samples: bytes, phrases: Sequence[str]) -> Reading:
+        """Transcribe one turn of speech.
+
+        Args:
+            samples: 16 kHz, mono, 16 bits.
+            phrases: Short sentences that are expected, in lower case without punctuation.
+        """
+
+
+class Voice(Protocol):
+    """Makes sound of words."""
+
+    def speak(self, text: str) -> Iterator[bytes]:
+        """The sound of a text, 16 kHz, mono, 16 bits, in pieces as they are made."""
+
+
+class EarReading(NamedTuple):
+    """What an ear makes of a frame."""
+
+    speech: float
+    """How probable it is that a person speaks, from 0 to 1."""
+    wake: float
+    """How probable it is that the wake word has just been spoken, from 0 to 1."""
+    clear: bytes
+    """The frame without the echo of what was played."""
+    quiet: bytes
+    """The same without steady noise."""
+
+
+class FrameReader(Protocol):
+    """Looks at sound frame by frame, before it is transcribed."""
+
+    def take(self, recorded: bytes, played: bytes) -> EarReading:
+        """Look at the next frame."""
+
+
+RECOGNISERS: Mapping[str, str] = {
+    "whisper": "rai_missions.voice.recognisers.whisper:open_recogniser",
+    "pocketsphinx": "rai_missions.voice.recognisers.pocketsphinx:open_recogniser",
+}
+"""Ours: name → what opens it, given its options as keywords."""
+VOICES: Mapping[str, str] = {
+    "flite": "rai_missions.voice.voices.flite:open_voice",
+    "espeak": "rai_missions.voice.voices.espeak:open_voice",
+    "piper": "rai_missions.voice.voices.piper:open_voice",
+    "kokoro": "rai_missions.voice.voices.kokoro:open_voice",
+}
+EARS: Mapping[str, str] = {"ear": "rai_missions.voice.ear:open_ear"}
+OURS: Mapping[SpeechSort, Mapping[str, str]] = {"recogniser": RECOGNISERS, "voice": VOICES, "ear": EARS}
+
+
+def opened(sort: SpeechSort, name: str, options: Mapping[str, Any]) -> Any:
+    """A recogniser, a voice or an ear, ready; in the process that is to hold it.
+
+    Raises:
+        UsageError: No package offers it, two do, it does not load, or an option is none of its own.
+    """
+    offer = offered(f"rai_missions.{sort}s", name, OURS[sort])
+    if offer is None:
+        raise UsageError(f"no {sort} '{name}' is known{suggestion(name, OURS[sort])}")
+    try:
+        return offer.load()(**options)
+    except TypeError as error:
+        raise UsageError(f"the {sort} '{name}' does not open with {dict(options)} ({error})") from error

@@ -1,0 +1,250 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Frames of sound in, transcripts out: an ear, turns, and one recogniser or two.
+
+Rule: every turn that ends has one transcript, with or without words, or one fault; nothing waits for a recogniser.
+"""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable, Sequence
+from functools import partial
+from typing import NamedTuple
+
+from rai_missions.connectors.process.frames import Broken
+from rai_missions.connectors.sound.connector import SoundFrame
+from rai_missions.connectors.worker import SerialQueue
+from rai_missions.redaction import logger
+from rai_missions.voice.process import SpeechProcess, SpeechReply, sound_in, text_in
+from rai_missions.voice.turns import TurnDetector, TurnEvent, TurnFrame, TurnSettings
+
+__all__ = ("PHRASES", "ListenSettings", "SpeechListener", "Transcript")
+
+log = logger(__name__)
+
+PHRASES = (
+    "stop", "halt", "yes", "no", "pause", "pause the mission", "wait", "resume", "resume the mission", "continue",
+    "cancel", "cancel the mission", "start the mission",
+)  # fmt: skip
+"""Short sentences that are expected of any person who talks to a robot that works."""
+WAKE_CUTOFF = 0.5
+AWAKE_S = 8.0
+"""How long after the wake word, or after a turn that passed, a turn may begin."""
+
+
+class ListenSettings(NamedTuple):
+    """What is listened for."""
+
+    phrases: tuple[str, ...] = PHRASES
+    """In lower case without punctuation; the second recogniser knows no others."""
+    at_once: tuple[str, ...] = ("stop", "halt")
+    """Phrases whose transcript is given before the turn has ended, and without a wake word."""
+    closed: tuple[str, ...] = ("yes", "no")
+    """Phrases after which a turn ends sooner."""
+    needs_wake_word: bool = False
+    """A turn counts only where the wake word was spoken before."""
+    turns: TurnSettings = TurnSettings()
+
+
+class Transcript(NamedTuple):
+    """What a person may have spoken in one turn."""
+
+    text: str
+    """Empty where no words were recognised: noise, or a false alarm."""
+    readings: tuple[str, ...]
+    """The same by each recogniser that recognised something; the first one's is first."""
+    turn: int
+    began: float
+    spoken_until: float
+    """When the person stopped speaking, on the clock of the sound."""
+    at: float
+    """When the turn was known to have ended, on the same clock."""
+    fault: str = ""
+    """Why there is no transcript; empty if there is one."""
+
+
+class TurnOffer(NamedTuple):
+    """A turn that is being transcribed."""
+
+    number: int
+    offer: int
+
+
+class OfferReplies(NamedTuple):
+    """What the recognisers made of an offer, as far as it is known."""
+
+    first: SpeechReply | None = None
+    second: SpeechReply | None = None
+
+
+class SpeechListener:
+    """Listens to one stream of frames; what it finds is given on threads of its processes, one thing at a time.
+
+    Args:
+        ear: Looks at frames.
+        first: The recogniser whose words count.
+        second: One that only decides whether a phrase is meant; it never counts alone.
+        settings: What is listened for.
+        on_transcript: Called once for each turn; a phrase of `at_once` may come before its turn has ended.
+        on_present: Called when a person surely speaks, with the instant; what is played should be cut.
+    """
+
+    def __init__(
+        self, ear: SpeechProcess, first: SpeechProcess, second: SpeechProcess | None = None, *,
+        settings: ListenSettings = ListenSettings(),  # noqa: B008 - it is frozen
+        on_transcript: Callable[[Transcript], object],
+        on_present: Callable[[float], object] = lambda at: None,
+    ) -> None:  # fmt: skip
+        self._ear, self._first, self._second = ear, first, second
+        self._settings, self._on_transcript, self._on_present = settings, on_transcript, on_present
+        self._queue = SerialQueue()
+        self._detector = TurnDetector(settings.turns)
+        self._replies: dict[TurnOffer, OfferReplies] = {}
+        self._ends: dict[int, TurnEvent] = {}
+        self._began: dict[int, float] = {}
+        self._latest: dict[int, int] = {}
+        self._given: set[int] = set()
+        """Turns of which a phrase was given at once."""
+        self._awake_until = -1.0
+        self._pending = 0
+        self._rest = threading.Condition()
+
+    def take(self, frame: SoundFrame) -> None:
+        """The next frame; returns at once."""
+        self._count(1)
+        self._ear.ask(
+            {"do": "take"}, (frame.recorded, frame.played),
+            on_reply=lambda reply: self._post(partial(self._looked_at, frame, reply)),
+        )  # fmt: skip
+
+    def catch_up(self, within_s: float = 60.0) -> bool:
+        """Wait until all that was given is looked at, and all that was offered is transcribed; whether it is."""
+        with self._rest:
+            return self._rest.wait_for(lambda: self._pending == 0, within_s)
+
+    def finish(self, within_s: float = 60.0) -> bool:
+        """The stream ends here: wait until all is transcribed; whether it is."""
+        done = self.catch_up(within_s)
+        self._count(1)
+        self._post(self._end_turn)
+        return self.catch_up(within_s) and done
+
+    # -- one at a time -------------------------------------------------------------------------------------------------
+
+    def _post(self, work: Callable[[], object]) -> None:
+        def do() -> None:
+            try:
+                work()
+            finally:
+                self._count(-1)
+
+        self._queue.post(do)
+
+    def _count(self, more: int) -> None:
+        with self._rest:
+            self._pending += more
+            if self._pending == 0:
+                self._rest.notify_all()
+
+    def _looked_at(self, frame: SoundFrame, reply: SpeechReply) -> None:
+        if reply.fault:
+            self._end_turn()  # what of a turn was before the fault is transcribed
+            return
+        try:
+            clear, quiet = sound_in(reply.data, "clear"), sound_in(reply.data, "quiet")
+            speech, wake = (float(reply.data[name]) for name in ("speech", "wake"))
+        except (Broken, KeyError, TypeError, ValueError):
+            log.warning("the ear sent what is no frame")
+            return
+        if wake >= WAKE_CUTOFF:
+            self._awake_until = frame.at + AWAKE_S
+        for event in self._detector.take(TurnFrame(frame.at, speech, clear, quiet)):
+            self._turn_event(event)
+
+    def _end_turn(self) -> None:
+        for event in self._detector.end():
+            self._turn_event(event)
+
+    def _turn_event(self, event: TurnEvent) -> None:
+        if event.kind == "began":
+            self._began[event.number] = event.at
+        elif event.kind == "present":
+            self._on_present(event.at)
+        elif event.kind == "offered":
+            self._latest[event.number] = event.offer
+            self._transcribe(event)
+        elif event.kind == "ended":
+            self._ends[event.number] = event
+            self._conclude(event.number)
+
+    def _transcribe(self, event: TurnEvent) -> None:
+        offer, order = TurnOffer(event.number, event.offer), {"do": "transcribe", "phrases": self._settings.phrases}
+        self._replies[offer] = OfferReplies(second=SpeechReply() if self._second is None else None)
+        asked = [("first", self._first, event.clear)]
+        asked += [("second", self._second, event.quiet)] if self._second is not None else []
+        for which, recogniser, sound in asked:
+            self._count(1)
+            recogniser.ask(order, (sound,), on_reply=self._on_reading(offer, which))
+
+    def _on_reading(self, offer: TurnOffer, which: str) -> Callable[[SpeechReply], None]:
+        return lambda reply: self._post(partial(self._read, offer, which, reply))
+
+    def _read(self, offer: TurnOffer, which: str, reply: SpeechReply) -> None:
+        known = self._replies.get(offer)
+        if known is None:
+            return
+        self._replies[offer] = known = known._replace(**{which: reply})
+        if self._latest.get(offer.number) != offer.offer or known.first is None or known.second is None:
+            return
+        text, readings = words_of(known, self._settings.phrases)
+        if text in self._settings.closed:
+            self._detector.end_sooner(offer.number, offer.offer)
+        if text in self._settings.at_once and offer.number not in self._given and offer.number not in self._ends:
+            self._given.add(offer.number)
+            self._on_transcript(Transcript(text, readings, offer.number, *self._times(offer.number)))
+        self._conclude(offer.number)
+
+    def _times(self, number: int) -> tuple[float, float, float]:
+        end = self._ends.get(number)
+        began = self._began.get(number, 0.0)
+        return (began, end.spoken_until, end.at) if end is not None else (began, began, began)
+
+    def _conclude(self, number: int) -> None:
+        """Give the transcript of a turn, once it has ended and what it ended with is transcribed."""
+        end = self._ends.get(number)
+        if end is None:
+            return
+        known = self._replies.get(TurnOffer(number, end.offer))
+        if known is None or known.first is None or known.second is None:
+            return
+        text, readings = words_of(known, self._settings.phrases)
+        times = self._times(number)
+        was_given = number in self._given
+        self._forget(number)
+        if was_given and text in self._settings.at_once:
+            return
+        if self._settings.needs_wake_word and times[0] > self._awake_until and text not in self._settings.at_once:
+            text, readings = "", ()
+        elif text:
+            self._awake_until = max(self._awake_until, times[2] + AWAKE_S)
+        self._on_transcript(Transcript(text, readings, number, *times, fault=known.first.fault))
+
+    def _forget(self, number: int) -> None:
+        self._replies = {offer: reply for offer, reply in self._replies.items() if offer.number > number}
+        for known in (self._ends, self._began, self._latest):
+            known.pop(number, None)
+        self._given.discard(number)
+
+
+def words_of(known: OfferReplies, phrases: Sequence[str]) -> tuple[str, tuple[str, ...]]:
+    """The text of a turn, and each recogniser's own.
+
+    A phrase counts where the first recogniser reads it in its words, or where its guess is what the second reads too.
+    """
+    first, second = (reply.data if reply is not None and not reply.fault else {} for reply in known)
+    free, guess, other = text_in(first, "text"), text_in(first, "phrase"), text_in(second, "text")
+    plain = " ".join("".join(each if each.isalnum() or each == "'" else " " for each in free.lower()).split())
+    phrase = plain if plain in phrases else guess if guess and guess == other else ""
+    if phrase:
+        return phrase, (phrase, phrase) if other == phrase else (phrase,)
+    return (free, (free,)) if plain else ("", ())

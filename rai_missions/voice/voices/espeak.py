@@ -1,0 +1,69 @@
+# SPDX-License-Identifier: Apache-2.0
+"""eSpeak NG by the wheel `espeakng-loader`: a voice for machines without root; the only door to it.
+
+Licence: eSpeak NG is under GPL-3.0-or-later, therefore an extra of its own, which no other extra brings along.
+"""
+
+from __future__ import annotations
+
+import ctypes
+from collections.abc import Iterator
+from typing import Any
+
+from rai_missions.connectors.sound.wav import converted
+from rai_missions.errors import UsageError
+from rai_missions.voice.absent import absent
+
+__all__ = ("Espeak", "open_voice")
+
+SYNCHRONOUS, NO_EXIT, UTF8 = 2, 0x8000, 1
+RATE, WORDS_A_MINUTE = 1, 160
+
+Callback = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.POINTER(ctypes.c_short), ctypes.c_int, ctypes.c_void_p)
+
+
+def open_voice(language: str = "en-us") -> Espeak:
+    """eSpeak NG in a language, as en-us or de.
+
+    Raises:
+        UsageError: It is not installed, or has no such language.
+    """
+    return Espeak(language)
+
+
+class Espeak:
+    """The library, of which a process has one.
+
+    Args:
+        language: As eSpeak NG names it.
+    """
+
+    def __init__(self, language: str) -> None:
+        try:
+            import espeakng_loader as loader
+        except ImportError:
+            raise absent("the voice 'espeak'", "espeakng-loader", "pip install 'rai-missions[voice-espeak]'") from None
+        self._library = ctypes.CDLL(loader.get_library_path())
+        self._sound: list[bytes] = []
+        self._callback = Callback(self._take)  # kept: the library calls it
+        self._rate = self._library.espeak_Initialize(SYNCHRONOUS, 0, str(loader.get_data_path()).encode(), NO_EXIT)
+        if self._rate <= 0:
+            raise UsageError("eSpeak NG does not start: its data is not where its package puts it")
+        self._library.espeak_SetSynthCallback(self._callback)
+        if self._library.espeak_SetVoiceByName(language.encode()):
+            raise UsageError(f"eSpeak NG has no language '{language}'; give one such as en-us or de")
+        self._library.espeak_SetParameter(RATE, WORDS_A_MINUTE, 0)
+
+    def speak(self, text: str) -> Iterator[bytes]:
+        """See `Voice`."""
+        self._sound.clear()
+        words = text.encode() + b"\0"
+        failed = self._library.espeak_Synth(words, len(words), 0, 0, 0, UTF8, None, None)
+        if failed or not self._sound:
+            raise UsageError(f"eSpeak NG made no sound (error {failed})")
+        yield converted(b"".join(self._sound), self._rate)
+
+    def _take(self, samples: Any, count: int, _events: int | None) -> int:
+        if samples and count > 0:
+            self._sound.append(ctypes.string_at(samples, 2 * count))
+        return 0

@@ -1,0 +1,59 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Kokoro, a neural voice by ONNX, with weights that the user names; the only door to it.
+
+Licence: its weights are under Apache-2.0, its package under MIT; the phonemizer that it needs is under
+GPL-3.0-or-later, therefore an extra of its own.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+
+from rai_missions.connectors.sound.wav import converted
+from rai_missions.errors import UsageError
+from rai_missions.voice.absent import absent
+
+__all__ = ("Kokoro", "open_voice")
+
+
+def open_voice(model: str = "", voices: str = "", speaker: str = "af_heart") -> Kokoro:
+    """Kokoro with its weights.
+
+    Args:
+        model: `kokoro-v1.0.onnx`.
+        voices: `voices-v1.0.bin`.
+        speaker: One of those in it.
+
+    Raises:
+        UsageError: It is not installed, or no weights are given.
+    """
+    return Kokoro(Path(model), Path(voices), speaker)
+
+
+class Kokoro:
+    """A speaker of Kokoro.
+
+    Args:
+        model: The file of the network.
+        voices: The file of the speakers.
+        speaker: One of them.
+    """
+
+    def __init__(self, model: Path, voices: Path, speaker: str) -> None:
+        try:
+            from kokoro_onnx import Kokoro as Network
+        except ImportError:
+            raise absent("the voice 'kokoro'", "kokoro-onnx", "pip install 'rai-missions[voice-kokoro]'") from None
+        for name, file in (("model", model), ("voices", voices)):
+            if not file.is_file():
+                raise UsageError(f"kokoro needs its weights: give {name}=FILE, not '{file}'")
+        self._network, self._speaker = Network(str(model), str(voices)), speaker
+
+    def speak(self, text: str) -> Iterator[bytes]:
+        """See `Voice`."""
+        import numpy as np
+
+        samples, rate = self._network.create(text, voice=self._speaker, lang="en-us")
+        sound = np.clip(np.asarray(samples) * 32767, -32768, 32767).astype("<i2").tobytes()
+        yield converted(bytes(sound), int(rate), 1, "kokoro's sound")

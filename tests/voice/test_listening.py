@@ -1,0 +1,88 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Speech to text, by the real recognisers, from files and in a simulated room."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import pytest
+
+from rai_missions.connectors.sound.files import FileSound
+from rai_missions.connectors.sound.room import RoomSound
+from rai_missions.voice.listener import ListenSettings, SpeechListener, Transcript
+from rai_missions.voice.setup import ListenNames, Recognition, open_recognition
+from tests.voice.conftest import needs_voice, quiet, spoken
+
+pytestmark = [needs_voice, pytest.mark.xdist_group("voice")]
+
+
+class TranscriptCollector:
+    """One recognition, whose transcripts are collected."""
+
+    def __init__(self) -> None:
+        self.transcripts: list[Transcript] = []
+        self.present: list[float] = []
+        self.recognition: Recognition = open_recognition(
+            ListenNames(), ListenSettings(), on_transcript=self.transcripts.append, on_present=self.present.append
+        )
+        self.recognition.wait_ready()
+
+    def of(self, sound: FileSound) -> list[Transcript]:
+        """The transcripts of a whole recording, by a listener of its own on the same processes."""
+        self.transcripts.clear()
+        self.present.clear()
+        listener = SpeechListener(
+            *self.recognition.processes, on_transcript=self.transcripts.append, on_present=self.present.append
+        )
+        sound.listen(listener.take)
+        sound.start()
+        while not sound.over:
+            sound.step()
+        for _ in range(30):
+            sound.step()
+        assert listener.finish()
+        return [each for each in self.transcripts if each.text]
+
+
+@pytest.fixture(scope="module")
+def collector() -> Iterator[TranscriptCollector]:
+    found = TranscriptCollector()
+    yield found
+    found.recognition.close()
+
+
+def test_a_sentence_is_transcribed_with_the_times_at_which_it_was_spoken(collector: TranscriptCollector) -> None:
+    before, sentence = quiet(1.0), spoken("What are you doing?")
+    (found,) = collector.of(FileSound(before + sentence))
+    assert found.text == "What are you doing?"
+    assert found.readings == (found.text,)
+    assert found.began == pytest.approx(1.1, abs=0.3)
+    assert found.spoken_until == pytest.approx(1.0 + len(sentence) / 32_000, abs=0.35)
+    assert found.at - found.spoken_until == pytest.approx(0.416, abs=0.04)
+    assert len(collector.present) == 1
+
+
+def test_two_recognisers_agree_on_an_order(collector: TranscriptCollector) -> None:
+    (found,) = collector.of(FileSound(quiet(0.5) + spoken("Cancel the mission.", "rms")))
+    assert (found.text, found.readings) == ("cancel the mission", ("cancel the mission",) * 2)
+
+
+def test_sentences_with_a_pause_between_are_turns_of_their_own(collector: TranscriptCollector) -> None:
+    found = collector.of(FileSound(quiet(0.5) + spoken("Yes.") + quiet(0.8) + spoken("Where is the kitchen?")))
+    assert [each.text for each in found] == ["yes", "Where is the kitchen?"]
+    assert [each.turn for each in found] == [1, 2]
+
+
+def test_silence_and_noise_are_no_words(collector: TranscriptCollector) -> None:
+    assert collector.of(RoomSound(quiet(3.0), noise=300.0)) == []
+    assert collector.of(FileSound(quiet(2.0))) == []
+
+
+@pytest.mark.parametrize(("echo_db", "delay_ms"), [(-6.0, 20.0), (-12.0, 200.0)])
+def test_our_own_voice_is_never_transcribed(collector: TranscriptCollector, echo_db: float, delay_ms: float) -> None:
+    ours = spoken("The mission has ended. Stop. Cancel the mission.")
+    room = RoomSound(quiet(len(ours) / 32_000 + 0.5), echo_db=echo_db, delay_ms=delay_ms)
+    pieces = iter(range(0, len(ours), 1024))
+    room.play(lambda at: ours[start : start + 1024] if (start := next(pieces, None)) is not None else b"")
+    assert collector.of(room) == []
+    assert collector.present == [], "and cuts nothing"

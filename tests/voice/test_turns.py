@@ -1,0 +1,98 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Turns of speech: laws over any sequence of probabilities, and the times that the guide names."""
+
+from __future__ import annotations
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from rai_missions.connectors.sound.connector import FRAME_S
+from rai_missions.voice.turns import TurnDetector, TurnEvent, TurnFrame
+
+PROBABILITIES = st.lists(st.sampled_from([0.0, 0.2, 0.49, 0.5, 0.9, 1.0]), max_size=120)
+
+
+def events(probabilities: list[float], *, end: bool = True) -> list[TurnEvent]:
+    detector = TurnDetector()
+    found = [
+        event
+        for count, speech in enumerate(probabilities)
+        for event in detector.take(TurnFrame(count * FRAME_S, speech, bytes([count % 256]), b""))
+    ]
+    return found + (list(detector.end()) if end else [])
+
+
+@given(PROBABILITIES)
+def test_every_turn_that_begins_ends_once_with_an_offer_that_is_not_void(probabilities: list[float]) -> None:
+    found = events(probabilities)
+    numbers = [event.number for event in found if event.kind == "began"]
+    assert numbers == list(range(1, len(numbers) + 1))
+    assert [event.number for event in found if event.kind == "ended"] == numbers
+    for number in numbers:
+        kinds = [event.kind for event in found if event.number == number]
+        assert kinds[0] == "began"
+        assert kinds[-2:] == ["offered", "ended"] or kinds[-1] == "ended"
+        offers = [event.offer for event in found if event.number == number and event.kind == "offered"]
+        assert offers == list(range(1, len(offers) + 1)), "offers are counted"
+        assert found[[each.kind == "ended" and each.number == number for each in found].index(True)].offer == offers[-1]
+        assert kinds.count("void") == len(offers) - 1, "each offer but the last is void"
+
+
+@given(PROBABILITIES)
+def test_no_sound_belongs_to_two_turns_and_none_of_speech_is_lost(probabilities: list[float]) -> None:
+    found = events(probabilities)
+    last = {event.number: event for event in found if event.kind == "offered"}
+    sounds = [event.clear for event in last.values()]
+    joined = b"".join(sounds)
+    assert sorted(joined) == list(joined), "in order"
+    assert len(set(joined)) == len(joined), "nothing twice"
+
+
+@given(PROBABILITIES)
+def test_the_same_frames_show_the_same(probabilities: list[float]) -> None:
+    assert events(probabilities) == events(probabilities)
+
+
+def test_a_turn_is_offered_after_192_ms_of_quiet_and_ends_after_400() -> None:
+    found = events([0.0] * 10 + [0.9] * 20 + [0.0] * 30, end=False)
+    quiet_from = 30 * FRAME_S
+    times = {event.kind: event.at - quiet_from for event in found}
+    assert times["offered"] == pytest.approx(0.192, abs=1e-6)
+    assert times["ended"] == pytest.approx(0.416, abs=1e-6), "the first frame that ends at 400 ms or later"
+    assert times["present"] == pytest.approx(-16 * FRAME_S), "four frames of speech: 128 ms"
+    assert found[-1].spoken_until == pytest.approx(quiet_from)
+
+
+def test_a_pause_makes_an_offer_void_and_the_turn_is_offered_whole_again() -> None:
+    found = events([0.9] * 10 + [0.0] * 8 + [0.9] * 5, end=True)
+    assert [event.kind for event in found] == ["began", "present", "offered", "void", "offered", "ended"]
+    assert found[-2].clear.startswith(found[2].clear)
+
+
+def test_a_closed_word_ends_its_turn_sooner() -> None:
+    detector, found = TurnDetector(), list[TurnEvent]()
+    for count, speech in enumerate([0.9] * 10 + [0.0] * 20):
+        taken = detector.take(TurnFrame(count * FRAME_S, speech, b"", b""))
+        found += taken
+        for event in taken:
+            if event.kind == "offered":
+                detector.end_sooner(event.number, event.offer)
+    assert found[-1].kind == "ended"
+    assert found[-1].at - 10 * FRAME_S == pytest.approx(0.288)
+
+
+def test_what_was_shortened_and_then_continued_ends_as_any_other() -> None:
+    detector, ended = TurnDetector(), list[TurnEvent]()
+    for count, speech in enumerate([0.9] * 10 + [0.0] * 7 + [0.9] * 5 + [0.0] * 20):
+        for event in detector.take(TurnFrame(count * FRAME_S, speech, b"", b"")):
+            if (event.kind, event.offer) == ("offered", 1):
+                detector.end_sooner(event.number, event.offer)
+            ended += [event] if event.kind == "ended" else []
+    assert [event.at for event in ended] == [pytest.approx((22 + 13) * FRAME_S)]
+
+
+def test_a_person_who_never_pauses_is_transcribed_after_14_s() -> None:
+    found = events([0.9] * 1000, end=False)
+    assert found[0].kind == "began"
+    assert [event.kind for event in found].count("ended") == 2
