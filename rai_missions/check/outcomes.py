@@ -66,14 +66,18 @@ def unhandled_failures(survey: MissionIndex) -> Found:
     A handover of control that is not acknowledged is `rejected` as well, but is left out: another holder has the robot
     then, and that the mission ends is what is expected.
     """
-    transitions = handled(survey)
-    of_mission = {word for source, word in transitions if not source}
+    named: dict[str, set[str]] = {}
+    for source, word in handled(survey):
+        named.setdefault(source, set()).add(word)
+    caught: list[frozenset[str]] = []
+    """By the index of a state: what is handled by it or around it; the mission's own transitions handle it as well."""
     for spot in survey.spots:
-        around = {word for here in spot.upward() for source, word in _words_of(here) if source in ("", here.name)}
-        named = {word for source, word in transitions if source == spot.name}
-        caught = around | named | of_mission
+        own_words = {word for source, word in _words_of(spot) if source in ("", spot.name)} & {*FAILURES}
+        around = caught[spot.parent.index] if spot.parent is not None else frozenset(named.get("", ()))
+        caught.append(around | own_words)
         own = spot.state.outcomes() if spot.state.activity() else frozenset()
-        if words := [word for word in FAILURES if word in own and word not in caught]:
+        handled_here = caught[spot.index] | named.get(spot.name, set())
+        if words := [word for word in FAILURES if word in own and word not in handled_here]:
             remedy = f'{{"on": {json.dumps(words[0] if len(words) == 1 else words)}, "to": …}}'
             yield (
                 spot.place,

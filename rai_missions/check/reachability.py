@@ -6,10 +6,9 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 
 from rai_missions.check.index import MissionIndex, StateRef, TransitionRef
-from rai_missions.check.reported_outcomes import reported
 from rai_missions.check.scc import knots
+from rai_missions.check.ways_out import WaysOut
 from rai_missions.states import Final, History, Parallel
-from rai_missions.states.state import ANY_EVENT
 
 __all__ = ("dead_ends", "entered_with", "unreachable_states", "waiting_rooms")
 
@@ -125,10 +124,9 @@ def _targets(survey: MissionIndex, inside: list[StateRef], whole: StateRef) -> I
 
 def dead_ends(survey: MissionIndex) -> Found:
     """A state that only waits has a transition, here or further out, that can fire and leaves it."""
+    ways = WaysOut(survey)
     for spot in _waiting(survey):
-        if not any(
-            _frees(survey, transition, spot) for transition in (*_transitions_here(spot), *_own_transitions(survey))
-        ):
+        if not ways.here(spot) and not ways.of_mission(spot):
             yield (
                 spot.place,
                 f"nothing can leave '{spot.name}': it is not final, runs nothing, "
@@ -139,18 +137,22 @@ def dead_ends(survey: MissionIndex) -> Found:
 def waiting_rooms(survey: MissionIndex) -> Found:
     """A state that only waits is left by more than those transitions of the mission that give up."""
     success = {spot for spot in survey.top if isinstance(spot.state, Final) and spot.state.final == "succeeded"}
-    hopeful: dict[str, bool] = {}
+    ways = WaysOut(survey)
+    hopeful: dict[tuple[str, ...], bool] = {}
+
+    def leads_on(transition: TransitionRef) -> bool:
+        targets = tuple(transition.definition.to)
+        if targets not in hopeful:
+            reach = Reach(survey)
+            reach.enter(survey.found(targets))
+            hopeful[targets] = bool(reach.active & success)
+        return hopeful[targets]
+
     for spot in _waiting(survey) if success else ():
-        if any(_frees(survey, transition, spot) for transition in _transitions_here(spot)):
+        if ways.here(spot) or ways.leads(spot, leads_on):
             continue
-        transitions = [transition for transition in _own_transitions(survey) if _frees(survey, transition, spot)]
-        for transition in transitions:
-            if transition.place not in hopeful:
-                reach = Reach(survey)
-                reach.enter(survey.found(transition.definition.to))
-                hopeful[transition.place] = bool(reach.active & success)
-        if transitions and not any(hopeful[transition.place] for transition in transitions):
-            places = ", ".join(transition.place for transition in transitions[:4])
+        if transitions := ways.first_of_mission(spot, 4):
+            places = ", ".join(transition.place for transition in transitions)
             remedy = "add a transition of its own, or make it final"
             yield spot.place, f"only {places} can leave '{spot.name}', and gives the mission up; {remedy}"
 
@@ -162,40 +164,3 @@ def _waiting(survey: MissionIndex) -> Iterator[StateRef]:
         timed = any(here.state.timeout_s is not None for here in spot.upward())
         if not ends and not timed and spot in reached(survey):
             yield spot
-
-
-def _transitions_here(spot: StateRef) -> Iterator[TransitionRef]:
-    """The transitions of the state and its ancestors."""
-    for here in spot.upward():
-        yield from here.transitions
-
-
-def _own_transitions(survey: MissionIndex) -> list[TransitionRef]:
-    """The mission's own transitions, which are last."""
-    return survey.transitions[len(survey.transitions) - len(survey.mission.transitions) :]
-
-
-def _frees(survey: MissionIndex, transition: TransitionRef, spot: StateRef) -> bool:
-    """Whether a transition can fire while the state is active, and leads elsewhere."""
-    definition = transition.definition
-    if not definition.to or all(survey.spot(name) is spot for name in definition.to):
-        return False
-    if not definition.on:
-        return True
-    if any(word == ANY_EVENT or word in survey.events or survey.events.meant(word) for word in definition.on):
-        return True
-    outcomes = _covered_by(survey, transition, spot)
-    return any(word in outcomes for word in definition.on)
-
-
-def _covered_by(survey: MissionIndex, transition: TransitionRef, spot: StateRef) -> frozenset[str]:
-    """The outcomes that a transition can receive while a state that runs nothing is active: of regions next to it."""
-    if transition.definition.of is not None:
-        source = survey.spot(transition.definition.of)
-        return reported(survey).by(source) if source is not None else frozenset()
-    for here in spot.upward():
-        if isinstance(here.state, Parallel) and (
-            here is transition.owner or transition.owner is None or here.inside(transition.owner)
-        ):
-            return reported(survey).possible_at(transition.owner)
-    return frozenset()

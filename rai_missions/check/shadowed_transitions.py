@@ -4,11 +4,13 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator
+from bisect import bisect_left, bisect_right
+from collections.abc import Container, Iterator, Sequence
+from typing import NamedTuple
 
 from rai_missions.check.index import MissionIndex, StateRef, TransitionRef
 from rai_missions.check.outcomes import together
-from rai_missions.guards.implication import ALWAYS, NEVER, Form, Junction, form, implies, never
+from rai_missions.guards.implication import ALWAYS, NEVER, Form, Junction, form, implies, never, roots
 from rai_missions.states.state import ANY_EVENT
 
 __all__ = ("impossible_guards", "overlapping_transitions", "unwatched_holds")
@@ -23,23 +25,101 @@ WATCHED = ("invariants", "check", "eternal_guard")
 def overlapping_transitions(survey: MissionIndex) -> Found:
     """No transition comes after one of the same state that fires whenever it would."""
     for _, transitions in itertools.groupby(survey.transitions, key=lambda transition: transition.owner):
-        earlier: dict[tuple[str, str], list[tuple[TransitionRef, Form]]] = {}
+        earlier, leaving = Earlier(survey.mission.events), Leaving()
         for transition in transitions:
-            guard = form(transition.definition.when)
-            words = _triggers(transition)
+            when = transition.definition.when
+            guard, after_s, words = form(when), transition.definition.after_s, _triggers(transition)
+            guarded = GuardedTransition(transition, guard, roots(guard))
             if not never(guard):
-                before = [_first(survey, earlier, word, guard) for word in words]
+                before = [earlier.first(word, guarded) for word in words]
                 if before and all(found is not None for found in before):
                     yield transition.place, _overlap(transition, [found for found in before if found is not None])
-                elif transition.definition.after_s is not None and (
-                    late := _late(earlier, transition.definition.after_s)
-                ):
+                elif after_s is not None and (late := leaving.before(after_s)):
                     yield (
                         transition.place,
                         f"this transition never fires: {late.place} leaves the state before; swap their times",
                     )
             for word in words:
-                earlier.setdefault(word, []).append((transition, guard))
+                position = earlier.add(word, guarded)
+                if after_s is not None and position < NEAR:
+                    leaving.add(guarded, after_s)
+
+
+class GuardedTransition(NamedTuple):
+    """A transition with its guard in normal form, and what that is about."""
+
+    transition: TransitionRef
+    guard: Form
+    about: frozenset[str] | None
+
+    def may_follow_from(self, other: GuardedTransition) -> bool:
+        """Whether the guards have something in common; where they have not, neither follows from the other."""
+        return self.about is None or other.about is None or not self.about.isdisjoint(other.about)
+
+
+class Earlier:
+    """The transitions of a state up to one of them, by what can fire them.
+
+    Args:
+        events: The declared events, which `*` means.
+    """
+
+    def __init__(self, events: Container[str]) -> None:
+        self._events = events
+        self._by_word: dict[tuple[str, str], list[GuardedTransition]] = {}
+
+    def add(self, word: tuple[str, str], guarded: GuardedTransition) -> int:
+        """Add one; returns how many have the same trigger before it."""
+        same = self._by_word.setdefault(word, [])
+        same.append(guarded)
+        return len(same) - 1
+
+    def first(self, word: tuple[str, str], guarded: GuardedTransition) -> TransitionRef | None:
+        """The earlier transition that fires whenever this guard is true and this trigger comes."""
+        declared = word[0] in self._events
+        same, any_event = self._by_word.get(word, []), self._by_word.get((ANY_EVENT, ""), []) if declared else []
+        for other in _near(same, any_event):
+            if other.may_follow_from(guarded) and (other.guard == ALWAYS or implies(guarded.guard, other.guard)):
+                return other.transition
+        return None
+
+
+def _near(one: Sequence[GuardedTransition], other: Sequence[GuardedTransition]) -> Iterator[GuardedTransition]:
+    """The first and the last of two lists, one after the other."""
+    count = len(one) + len(other)
+    for index in (*range(min(NEAR, count)), *range(max(NEAR, count - NEAR), count)):
+        yield one[index] if index < len(one) else other[index - len(one)]
+
+
+class Leaving:
+    """The transitions that leave a state at some time, whatever is known.
+
+    Kept are the times at which a transition leaves that comes before all those that leave sooner: the sooner, the later
+    in the order in which their times were first written.
+    """
+
+    def __init__(self) -> None:
+        self._order: dict[float, int] = {}
+        self._times: list[float] = []
+        self._first: list[tuple[int, TransitionRef]] = []
+
+    def add(self, guarded: GuardedTransition, after_s: float) -> None:
+        """Add one that fires at a time, if it is sure to leave then."""
+        order, definition = self._order.setdefault(after_s, len(self._order)), guarded.transition.definition
+        if guarded.guard != ALWAYS or not definition.to or definition.internal:
+            return
+        at = bisect_right(self._times, after_s)
+        if at and self._first[at - 1][0] <= order:
+            return
+        end = at
+        while end < len(self._first) and self._first[end][0] > order:
+            end += 1
+        self._times[at:end], self._first[at:end] = [after_s], [(order, guarded.transition)]
+
+    def before(self, after_s: float) -> TransitionRef | None:
+        """The first of those that have left the state by then."""
+        at = bisect_left(self._times, after_s)
+        return self._first[at - 1][1] if at else None
 
 
 def _triggers(transition: TransitionRef) -> list[tuple[str, str]]:
@@ -48,31 +128,6 @@ def _triggers(transition: TransitionRef) -> list[tuple[str, str]]:
     if definition.after_s is not None:
         return [("after_s", str(definition.after_s))]
     return [(word, definition.of or "") for word in definition.on] or [("", "")]
-
-
-def _first(
-    survey: MissionIndex,
-    earlier: dict[tuple[str, str], list[tuple[TransitionRef, Form]]],
-    word: tuple[str, str],
-    guard: Form,
-) -> TransitionRef | None:
-    """The earlier transition that fires whenever this guard is true and this trigger comes."""
-    declared = word[0] in survey.mission.events
-    transitions = earlier.get(word, []) + (earlier.get((ANY_EVENT, ""), []) if declared else [])
-    for transition, other in (*transitions[:NEAR], *transitions[NEAR:][-NEAR:]):
-        if other == ALWAYS or implies(guard, other):
-            return transition
-    return None
-
-
-def _late(earlier: dict[tuple[str, str], list[tuple[TransitionRef, Form]]], after_s: float) -> TransitionRef | None:
-    """A transition that has left the state by then, whatever is known."""
-    for (word, _), transitions in earlier.items():
-        for transition, guard in transitions[:NEAR] if word == "after_s" else ():
-            sooner = transition.definition.after_s is not None and transition.definition.after_s < after_s
-            if sooner and guard == ALWAYS and transition.definition.to and not transition.definition.internal:
-                return transition
-    return None
 
 
 def _overlap(transition: TransitionRef, before: list[TransitionRef]) -> str:

@@ -3,10 +3,12 @@
 
 from __future__ import annotations
 
+import itertools
+from bisect import bisect_left, bisect_right
 from collections.abc import Iterator
 
 from rai_missions.check.index import MissionIndex, StateRef, TransitionRef
-from rai_missions.check.outcomes import together
+from rai_missions.states import Parallel
 
 __all__ = ("lost_timers", "rival_actions")
 
@@ -15,9 +17,10 @@ Found = Iterator[tuple[str, str]]
 
 def lost_timers(survey: MissionIndex) -> Found:
     """A transition with `after_s` and `when` fires at one instant or never; give another one for the other case."""
+    latest = _latest(survey)
     for transition in survey.transitions:
         after_s, guard = transition.definition.after_s, transition.definition.when
-        if after_s is not None and guard is not None and not _continues(survey, transition):
+        if after_s is not None and guard is not None and not _continues(transition, latest):
             wait = f'"when": {{"all": [{{"elapsed_s": {after_s:g}}}, …]}}'
             yield (
                 f"{transition.place}/when",
@@ -26,37 +29,82 @@ def lost_timers(survey: MissionIndex) -> Found:
             )
 
 
-def _continues(survey: MissionIndex, transition: TransitionRef) -> bool:
-    """Whether a later instant decides what happens where the guard was not true."""
-    transitions = (
-        transition.owner.transitions
-        if transition.owner is not None
-        else [each for each in survey.transitions if each.owner is None]
-    )
-    assert transition.definition.after_s is not None
-    after_s = transition.definition.after_s
-    bounded = transition.owner is not None and transition.owner.state.timeout_s is not None
-    return bounded or any(
-        each is not transition and each.definition.after_s is not None and each.definition.after_s >= after_s
-        for each in transitions
-    )
+def _latest(survey: MissionIndex) -> dict[StateRef | None, list[float]]:
+    """The two latest instants at which transitions of a state, or of the mission, fire."""
+    found: dict[StateRef | None, list[float]] = {}
+    for transition in survey.transitions:
+        if transition.definition.after_s is not None:
+            instants = [*found.get(transition.owner, ()), transition.definition.after_s]
+            found[transition.owner] = sorted(instants, reverse=True)[:2]
+    return found
+
+
+def _continues(transition: TransitionRef, latest: dict[StateRef | None, list[float]]) -> bool:
+    """Whether a later instant decides what happens where the guard was not true: one of another transition."""
+    after_s, owner = transition.definition.after_s, transition.owner
+    assert after_s is not None
+    bounded = owner is not None and owner.state.timeout_s is not None
+    return bounded or sum(instant >= after_s for instant in latest[owner]) > 1
 
 
 def rival_actions(survey: MissionIndex) -> Found:
     """Of two actions in regions of one parallel, one handles `rejected`: they may need the same of the robot."""
     used = ((use, use.scope.owner) for use in survey.uses if use.sort == "action")
     places = {spot: use.named_at for use, spot in used if spot is not None and use.user is spot.state}
-    spots = list(places)
-    for index, spot in enumerate(spots):
-        rivals = [each for each in spots if each is not spot and together(spot, each)]
-        if rivals and not any(_handles(each) for each in (spot, *rivals)) and spots.index(rivals[0]) > index:
-            yield (
-                places[spot],
-                f"'{spot.name}' and '{rivals[0].name}' may run at one time, and unless the profile's 'uses' keep them "
-                "apart, the second waits for the end of the first and is 'rejected' where that is never confirmed; "
-                "handle 'rejected' in one of them",
-            )
+    acting = Acting(survey, sorted(places, key=lambda spot: spot.index))
+    for spot in acting.spots:
+        rivals = acting.rivals(spot)
+        first = next((acting.spots[start] for start, end in rivals if start < end), None)
+        if first is None or first.index < spot.index or acting.handles(spot) or acting.is_handled(rivals):
+            continue
+        yield (
+            places[spot],
+            f"'{spot.name}' and '{first.name}' may run at one time, and unless the profile's 'uses' keep them "
+            "apart, the second waits for the end of the first and is 'rejected' where that is never confirmed; "
+            "handle 'rejected' in one of them",
+        )
 
 
-def _handles(spot: StateRef) -> bool:
-    return any("rejected" in transition.definition.on for here in spot.upward() for transition in here.transitions)
+class Acting:
+    """The states with an action, in document order, and which of them may run next to one.
+
+    Args:
+        survey: The mission.
+        spots: Those states; what is inside a state is a span of them.
+    """
+
+    def __init__(self, survey: MissionIndex, spots: list[StateRef]) -> None:
+        self.spots = spots
+        self._indices = [spot.index for spot in spots]
+        self._handled: list[bool] = []
+        for spot in survey.spots:
+            around = spot.parent is not None and self._handled[spot.parent.index]
+            self._handled.append(around or any("rejected" in each.definition.on for each in spot.transitions))
+        self._count = [0, *itertools.accumulate(self._handled[index] for index in self._indices)]
+
+    def handles(self, spot: StateRef) -> bool:
+        """Whether it, or a state around it, handles `rejected`."""
+        return self._handled[spot.index]
+
+    def is_handled(self, spans: list[tuple[int, int]]) -> bool:
+        """Whether one of the states in some spans handles it."""
+        return any(self._count[end] > self._count[start] for start, end in spans)
+
+    def rivals(self, spot: StateRef) -> list[tuple[int, int]]:
+        """The spans of those that may be active together with a state, in document order.
+
+        They are inside it, around it, and in the other regions of every parallel around it.
+        """
+        start, end = self._span(spot)
+        found = [(start + 1, end)]
+        for inner, outer in itertools.pairwise(spot.upward()):
+            (start, end), (first, last) = self._span(inner), self._span(outer)
+            if isinstance(outer.state, Parallel):
+                found += [(first, start), (end, last)]
+            elif self.spots[first : first + 1] == [outer]:
+                found.append((first, first + 1))
+        return sorted(found)
+
+    def _span(self, spot: StateRef) -> tuple[int, int]:
+        """Which of the states with an action are it and inside it."""
+        return bisect_left(self._indices, spot.index), bisect_right(self._indices, spot.last)

@@ -14,7 +14,7 @@ from rai_missions.guards.compare import NEGATED, holds
 from rai_missions.guards.form import ALWAYS, DEEP, NEVER, Atom, Form, Junction, form_of
 from rai_missions.guards.guard import Guard
 
-__all__ = ("ALWAYS", "NEVER", "Atom", "Form", "Junction", "conjuncts", "form", "implies", "never")
+__all__ = ("ALWAYS", "NEVER", "Atom", "Form", "Junction", "conjuncts", "form", "implies", "never", "roots")
 
 LONG = 400
 """Two guards with more parts than this between them are compared for equality only."""
@@ -59,6 +59,8 @@ def _worked_out(one: Form, other: Form, known: dict[tuple[int, int], bool]) -> b
 
 def _same(one: Any, other: Any) -> bool:
     """Equal, and not as `1` equals `true`."""
+    if one is not other and one != other:
+        return False
     if isinstance(one, tuple) and isinstance(other, tuple):
         return len(one) == len(other) and all(map(_same, one, other))
     return type(one) is type(other) and bool(one == other)
@@ -106,6 +108,18 @@ def conjuncts(this: Form) -> Iterator[Form]:
             yield from conjuncts(part)
     else:
         yield this
+
+
+def roots(this: Form) -> frozenset[str] | None:
+    """The keys and states that its conditions are about; None where it has a part that is true, or false, in any case.
+
+    One guard implies another only where they have one of these in common, or where either has None.
+    """
+    if isinstance(this, Atom):
+        return frozenset({each.partition(".")[0] for each in (this.path, this.other) if each is not None})
+    inner = [roots(part) for part in this.parts]
+    known = [each for each in inner if each is not None]
+    return frozenset().union(*known) if known and len(known) == len(inner) else None
 
 
 def never(this: Form) -> bool:

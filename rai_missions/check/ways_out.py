@@ -1,0 +1,128 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Which transitions can leave a state that runs nothing.
+
+Rule: what holds for all states inside one owner is worked out once an owner, so that thousands of states take no longer
+each than a few do.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable, Iterable, Iterator
+
+from rai_missions.check.index import MissionIndex, StateRef, TransitionRef
+from rai_missions.check.reported_outcomes import reported
+from rai_missions.states import Parallel
+from rai_missions.states.state import ANY_EVENT
+
+__all__ = ("WaysOut",)
+
+
+class Freeing:
+    """The transitions of one owner that can fire while nothing runs, and lead somewhere.
+
+    Args:
+        survey: The mission.
+        owner: Whose they are; None: the mission's own.
+        transitions: All of its transitions.
+        in_parallel: Whether a parallel is between the states that are asked about and the owner, so that outcomes of
+            its regions come.
+    """
+
+    def __init__(
+        self, survey: MissionIndex, owner: StateRef | None, transitions: Iterable[TransitionRef], *, in_parallel: bool
+    ) -> None:
+        outcomes = reported(survey).possible_at(owner) if in_parallel else frozenset[str]()
+        self.found: list[tuple[TransitionRef, StateRef | None]] = []
+        """Each with the one state that all its targets are; None where there are several."""
+        self._only: dict[StateRef, int] = {}
+        for transition in transitions:
+            if transition.definition.to and _can_fire(survey, transition, outcomes):
+                targets = {survey.spot(name) for name in transition.definition.to}
+                only = targets.pop() if len(targets) == 1 else None
+                self.found.append((transition, only))
+                if only is not None:
+                    self._only[only] = self._only.get(only, 0) + 1
+
+    def free(self, spot: StateRef) -> bool:
+        """Whether one of them leads away from a state."""
+        return len(self.found) > self._only.get(spot, 0)
+
+    def of(self, spot: StateRef) -> Iterator[TransitionRef]:
+        """Those that lead away from a state, in order."""
+        return (transition for transition, only in self.found if only is not spot)
+
+
+class WaysOut:
+    """Which transitions can leave the states that run nothing: those of the state, around it, and the mission's own.
+
+    Args:
+        survey: The mission.
+    """
+
+    def __init__(self, survey: MissionIndex) -> None:
+        self._survey = survey
+        self._known: dict[tuple[StateRef | None, bool], Freeing] = {}
+        self._hopeful: dict[bool, list[tuple[TransitionRef, StateRef | None]]] = {}
+
+    def here(self, spot: StateRef) -> bool:
+        """Whether a transition of the state or of one around it leaves it."""
+        in_parallel = False
+        for owner in spot.upward():
+            in_parallel = in_parallel or isinstance(owner.state, Parallel)
+            if owner.transitions and self._freeing(owner, in_parallel).free(spot):
+                return True
+        return False
+
+    def of_mission(self, spot: StateRef) -> bool:
+        """Whether one of the mission's own transitions leaves it."""
+        return self._freeing(None, _in_parallel(spot)).free(spot)
+
+    def first_of_mission(self, spot: StateRef, most: int) -> list[TransitionRef]:
+        """Those, as many of them."""
+        return list(itertools.islice(self._freeing(None, _in_parallel(spot)).of(spot), most))
+
+    def leads(self, spot: StateRef, leads_on: Callable[[TransitionRef], bool]) -> bool:
+        """Whether one of the mission's own transitions that leave a state leads on.
+
+        Two with different targets suffice for every state: at most one of them leads back to it.
+        """
+        in_parallel = _in_parallel(spot)
+        if in_parallel not in self._hopeful:
+            found: list[tuple[TransitionRef, StateRef | None]] = []
+            for transition, only in self._freeing(None, in_parallel).found:
+                if (not found or found[0][1] is not only) and leads_on(transition):
+                    found.append((transition, only))
+                if len(found) == 2 or (found and found[0][1] is None):
+                    break
+            self._hopeful[in_parallel] = found
+        return any(only is not spot for _, only in self._hopeful[in_parallel])
+
+    def _freeing(self, owner: StateRef | None, in_parallel: bool) -> Freeing:
+        key = (owner, in_parallel)
+        if key not in self._known:
+            transitions = owner.transitions if owner is not None else _own_transitions(self._survey)
+            self._known[key] = Freeing(self._survey, owner, transitions, in_parallel=in_parallel)
+        return self._known[key]
+
+
+def _in_parallel(spot: StateRef) -> bool:
+    return any(isinstance(here.state, Parallel) for here in spot.upward())
+
+
+def _can_fire(survey: MissionIndex, transition: TransitionRef, outcomes: frozenset[str]) -> bool:
+    """Whether a transition can fire in a state that runs nothing, where these outcomes come from next to it."""
+    definition = transition.definition
+    if not definition.on:
+        return True
+    if any(word == ANY_EVENT or word in survey.events or survey.events.meant(word) for word in definition.on):
+        return True
+    if definition.of is not None:
+        source = survey.spot(definition.of)
+        outcomes = reported(survey).by(source) if source is not None else frozenset()
+    return any(word in outcomes for word in definition.on)
+
+
+def _own_transitions(survey: MissionIndex) -> list[TransitionRef]:
+    """The mission's own transitions, which are last."""
+    return survey.transitions[len(survey.transitions) - len(survey.mission.transitions) :]
