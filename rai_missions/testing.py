@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from rai_missions.connectors.hri.contract import check_hri_connector
     from rai_missions.connectors.sound.contract import check_sound_connector
     from rai_missions.connectors.sound.room import RoomSound
+    from rai_missions.conversation.contract import check_conversation, play_conversation
     from rai_missions.engine.contract import check_activity
     from rai_missions.guards.contract import check_guard
     from rai_missions.replay.play.passage import let_time_pass
@@ -60,11 +61,13 @@ __all__ = (
     "check_agent",
     "check_answerer",
     "check_connector",
+    "check_conversation",
     "check_guard",
     "check_hri_connector",
     "check_sound_connector",
     "check_world",
     "let_time_pass",
+    "play_conversation",
 )  # fmt: skip
 
 if not TYPE_CHECKING:
@@ -84,6 +87,7 @@ if not TYPE_CHECKING:
             "connectors.hri.contract": ("check_hri_connector",),
             "connectors.sound.contract": ("check_sound_connector",),
             "connectors.sound.room": ("RoomSound",),
+            "conversation.contract": ("check_conversation", "play_conversation"),
             "engine.contract": ("check_activity",),
             "guards.contract": ("check_guard",),
             "replay.play.passage": ("let_time_pass",),

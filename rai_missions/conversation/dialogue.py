@@ -87,7 +87,6 @@ class Dialogue:
         """The run has changed: each change of `Status`, of the open question, and of the run itself."""
         self._begin(at)
         self._follow(view)
-        self._speaking.speak_due(now=False)
         return self._talk.taken()
 
     def on_mission_speech(self, text: str, at: float) -> tuple[Output, ...]:
@@ -136,6 +135,7 @@ class Dialogue:
     def _follow(self, view: StatusView) -> None:
         before, self._talk.view = self._talk.view, view
         self._speaking.follow()
+        self._speaking.speak_due(now=False)
         self._orders.follow(before)
 
     def snapshot(self) -> dict[str, Any]:

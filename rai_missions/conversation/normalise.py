@@ -52,6 +52,7 @@ class Normaliser:
         self._lead = _by_length(data["lead"])
         self._tail = _by_length(data["tail"])
         self._reporting = frozenset(data["reporting"])
+        self._articles = frozenset(data["articles"])
 
     def words(self, text: str) -> list[str]:
         """The words and numbers of a sentence, in lower case, contractions written out."""
@@ -77,7 +78,11 @@ class Normaliser:
                 if len(words) > len(each) and words[: len(each)] == each:
                     words, shorter = words[len(each) :], True
             for each in tail:
-                if len(words) > len(each) and words[-len(each) :] == each:
+                if (
+                    len(words) > len(each)
+                    and words[-len(each) :] == each
+                    and words[-len(each) - 1] not in self._articles
+                ):
                     words, shorter = words[: -len(each)], True
         return words
 

@@ -87,7 +87,14 @@ class Reports:
             yield f"{run}:waits:{view.revision}", language.text("report_waits", waits=waits), "question"
         self._waits = f"{run}:{waits}" if waits else ""
         if view.mode and not is_alive(view):
+            self._hurry(run)
             yield f"{run}:end", self._end(view), "end"
+
+    def _hurry(self, run: str) -> None:
+        """What is owed of a run that has ended comes before its end, with the end's priority."""
+        for each in list(self._all.values()):
+            if each.state == "owed" and each.identity.startswith(f"{run}:"):
+                self._all[each.identity] = each._replace(priority="end")
 
     def _end(self, view: StatusView) -> str:
         why, mode = about_words(view.why), self._language.word("modes", view.mode)
