@@ -12,10 +12,32 @@ from typing import TYPE_CHECKING
 from rai_missions.errors import lazy_names
 
 if TYPE_CHECKING:
-    from rai_missions.agents.agent import Agent
+    from rai_missions.agents.agent import Agent, AgentHealth
+    from rai_missions.agents.hri_langchain import from_langchain, to_langchain
     from rai_missions.agents.mission import MissionAgent, run
+    from rai_missions.agents.process_agent import ProcessAgent
+    from rai_missions.agents.runner import AgentRunner, exit_with
 
-__all__ = ("Agent", "MissionAgent", "run")
+__all__ = (
+    "Agent",
+    "AgentHealth",
+    "AgentRunner",
+    "MissionAgent",
+    "ProcessAgent",
+    "exit_with",
+    "from_langchain",
+    "run",
+    "to_langchain",
+)
 
 if not TYPE_CHECKING:
-    __getattr__, __dir__ = lazy_names(globals(), {"agent": ("Agent",), "mission": ("MissionAgent", "run")})
+    __getattr__, __dir__ = lazy_names(
+        globals(),
+        {
+            "agent": ("Agent", "AgentHealth"),
+            "hri_langchain": ("from_langchain", "to_langchain"),
+            "mission": ("MissionAgent", "run"),
+            "process_agent": ("ProcessAgent",),
+            "runner": ("AgentRunner", "exit_with"),
+        },
+    )

@@ -1,11 +1,37 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What every agent with a life of its own is: something that can be started and stopped."""
+"""What every agent with a life of its own is: something that can be started and stopped, and may report how it fares.
+
+Rule: what an agent talks through it has as `connectors`, each a `Connector`; who stops an agent that hangs stops those.
+"""
 
 from __future__ import annotations
 
-from typing import Protocol, runtime_checkable
+from collections.abc import Mapping
+from inspect import getattr_static
+from typing import Literal, NamedTuple, Protocol, TypeGuard, runtime_checkable
 
-__all__ = ("Agent",)
+from rai_missions.connectors.connector import Connector
+
+__all__ = ("Agent", "AgentHealth", "HasConnectors", "ReportsHealth", "StopsSlowly", "reports_health")
+
+NOTHING: Mapping[str, str] = {}
+
+
+class AgentHealth(NamedTuple):
+    """How an agent fares."""
+
+    state: Literal["ready", "running", "ended", "died", "stopped", "hangs"]
+    """`ready` to be run; `ended` by itself, its work done; `died`; `stopped`; `hangs`: it does not do as it was asked.
+    """
+    why: str = ""
+    """The reason, where it died or hangs; a remark elsewhere."""
+    values: Mapping[str, str] = NOTHING
+    """What else a person may want to know, by name."""
+
+    @property
+    def lives(self) -> bool:
+        """It works, or is about to."""
+        return self.state in ("ready", "running")
 
 
 @runtime_checkable
@@ -20,3 +46,34 @@ class Agent(Protocol):
 
         A stopped agent may be run again.
         """
+
+
+class ReportsHealth(Protocol):
+    """An agent that knows how it fares."""
+
+    @property
+    def health(self) -> AgentHealth:
+        """How it fares now; from any thread, at once."""
+
+
+def reports_health(agent: object) -> TypeGuard[ReportsHealth]:
+    """Whether an agent knows how it fares; it is not asked, since one that hangs may not answer."""
+    return getattr_static(agent, "health", None) is not None
+
+
+@runtime_checkable
+class HasConnectors(Protocol):
+    """An agent whose ways to robots and people are known."""
+
+    @property
+    def connectors(self) -> Mapping[str, Connector]:
+        """What each is for → the connector. The agent starts and stops what is its own."""
+
+
+@runtime_checkable
+class StopsSlowly(Protocol):
+    """An agent whose end takes its time: a mission that brings the robot to rest first."""
+
+    @property
+    def stop_s(self) -> float:
+        """How long `stop` may take, in seconds."""

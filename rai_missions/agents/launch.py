@@ -124,6 +124,7 @@ class PreparedRun:
     moved_aside: str | None
     """Where the journal is now that had this one's name."""
     closing: CleanupStack
+    connector: Connector | None = None
 
     @property
     def mission(self) -> Mission:
@@ -183,7 +184,9 @@ def prepare(config: RunConfig) -> PreparedRun:
             if plan.resumed is None else plan.resumed.resumption._replace(fresh=world is not None),
             observer=observers(recording, RunObserver(config.on_step, config.on_status)),
         )  # fmt: skip
-        return PreparedRun(plan, runner, world, answerers, recording, journal, moved_aside, closing.pop_all())
+        return PreparedRun(
+            plan, runner, world, answerers, recording, journal, moved_aside, closing.pop_all(), connector
+        )
 
 
 def _read(config: RunConfig, closing: CleanupStack) -> RunPlan:

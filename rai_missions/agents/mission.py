@@ -4,11 +4,14 @@
 from __future__ import annotations
 
 import threading
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from rai_missions.agents.agent import AgentHealth
 from rai_missions.agents.launch import PreparedRun, prepare
 from rai_missions.agents.run_config import RunConfig
+from rai_missions.connectors.connector import Connector
 from rai_missions.connectors.python_robot import PythonRobot
 from rai_missions.mission.mission import Mission
 from rai_missions.profile import Robot
@@ -16,6 +19,9 @@ from rai_missions.redaction import logger
 from rai_missions.runtime.runner import Result
 
 log = logger(__name__)
+
+MOMENT_S = 3.0
+"""For what is closed after a run."""
 
 __all__ = ("MissionAgent", "PreparedRun", "RunConfig", "prepare", "run")
 
@@ -59,6 +65,28 @@ class MissionAgent:
             self._prepared.runner.cancel("stop")
             self._thread.join()
         self._prepared.close()
+
+    @property
+    def health(self) -> AgentHealth:
+        """How the run fares; died, where it broke off. How a mission ended is no health of its agent."""
+        if self.error is not None:
+            return AgentHealth("died", f"{type(self.error).__name__}: {self.error}")
+        if self.result is not None:
+            return AgentHealth("ended", self.result.outcome)
+        view = self._prepared.runner.view
+        values = {"mission": self._prepared.mission.name, "mode": view.mode, "control": view.holder}
+        return AgentHealth("ready" if self._thread is None else "running", "", values)
+
+    @property
+    def connectors(self) -> Mapping[str, Connector]:
+        """The way to the robot, which the run itself opens and closes."""
+        connector = self._prepared.connector
+        return {} if connector is None else {"robot": connector}
+
+    @property
+    def stop_s(self) -> float:
+        """As long as the mission may take to bring the robot to rest, and a moment."""
+        return self._prepared.mission.cancel_s + MOMENT_S
 
     def _work(self) -> None:
         try:

@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from rai_missions.agents.health import ERROR, OK, WARN
 from rai_missions.engine.activities.goal_ledger import may_move
 from rai_missions.node.status_message import StatusMessage
 from rai_missions.redaction import cut
@@ -16,7 +17,6 @@ from rai_missions.runtime.readings import SourceState, in_words
 
 __all__ = ("ERROR", "OK", "WARN", "array_of", "level")
 
-OK, WARN, ERROR = 0, 1, 2
 NOTHING: Mapping[str, SourceState] = {}
 
 

@@ -1,0 +1,97 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Another program as an agent: in a process and a session of its own, of which nothing is left after its end."""
+
+from __future__ import annotations
+
+import signal
+import subprocess
+import threading
+from collections import deque
+from collections.abc import Mapping, Sequence
+
+from rai_missions.agents.agent import AgentHealth
+from rai_missions.connectors.process.life import end_session
+from rai_missions.redaction import cut
+
+__all__ = ("ProcessAgent",)
+
+MOST_LINES = 20
+
+
+class ProcessAgent:
+    """A program that is run; it ends on SIGTERM, or is killed.
+
+    Args:
+        command: The program and its arguments; no shell reads them.
+        stop_s: How long it may take to end.
+        environment: Its variables; this process's own where left out.
+    """
+
+    def __init__(
+        self, command: Sequence[str], *, stop_s: float = 1.5, environment: Mapping[str, str] | None = None
+    ) -> None:
+        self._command, self._stop_s, self._environment = tuple(command), stop_s, environment
+        self._process: subprocess.Popen[str] | None = None
+        self._lines: deque[str] = deque(maxlen=MOST_LINES)
+        self._reader: threading.Thread | None = None
+        self._is_stopped = False
+
+    def run(self) -> None:
+        """Begin it; one that has ended begins again.
+
+        Raises:
+            OSError: There is no such program, or it may not be run.
+        """
+        if self._process is not None and self._process.poll() is None:
+            return
+        self._lines.clear()
+        self._is_stopped = False
+        self._process = process = subprocess.Popen(
+            self._command, stdin=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, errors="replace",
+            start_new_session=True, env=dict(self._environment) if self._environment is not None else None,
+        )  # fmt: skip
+        self._reader = threading.Thread(target=self._read, args=(process,), name="agent's errors", daemon=True)
+        self._reader.start()
+
+    def stop(self) -> None:
+        """Have it end by SIGTERM; what is left of its session after `stop_s` is killed."""
+        process = self._process
+        if process is None:
+            return
+        self._is_stopped = self._is_stopped or process.poll() is None
+        if process.poll() is None:
+            process.send_signal(signal.SIGTERM)
+            try:
+                process.wait(self._stop_s)
+            except subprocess.TimeoutExpired:
+                pass
+        end_session(process.pid)
+        process.wait()
+        if self._reader is not None:
+            self._reader.join(1.0)
+
+    @property
+    def health(self) -> AgentHealth:
+        """How it fares; died, where it ended by itself with another status than 0."""
+        process = self._process
+        if process is None:
+            return AgentHealth("ready")
+        status = process.poll()
+        values = {"pid": str(process.pid)}
+        if status is None:
+            return AgentHealth("running", "", values)
+        if self._is_stopped:
+            return AgentHealth("stopped", "", values)
+        if status == 0:
+            return AgentHealth("ended", "", values)
+        how = f"ended by {signal.Signals(-status).name}" if status < 0 else f"exit status {status}"
+        if self._reader is not None:
+            self._reader.join(0.2)
+        last = next((line for line in reversed(self._lines) if line.strip()), "")
+        return AgentHealth("died", f"{how}: {cut(last.strip(), 200)}" if last else how, values)
+
+    def _read(self, process: subprocess.Popen[str]) -> None:
+        assert process.stderr is not None
+        with process.stderr:
+            for line in process.stderr:
+                self._lines.append(line)

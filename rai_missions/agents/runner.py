@@ -1,0 +1,178 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Several agents as one: started in order, stopped in reverse, each named with its reason where it dies or hangs.
+
+Rule: no agent waits for another. One that dies, hangs or raises takes no other with it.
+"""
+
+from __future__ import annotations
+
+import os
+import signal
+import sys
+import threading
+import time
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from types import FrameType
+from typing import Any, NoReturn
+
+from rai_missions.agents.agent import Agent, AgentHealth
+from rai_missions.agents.health import DIAGNOSTIC_ARRAY, DIAGNOSTICS, diagnostics_of
+from rai_missions.agents.watched_agent import WatchedAgent
+from rai_missions.connectors.connector import Connector
+from rai_missions.connectors.worker import Worker
+from rai_missions.redaction import logger
+
+__all__ = ("AgentRunner", "exit_with")
+
+log = logger(__name__)
+
+LOOKS_S = 0.2
+"""How often the agents are looked at."""
+REPORTS_S = 1.0
+"""How often their health is published where nothing changes."""
+SIGNALS = (signal.SIGINT, signal.SIGTERM)
+
+
+class AgentRunner:
+    """Runs agents together; an `Agent` itself.
+
+    Args:
+        agents: Name → agent, in the order in which they are to begin.
+        connector: Where their health is published on `/diagnostics`; its owner starts and stops it.
+        name: Of these agents together.
+        start_s: How long an agent may take to begin.
+        stop_s: How long one may take to end that states nothing of it.
+    """
+
+    def __init__(
+        self, agents: Mapping[str, Agent], *, connector: Connector | None = None, name: str = "agents",
+        start_s: float = 30.0, stop_s: float = 3.0,
+    ) -> None:  # fmt: skip
+        self._watched = [WatchedAgent(each, agent) for each, agent in agents.items()]
+        self._connector, self._name, self._start_s, self._stop_s = connector, name, start_s, stop_s
+        self._leaving, self._hurries, self._changed = threading.Event(), threading.Event(), threading.Event()
+        self._lock = threading.Lock()
+        self._is_running = False
+        self._worker = Worker(f"health of {name}")
+        self._last: Mapping[str, AgentHealth] = {}
+        self._reported_at = 0.0
+
+    @property
+    def agents(self) -> Mapping[str, AgentHealth]:
+        """Name → how it fares."""
+        return {each.name: each.health for each in self._watched}
+
+    @property
+    def health(self) -> AgentHealth:
+        """How they fare together: as the worst of them."""
+        found = self.agents
+        bad = [f"{name}: {each.state}, {each.why}" for name, each in found.items() if each.state in ("died", "hangs")]
+        if not self._is_running:
+            return AgentHealth("stopped" if self._last else "ready", "; ".join(bad))
+        return AgentHealth("running" if any(each.lives for each in found.values()) else "ended", "; ".join(bad))
+
+    def run(self) -> None:
+        """Begin each agent, one after the other; what one raises is its health, and the next begins."""
+        with self._lock:
+            if self._is_running:
+                return
+            self._is_running = True
+            self._worker.start()
+            self._worker.every(LOOKS_S, self._look)
+            for each in self._watched:
+                if not self._leaving.is_set():
+                    each.begin(self._start_s, self._leaving)
+                    log.info("%s: %s", each.name, each.health.state)
+                    self._report()
+
+    def stop(self) -> None:
+        """End them in the reverse order, each within `stop_s`, and cut off the one that hangs."""
+        self._leaving.set()
+        with self._lock:
+            if self._is_running:
+                self._end()
+            self._leaving.clear()
+            self._hurries.clear()
+
+    def _end(self) -> None:
+        for each in reversed(self._watched):
+            each.end(self._stop_s, self._hurries)
+            log.info("%s: %s", each.name, each.health.state)
+        for each in reversed(self._watched):
+            if each.health.state == "hangs":
+                each.cut_off()
+        self._report()
+        self._is_running = False
+        self._worker.close(1.0)
+
+    def leave(self) -> None:
+        """Have `serve` stop all; a second time, have it wait for no one. From any thread or signal."""
+        if self._leaving.is_set():
+            self._hurries.set()
+        self._leaving.set()
+        self._changed.set()
+
+    def serve(self) -> int:
+        """Run until a signal comes, `leave` is called, or no agent lives; then stop all.
+
+        Returns:
+            The exit status: 1 where an agent died or hangs.
+        """
+        with _leaving_by_signal(self):
+            self.run()
+            while not self._leaving.is_set() and any(each.lives for each in self.agents.values()):
+                self._changed.wait(LOOKS_S)
+                self._changed.clear()
+            self.stop()
+        return int(any(each.state in ("died", "hangs") for each in self.agents.values()))
+
+    def _look(self) -> None:
+        for each in self._watched:
+            each.look()
+        if self.agents != self._last or time.monotonic() - self._reported_at >= REPORTS_S:
+            self._report()
+
+    def _report(self) -> None:
+        """Log what has become worse, and publish how they fare."""
+        found, before = self.agents, self._last
+        for name, health in found.items():
+            if health.state in ("died", "hangs") and before.get(name) != health:
+                log.error("%s %s: %s", name, health.state, health.why)
+        self._last, self._reported_at = found, time.monotonic()
+        self._changed.set()
+        if self._connector is not None:
+            try:
+                self._connector.publish(
+                    DIAGNOSTICS, DIAGNOSTIC_ARRAY, diagnostics_of(self._name, found, at=time.time())
+                )
+            except Exception:
+                log.exception("how the agents fare could not be published")
+
+
+@contextmanager
+def _leaving_by_signal(runner: AgentRunner) -> Iterator[None]:
+    """Leave on SIGINT and SIGTERM, where this is the thread that receives them."""
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+
+    def receive(_number: int, _frame: FrameType | None) -> None:
+        runner.leave()
+
+    before: dict[Any, Any] = {each: signal.signal(each, receive) for each in SIGNALS}
+    try:
+        yield
+    finally:
+        for each, handler in before.items():
+            signal.signal(each, handler)
+
+
+def exit_with(runner: AgentRunner) -> NoReturn:
+    """Serve, and end the process, also where an agent that hangs would keep it alive."""
+    status = runner.serve()
+    if any(each.state == "hangs" for each in runner.agents.values()):
+        sys.stdout.flush()
+        sys.stderr.flush()
+        os._exit(status)
+    sys.exit(status)

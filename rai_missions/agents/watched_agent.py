@@ -1,0 +1,106 @@
+# SPDX-License-Identifier: Apache-2.0
+"""One agent among several: started, looked at and stopped so that it holds up no other, whatever it does."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Callable
+
+from rai_missions.agents.agent import Agent, AgentHealth, HasConnectors, ReportsHealth, StopsSlowly, reports_health
+from rai_missions.connectors.worker import Worker
+from rai_missions.errors import in_words
+from rai_missions.redaction import cut, logger
+
+__all__ = ("WatchedAgent",)
+
+log = logger(__name__)
+
+LOOK_S = 2.0
+"""An agent that does not report within that how it fares hangs."""
+TURN_S = 0.02
+
+
+class WatchedAgent:
+    """An agent and what is known of it.
+
+    Args:
+        name: For people.
+        agent: What is run.
+    """
+
+    def __init__(self, name: str, agent: Agent) -> None:
+        self.name, self.agent = name, agent
+        self._health = AgentHealth("ready")
+        self._asked_at: float | None = None
+        self._worker = Worker(f"health of {name}")
+
+    @property
+    def health(self) -> AgentHealth:
+        """What was last known."""
+        asked_at = self._asked_at
+        if self._health.state == "running" and asked_at is not None and time.monotonic() - asked_at > LOOK_S:
+            return AgentHealth("hangs", f"it has not reported how it fares for {LOOK_S:g} s")
+        return self._health
+
+    def begin(self, within_s: float, leaving: threading.Event) -> None:
+        """Run it; where that fails or hangs, its health states why."""
+        self._asked_at = None
+        self._worker.start()
+        self._health = self._attempt("run", self.agent.run, within_s, leaving) or AgentHealth("running")
+
+    def look(self) -> None:
+        """Ask how it fares; never waits."""
+        agent = self.agent
+        if self._health.state == "running" and self._asked_at is None and reports_health(agent):
+            self._asked_at = time.monotonic()
+            self._worker.post(lambda: self._ask(agent))
+
+    def end(self, within_s: float, leaving: threading.Event) -> None:
+        """Stop it; where that fails or hangs, its health states why."""
+        before = self.health
+        if before.state == "ready":
+            return
+        patience_s = self.agent.stop_s if isinstance(self.agent, StopsSlowly) else within_s
+        failure = self._attempt("stop", self.agent.stop, patience_s, leaving)
+        self._health = failure or (AgentHealth("stopped") if before.state == "running" else before)
+        self._worker.close(0.0)
+
+    def cut_off(self) -> None:
+        """Close its ways to robots and people: it hangs, and must not go on by itself later."""
+        for purpose, connector in (self.agent.connectors if isinstance(self.agent, HasConnectors) else {}).items():
+            failure = self._attempt(f"stop of '{purpose}'", connector.stop, LOOK_S, threading.Event())
+            become = failure.why if failure is not None else "was stopped"
+            log.warning("%s hangs; its connector '%s': %s", self.name, purpose, become)
+
+    def _ask(self, agent: ReportsHealth) -> None:
+        try:
+            found = agent.health
+        except Exception as error:  # noqa: BLE001 - an agent may be anybody's
+            found = AgentHealth("died", f"it cannot report how it fares: {cut(in_words(error), 200)}")
+        self._asked_at = None
+        if self._health.state == "running" and found.state != "ready":
+            self._health = found
+
+    def _attempt(
+        self, what: str, act: Callable[[], object], within_s: float, leaving: threading.Event
+    ) -> AgentHealth | None:
+        """Do it on a thread of its own; what that makes of the agent's health where it is not done."""
+        raised: list[BaseException] = []
+
+        def attempt() -> None:
+            try:
+                act()
+            except BaseException as error:  # noqa: BLE001 - an agent takes no other with it
+                raised.append(error)
+
+        thread = threading.Thread(target=attempt, name=f"{self.name}: {what}", daemon=True)
+        thread.start()
+        began = time.monotonic()
+        while thread.is_alive() and time.monotonic() < began + within_s and not leaving.is_set():
+            thread.join(TURN_S)
+        if thread.is_alive():
+            return AgentHealth("hangs", f"{what} has not returned within {time.monotonic() - began:.1f} s")
+        if raised:
+            return AgentHealth("died", f"{what} raised {type(raised[0]).__name__}: {cut(in_words(raised[0]), 200)}")
+        return None

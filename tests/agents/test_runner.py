@@ -1,0 +1,213 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Several agents as one: in order, stopped in reverse by real signals, and none takes another with it."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from rai_missions.agents.agent import Agent, AgentHealth
+from rai_missions.agents.health import DIAGNOSTIC_ARRAY, DIAGNOSTICS, diagnostics_of
+from rai_missions.agents.mission import MissionAgent, RunConfig
+from rai_missions.agents.process_agent import ProcessAgent
+from rai_missions.agents.runner import AgentRunner
+from rai_missions.connectors.connector import Message
+from rai_missions.connectors.contract import Inbox
+from rai_missions.connectors.local import LocalConnector
+from rai_missions.mission.mission import Mission
+from rai_missions.testing import check_agent
+from tests.agents.test_mission import WAITING
+from tests.agents.troupe import Player, agent_of
+
+TROUPE = Path(__file__).parent / "troupe.py"
+
+
+class Troupe:
+    """Agents in a process of their own."""
+
+    def __init__(self, folder: Path, *kinds: str) -> None:
+        self.file = folder / "lines"
+        self.file.touch()
+        env = {**os.environ, "PYTHONPATH": str(Path(__file__).parents[2])}
+        self.process = subprocess.Popen(
+            [sys.executable, str(TROUPE), str(self.file), *kinds], stderr=subprocess.PIPE, text=True, env=env,
+            stdout=subprocess.DEVNULL,
+        )  # fmt: skip
+        self.log: Inbox[str] = Inbox(30.0)
+        self._reader = threading.Thread(target=self._read)
+        self._reader.start()
+
+    def _read(self) -> None:
+        assert self.process.stderr is not None
+        with self.process.stderr:
+            for line in self.process.stderr:
+                self.log(line.rstrip())
+
+    def wait_for(self, words: str) -> None:
+        self.log.wait(lambda lines: any(words in line for line in lines), f"'{words}' is logged")
+
+    def signal_and_wait(self, number: int = signal.SIGTERM) -> tuple[int, float]:
+        """The exit status, and how long it took."""
+        began = time.monotonic()
+        self.process.send_signal(number)
+        return self.wait(), time.monotonic() - began
+
+    def wait(self) -> int:
+        status = self.process.wait(30.0)
+        self._reader.join()
+        return status
+
+    def lines(self) -> list[str]:
+        return self.file.read_text(encoding="utf-8").splitlines()
+
+
+@pytest.fixture
+def troupe(tmp_path: Path) -> Iterator[Any]:
+    made: list[Troupe] = []
+
+    def start(*kinds: str) -> Troupe:
+        made.append(Troupe(tmp_path, *kinds))
+        return made[-1]
+
+    yield start
+    for each in made:
+        if each.process.poll() is None:
+            each.process.kill()
+        each.wait()
+
+
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
+def test_a_signal_stops_all_in_the_reverse_order(troupe: Any, number: int) -> None:
+    ran = troupe("plain", "process", "plain")
+    ran.wait_for("2_plain: running")
+    assert ran.signal_and_wait(number)[0] == 0
+    assert ran.lines() == ["run 0_plain", "run 2_plain", "stop 2_plain", "stop 0_plain"]
+
+
+def test_one_that_hangs_is_named_and_all_end_within_seconds(troupe: Any) -> None:
+    ran = troupe("plain", "hangs", "stubborn", "mute")
+    ran.wait_for("3_mute hangs: it has not reported how it fares for 2 s")
+    status, took_s = ran.signal_and_wait()
+    assert status == 1 and took_s < 6.0, took_s
+    assert ran.lines()[-3:] == ["stop 3_mute", "stop 1_hangs", "stop 0_plain"]
+    assert any("1_hangs hangs: stop has not returned within 1.0 s" in line for line in ran.log.all)
+    assert any("1_hangs hangs; its connector 'stage': was stopped" in line for line in ran.log.all)
+
+
+def test_one_that_dies_is_named_with_its_reason_and_takes_no_other_with_it(troupe: Any) -> None:
+    ran = troupe("refuses", "dies", "crashes", "never_begins", "breaks", "plain")
+    for words in (
+        "0_refuses died: run raised ValueError: no stage", "1_dies died: stage fright",
+        "2_crashes died: exit status 1: the lights went out", "3_never_begins hangs: run has not returned within 0.5 s",
+        "5_plain: running",
+    ):  # fmt: skip
+        ran.wait_for(words)
+    assert ran.process.poll() is None, "the others live"
+    assert ran.signal_and_wait()[0] == 1
+    assert any("4_breaks died: stop raised OSError: the curtain is stuck" in line for line in ran.log.all)
+    assert ran.lines()[-1] == "stop 0_refuses", "even what never began is asked to end"
+
+
+def test_a_second_signal_waits_for_no_one(troupe: Any) -> None:
+    ran = troupe("hangs", "hangs", "hangs")
+    ran.wait_for("2_hangs: running")
+    ran.process.send_signal(signal.SIGTERM)
+    ran.wait_for("2_hangs: hangs")
+    assert ran.signal_and_wait()[1] < 1.5
+
+
+def test_when_no_agent_lives_it_is_over(troupe: Any) -> None:
+    assert troupe("ends", "ends").wait() == 0
+
+
+def test_nothing_is_left_of_a_program_that_is_killed(tmp_path: Path) -> None:
+    child = "import subprocess, sys; subprocess.run([sys.executable, '-c', 'import time; time.sleep(600)'])"
+    agent = ProcessAgent([sys.executable, "-c", child], stop_s=0.3)
+    agent.run()
+    session = int(agent.health.values["pid"])
+    agent.stop()
+    assert agent.health.state == "stopped"
+    with pytest.raises(ProcessLookupError):
+        os.killpg(session, 0)
+
+
+def test_a_program_that_is_not_there_is_named() -> None:
+    runner = AgentRunner({"ear": ProcessAgent(["/no/such/program"])})
+    runner.run()
+    assert runner.agents["ear"] == AgentHealth(
+        "died", "run raised FileNotFoundError: [Errno 2] No such file or directory: '/no/such/program'"
+    )
+    runner.stop()
+    assert runner.health.why.startswith("ear: died")
+
+
+def test_every_agent_keeps_the_contract(tmp_path: Path) -> None:
+    mission = Mission.model_validate(WAITING)
+    makers: dict[str, Any] = {
+        "a player": lambda: Player("x", "plain", tmp_path / "lines"),
+        "a program": lambda: agent_of("x", "process", tmp_path),
+        "several": lambda: AgentRunner({"one": Player("x", "plain", tmp_path / "lines")}),
+        "a mission": lambda: MissionAgent(RunConfig(mission)),
+    }
+    for make in makers.values():
+        check_agent(make)
+
+
+@pytest.mark.parametrize(
+    ("kind", "promise"),
+    [("hangs", "stop returns at once"), ("mute", "health returns at once"), ("breaks", "stop raises OSError")],
+)
+def test_the_contract_finds_what_breaks_it(tmp_path: Path, kind: str, promise: str) -> None:
+    class Odd(Player):
+        def run(self) -> None:
+            self._is_running = True
+
+    with pytest.raises(AssertionError, match=promise):
+        check_agent(lambda: Odd("x", kind, tmp_path / "lines"), within_s=0.2)
+
+
+def test_the_health_of_each_is_published(tmp_path: Path) -> None:
+    connector = LocalConnector()
+    connector.start()
+    inbox: Inbox[Message] = Inbox(10.0)
+    connector.subscribe(DIAGNOSTICS, DIAGNOSTIC_ARRAY, inbox)
+    agents: dict[str, Agent] = {
+        "eye": Player("eye", "plain", tmp_path / "l"),
+        "ear": Player("ear", "dies", tmp_path / "l"),
+    }
+    runner = AgentRunner(agents, connector=connector, name="robot1")
+    runner.run()
+    bad = {"level": 2, "name": "robot1: ear", "message": "died: stage fright", "hardware_id": "", "values": []}
+    inbox.wait(lambda all_: any(bad in each.data["status"] for each in all_), "a death is published")
+    fine = {"level": 0, "name": "robot1: eye", "message": "running", "hardware_id": "", "values": []}
+    assert fine in inbox.all[-1].data["status"]
+    runner.stop()
+    stopped = {each["name"]: each["message"] for each in inbox.all[-1].data["status"]}
+    assert stopped == {"robot1: eye": "stopped", "robot1: ear": "died: stage fright"}
+
+
+def test_a_mission_is_one_agent_among_others(tmp_path: Path) -> None:
+    mission = MissionAgent(RunConfig(Mission.model_validate(WAITING)))
+    assert mission.health.state == "ready" and dict(mission.connectors) == {}
+    runner = AgentRunner({"mission": mission, "ear": Player("ear", "plain", tmp_path / "lines")})
+    runner.run()
+    assert runner.agents["mission"].state == "running"
+    runner.stop()
+    assert mission.result is not None and mission.result.outcome == "canceled"
+    assert mission.health == AgentHealth("ended", "canceled")
+    assert runner.health.state == "stopped"
+
+
+def test_a_long_reason_is_cut_where_it_is_published() -> None:
+    found = diagnostics_of("all", {"ear": AgentHealth("died", "x" * 5000, {"log": "y" * 5000})}, at=1.0)
+    (status,) = found["status"]
+    assert len(status["message"]) < 400 and len(status["values"][0]["value"]) < 400
