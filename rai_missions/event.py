@@ -9,13 +9,15 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any, Literal, NamedTuple, get_args
 
-__all__ = ("KINDS", "Event", "EventKind", "Role", "Tick", "is_e_stop", "is_operator", "is_taken")
+__all__ = ("KINDS", "Event", "EventKind", "Origin", "Role", "Tick", "is_e_stop", "is_taken")
 
 Role = Literal["operator", "viewer", "person"]
 """What a client may do: steer a run, look at it, or what a person without a token may.
 
 The door through which a message came sets it: a page's token, the terminal, a voice; never what the message holds.
 """
+Origin = Role | Literal["software"]
+"""Whose an order is: a client's by its role, or `software` of the robot itself, such as its autonomy stack."""
 
 NOTHING: Mapping[str, Any] = {}
 EventKind = Literal[
@@ -78,21 +80,18 @@ def is_e_stop(event: Event) -> bool:
     return event.kind == "command" and event.name == "kill"
 
 
-def is_operator(by: str) -> bool:
-    """Whether a client acts as the operator: `operator`, or that and who it is, as in `operator Anna (page)`."""
-    return by == "operator" or by.startswith("operator ")
-
-
 def is_taken(event: Event, *, holder: str, taken: bool, asked: str) -> bool:
     """Whether the operator holds control by having taken it, once a `control` event has happened.
 
     Args:
-        event: Who holds control from now on, and `by` whom that is.
+        event: Who holds control from now on; in its data the `role` of the client that asked for it, or `by` whom else
+            it came about: the `mission` or the `robot`. What a client calls itself counts for nothing.
         holder: Who held it before.
         taken: Whether the operator had taken it before.
         asked: For whom the mission has asked for control that has not come yet; empty for no one.
     """
-    by = str(event.data.get("by", ""))
-    if event.name != "operator" or is_operator(by):
+    role = event.data.get("role")
+    if event.name != "operator" or role == "operator":
         return event.name == "operator"
-    return taken if holder == "operator" else by != "mission" and asked != "operator"
+    is_missions = role is None and event.data.get("by") == "mission"
+    return taken if holder == "operator" else not is_missions and asked != "operator"

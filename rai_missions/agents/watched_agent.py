@@ -67,7 +67,7 @@ class WatchedAgent:
         self._worker.close(0.0)
 
     def cut_off(self) -> None:
-        """Close its ways to robots and people: it hangs, and must not go on by itself later."""
+        """Close its ways to robots and people: it hangs, and must move nothing later."""
         for purpose, connector in (self.agent.connectors if isinstance(self.agent, HasConnectors) else {}).items():
             failure = self._attempt(f"stop of '{purpose}'", connector.stop, LOOK_S, threading.Event())
             become = failure.why if failure is not None else "was stopped"

@@ -67,7 +67,7 @@ def _lapse(terms: GateRules, gate: Gate) -> Turn:
 def _request(gate: Gate, request: Request) -> Turn:
     control = Control(gate.holder, kept=gate.kept)
     try:
-        why = control.request(request.to, request.by)
+        why = control.request(request.to, "operator" if request.by == "operator" else "software")
     except UsageError as error:
         why = str(error)
     if request.by not in COMMANDERS:

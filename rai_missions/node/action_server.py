@@ -11,7 +11,7 @@ from collections.abc import Callable
 from typing import Any
 
 from rai_missions.connectors.connector import Data, Report
-from rai_missions.node.command import Command, CommandReply, ignore_reply, mapping_in, who
+from rai_missions.node.command import Command, CommandReply, from_ros, ignore_reply, mapping_in, who
 from rai_missions.node.command_server import CommandServer
 from rai_missions.node.run_session import RunSession
 from rai_missions.node.status_message import StatusMessage
@@ -44,7 +44,7 @@ class RunServer:
         if isinstance(given, str):
             receipt = CommandReply(False, given, goal_id)
         else:
-            receipt = self._commands.ask(Command("start", who(goal.get("by")), goal_id, arguments=given))
+            receipt = self._commands.ask(from_ros(Command("start", who(goal.get("by")), goal_id, arguments=given)))
         if not receipt.success:
             self._refused(receipt)
             report(Report(goal_id, "rejected", {}, receipt.why))
@@ -60,7 +60,7 @@ class RunServer:
         """Cancel the mission of a goal."""
         if goal_id == self._goal_id:
             self._is_unwanted = True
-            self._commands.submit(Command("cancel", "operator (~/run)", goal_id), ignore_reply)
+            self._commands.submit(Command("cancel", "operator (~/run)", goal_id, role="operator"), ignore_reply)
 
     def follow(self, bulletin: StatusMessage) -> None:
         """What the mission is doing now."""

@@ -10,8 +10,10 @@ from collections.abc import Callable, Mapping
 from typing import Any, NamedTuple
 
 from rai_missions.errors import DefinitionError, suggestion
+from rai_missions.event import Origin
 from rai_missions.mission.json_reader import parse_json
 from rai_missions.redaction import Redaction, cut, redacted, shown
+from rai_missions.states.state import HOLDERS
 
 __all__ = (
     "GOOD_FOR_S",
@@ -19,6 +21,7 @@ __all__ = (
     "Command",
     "CommandReply",
     "ReplyCallback",
+    "from_ros",
     "ignore_reply",
     "lasts",
     "mapping_in",
@@ -37,6 +40,8 @@ LASTING = frozenset({"e_stop", "cancel", "post"})
 """Orders that are carried out however late they are taken."""
 LONGEST_NAME = 64
 NOTHING: Mapping[str, Any] = {}
+SOFTWARE = frozenset(HOLDERS) - {"operator"}
+"""Names under which the software of a robot gives orders."""
 
 
 class CommandReply(NamedTuple):
@@ -56,6 +61,7 @@ class Command(NamedTuple):
     command: str
     """One of `WORDS`."""
     by: str = "operator"
+    """Who wants it by their own word, for people; it grants nothing."""
     id: str = ""
     """The client's own; its receipt carries it."""
     arguments: Mapping[str, Any] = NOTHING
@@ -65,6 +71,8 @@ class Command(NamedTuple):
     parameters: Mapping[str, Any] = NOTHING
     event: str = ""
     data: Mapping[str, Any] = NOTHING
+    role: Origin = "person"
+    """Whose it is, set by the door through which it came."""
 
 
 WORDS: Mapping[str, Mapping[str, tuple[type, bool]]] = {
@@ -111,6 +119,14 @@ def who(given: Any) -> str:
     text = given if isinstance(given, str) else ""
     line = "".join(letter if letter.isprintable() else " " for letter in redacted(text))
     return cut(line, LONGEST_NAME).strip() or "operator"
+
+
+def from_ros(order: Command) -> Command:
+    """An order that came over ROS, where any node may speak: the operator's, but from the software of the robot.
+
+    Software is known by its name, which lowers what it may; no name raises it.
+    """
+    return order._replace(role="software" if order.by in SOFTWARE else "operator")
 
 
 def lasts(order: Command) -> bool:

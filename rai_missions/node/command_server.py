@@ -53,7 +53,7 @@ class CommandServer:
         return session if session is not None and not session.is_over else None
 
     def submit(self, order: Command, on_reply: ReplyCallback) -> None:
-        """Take an order; `on_reply` receives once what became of it, from any thread."""
+        """Take an order that a door has let in; `on_reply` receives once what became of it, from any thread."""
         if order.command == "start":
             on_reply(self._start(order))
             return

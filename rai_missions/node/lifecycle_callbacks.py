@@ -51,7 +51,7 @@ class LifecycleCallbacks:
         self._commands.close("")
         session = self._commands.live
         if self._is_to_resume and session is not None and session.mode == "paused":
-            self._commands.ask(Command("resume", "operator (activate)"))
+            self._commands.ask(Command("resume", "operator (activate)", role="operator"))
         self._is_to_resume = False
         finish("")
 
@@ -62,7 +62,7 @@ class LifecycleCallbacks:
             raise UsageError("the mission is being canceled; deactivate the node when that has ended")
         if session is not None and session.mode in ("ready", "running"):
             word = "cancel" if session.mode == "ready" else "pause"
-            receipt = self._commands.ask(Command(word, "operator (deactivate)"))
+            receipt = self._commands.ask(Command(word, "operator (deactivate)", role="operator"))
             if not receipt.success and self._commands.live is not None:
                 raise UsageError(receipt.why)
             self._is_to_resume = word == "pause"
@@ -94,4 +94,4 @@ class LifecycleCallbacks:
         self._is_to_resume = False
         session = self._commands.live
         if session is not None:
-            session.submit(Command(word, by), ignore_reply)
+            session.submit(Command(word, by, role="operator"), ignore_reply)

@@ -106,9 +106,9 @@ class MissionNode:
         """Cancel what runs, and close the node."""
         session = self._commands.live
         if session is not None and self._is_managed:
-            session.submit(Command("cancel", "stop"), ignore_reply)
+            session.submit(Command("cancel", "stop", role="operator"), ignore_reply)
             self._host.join(session.runner.mission.cancel_s + FAREWELL_S)
-            session.submit(Command("e_stop", "stop"), ignore_reply)
+            session.submit(Command("e_stop", "stop", role="operator"), ignore_reply)
             self._host.join(FAREWELL_S)
         while self._closes:
             self._closes.pop()()
@@ -143,7 +143,7 @@ class MissionNode:
         """
         session = self._commands.live
         if at_once and session is not None:
-            session.submit(Command("e_stop", "operator (interrupt)"), ignore_reply)
+            session.submit(Command("e_stop", "operator (interrupt)", role="operator"), ignore_reply)
         if not self._lifecycle.change("shutdown"):  # another transition is under way: after it
             self._commands.when_idle(self._shut_down_now)
 

@@ -22,7 +22,7 @@ from rai_missions.node.command import GOOD_FOR_S, Command, CommandReply, ReplyCa
 from rai_missions.node.status_message import OpenQuestion
 from rai_missions.profile import Robot
 from rai_missions.redaction import Redaction, cut, logger
-from rai_missions.runtime.lifecycle import HOLDERS, Status, is_operator
+from rai_missions.runtime.lifecycle import HOLDERS, Status
 from rai_missions.runtime.readings import SourceState
 from rai_missions.runtime.runner import Result, Runner
 
@@ -126,7 +126,7 @@ class RunSession:
 
     def unlock(self, order: Command) -> CommandReply:
         """An operator takes the control that no one has had since the run."""
-        if order.to != "operator" or not is_operator(_controller(order.by)):
+        if order.to != "operator" or order.role != "operator":
             return CommandReply(False, "control is with 'nobody' since the stop; an operator takes it first", order.id)
         if self.status is not None:
             self.status = self.status._replace(control="operator")
@@ -162,7 +162,7 @@ class RunSession:
         """Ask for control as an order wants it, on the run's thread."""
         waiting = self._waiting.pop(request, None)
         if waiting is not None and not waiting.drops():
-            why = self.runner.control(waiting.order.to, _controller(waiting.order.by))
+            why = self.runner.control(waiting.order.to, _signed(waiting.order), waiting.order.role)
             waiting.on_reply(CommandReply(not why, why, waiting.order.id))
 
     def is_overdue(self, event: Event) -> bool:
@@ -176,19 +176,22 @@ class RunSession:
 
     def _event(self, order: Command, request: str) -> Event:
         at, origin = self.runner.view.now(), {"by": order.by, "request": request}
+        if order.command == "post":
+            return Event(order.event, at, dict(order.data) | origin)
+        origin["role"] = order.role
         if order.command == "answer":
             answer = {"option": order.option, "parameters": dict(order.parameters)}
             return Event("operator", at, answer | origin, "proposal", order.question)
-        if order.command == "post":
-            return Event(order.event, at, dict(order.data) | origin)
         return Event(COMMANDS[order.command], at, origin, "command")
 
     def _refuses(self, order: Command) -> str:
         """Why an order is not put to the engine at all."""
+        if order.role == "viewer":
+            return "a viewer looks, and orders nothing"
         if order.command == "control" and order.to not in HOLDERS:
             return f"no one called '{cut(order.to, 60)}' can hold control{suggestion(order.to, HOLDERS)}"
         if order.command == "control":
-            return self.runner.view.refuses_control(order.to, _controller(order.by))
+            return self.runner.view.refuses_control(order.to, order.role)
         if order.command == "post":
             events = self._robot.events if self._robot is not None else {}
             posted = [name for name, event in events.items() if event.posted]
@@ -273,9 +276,10 @@ def _request(event: Event) -> str:
     return request if isinstance(request, str) else ""
 
 
-def _controller(by: str) -> str:
-    """As whom a client asks for control: one of those who can hold it, else as the operator."""
-    return by if by in HOLDERS or is_operator(by) else f"operator ({by})"
+def _signed(order: Command) -> str:
+    """Who asks for control, as people read it: an operator's name follows that word."""
+    is_signed = order.role != "operator" or order.by == "operator" or order.by.startswith("operator ")
+    return order.by if is_signed else f"operator ({order.by})"
 
 
 def _receipt(order: Command, step: Step) -> CommandReply:

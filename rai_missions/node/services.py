@@ -7,7 +7,7 @@ from collections.abc import Callable
 from typing import Any
 
 from rai_missions.connectors.connector import Close, Connector, Data, Message
-from rai_missions.node.command import Command, CommandReply, mapping_in, read_order, who
+from rai_missions.node.command import Command, CommandReply, from_ros, mapping_in, read_order, who
 from rai_missions.node.command_server import CommandServer
 from rai_missions.node.names import NodeName
 from rai_missions.node.transport import PACKAGE
@@ -36,21 +36,22 @@ def serve_orders(
         if isinstance(order, CommandReply):
             reply(order)
         else:
-            commands.submit(order, reply)
+            commands.submit(from_ros(order), reply)
 
     triggers = [connector.serve(name.below(word), TRIGGER, _trigger(commands, word)) for word in PLAIN]
     return [*triggers, connector.subscribe(name.below("command"), STRING, receive)]
 
 
 def _trigger(commands: CommandServer, word: str) -> Callable[[Data], Data]:
-    return lambda _request: _answered(commands.ask(Command(word, by=f"operator (~/{word})")))
+    return lambda _request: _answered(commands.ask(Command(word, by=f"operator (~/{word})", role="operator")))
 
 
 def serve_typed_orders(connector: Connector, name: NodeName, commands: CommandServer) -> list[Close]:
     """Serve `~/set_control`, `~/answer` and `~/post`, in the types of `rai_missions_msgs`."""
 
     def control(request: Data) -> Data:
-        return _answered(commands.ask(Command("control", who(request.get("by")), to=str(request.get("to", "")))))
+        order = Command("control", who(request.get("by")), to=str(request.get("to", "")))
+        return _answered(commands.ask(from_ros(order)))
 
     def answer(request: Data) -> Data:
         given = mapping_in(request.get("parameters", ""), "parameters")
@@ -58,15 +59,14 @@ def serve_typed_orders(connector: Connector, name: NodeName, commands: CommandSe
             return _answered(CommandReply(False, given))
         number, option = int(request.get("number", 0)), str(request.get("option", ""))
         order = Command("answer", who(request.get("by")), question=number, option=option, parameters=given)
-        return _answered(commands.ask(order))
+        return _answered(commands.ask(from_ros(order)))
 
     def post(request: Data) -> Data:
         given = mapping_in(request.get("data", ""), "data")
         if isinstance(given, str):
             return _answered(CommandReply(False, given))
-        return _answered(
-            commands.ask(Command("post", who(request.get("by")), event=str(request.get("event", "")), data=given))
-        )
+        order = Command("post", who(request.get("by")), event=str(request.get("event", "")), data=given)
+        return _answered(commands.ask(from_ros(order)))
 
     served: list[tuple[str, str, Callable[[Data], Data]]] = [
         ("set_control", "Control", control), ("answer", "Answer", answer), ("post", "Post", post),

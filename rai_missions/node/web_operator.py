@@ -45,7 +45,7 @@ class WebCommands:
         if isinstance(order, CommandReply):
             on_reply(False, order.why)
             return
-        order = replace_by(order)
+        order = from_page(order)
         why = self._refuses(order)
         if why:
             self._reply(order, on_reply, CommandReply(False, why), has_arrived=False)
@@ -85,10 +85,11 @@ def _has_arrived(order: Command, receipt: CommandReply) -> bool:
     return order.command != "control" and not receipt.dropped
 
 
-def replace_by(order: Command) -> Command:
-    """Anyone who comes by the page is the operator, whatever the name."""
+def from_page(order: Command) -> Command:
+    """Anyone who comes with the page's token is the operator, whatever the name."""
     is_fine = order.by == "operator" or order.by.startswith("operator ")
-    return order._replace(by=PAGE if order.by == "operator" else order.by if is_fine else f"operator {order.by} (page)")
+    by = PAGE if order.by == "operator" else order.by if is_fine else f"operator {order.by} (page)"
+    return order._replace(by=by, role="operator")
 
 
 class WebOperator:

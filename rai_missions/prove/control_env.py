@@ -150,4 +150,5 @@ def kept_words(event: Event) -> tuple[str, str]:
 
 def control_event(who: str, by: str) -> Event:
     """Control is with someone from now on."""
-    return Event(who, NOW, {"by": by}, "control")
+    data = {"by": by, "role": "operator"} if by == "operator" else {"by": by}
+    return Event(who, NOW, data, "control")

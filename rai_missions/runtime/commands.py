@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from rai_missions.event import Event
+from rai_missions.event import Event, Origin
 from rai_missions.runtime.control_handover import Handovers
 from rai_missions.runtime.lifecycle import Control
 from rai_missions.runtime.scheduler import Scheduler
@@ -45,16 +45,22 @@ class RunCommands:
     def kill(self, by: str = "operator") -> None:
         self.post_urgent(Event("kill", self._scheduler.now(), {"by": by}, "command"))
 
-    def control(self, to: str, by: str = "operator") -> str:
-        """Ask for control to change its holder; returns why it may not, or empty."""
-        why = self._control.refuses(to, by)
+    def control(self, to: str, by: str = "operator", role: Origin = "operator") -> str:
+        """Ask for control to change its holder; returns why it may not, or empty.
+
+        Args:
+            to: Who is to have it.
+            by: Who asks, for people.
+            role: Whose request it is, by the door through which it came.
+        """
+        why = self._control.refuses(to, role)
         if not why:
-            self.call_soon(lambda: self._hand_over(to, by))
+            self.call_soon(lambda: self._hand_over(to, by, role))
         return why
 
-    def _hand_over(self, to: str, by: str) -> None:
-        if not self._control.request(to, by):
-            self._handovers.hand_over(to, by)
+    def _hand_over(self, to: str, by: str, role: Origin) -> None:
+        if not self._control.request(to, role):
+            self._handovers.hand_over(to, by, role)
 
     def answer(
         self, number: int, option: str, parameters: Mapping[str, Any] | None = None, by: str = "operator"

@@ -9,16 +9,17 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from rai_missions.connectors.connector import Connector, Reply
-from rai_missions.event import Event
+from rai_missions.event import Event, Origin
 from rai_missions.profile import Robot, ServiceEntry
 from rai_missions.redaction import logger
-from rai_missions.runtime.lifecycle import is_operator
 from rai_missions.runtime.scheduler import Scheduler
 
 __all__ = ("Handovers",)
 
 log = logger(__name__)
 
+Wish = tuple[str, str, Origin | None]
+"""Who is to have control, who asks, and in which role."""
 ANSWERED_S = 10.0
 """A handover that is not answered by then has failed."""
 
@@ -46,17 +47,23 @@ class Handovers:
         """Report that the run is alive, for as long as its scheduler is run."""
         self._report_alive()
 
-    def hand_over(self, to: str, by: str) -> None:
-        """Have control handed over; the acknowledgement comes back as an event."""
+    def hand_over(self, to: str, by: str, role: Origin | None = None) -> None:
+        """Have control handed over; the acknowledgement comes back as an event.
+
+        Args:
+            to: Who is to have it.
+            by: Who asks, for people.
+            role: Whose request it is; None for the mission's own.
+        """
         robot = self._robot
         entry = robot.control.get(to) if robot is not None else None
         if robot is not None and robot.holder is not None and entry is None:
             log.warning("control does not go to %s: the profile's 'control' has no service for it", to)
             self._lost(to, False)
         elif entry is None or self._connector is None:
-            self._acknowledged(to, by)
+            self._acknowledged(to, by, role)
         else:
-            self._call(self._connector, entry, to, by, lambda: None)
+            self._call(self._connector, entry, (to, by, role), lambda: None)
 
     def let_go(self, done: Callable[[], None]) -> None:
         """The e-stop has taken control from everybody: so it shall be where the actuators are.
@@ -73,20 +80,22 @@ class Handovers:
             self.letting_go = False
             done()
 
-        self._call(self._connector, entry, "nobody", "mission", over)
+        self._call(self._connector, entry, ("nobody", "mission", None), over)
         # A connector that breaks its promise, and never reports that no answer came, holds up no stop.
         self._scheduler.call_at(self._scheduler.now() + 2 * ANSWERED_S, over)
 
-    def _call(self, connector: Connector, entry: ServiceEntry, to: str, by: str, done: Callable[[], None]) -> None:
+    def _call(self, connector: Connector, entry: ServiceEntry, wish: Wish, done: Callable[[], None]) -> None:
+        to, _, role = wish
+
         def answered(reply: Reply) -> None:
             if not entry.succeeded(reply.outcome, reply.data):
                 log.warning("control does not go to %s: %s", to, reply.why or reply.data.get("message", reply.outcome))
                 self._lost(to, reply.outcome == "succeeded")
             elif self._robot is None or self._robot.holder is None:
-                self._acknowledged(to, by)
+                self._acknowledged(*wish)
             done()
 
-        service = entry.service.replace("{by}", "operator" if is_operator(by) else "agent")
+        service = entry.service.replace("{by}", "operator" if role == "operator" else "agent")
         try:
             connector.call(service, entry.type, entry.request_of({}), on_reply=answered, timeout_s=ANSWERED_S)
         except Exception:
@@ -94,8 +103,9 @@ class Handovers:
             self._lost(to, False)
             done()
 
-    def _acknowledged(self, to: str, by: str) -> None:
-        self._scheduler.post(Event(to, self._scheduler.now(), {"by": by}, "control"))
+    def _acknowledged(self, to: str, by: str, role: Origin | None) -> None:
+        data = {"by": by} if role is None else {"by": by, "role": role}
+        self._scheduler.post(Event(to, self._scheduler.now(), data, "control"))
 
     def _report_alive(self) -> None:
         entry = self._robot.alive if self._robot is not None else None

@@ -319,7 +319,7 @@ class EffectExecutor:
                 log.exception("'%s' failed to give question %d back", asked, effect.number)
 
     def _request_control(self, effect: Handover) -> None:
-        if why := self._control.request(effect.to, "mission"):
+        if why := self._control.request(effect.to, "software"):
             log.warning("control does not go to %s: %s", effect.to, why)
         else:
             self.handovers.hand_over(effect.to, "mission")
@@ -335,7 +335,7 @@ class EffectExecutor:
         def lose() -> None:
             self._control.give_up(to)
             if is_refused and to != "operator" and self.holder == self._control.holder == "operator":
-                self._event("control", "operator", 0, {"by": "operator"})
+                self._event("control", "operator", 0, {"by": "operator", "role": "operator"})
 
         self._scheduler.call_soon(lose)
 

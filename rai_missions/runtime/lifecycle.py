@@ -17,10 +17,10 @@ from rai_missions.engine.activities.goal_ledger import OpenGoal
 from rai_missions.engine.modes import MODE_TABLE, MODES, next_mode
 from rai_missions.engine.step import Step
 from rai_missions.errors import UsageError
-from rai_missions.event import is_operator
+from rai_missions.event import Origin
 from rai_missions.states.state import HOLDERS
 
-__all__ = ("HOLDERS", "MODES", "Control", "Lifecycle", "Status", "is_operator")
+__all__ = ("HOLDERS", "MODES", "Control", "Lifecycle", "Status")
 
 NOTHING: Mapping[str, str] = MappingProxyType({})
 
@@ -94,17 +94,23 @@ class Control:
     def holder(self) -> str:
         return str(self._machine.state)
 
-    def refuses(self, to: str, by: str) -> str:
+    def refuses(self, to: str, role: Origin) -> str:
         """Why a handover may not be asked for; empty if it may.
+
+        Args:
+            to: Who is to have control.
+            role: Whose request it is, by the door through which it came.
 
         Raises:
             UsageError: No one of that name can hold control.
         """
         if to not in HOLDERS:
             raise UsageError(f"nobody called '{to}' can hold control; there is: {', '.join(HOLDERS)}")
-        if self.holder == "nobody" and not is_operator(by):
+        if role in ("viewer", "person"):
+            return f"a {role} hands over no control; the operator does"
+        if self.holder == "nobody" and role != "operator":
             return "control is with 'nobody' since the stop; only the operator can lift it"
-        if self.kept and not is_operator(by) and to != "nobody":
+        if self.kept and role != "operator" and to != "nobody":
             return "the operator has control and has not given it back"
         return ""
 
@@ -112,12 +118,12 @@ class Control:
         """Whether the operator has taken it, in a run that another process began."""
         self.kept = is_kept
 
-    def request(self, to: str, by: str) -> str:
+    def request(self, to: str, role: Origin) -> str:
         """Ask for a handover; returns why not, or empty."""
-        why = self.refuses(to, by)
+        why = self.refuses(to, role)
         if not why:
             self.requested = to
-            if is_operator(by):
+            if role == "operator":
                 self.kept = to == "operator"
         return why
 

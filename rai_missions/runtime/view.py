@@ -12,6 +12,7 @@ from typing import Any
 from rai_missions.engine import Chart, Snapshot
 from rai_missions.engine.activities.goal_ledger import OpenGoal
 from rai_missions.engine.decision import Question
+from rai_missions.event import Origin
 from rai_missions.guards.guard import Truth
 from rai_missions.keys import Blackboard
 from rai_missions.mission.mission import Mission
@@ -127,9 +128,9 @@ class RunView:
         """Since when, in seconds on the run's clock; None while the mission is not held."""
         return self._chart.held_since
 
-    def refuses_control(self, to: str, by: str) -> str:
-        """Why a handover may not be asked for; empty if it may."""
-        return self._control.refuses(to, by)
+    def refuses_control(self, to: str, role: Origin) -> str:
+        """Why a handover may not be asked for in a role; empty if it may."""
+        return self._control.refuses(to, role)
 
     @property
     def paused_at(self) -> float | None:

@@ -335,7 +335,7 @@ def test_a_held_state_that_is_left_waits_for_no_control() -> None:
     work = {"initial": "drive", "states": driving(control="autonomy"), "transitions": [transition("away", "rest")]}
     made = Chart(mission({"work": work, "rest": {}}, initial="work"))
     made.start(0.0)
-    made.send(Event("operator", 1.0, {"by": "operator"}, "control"))
+    made.send(Event("operator", 1.0, {"by": "operator", "role": "operator"}, "control"))
     assert made.waiting == {"drive": "autonomy"}
     assert made.send(Event("away", 2.0)).entered == ("rest",)
     assert made.waiting == {}
@@ -347,7 +347,7 @@ def test_control_taken_and_given_back_in_a_pause_starts_the_goal_once_at_its_end
     reports(made, "accepted", number)
     made.send(Event("pause", 1.0, {"by": "operator"}, "command"))
     reports(made, "canceled", number)
-    taken = made.send(Event("operator", 2.0, {"by": "operator"}, "control"))
+    taken = made.send(Event("operator", 2.0, {"by": "operator", "role": "operator"}, "control"))
     assert not [note for note in taken.notes if "waits until control" in note]
-    made.send(Event("autonomy", 3.0, {"by": "operator"}, "control"))
+    made.send(Event("autonomy", 3.0, {"by": "operator", "role": "operator"}, "control"))
     assert len(starts(made.send(Event("resume", 4.0, {"by": "operator"}, "command")))) == 1

@@ -19,11 +19,11 @@ ACT: Json = {"action": "go", "timeout_s": 60}
 
 
 def taken(made: Chart, at: float) -> Step:
-    return made.send(Event("operator", at, {"by": "operator"}, "control"))
+    return made.send(Event("operator", at, {"by": "operator", "role": "operator"}, "control"))
 
 
 def given(made: Chart, to: str, at: float) -> Step:
-    return made.send(Event(to, at, {"by": "operator"}, "control"))
+    return made.send(Event(to, at, {"by": "operator", "role": "operator"}, "control"))
 
 
 def of(step: Step, kind: type) -> list[Any]:
@@ -39,7 +39,7 @@ def begun(states: Json, **words: Any) -> Chart:
 @pytest.mark.parametrize("holder", ["operator", "nobody"])
 def test_a_start_waits_without_a_deadline_and_is_asked_for_again_at_the_hand_back(holder: str) -> None:
     made = begun({"a": {"transitions": [transition("e", "b")]}, "b": {**ACT, "control": "agent", "handover_s": 5}})
-    made.send(Event(holder, 1.0, {"by": "operator"}, "control"))
+    made.send(Event(holder, 1.0, {"by": "operator", "role": "operator"}, "control"))
     assert (made.held_by, made.held_since, made.held) == (holder, 1.0, frozenset())
     step = made.send(Event("e", 2.0))
     assert step.entered == ("b",) and not of(step, Handover) and step.wake_at is None
@@ -277,7 +277,10 @@ def test_a_hold_that_begins_or_ends_in_a_pause_counts_no_time_twice() -> None:
         return step.wake_at
 
     pause, resume = (Event(name, 0.0, {}, "command") for name in ("pause", "resume"))
-    take, back = Event("operator", 0.0, {"by": "operator"}, "control"), Event("autonomy", 0.0, {}, "control")
+    take, back = (
+        Event("operator", 0.0, {"by": "operator", "role": "operator"}, "control"),
+        Event("autonomy", 0.0, {}, "control"),
+    )
     assert left((10.0, pause), (20.0, take), (30.0, back), (40.0, resume)) == 130.0
     assert left((10.0, take), (20.0, pause), (30.0, back), (40.0, resume)) == 130.0
     assert left((10.0, pause), (20.0, take), (30.0, resume), (40.0, back)) == 130.0

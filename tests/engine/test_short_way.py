@@ -42,7 +42,7 @@ def test_an_end_that_waits_for_the_facts_has_its_deadline_though_the_operator_ta
         "end": {"final": "succeeded", "control": "autonomy", "requires": OK},
     }, settle_s=2, blackboard=KEYS)  # fmt: skip
     assert sent(made, "e", at=1.0).wake_at == 3.0
-    made.send(Event("operator", 1.5, {"by": "operator"}, "control"))
+    made.send(Event("operator", 1.5, {"by": "operator", "role": "operator"}, "control"))
     assert made.wake_at == 3.0
     assert made.send(Event("tick", 3.0, kind="tick")).outcome == "failed"
 

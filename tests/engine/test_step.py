@@ -99,7 +99,8 @@ def test_each_step_has_mode_and_holder() -> None:
     made = Chart(mission({"a": {"transitions": [transition("e", "b")]}, "b": {"final": "succeeded"}}, on_cancel=None))
     seen = [
         made.start(0.0), made.send(Event("e", 0.0, {"by": "x"}, "nonsense")),
-        made.send(Event("operator", 1.0, {"by": "operator"}, "control")), made.send(command("pause")),
+        made.send(Event("operator", 1.0, {"by": "operator", "role": "operator"}, "control")),
+        made.send(command("pause")),
         made.send(command("pause")), made.send(command("resume")), made.send(command("cancel")),
     ]  # fmt: skip
     assert [step.mode for step in seen] == ["running", "running", "running", "paused", "paused", "running", "canceled"]

@@ -56,11 +56,11 @@ def test_a_second_stop_changes_nothing() -> None:
 
 def test_a_goal_that_is_kept_while_the_operator_has_control_ends_with_a_stop_and_waits_for_the_hand_back() -> None:
     made, number = begun(control="autonomy")
-    made.send(Event("operator", 1.0, {"by": "operator"}, "control"))
+    made.send(Event("operator", 1.0, {"by": "operator", "role": "operator"}, "control"))
     assert canceled(commanded(made, "stop", 2.0)) == [number]
     made.send(Event("canceled", 2.5, {}, "result", number))
     assert not [each for each in commanded(made, "resume", 3.0).effects if isinstance(each, StartGoal)]
-    back = made.send(Event("autonomy", 4.0, {"by": "operator"}, "control"))
+    back = made.send(Event("autonomy", 4.0, {"by": "operator", "role": "operator"}, "control"))
     assert [each.action for each in back.effects if isinstance(each, StartGoal)] == ["go"]
 
 

@@ -99,8 +99,8 @@ def cut(script: Script, places: list[int]) -> Script:
 
 def holds_like_a_pause(document: Json, script: Script, holder: str) -> None:
     document = under("agent", document)
-    held = Play(document, Event(holder, data={"by": "operator"}, kind="control"),
-                Event("agent", data={"by": "operator"}, kind="control"))  # fmt: skip
+    held = Play(document, Event(holder, data={"by": "operator", "role": "operator"}, kind="control"),
+                Event("agent", data={"by": "operator", "role": "operator"}, kind="control"))  # fmt: skip
     paused = Play(document, Event("pause", kind="command"), Event("resume", kind="command"))
     for each in (held, paused):
         each.play(script)
@@ -147,7 +147,7 @@ def waits_out(document: Json, script: list[tuple[Any, ...]], holds: list[tuple[i
         for _, long in (each for each in holds if each[0] == index):
             here += part
             for to, then in (("operator", here + late), ("agent", here + late + long)):
-                moves[1] += other.send(Event(to, then, {"by": "operator"}, "control")).moves
+                moves[1] += other.send(Event(to, then, {"by": "operator", "role": "operator"}, "control")).moves
             late += long
         moves[1] += other.send(_event(word, what, at + late)).moves
     assert moves[0] == moves[1] and (one.active, one.outcome) == (other.active, other.outcome)
@@ -165,8 +165,8 @@ def _event(word: str, what: Any, at: float) -> Event:
 def ends_in_a_pause(document: Json, script: Script, holder: str) -> None:
     """It makes no difference whether the operator gives control back in a pause that ends then."""
     document = under("agent", document)
-    stop = Event(holder, data={"by": "operator"}, kind="control")
-    go = Event("agent", data={"by": "operator"}, kind="control")
+    stop = Event(holder, data={"by": "operator", "role": "operator"}, kind="control")
+    go = Event("agent", data={"by": "operator", "role": "operator"}, kind="control")
     one, other = Play(document, stop, go), Pausing(document, stop, go)
     for each in (one, other):
         each.play(script)
@@ -255,8 +255,9 @@ def leaves_alone_what_is_held(document: Json, script: Script, hands: list[tuple[
         if chart.held_by:
             assert not any(isinstance(effect, Handover) for effect in step.effects), "control is not asked for"
         for _, to, by in (each for each in hands if each[0] == index):
-            robot.follow(chart.send(Event(to, at, {"by": by}, "control")))
-    given = Event("autonomy", at + 1.0, {"by": "operator"}, "control")
+            role = {"role": "operator"} if by == "operator" else {}
+            robot.follow(chart.send(Event(to, at, {"by": by, **role}, "control")))
+    given = Event("autonomy", at + 1.0, {"by": "operator", "role": "operator"}, "control")
     robot.follow(chart.send(given))
     assert not chart.held and not chart.snapshot()["_kept"] and not chart.snapshot()["_laid_by"]
 

@@ -104,7 +104,8 @@ class ScriptedRobot:
             return self._reply(kind, at, *words)
         if kind == "control" and (words[0] or self.wanted):
             by = {"by": words[1] if words[0] else "mission"} if len(words) > 1 else {}
-            return Event(words[0] or self.wanted[-1], at, by, "control")
+            role = {"role": "operator"} if by.get("by") == "operator" else {}
+            return Event(words[0] or self.wanted[-1], at, by | role, "control")
         if kind == "command":
             return Event(words[0], at, {}, kind)
         return Event("uncertain", at, {}, "doubt") if kind == "doubt" else Tick(at)

@@ -164,7 +164,7 @@ def test_a_kill_leaves_control_with_no_one() -> None:
     rig.run()
     assert rig.runner.view.holder == "nobody"
     assert (
-        rig.runner.control("agent", by="agent")
+        rig.runner.control("agent", by="agent", role="software")
         == "control is with 'nobody' since the stop; only the operator can lift it"
     )
     assert rig.runner.control("operator") == ""
@@ -235,7 +235,7 @@ def test_who_does_not_hold_control_cannot_take_it_from_an_operator() -> None:
     rig.stage.play(
         {
             1.0: lambda: rig.runner.control("operator"),
-            2.0: lambda: answers.append(rig.runner.control("agent", by="agent")),
+            2.0: lambda: answers.append(rig.runner.control("agent", by="agent", role="software")),
             3.0: rig.runner.kill,
         }
     )

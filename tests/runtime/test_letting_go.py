@@ -56,7 +56,7 @@ def test_what_the_operator_asked_for_is_kept_until_it_comes() -> None:
     control = Control()
     assert not control.request("operator", "operator")
     control.follow("autonomy", taken=False)
-    assert control.refuses("autonomy", "mission") == "the operator has control and has not given it back"
+    assert control.refuses("autonomy", "software") == "the operator has control and has not given it back"
 
 
 class Faltering(LocalConnector):

@@ -244,7 +244,8 @@ class OpenChoices:
                 words, by = f"the operator gives control to {named}", "operator"
             else:
                 words, by = (f"control is with {named}{', as was asked' if is_asked else ''}", "mission")
-            choice = _of(Event(holder, 0.0, {"by": by}, "control"), "control", words, name=f"control {holder}")
+            data = {"by": by, "role": "operator"} if by == "operator" else {"by": by}
+            choice = _of(Event(holder, 0.0, data, "control"), "control", words, name=f"control {holder}")
             yield choice._replace(is_awaited=is_asked)
 
 

@@ -79,7 +79,7 @@ def raw_events(chart: Chart, mission: Mission) -> Iterator[Event]:
         yield from (Event("x", chart.at, {"option": each}, "proposal", number) for each in ("?", "wait", "replan"))
         yield Event("x", chart.at, {"absent": "x"}, "proposal", number)
     yield from (Event(name, chart.at, by, "command") for name in ("pause", "resume", "cancel", "kill"))
-    yield from (Event(name, chart.at, {"by": "operator"}, "control") for name in HOLDERS)
+    yield from (Event(name, chart.at, {"by": "operator", "role": "operator"}, "control") for name in HOLDERS)
     yield Event("uncertain", chart.at, {}, "doubt")
 
 
