@@ -6,6 +6,7 @@ Rule: a test that would reach another machine fails at once and states it.
 
 from __future__ import annotations
 
+import gc
 import ipaddress
 import os
 import signal
@@ -91,12 +92,21 @@ def is_on_ros(item: pytest.Item) -> bool:
     return bool(ON_ROS & set(getattr(item, "fixturenames", ()))) or item.path.name == "test_ros2.py"
 
 
-def shares(path: str) -> bool:
-    """Whether something is made once for all tests of a file, such as a browser, there or next to it."""
-    texts = (
-        each.read_text(encoding="utf-8") for each in (Path(path), Path(path).with_name("conftest.py")) if each.exists()
+def shared(path: Path) -> Path | None:
+    """The file or the folder whose tests share something that is made once, such as a browser; None where none is."""
+    rig = path.with_name("conftest.py")
+    texts = {each: each.read_text(encoding="utf-8") for each in (path, rig) if each.exists()}
+    if 'scope="package"' in texts.get(rig, ""):
+        return path.parent
+    return (
+        path if any(f'scope="{scope}"' in text for text in texts.values() for scope in ("module", "session")) else None
     )
-    return any(f'scope="{scope}"' in text for text in texts for scope in ("module", "session"))
+
+
+def pytest_collection_finish() -> None:
+    """What was loaded lives to the end: a search for garbage need not look through it each time."""
+    gc.collect()
+    gc.freeze()
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
@@ -106,20 +116,20 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 
 @pytest.hookimpl(optionalhook=True)
 def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> Any:
-    """One worker runs all tests of a file that share something; the others go to anyone who is free.
+    """One worker runs all tests of a file or folder that share something; the others go to anyone who is free.
 
     Marks of xdist's own do not do it: it hides the group in a test's name, where newer versions of pytest do not look.
     """
     from xdist.scheduler import LoadScopeScheduling  # type: ignore[import-untyped, unused-ignore]
 
-    root, together = config.rootpath, dict[str, bool]()
+    root, together = config.rootpath, dict[str, str]()
 
     class ByFile(LoadScopeScheduling):  # type: ignore[misc, unused-ignore]
         def _split_scope(self, nodeid: str) -> str:
             file = nodeid.partition("::")[0]
             if file not in together:
-                together[file] = shares(str(root / file))
-            return file if together[file] else nodeid
+                together[file] = str(shared(root / file) or "")
+            return together[file] or nodeid
 
     return ByFile(config, log)
 

@@ -23,9 +23,9 @@ Open = Callable[..., Any]
 Look = Callable[..., Any]
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture(scope="package")
 def browser() -> Iterator[Any]:
-    """The system's own Chromium; for one file, since no other test may run a loop while Playwright's is."""
+    """The system's own Chromium; for this folder, since no other test may run a loop while Playwright's is."""
     playwright = pytest.importorskip("playwright.sync_api", reason="no Playwright: pip install '.[browser]'")
     found = next((path for name in BROWSERS if (path := shutil.which(name))), None)
     if found is None:
