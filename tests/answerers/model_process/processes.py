@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import os
+import threading
 import time
 from pathlib import Path
 from typing import Any
@@ -12,7 +13,7 @@ from rai_missions.connectors.local import LocalConnector
 from rai_missions.mission.mission import Mission
 from rai_missions.profile import Robot
 
-__all__ = ("EXIT_S", "MARK", "PROVIDERS", "ROBOT", "asking", "left_of", "patient", "talking_robot")
+__all__ = ("EXIT_S", "MARK", "PROVIDERS", "ROBOT", "asking", "left_of", "patient", "pause", "talking_robot")
 
 PROVIDERS = Path(__file__).parents[2] / "providers"
 MARK = "RAI_MISSIONS_TEST_MARK"
@@ -78,9 +79,14 @@ def left_of(mark: str) -> list[str]:
     return found
 
 
+def pause() -> None:
+    """Leave the processor to the process that is waited for."""
+    threading.Event().wait(0.01)
+
+
 def patient(mark: str, within_s: float) -> list[str]:
     """What is left after so many seconds at the most; returns as soon as nothing is."""
     until = time.monotonic() + within_s
     while (found := left_of(mark)) and time.monotonic() < until:
-        os.sched_yield()
+        pause()
     return found

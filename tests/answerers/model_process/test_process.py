@@ -31,7 +31,16 @@ from rai_missions.node.transport import Carrier
 from rai_missions.profile import Robot
 from rai_missions.runtime.result import Result
 from rai_missions.testing import QUESTION, ReplyCollector, check_answerer
-from tests.answerers.model_process.processes import EXIT_S, PROVIDERS, ROBOT, asking, left_of, patient, talking_robot
+from tests.answerers.model_process.processes import (
+    EXIT_S,
+    PROVIDERS,
+    ROBOT,
+    asking,
+    left_of,
+    patient,
+    pause,
+    talking_robot,
+)
 from tests.providers.langchain_hostile import DEEDS, FORGED
 
 PATIENT_S = 20.0
@@ -142,7 +151,7 @@ def test_one_that_holds_its_interpreter_s_lock_is_replaced(mark: str, tmp_path: 
     until = time.monotonic() + PATIENT_S
     while not (tmp_path / "held").exists():
         assert time.monotonic() < until
-        os.sched_yield()
+        pause()
     agent.withdraw(patience.number)
     agent.ask(patience._replace(number=2), second := ReplyCollector())
     assert "option" in second.wait(PATIENT_S)
@@ -214,7 +223,7 @@ def test_an_e_stop_does_not_wait_for_a_model_that_holds_its_lock(mark: str, tmp_
         until = time.monotonic() + PATIENT_S
         while not held.exists():
             assert time.monotonic() < until
-            os.sched_yield()
+            pause()
         pressed = time.monotonic()
         prepared.runner.kill("the button")
         assert motor.stopped.wait(PATIENT_S)
@@ -232,6 +241,7 @@ def test_everything_ends_with_an_engine_that_is_killed(mark: str, tmp_path: Path
         while sum("MARK" in each for each in left_of(mark)) < 2:
             assert time.monotonic() < until, left_of(mark)
             assert engine.poll() is None
+            pause()
         engine.send_signal(signal.SIGKILL)
     assert patient(mark, EXIT_S) == []
 
