@@ -19,14 +19,15 @@ from rai_missions.states import Final, State, Transition
 __all__ = ("check_activity",)
 
 MOST = 300
-"""So many instants of runs are tried."""
+"""After so many instants of runs everything that may happen next is tried."""
 Stimulus = Callable[[Chart], Step]
 Awaited = tuple[str, str, int]
 """What a reply is waited for: `goal`, `call` or `option`, the option's name, and the number."""
 
 
 def check_activity(
-    state: State, keys: Mapping[str, Key], facts: Sequence[Mapping[str, Any]] = (), *, ticker: Trees | None = None
+    state: State, keys: Mapping[str, Key], facts: Sequence[Mapping[str, Any]] = (), *, ticker: Trees | None = None,
+    most: int = MOST,
 ) -> None:  # fmt: skip
     """Hold the activity of a state to the contract of its kind, in every run of a few hundred instants.
 
@@ -35,6 +36,7 @@ def check_activity(
         keys: The keys that it reads and writes, and others.
         facts: What may be written while it runs, key → value.
         ticker: What ticks its tree, if it runs one.
+        most: After so many instants everything that may happen next is tried.
 
     Raises:
         AssertionError: A promise is broken; the text names it.
@@ -48,7 +50,7 @@ def check_activity(
     })  # fmt: skip
     instant, chart = _Instant(state, mission, ticker), Chart(mission, ticker=ticker)
     waiting = [(chart.start(0.0), chart, frozenset[Awaited]())]
-    for _ in range(MOST):
+    for _ in range(most):
         if not waiting:
             return
         step, chart, awaited = waiting.pop(0)

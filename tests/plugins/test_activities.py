@@ -10,6 +10,7 @@ import pytest
 
 from rai_missions.check import check
 from rai_missions.engine.activities.activity import Outcome, Turn, remembered
+from rai_missions.engine.contract import MOST
 from rai_missions.keys import Key
 from rai_missions.mission.mission import Mission
 from rai_missions.model import Seconds, Text
@@ -80,14 +81,15 @@ def test_killed_after_any_row_it_ends_as_if_it_had_not_been(tmp_path: Path, ever
 # -- the contract ------------------------------------------------------------------------------------------------------
 
 
-def test_foreign_activities_and_ours_keep_the_contract() -> None:
+@pytest.mark.parametrize("most", [80, pytest.param(MOST, marks=pytest.mark.drill)])
+def test_foreign_activities_and_ours_keep_the_contract(most: int) -> None:
     states = ringing().states
     keys = {"done": Key(bool, source="robot"), "value": Key(float, source="mission")}
     for state in (
         states["striking"], states["inspecting"], Call("horn", result={"value": "level"}, timeout_s=5),
         Action("move", achieved={"key": "done", "==": True}, settle_s=2), Decision("On?", options={"on": {}}),
     ):  # fmt: skip
-        check_activity(state, keys, [{"done": True}, {"done": False}], ticker=PyTrees())
+        check_activity(state, keys, [{"done": True}, {"done": False}], ticker=PyTrees(), most=most)
 
 
 @remembered("tests/Odd")
