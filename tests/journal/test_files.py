@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from rai_missions.engine.decision import Evidence, Question
@@ -53,6 +53,7 @@ def listing(folder: Path) -> dict[str, tuple[bytes, int]]:
     return {item.name: (item.read_bytes(), item.stat().st_mtime_ns) for item in folder.iterdir()}
 
 
+@settings(max_examples=settings.default.max_examples * 2 // 5)  # each draws steps of everything that there is
 @given(st.lists(st.tuples(steps, blackboard_writes), max_size=4))
 def test_a_run_that_was_written_is_the_run_that_is_read(
     tmp_path_factory: pytest.TempPathFactory, run: list[tuple[Step, Any]]

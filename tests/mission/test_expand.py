@@ -15,7 +15,7 @@ from rai_missions import DefinitionError, Mission, dump, load
 from rai_missions.guards import Guard
 from rai_missions.keys import Key
 from rai_missions.kinds import fields_of
-from rai_missions.mission.include import MAX_STATES
+from rai_missions.mission import include
 from rai_missions.mission.mission import EventSpec
 from rai_missions.model import NAME, PATH_PATTERN, Json, MissionModel
 from rai_missions.states import Compound, DecisionSpec, Option, State, Transition
@@ -335,12 +335,14 @@ def test_the_faults_of_all_inclusions_are_reported_at_once(tmp_path: Path) -> No
     ]
 
 
-def test_what_grows_without_end_is_refused(tmp_path: Path) -> None:
+@pytest.mark.parametrize("most", [500, pytest.param(include.MAX_STATES, marks=pytest.mark.drill)])
+def test_what_grows_without_end_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, most: int) -> None:
+    monkeypatch.setattr(include, "MAX_STATES", most)
     for depth in range(15):
         states = {name: {"mission": f"m{depth + 1}.json"} for name in "abcdefgh"}
         written(tmp_path, **{f"m{depth}": {"format": 1, "name": "m", "initial": "a", "states": states}})
     written(tmp_path, m15={"format": 1, "name": "m", "initial": "a", "states": {"a": {}}})
-    assert f"more than {MAX_STATES} states with all that is included" in "".join(faults_in(tmp_path / "m0.json"))
+    assert f"more than {most} states with all that is included" in "".join(faults_in(tmp_path / "m0.json"))
 
 
 def test_missions_inside_each_other_are_counted(tmp_path: Path) -> None:

@@ -8,7 +8,6 @@ import math
 import threading
 import time
 from collections.abc import Callable, Mapping
-from pathlib import Path
 from typing import Any
 
 import pytest
@@ -206,14 +205,15 @@ def test_an_idle_run_on_the_wall_clock_uses_no_processor() -> None:
     assert used[0] < 0.03, "a tenth of one processor would be a poll"
 
 
-def test_a_hundred_missions_share_one_connector_that_was_started_before(tmp_path: Path) -> None:
+@pytest.mark.parametrize("many", [20, pytest.param(100, marks=pytest.mark.drill)])
+def test_many_missions_share_one_connector_that_was_started_before(many: int) -> None:
     rig = Rig(CALLING, clock=WallClock())
     rig.connector.start()
     threads, before = threading.active_count(), runners()
-    for number in range(100):
+    for number in range(many):
         result = Runner(mission(CALLING), robot=robot(), connector=rig.connector).run()
         assert result.outcome == "aborted", number
-    assert len(rig.called) == 100 and rig.connector.running
+    assert len(rig.called) == many and rig.connector.running
     assert threading.active_count() == threads
     assert runners() <= before + 1, "runs leave nothing behind"
 

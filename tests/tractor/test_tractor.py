@@ -170,17 +170,18 @@ def test_an_anomaly_after_a_pause_is_still_one(drive: Any) -> None:
 @pytest.mark.sim
 @pytest.mark.local_model
 @pytest.mark.skipif(importlib.util.find_spec("xllamacpp") is None, reason="no model here; `make weights` installs one")
-def test_a_weak_model_cannot_hurt_the_mission(drive: Any) -> None:
+@pytest.mark.parametrize("obstacles", [["person"], pytest.param(["branch", "person"], marks=pytest.mark.drill)])
+def test_a_weak_model_cannot_hurt_the_mission(drive: Any, obstacles: list[str]) -> None:
     """A real one, that chooses no better than chance."""
     from rai_missions.answerers.model.local_server import packaged_weights
 
     if packaged_weights() is None:
         pytest.skip("no weights here; `make weights` installs them")
-    one = drive(words={"model": "local"}, alleys=2, obstacles=["branch", "person"])
+    one = drive(words={"model": "local"}, alleys=len(obstacles), obstacles=obstacles)
     result = one.run()
     assert result.outcome in ENDS and not one.world.judge.touched
     asked = [step.question for step in one.steps if step.question and step.question.asked == "agent"]
     assert asked, "the model was asked"
     results = [step.event for step in one.steps if step.event.kind == "proposal" and step.event.name == "agent"]
     assert results and all("usage" in event.data for event in results)
-    assert (result.outcome == "succeeded") == (len(one.world.counter.alleys) == 2)
+    assert (result.outcome == "succeeded") == (len(one.world.counter.alleys) == len(obstacles))
