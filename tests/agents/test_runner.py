@@ -27,6 +27,7 @@ from rai_missions.mission.mission import Mission
 from rai_missions.testing import check_agent
 from tests.agents.test_mission import WAITING
 from tests.agents.troupe import Player, agent_of
+from tests.ros2 import load_quietly, on_ros
 
 TROUPE = Path(__file__).parent / "troupe.py"
 
@@ -211,3 +212,15 @@ def test_a_long_reason_is_cut_where_it_is_published() -> None:
     found = diagnostics_of("all", {"ear": AgentHealth("died", "x" * 5000, {"log": "y" * 5000})}, at=1.0)
     (status,) = found["status"]
     assert len(status["message"]) < 400 and len(status["values"][0]["value"]) < 400
+
+
+@on_ros
+def test_health_is_a_message_of_ros() -> None:
+    load_quietly()
+    from rai_missions.connectors.ros2.messages import to_data, to_message
+    from rai_missions.connectors.ros2.names import find_type
+
+    sent = diagnostics_of("all", {"ear": AgentHealth("died", "no sound", {"pid": "7"})}, at=12.5)
+    received = to_data(to_message(find_type(DIAGNOSTIC_ARRAY, "msg"), sent))
+    assert received["status"] == sent["status"]
+    assert received["header"]["stamp"] == {"sec": 12, "nanosec": 500_000_000}
