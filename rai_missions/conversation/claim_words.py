@@ -114,7 +114,7 @@ class ClaimWords:
         if not predicate:
             return False
         if predicate[0] in self.perfect or predicate[0] in self.auxiliaries:
-            rest = self.skip(predicate[1:])
+            rest = predicate[1:2] if set(predicate[1:2]) & self.states else self.skip(predicate[1:])
             is_bare = predicate[0] in self.auxiliaries and predicate[0] not in self.perfect
             if rest and (rest[0] in self.acts or rest[0] in self.states or rest[0] in self.strong):
                 return True
