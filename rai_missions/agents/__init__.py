@@ -2,7 +2,7 @@
 """The paper's agents, which live between `run()` and `stop()`; each is loaded when it is first used.
 
 Imports `answerers`, `check`, `connectors`, `embodiment`, `engine`, `journal`, `mission`, `profile`, `recording`,
-`replay`, `runtime` and `worlds`, and the modules of the root.
+`replay`, `runtime`, `voice` and `worlds`, and the modules of the root.
 """
 
 from __future__ import annotations

@@ -25,7 +25,9 @@ class Reading(NamedTuple):
     text: str
     """Empty where it recognises no words."""
     phrase: str = ""
-    """The phrase of those given that the sound may be; a guess, which counts only where another recogniser agrees."""
+    """The phrase of those given that the sound is most like; empty where it looks for none."""
+    surety: float = 0.0
+    """The logarithm of how probable that phrase is: 0 for certain, -3 for one in twenty."""
 
 
 class Recogniser(Protocol):

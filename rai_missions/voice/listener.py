@@ -7,7 +7,7 @@ Rule: every turn that ends has one transcript, with or without words, or one fau
 from __future__ import annotations
 
 import threading
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from functools import partial
 from typing import NamedTuple
 
@@ -27,6 +27,8 @@ PHRASES = (
     "cancel", "cancel the mission", "start the mission",
 )  # fmt: skip
 """Short sentences that are expected of any person who talks to a robot that works."""
+LEAST_SURETY, LEAST_SURETY_AT_ONCE = -3.0, -4.0
+"""How sure the first recogniser must be of a phrase that it does not read freely; the second: of one of `at_once`."""
 WAKE_CUTOFF = 0.5
 AWAKE_S = 8.0
 """How long after the wake word, or after a turn that passed, a turn may begin."""
@@ -196,7 +198,7 @@ class SpeechListener:
         self._replies[offer] = known = known._replace(**{which: reply})
         if self._latest.get(offer.number) != offer.offer or known.first is None or known.second is None:
             return
-        text, readings = words_of(known, self._settings.phrases)
+        text, readings = words_of(known, self._settings)
         if text in self._settings.closed:
             self._detector.end_sooner(offer.number, offer.offer)
         if text in self._settings.at_once and offer.number not in self._given and offer.number not in self._ends:
@@ -217,7 +219,7 @@ class SpeechListener:
         known = self._replies.get(TurnOffer(number, end.offer))
         if known is None or known.first is None or known.second is None:
             return
-        text, readings = words_of(known, self._settings.phrases)
+        text, readings = words_of(known, self._settings)
         times = self._times(number)
         was_given = number in self._given
         self._forget(number)
@@ -236,15 +238,21 @@ class SpeechListener:
         self._given.discard(number)
 
 
-def words_of(known: OfferReplies, phrases: Sequence[str]) -> tuple[str, tuple[str, ...]]:
+def words_of(known: OfferReplies, settings: ListenSettings) -> tuple[str, tuple[str, ...]]:
     """The text of a turn, and each recogniser's own.
 
-    A phrase counts where the first recogniser reads it in its words, or where its guess is what the second reads too.
+    A phrase counts where the first recogniser reads it freely, or is sure of it. The second can agree and no more.
     """
     first, second = (reply.data if reply is not None and not reply.fault else {} for reply in known)
     free, guess, other = text_in(first, "text"), text_in(first, "phrase"), text_in(second, "text")
     plain = " ".join("".join(each if each.isalnum() or each == "'" else " " for each in free.lower()).split())
-    phrase = plain if plain in phrases else guess if guess and guess == other else ""
+    phrase = plain if plain in settings.phrases else guess if is_sure(guess, first.get("surety"), settings) else ""
     if phrase:
         return phrase, (phrase, phrase) if other == phrase else (phrase,)
     return (free, (free,)) if plain else ("", ())
+
+
+def is_sure(guess: str, surety: object, settings: ListenSettings) -> bool:
+    """Whether a recogniser's guess counts."""
+    least = LEAST_SURETY_AT_ONCE if guess in settings.at_once else LEAST_SURETY
+    return guess in settings.phrases and isinstance(surety, float) and surety > least

@@ -61,12 +61,12 @@ def open_recognition(
     """
     settings = settings._replace(needs_wake_word=bool(names.wake_word))
     ear = SpeechProcess(
-        "ear", "ear", {"wake_word": names.wake_word, "echo": names.echo}, within_s=2.0, on_fault=on_fault
+        "ear", "ear", {"wake_word": names.wake_word, "echo": names.echo}, within_s=5.0, on_fault=on_fault
     )
     recognisers = []
     for given in filter(None, (names.recogniser, names.second)):
         name, options = split_options(given)
-        recognisers.append(SpeechProcess("recogniser", name, options, on_fault=on_fault))
+        recognisers.append(SpeechProcess("recogniser", name, options, within_s=10.0, on_fault=on_fault))
     processes = (ear, *recognisers)
     for process in processes:
         process.open()

@@ -1,18 +1,20 @@
 # SPDX-License-Identifier: Apache-2.0
 """Whisper by CTranslate2, the only door to it: 15 s are encoded instead of the 30 that others pad to.
 
-A turn is decoded twice from one encoding: freely, and with the phrases that are expected as the text before it. The
-second makes short words out of sounds that the first takes for others; what it finds is a guess.
+A turn is decoded freely. A short one is also compared with each phrase that is expected: how probable it is, given the
+sound and all phrases as the text before it. That finds short words in noise in which the free text is another one.
 """
 
 from __future__ import annotations
 
+import math
 import os
 import re
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+from rai_missions.connectors.sound.connector import RATE_HZ
 from rai_missions.errors import UsageError
 from rai_missions.voice.absent import absent
 from rai_missions.voice.kind import Reading
@@ -22,7 +24,11 @@ __all__ = ("Whisper", "open_recogniser", "plain_words", "text_of_tokens")
 WINDOW_STEPS = 1500
 """10 ms each."""
 LONGEST_TOKENS = 96
-PHRASE_TOKENS = 12
+SHORT_S = 3.0
+"""Longer sounds, with the quiet around them, are no phrase."""
+LEAST_CHANCE = 1e-9
+SAMPLES_A_STEP, AFTER_STEPS = 320, 50
+"""Of the encoding: 20 ms a step, and a second after the sound."""
 LEAST_SCORE = -2.2
 """Mean log probability of a token below which a free text is noise; short words on loud noise reach -2."""
 MOST_SILENCE = 0.8
@@ -74,7 +80,7 @@ class Whisper:
         )  # fmt: skip
         self._task = [BEGIN, PLAIN] if not self._model.is_multilingual else [BEGIN, "<|en|>", "<|transcribe|>", PLAIN]
         self._tokens = PhraseTokens(folder)
-        self._expected: tuple[tuple[str, ...], list[str]] = ((), [])
+        self._expected: tuple[tuple[str, ...], list[int], list[list[int]]] = ((), [], [])
 
     def transcribe(self, samples: bytes, phrases: Sequence[str]) -> Reading:
         """See `Recogniser`."""
@@ -90,16 +96,24 @@ class Whisper:
         if free.no_speech_prob > MOST_SILENCE:
             return Reading("")
         text = text_of_tokens(free.sequences[0]) if free.scores[0] > LEAST_SCORE else ""
-        return Reading(text, self._phrase(encoded, phrases))
+        if len(sound) > SHORT_S * RATE_HZ or not phrases:
+            return Reading(text)
+        spoken = np.array(encoded)[:, : len(sound) // SAMPLES_A_STEP + AFTER_STEPS]  # the rest is quiet, and costs time
+        phrase, surety = self._phrase(self._view.from_array(np.ascontiguousarray(spoken)), phrases)
+        return Reading(text, phrase, surety)
 
-    def _phrase(self, encoded: Any, phrases: Sequence[str]) -> str:
-        if not phrases:
-            return ""
+    def _phrase(self, encoded: Any, phrases: Sequence[str]) -> tuple[str, float]:
+        """The most probable phrase, and the logarithm of how probable it is."""
         if self._expected[0] != tuple(phrases):
-            self._expected = (tuple(phrases), [BEFORE, *self._tokens.of(phrases), *self._task])
-        found = self._decode(encoded, self._expected[1], PHRASE_TOKENS)
-        words = plain_words(text_of_tokens(found.sequences[0]))
-        return next((each for each in phrases if re.fullmatch(rf"(?:{re.escape(each)} ?)+", words)), "")
+            before = self._tokens.ids([BEFORE, *self._tokens.of(phrases), *self._task])
+            self._expected = (tuple(phrases), before, [self._tokens.ids(self._tokens.of([each])) for each in phrases])
+        _, before, forms = self._expected
+        sure = [self._surety(encoded, before, form) for form in forms]
+        return max(zip(phrases, sure, strict=True), key=lambda pair: pair[1])
+
+    def _surety(self, encoded: Any, before: list[int], form: list[int]) -> float:
+        (found,) = self._model.align(encoded, before, [form], 2 * encoded.shape[1])
+        return sum(math.log(max(chance, LEAST_CHANCE)) for chance in found.text_token_probs)
 
     def _decode(self, encoded: Any, prompt: list[str], longest: int) -> Any:
         return self._model.generate(
@@ -111,7 +125,7 @@ class Whisper:
 class PhraseTokens:
     """Text as tokens of the model: the longest token of its vocabulary that fits, again and again.
 
-    It is the text before the speech, which steers and is never read: it need not be split as in training.
+    For short phrases that is how they were split in training.
 
     Args:
         folder: Of the weights.
@@ -119,7 +133,8 @@ class PhraseTokens:
 
     def __init__(self, folder: Path) -> None:
         lines = (folder / "vocabulary.txt").read_text(encoding="utf-8").split("\n")
-        self._known = {line for line in lines if line and not line.startswith(PREFIX)}
+        self._ids = {line: place for place, line in enumerate(lines) if line}
+        self._known = {line for line in self._ids if not line.startswith(PREFIX)}
 
     def of(self, phrases: Sequence[str]) -> list[str]:
         """The tokens of the phrases, as sentences."""
@@ -130,6 +145,10 @@ class PhraseTokens:
             found += [text[:size]] if size else []
             text = text[size or 1 :]
         return found
+
+    def ids(self, tokens: Sequence[str]) -> list[int]:
+        """The numbers of tokens."""
+        return [self._ids[token] for token in tokens]
 
 
 def _bytes_of_letters() -> dict[str, int]:

@@ -1,0 +1,330 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Speech, end to end: orders in noise, orders that are none, words, wake words, echo, barge-in and delays.
+
+`python -m benchmarks.bench_voice [SECTION …] [--scale N]`; the sections are orders, false, words, wake, echo, barge,
+delay. All speech is made here by flite; what is measured goes through frames, processes and turns as on a robot.
+"""
+
+from __future__ import annotations
+
+import argparse
+import re
+import statistics
+import sys
+import time
+from collections import Counter
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from rai_missions.connectors.sound.connector import FRAME_BYTES, FRAME_S, RATE_HZ, SoundFrame
+from rai_missions.connectors.sound.files import FileSound
+from rai_missions.connectors.sound.room import RoomSound
+from rai_missions.voice.listener import PHRASES, ListenSettings, SpeechListener, Transcript
+from rai_missions.voice.process import SpeechProcess
+from rai_missions.voice.recognisers.whisper import plain_words
+from rai_missions.voice.setup import ListenNames, open_recognition
+from rai_missions.voice.voices.flite import Flite
+
+SPEAKERS = ("slt", "rms", "awb", "kal")
+ORDERS = ("pause the mission", "resume the mission", "continue", "cancel the mission", "start the mission", "yes", "no")
+ROOT = Path(__file__).parents[1]
+SENTENCES = (
+    "What are you doing?", "Where are you going?", "How far is it to the kitchen?", "Why did you stop?",
+    "Go to the kitchen and look for a cup.", "How much battery is left?", "What do you see in front of you?",
+    "Please drive to the living room.", "Is there a plant on the table?", "Bring me to the charging station.",
+    "Which waypoint is the next one?", "The chair next to the door is in your way.", "Wait here until I come back.",
+    "How long will the mission take?", "Show me what you have found so far.", "Is anybody in the bedroom?",
+    "Drive a little slower, please.", "What can you carry?", "Did you find the red cup?", "Why are you waiting?",
+)  # fmt: skip
+
+
+class Bench:
+    """The whole pipeline, with processes that are kept from one recording to the next."""
+
+    def __init__(self, names: ListenNames | None = None) -> None:
+        self.found: list[Transcript] = []
+        self.present: list[float] = []
+        self.recognition = open_recognition(names or ListenNames(), ListenSettings(), on_transcript=self.found.append)
+        self.recognition.wait_ready()
+
+    def of(self, sound: FileSound, *, after: int = 30) -> list[Transcript]:
+        self.found.clear()
+        self.present.clear()
+        listener = SpeechListener(
+            *self.recognition.processes, on_transcript=self.found.append, on_present=self.present.append
+        )
+        sound.listen(listener.take)
+        sound.start()
+        count = 0
+        while not sound.over or after > 0:
+            after -= sound.over
+            sound.step()
+            count += 1
+            if count % 64 == 0:
+                listener.catch_up()
+        listener.finish()
+        return [each for each in self.found if each.text]
+
+    def close(self) -> None:
+        self.recognition.close()
+
+
+VOICES: dict[str, Flite] = {}
+
+
+def speech(text: str, speaker: str) -> np.ndarray:
+    voice = VOICES.setdefault(speaker, Flite(speaker))
+    return np.frombuffer(b"".join(voice.speak(text)), "<i2").astype(np.float32)
+
+
+def noise(kind: str, count: int, random: np.random.Generator) -> np.ndarray:
+    white = random.normal(size=count)
+    if kind == "white":
+        return white
+    spectrum = np.fft.rfft(white) / np.sqrt(np.maximum(1, np.arange(count // 2 + 1)))
+    pink = np.fft.irfft(spectrum, count)
+    return np.asarray(pink / np.sqrt(np.mean(pink**2)))
+
+
+def mixed(sound: np.ndarray, db: float, kind: str, random: np.random.Generator, before_s: float = 1.5) -> bytes:
+    """Speech in noise: so many dB over the parts that are no pause; 1.5 s of noise come first, as in a room."""
+    loud = sound[np.abs(sound) > 100]
+    level = np.sqrt(np.mean(loud**2)) if len(loud) else 1000.0
+    whole = np.concatenate([np.zeros(int(before_s * RATE_HZ)), sound, np.zeros(RATE_HZ // 2)])
+    whole = whole + noise(kind, len(whole), random) * level * 10 ** (-db / 20)
+    return bytes(np.clip(whole, -32768, 32767).astype("<i2").tobytes())
+
+
+def orders(bench: Bench, scale: int) -> None:
+    random, hits, counts, missed = np.random.default_rng(1), Counter[Any](), Counter[Any](), Counter[Any]()
+    for phrase in ("stop", *ORDERS):
+        for speaker in SPEAKERS:
+            sound = speech(f"{phrase.capitalize()}.", speaker)
+            for db in (40, 20, 10):
+                for kind in ("white", "pink"):
+                    for _ in range(scale):
+                        found = bench.of(FileSound(mixed(sound, db, kind, random)))
+                        needed = 1 if phrase == "stop" else 2
+                        hit = any(each.text == phrase and each.readings.count(phrase) >= needed for each in found)
+                        key = ("stop" if phrase == "stop" else "other", db, kind)
+                        counts[key] += 1
+                        hits[key] += hit
+                        if not hit:
+                            missed[f"{phrase}/{speaker}"] += 1
+    for key in sorted(counts, key=str):
+        print(f"  {key[0]:6}{key[1]} dB {key[2]:6} {hits[key]}/{counts[key]} = {hits[key] / counts[key]:.0%}")
+    print("  missed most:", ", ".join(f"{name} {count}" for name, count in missed.most_common(12)))
+
+
+def text_windows(count: int, random: np.random.Generator) -> Iterator[tuple[str, str]]:
+    """Pieces of our own documents, read aloud."""
+    words = re.findall(r"[A-Za-z]{2,}", "\n".join(path.read_text() for path in sorted(ROOT.glob("docs/guide/*.md"))))
+    for number in range(count):
+        size = int(random.integers(1, 14))
+        start = int(random.integers(0, len(words) - size))
+        yield " ".join(words[start : start + size]), SPEAKERS[number % 4]
+
+
+def false_orders(bench: Bench, scale: int) -> None:
+    random, found, count, begun = np.random.default_rng(2), list[str](), 0, time.monotonic()
+    uttered = list(text_windows(100 * scale, random))
+    for number, (text, speaker) in enumerate(uttered):
+        sound = mixed(speech(text, speaker), (40, 20, 10)[number % 3], ("white", "pink")[number % 2], random, 0.5)
+        for each in bench.of(FileSound(sound)):
+            words = plain_words(text)
+            if each.text in PHRASES and not re.search(rf"\b{each.text}\b", words):
+                agree = each.readings.count(each.text)
+                found.append(f"{text!r} by {speaker} became {each.text!r} ({agree} agree)")
+        count += 1
+    for seed in range(20 * scale):
+        level, kind = (100, 400, 1600)[seed % 3], ("white", "pink")[seed % 2]
+        sound = noise(kind, 3 * RATE_HZ, random) * level
+        texts = [each.text for each in bench.of(FileSound(bytes(sound.clip(-32768, 32767).astype("<i2").tobytes())))]
+        found += [f"{kind} noise became {text!r}" for text in texts if text in PHRASES]
+        count += 1
+    print(f"  {len(found)} orders of {count} windows ({time.monotonic() - begun:.0f} s)")
+    print("\n".join(f"    {each}" for each in found))
+
+
+def distance(one: list[str], other: list[str]) -> int:
+    """Words to change, by Levenshtein."""
+    row = list(range(len(other) + 1))
+    for count, word in enumerate(one, 1):
+        before, row = row, [count]
+        for place, each in enumerate(other):
+            row.append(min(before[place] + (word != each), before[place + 1] + 1, row[-1] + 1))
+    return row[-1]
+
+
+def words(bench: Bench, scale: int) -> None:
+    random = np.random.default_rng(3)
+    for db in (40, 20, 10):
+        wrong, total, by = 0, 0, Counter[str]()
+        for speaker in SPEAKERS:
+            for text in SENTENCES:
+                found = " ".join(
+                    each.text for each in bench.of(FileSound(mixed(speech(text, speaker), db, "pink", random)))
+                )
+                errors = distance(plain_words(text).split(), plain_words(found).split())
+                wrong, total = wrong + errors, total + len(plain_words(text).split())
+                by[speaker] += errors
+        print(f"  {db} dB pink: word errors {wrong / total:.1%} of {total}; by speaker {dict(by)}")
+
+
+def wake(_: Bench, scale: int) -> None:
+    random, minutes, alarms = np.random.default_rng(4), 0.0, list[str]()
+    for word in ("okay_nabu", "hey_jarvis"):
+        process = SpeechProcess("ear", "ear", {"wake_word": word}, within_s=30.0)
+        process.open()
+        hits = Counter[str]()
+        for speaker in SPEAKERS:
+            for db in (40, 20):
+                name = word.replace("_", " ").replace("nabu", "nah boo").capitalize()
+                if probability(process, mixed(speech(f"{name}.", speaker), db, "pink", random)) >= 0.5:
+                    hits[speaker] += 1
+        print(f"  {word}: recognised, of 2 each: {dict(hits)}")
+        until = minutes + 6.0 * scale
+        windows = text_windows(100_000, random)
+        while minutes < until:
+            text, speaker = next(windows)
+            sound = mixed(speech(text, speaker), (40, 20, 10)[int(random.integers(3))], "pink", random, 0.2)
+            minutes += len(sound) / (2 * RATE_HZ * 60)
+            if probability(process, sound) >= 0.5:
+                alarms.append(f"{word}: {text!r} by {speaker}")
+        process.close()
+    print(f"  {len(alarms)} false alarms in {minutes / 60:.2f} h", *alarms)
+
+
+def probability(process: SpeechProcess, sound: bytes) -> float:
+    best, waiting = [0.0], [0]
+    for start in range(0, len(sound) - FRAME_BYTES, FRAME_BYTES):
+        waiting[0] += 1
+
+        def look(reply: Any) -> None:
+            best[0] = max(best[0], float(reply.data.get("wake", 0.0)))
+            waiting[0] -= 1
+
+        process.ask({"do": "take"}, (sound[start : start + FRAME_BYTES], bytes(FRAME_BYTES)), on_reply=look)
+    process.ask_and_wait({"do": "take"}, (bytes(FRAME_BYTES), bytes(FRAME_BYTES)))
+    return best[0]
+
+
+def playing(room: RoomSound, ours: bytes) -> None:
+    pieces = iter(range(0, len(ours), FRAME_BYTES))
+    room.play(lambda at: ours[start : start + FRAME_BYTES] if (start := next(pieces, None)) is not None else b"")
+
+
+def tail() -> tuple[float, ...]:
+    """The answer of a small room: 100 ms of reflections."""
+    random, found = np.random.default_rng(5), np.zeros(1600)
+    places = random.integers(50, 1600, 30)
+    found[places] = random.normal(size=30) * np.exp(-places / 400) * 0.3
+    return tuple(found)
+
+
+def echo(bench: Bench, scale: int) -> None:
+    reports = (
+        "The mission has ended. I drove all alleys.",
+        "I am driving to the kitchen.",
+        "Stop. Cancel the mission. Yes.",
+    )
+    for room_tail in ((), tail()):
+        count, cuts, texts = 0, 0, list[str]()
+        for db in (-6.0, -12.0, -20.0):
+            for delay in (20.0, 60.0, 120.0, 200.0):
+                for number, text in enumerate(reports * max(1, scale // 2)):
+                    ours = bytes(speech(text, SPEAKERS[number % 4]).astype("<i2").tobytes())
+                    room = RoomSound(
+                        bytes(len(ours) + RATE_HZ), echo_db=db, delay_ms=delay, tail=room_tail, seed=number
+                    )
+                    playing(room, ours)
+                    texts += [each.text for each in bench.of(room)]
+                    cuts += len(bench.present)
+                    count += 1
+        print(f"  own voice, room {'with' if room_tail else 'without'} reflections: {count} reports, "
+              f"{len(texts)} transcribed {texts}, {cuts} cut")  # fmt: skip
+
+
+def barge(bench: Bench, scale: int) -> None:
+    report = "I am driving to the kitchen. Four of six waypoints are done, and the battery is at sixty two percent."
+    ours = bytes(speech(report, "slt").astype("<i2").tobytes())
+    random = np.random.default_rng(6)
+    for db in (None, -20.0, -12.0, -6.0):
+        delays, missed = list[float](), 0
+        for text in ("Stop.", "What are you doing?", "Wait here until I come back.", "Cancel the mission."):
+            for speaker in ("rms", "awb", "kal"):
+                person = speech(text, speaker)
+                onset = np.nonzero(np.abs(person) > 0.1 * np.abs(person).max())[0][0] / RATE_HZ
+                at = float(random.uniform(0.3, 3.5))
+                person = np.concatenate([np.zeros(int(at * RATE_HZ)), person]).astype("<i2")
+                room = RoomSound(bytes(person.tobytes()) + bytes(RATE_HZ), echo_db=db, delay_ms=60.0, tail=tail())
+                playing(room, ours)
+                bench.of(room)
+                early = [each for each in bench.present if each >= at]
+                if early:
+                    delays.append(1000 * (early[0] - at - onset))
+                else:
+                    missed += 1
+        shown = f"p50 {statistics.median(delays):.0f}, p95 {np.percentile(delays, 95):.0f} ms" if delays else "none"
+        print(f"  echo {db} dB: {len(delays)} of {len(delays) + missed} barge-ins known, after {shown}")
+
+
+def delay(bench: Bench, scale: int) -> None:
+    """End of speech → transcript, at the pace of the wall."""
+    found = list[float]()
+    for text in ("Stop.", *SENTENCES[: 5 * scale]):
+        sound = speech(text, "slt")
+        end = 0.6 + np.nonzero(np.abs(sound) > 200)[0][-1] / RATE_HZ
+        recorded = bytes(
+            np.concatenate([np.zeros(int(0.6 * RATE_HZ)), sound, np.zeros(RATE_HZ)]).astype("<i2").tobytes()
+        )
+        found.append(1000 * (arrival(bench, recorded) - end))
+    p50, p95 = statistics.median(found), np.percentile(found, 95)
+    print(f"  {len(found)} turns: p50 {p50:.0f}, p95 {p95:.0f}, stop {found[0]:.0f} ms")
+
+
+def arrival(bench: Bench, recorded: bytes) -> float:
+    """When the first transcript of a recording came, in seconds from its begin, at the pace of the wall."""
+    file, arrived, begun = FileSound(recorded, paced=True), list[float](), list[float]()
+    listener = SpeechListener(*bench.recognition.processes, on_transcript=lambda each: arrived.append(time.monotonic()))
+
+    def take(frame: SoundFrame) -> None:
+        if not begun:
+            begun.append(time.monotonic() - FRAME_S)
+        listener.take(frame)
+
+    file.listen(take)
+    file.start()
+    while not file.over or not arrived:
+        time.sleep(0.02)
+    file.stop()
+    return arrived[0] - begun[0]
+
+
+SECTIONS: dict[str, Callable[[Bench, int], None]] = {
+    "orders": orders, "false": false_orders, "words": words, "wake": wake, "echo": echo, "barge": barge, "delay": delay,
+}  # fmt: skip
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("sections", nargs="*", default=list(SECTIONS), help="which ones")
+    parser.add_argument("--scale", type=int, default=1, help="how many of each; 10 for a thousand windows")
+    given = parser.parse_args()
+    bench = Bench()
+    try:
+        for name in given.sections:
+            begun = time.monotonic()
+            print(f"{name}:", flush=True)
+            SECTIONS[name](bench, given.scale)
+            print(f"  ({time.monotonic() - begun:.0f} s)", flush=True)
+    finally:
+        bench.close()
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

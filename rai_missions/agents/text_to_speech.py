@@ -1,0 +1,115 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Texts as sound: an agent between the conversation and a speaker."""
+
+from __future__ import annotations
+
+import itertools
+import threading
+from collections.abc import Callable, Mapping
+from typing import Any
+
+from rai_missions.connectors.connector import Close
+from rai_missions.connectors.hri.connector import TO_HUMAN, HRIConnector
+from rai_missions.connectors.hri.message import HRIMessage
+from rai_missions.connectors.sound.connector import SoundConnector
+from rai_missions.voice.process import SpeechProcess
+from rai_missions.voice.setup import split_options
+from rai_missions.voice.speaker import Speaker
+from rai_missions.voice.spoken_text import SpokenEnd, SpokenText
+
+__all__ = ("TextToSpeech",)
+
+
+class TextToSpeech:
+    """Speaks through a connector to sound, which its owner starts and stops.
+
+    Args:
+        sound: What plays.
+        hri: Whose messages to people are spoken, and whose words for the speaker are followed; by default none.
+        topic: On which topic the messages come.
+        voice: By name, as `flite:speaker=rms`.
+        model_voice: For a model's texts; empty: the same voice, and they begin with "I think".
+        on_end: Called once for each text with its key and how it ended.
+        on_fault: Called with a sentence each time a voice's process ended, hung or could not be opened.
+        patience_s: How long the device may take no sound before what waits has failed; infinity on a simulated clock.
+    """
+
+    def __init__(
+        self, sound: SoundConnector, hri: HRIConnector | None = None, *, topic: str = TO_HUMAN, voice: str = "flite",
+        model_voice: str = "", on_end: Callable[[str, SpokenEnd], object] = lambda key, how: None,
+        on_fault: Callable[[str], object] = lambda why: None, patience_s: float = 5.0,
+    ) -> None:  # fmt: skip
+        self._sound, self._hri, self._topic = sound, hri, topic
+        self._processes = [
+            SpeechProcess("voice", name, options, within_s=10.0, on_fault=on_fault)
+            for name, options in map(split_options, filter(None, (voice, model_voice)))
+        ]
+        self._speaker = Speaker(
+            self._processes[0], on_end, model_voice=self._processes[1] if model_voice else None, patience_s=patience_s
+        )
+        self._lock = threading.Lock()
+        self._closes: list[Close] = []
+        self._numbers = itertools.count(1)
+        self._is_paused = False
+
+    @property
+    def speaking(self) -> bool:
+        """Whether something is spoken now, or waits to be."""
+        return self._speaker.speaking
+
+    def run(self) -> None:
+        """Begin, and return; the voice is loaded meanwhile, in a process of its own."""
+        with self._lock:
+            if self._closes:
+                return
+            for process in self._processes:
+                process.open()
+            self._speaker.open()
+            self._closes = [self._sound.play(self._speaker.frame)]
+            if self._hri is not None:
+                self._closes.append(self._hri.listen(self._topic, self._receive))
+                self._closes.append(self._hri.listen_to_voice_commands(self._steer))
+
+    def stop(self) -> None:
+        """End; what was not spoken whole has failed."""
+        with self._lock:
+            closes, self._closes = self._closes, []
+        for close in closes:
+            close()
+        if closes:
+            self._speaker.close()
+            for process in self._processes:
+                process.close()
+
+    def speak(self, text: SpokenText) -> None:
+        """Have a text spoken; never waits. Its end is reported by its key, also where this agent does not run."""
+        self._speaker.speak(text)
+
+    def interrupt(self, _at: float = 0.0) -> None:
+        """A person begins to speak: be quiet, within a frame; for `VoiceRecognition(on_present=…)`."""
+        self._speaker.interrupt()
+
+    def resume(self, *, cut: bool) -> None:
+        """The person has finished; see `Speaker.resume`."""
+        self._speaker.resume(cut=cut)
+
+    def silence(self, *, is_total: bool = True) -> None:
+        """Stop now, and drop what waits; see `Speaker.silence`."""
+        self._speaker.silence(is_total=is_total)
+
+    def _receive(self, message: HRIMessage) -> None:
+        if message.text:
+            self.speak(SpokenText(f"{self._topic}:{next(self._numbers)}", message.text))
+
+    def _steer(self, word: str) -> None:
+        if word == "stop":
+            self.silence()
+            return
+        self._is_paused = word == "pause" or (word == "tog_play" and not self._is_paused)
+        STEER[self._is_paused](self._speaker)
+
+
+STEER: Mapping[bool, Callable[[Speaker], Any]] = {
+    True: Speaker.interrupt,
+    False: lambda speaker: speaker.resume(cut=False),
+}

@@ -1,0 +1,66 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What is to be spoken, in its order; pure.
+
+Rule: every text that was added ends exactly once: whole, cut or failed.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from typing import Literal, NamedTuple, get_args
+
+__all__ = ("PRIORITIES", "SpeechQueue", "SpokenEnd", "SpokenText", "sentences")
+
+SpeechPriority = Literal["end", "question", "answer", "chatter"]
+PRIORITIES: tuple[SpeechPriority, ...] = get_args(SpeechPriority)
+"""What is spoken first: the mission's end, questions, answers, the rest."""
+SpokenEnd = Literal["whole", "cut", "failed"]
+"""How it ended: every word was played; it was interrupted; no voice or no speaker played it."""
+
+
+class SpokenText(NamedTuple):
+    """A text to be spoken."""
+
+    key: str
+    """By which its end is reported."""
+    text: str
+    priority: SpeechPriority = "answer"
+    way: Literal["rules", "model", "unknown"] = "rules"
+    """A model's text is spoken by another voice, or begins with "I think"."""
+    uncut: bool = False
+    """A person who begins to speak does not interrupt it."""
+
+
+class SpeechQueue:
+    """Texts that wait; the most urgent first, equal ones in the order in which they came."""
+
+    def __init__(self) -> None:
+        self._waiting: list[SpokenText] = []
+
+    def __len__(self) -> int:
+        return len(self._waiting)
+
+    def add(self, text: SpokenText) -> None:
+        """Have a text spoken after all that are as urgent."""
+        rank = PRIORITIES.index(text.priority)
+        place = next(
+            (place for place, each in enumerate(self._waiting) if PRIORITIES.index(each.priority) > rank),
+            len(self._waiting),
+        )
+        self._waiting.insert(place, text)
+
+    def take(self) -> SpokenText | None:
+        """The next text; None if none waits."""
+        return self._waiting.pop(0) if self._waiting else None
+
+    def drop(self, which: Callable[[SpokenText], bool] = lambda text: True) -> list[SpokenText]:
+        """Take out the texts for which that holds; in their order."""
+        dropped = [each for each in self._waiting if which(each)]
+        self._waiting = [each for each in self._waiting if not which(each)]
+        return dropped
+
+
+def sentences(text: str) -> list[str]:
+    """The sentences of a text, to be spoken one by one."""
+    return [each for each in re.split(r"(?<=[.!?])\s+", text.strip()) if re.search(r"\w", each)]
