@@ -23,7 +23,7 @@ from rai_missions.errors import UsageError
 from rai_missions.mission.mission import Mission
 from rai_missions.states.state import CONTROLLERS
 from visualize.build import picture
-from visualize.live.auth import ASGI, Allowance, Receive, Scope, Send
+from visualize.live.auth import ASGI, ROLE, Allowance, Receive, Scope, Send
 from visualize.live.hub import Hub, Viewer
 from visualize.live.images import ImageStream
 from visualize.live.page_files import PageFiles
@@ -123,7 +123,8 @@ class Pages:
         ]  # fmt: skip
 
     async def mission(self, request: Request) -> Response:
-        return JSONResponse(self._mission)
+        acts = self._mission["acts"] and request.scope[ROLE] == "operator"
+        return JSONResponse({**self._mission, "acts": acts})
 
     async def events(self, request: Request) -> Response:
         try:

@@ -2,7 +2,7 @@
 """Who may come in: asked by the right name, from the page itself, and with the token where there is anything to see.
 
 Rule: what is not known to be ours is refused, and the refusal reports why. Nothing here trusts an address to be
-private.
+private. A client's role is that of its token, whatever it sends.
 """
 
 from __future__ import annotations
@@ -15,7 +15,9 @@ import time
 from collections.abc import Awaitable, Callable, Mapping, MutableMapping
 from typing import Any
 
-__all__ = ("ASGI", "HEADERS", "TOKEN_HEADER", "Allowance", "Door")
+from rai_missions.event import Role
+
+__all__ = ("ASGI", "HEADERS", "ROLE", "TOKEN_HEADER", "Allowance", "Door")
 
 Scope = MutableMapping[str, Any]
 Message = MutableMapping[str, Any]
@@ -25,6 +27,8 @@ ASGI = Callable[[Scope, Receive, Send], Awaitable[None]]
 
 TOKEN_HEADER = b"x-mission-token"
 """A header of our own: a page of another site may not send it, and no browser adds it by itself."""
+ROLE = "rai_missions.role"
+"""Where the door leaves a client's role in the scope of its request."""
 OPEN = frozenset({"/", "/live.js", "/live.css", "/favicon.ico"})
 """What anybody on this machine may read: the page without anything of the mission."""
 HEADERS: Mapping[bytes, bytes] = {
@@ -69,14 +73,18 @@ class Door:
 
     Args:
         inside: The application.
-        token: What everybody must show who wants to see or do anything.
+        token: What everybody must show who wants to do anything.
+        viewer_token: What suffices to see; empty where the token alone does.
         host: The address that is listened on, as it was given.
         port: The port.
         scheme: `http` or `https`.
     """
 
-    def __init__(self, inside: ASGI, *, token: str, host: str, port: int, scheme: str) -> None:
-        self._inside, self._token = inside, token.encode()
+    def __init__(self, inside: ASGI, *, token: str, host: str, port: int, scheme: str, viewer_token: str = "") -> None:
+        self._inside = inside
+        self._roles: Mapping[bytes, Role] = {
+            token.encode(): "operator", **({viewer_token.encode(): "viewer"} if viewer_token else {})
+        }  # fmt: skip
         self._port, self._scheme = port, scheme
         self._is_loopback = is_loopback(host)
         own = {socket.gethostname().lower(), socket.getfqdn().lower()}
@@ -113,12 +121,20 @@ class Door:
         sites = headers.get(b"sec-fetch-site", [])
         if not is_open and any(site not in (b"same-origin", b"none") for site in sites):
             return 403, "another site may not use this page"
-        if not is_open and not self._is_known(headers.get(TOKEN_HEADER, [])):
+        role = self._role(headers.get(TOKEN_HEADER, []))
+        if not is_open and role is None:
             return 401, "the token is missing or wrong; use the address that the run printed"
+        if not is_open and role != "operator" and scope["method"] not in ("GET", "HEAD"):
+            return 403, "a viewer looks, and orders nothing; the operator's address is another one"
+        scope[ROLE] = role
         return 200, ""
 
-    def _is_known(self, given: list[bytes]) -> bool:
-        return len(given) == 1 and hmac.compare_digest(given[0], self._token)
+    def _role(self, given: list[bytes]) -> Role | None:
+        """Whose token it is; each is compared, so that time reveals nothing of them."""
+        found = [
+            role for token, role in self._roles.items() if len(given) == 1 and hmac.compare_digest(given[0], token)
+        ]
+        return found[0] if found else None
 
     def _is_ours(self, host: str) -> bool:
         """No name that someone else's DNS can point here is ours; an address that was typed is."""

@@ -48,7 +48,7 @@ class LivePage:
 
     Args:
         place: Where.
-        token: What everybody must show; made up by default.
+        token: What everybody must show who orders anything; made up by default. Viewers have one of their own.
 
     Raises:
         UsageError: Nothing can be served there, or only unprotected.
@@ -56,7 +56,7 @@ class LivePage:
 
     def __init__(self, place: PageAddress | None = None, *, token: str = "") -> None:
         self.place = place or PageAddress()
-        self.token = token or secrets.token_urlsafe(32)
+        self.token, self.viewer_token = token or secrets.token_urlsafe(32), secrets.token_urlsafe(32)
         self._tls = bool(self.place.certificate or self.place.key)
         _check(self.place)
         self._config_tls = _context(self.place) if self._tls else None
@@ -72,6 +72,11 @@ class LivePage:
     def url(self) -> str:
         """The address, with the token behind `#`, where no server and no log sees it."""
         return f"{self.address}#token={self.token}"
+
+    @property
+    def viewer_url(self) -> str:
+        """The address for those who only look on."""
+        return f"{self.address}#token={self.viewer_token}"
 
     @property
     def address(self) -> str:
@@ -110,7 +115,7 @@ class LivePage:
             self._hub = Hub(feed)
             return application(mission, self._hub, desk, about or {})
 
-        self._begin(inside)
+        self._begin(inside, viewer_token=self.viewer_token)
 
     def start_play(self, mission: Mission, desk: PlayDesk) -> None:
         """Serve a play from now on.
@@ -121,14 +126,14 @@ class LivePage:
         """
         self._begin(lambda: play_application(mission, desk))
 
-    def _begin(self, inside: Callable[[], ASGI]) -> None:
-        """Serve what is made on the server's loop."""
+    def _begin(self, inside: Callable[[], ASGI], *, viewer_token: str = "") -> None:
+        """Serve what is made on the server's loop; without a token of theirs viewers do not come in."""
         ready = threading.Event()
         errors: list[BaseException] = []
 
         def work() -> None:
             try:
-                asyncio.run(self._serve(inside, ready))
+                asyncio.run(self._serve(inside, ready, viewer_token))
             except BaseException as error:  # noqa: BLE001 - reported to the one that starts it, or it ends the page alone
                 errors.append(error)
             finally:
@@ -141,13 +146,16 @@ class LivePage:
             self.stop()
             raise UsageError(f"the page cannot be served: {errors[0]}")
 
-    async def _serve(self, inside: Callable[[], ASGI], ready: threading.Event) -> None:
+    async def _serve(self, inside: Callable[[], ASGI], ready: threading.Event, viewer_token: str) -> None:
         import uvicorn  # an extra, and needed by no one who does not watch
 
         from visualize.live.timeouts import Impatient
 
         self._loop = asyncio.get_running_loop()
-        door = Door(inside(), token=self.token, host=self.place.host, port=self.port, scheme=self._scheme)
+        door = Door(
+            inside(), token=self.token, viewer_token=viewer_token, host=self.place.host, port=self.port,
+            scheme=self._scheme,
+        )  # fmt: skip
         config = uvicorn.Config(
             door, http=Impatient, ws="none", lifespan="off", log_config=None, access_log=False, server_header=False,
             limit_concurrency=256, timeout_graceful_shutdown=1, h11_max_incomplete_event_size=16_384,

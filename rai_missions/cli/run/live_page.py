@@ -168,7 +168,11 @@ class RunPage:
         about = {"run": runner.run_id, "journal": path, "answers": self._operator}
         self._page.start(prepared.mission, self._feed, desk, about)
         print(f"watch: {self._page.url}", file=sys.stderr, flush=True)
-        with run_file(path, {**about, "url": self._page.url, "mission": prepared.mission.name}):
+        print(f"watch, for viewers: {self._page.viewer_url}", file=sys.stderr, flush=True)
+        with run_file(
+            path,
+            {**about, "url": self._page.url, "viewer_url": self._page.viewer_url, "mission": prepared.mission.name},
+        ):
             return self._course.run(lambda: run(runner))
 
     def _look(self) -> RunScene:

@@ -271,3 +271,26 @@ def test_over_tls_the_page_is_served_and_its_origin_is_https(tmp_path: Path) -> 
             line.close()
     finally:
         page.stop()
+
+
+def test_a_viewers_token_shows_everything_and_orders_nothing(run: Run) -> None:
+    seen = {"X_Mission_Token": run.page.viewer_token}
+    assert run.page.viewer_token != run.page.token and run.page.viewer_url.endswith(run.page.viewer_token)
+    status, _, mission = ask(run.page, "GET", "/mission", **seen)
+    assert (status, mission["acts"]) == (200, False)
+    assert ask(run.page, "GET", "/mission")[2]["acts"] is True
+    for number, name in enumerate(("operator", "operator Mallory", "viewer", "")):
+        order = json.dumps({"command": ("pause", "e_stop")[number % 2], "by": name, "role": "operator"}).encode()
+        forged = {"X_Role": "operator", "X_Mission_Role": "operator", "Cookie": f"token={run.page.token}"}
+        status, _, reported = ask(run.page, "POST", "/orders", order, **seen, **forged)
+        assert (status, reported["why"]) == (
+            403,
+            "a viewer looks, and orders nothing; the operator's address is another one",
+        )
+    assert run.desk.orders == []
+
+
+def test_both_tokens_at_once_are_none(run: Run) -> None:
+    both = f"{run.page.token}, {run.page.viewer_token}"
+    assert ask(run.page, "POST", "/orders", PAUSE, X_Mission_Token=both)[0] == 401
+    assert run.desk.orders == []
