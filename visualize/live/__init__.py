@@ -10,5 +10,6 @@ from visualize.live.feed import Feed, RunFeed
 from visualize.live.journal_feed import JournalFeed
 from visualize.live.run_view import RunScene
 from visualize.live.server import CommandSink, LivePage, PageAddress
+from visualize.live.talk import TalkDesk
 
-__all__ = ("CommandSink", "Feed", "JournalFeed", "LivePage", "PageAddress", "RunFeed", "RunScene")
+__all__ = ("CommandSink", "Feed", "JournalFeed", "LivePage", "PageAddress", "RunFeed", "RunScene", "TalkDesk")

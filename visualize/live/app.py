@@ -27,6 +27,7 @@ from visualize.live.auth import ASGI, ROLE, Allowance, Receive, Scope, Send
 from visualize.live.hub import Hub, Viewer
 from visualize.live.images import ImageStream
 from visualize.live.page_files import PageFiles
+from visualize.live.talk import TalkDesk, TalkPages
 from visualize.page.as_json import Json
 from visualize.page.chart_data import chart_data
 
@@ -47,7 +48,7 @@ STALLED_S = 10.0
 MOST_CAMERAS = 32
 SCRIPTS = (
     "entry.js", "line.js", "acts.js", "announcer.js", "state.js", "follow.js", "evidence.js", "question.js", "panel.js",
-    "live_keys.js", "live.js",
+    "chat.js", "live_keys.js", "live.js",
 )  # fmt: skip
 FILES = PageFiles("live.html", SCRIPTS, ("live.css",))
 
@@ -187,9 +188,12 @@ class Pages:
         return JSONResponse({"success": success, "why": why}, 200 if success else 409)
 
 
-def application(mission: Mission, hub: Hub, desk: CommandSink | None, about: dict[str, Any]) -> ASGI:
+def application(
+    mission: Mission, hub: Hub, desk: CommandSink | None, about: dict[str, Any], talk: TalkDesk | None = None
+) -> ASGI:
     """What is behind the door."""
-    return Starlette(routes=[*Pages(mission, hub, desk, about).routes()])
+    talks = TalkPages(talk).routes() if talk is not None else []
+    return Starlette(routes=[*Pages(mission, hub, desk, {**about, "talks": talk is not None}).routes(), *talks])
 
 
 def _refused(status: int, why: str) -> Response:

@@ -8,11 +8,11 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Callable, Mapping, Sequence
-from typing import Protocol
+from typing import Any, Protocol
 
 from rai_missions.engine.activities.goal_ledger import OpenGoal
 from rai_missions.engine.step import Step
-from visualize.live.run_view import TAIL, RunScene
+from visualize.live.run_view import MOST_TALK, TAIL, RunScene
 
 __all__ = ("Feed", "RunFeed")
 
@@ -61,6 +61,9 @@ class RunFeed:
         self._past: deque[Step] = deque(maxlen=TAIL)
         self._wake: Callable[[], None] | None = None
         self._is_notified = False
+        self._talk: deque[Mapping[str, Any]] = deque(maxlen=MOST_WAITING)
+        self._spoken: dict[Any, Mapping[str, Any]] = {}
+        """The last lines of the conversation, by number: for who comes later."""
         self._order: Step | None = None
         """What paused or ended the run last: for who comes later."""
 
@@ -77,13 +80,26 @@ class RunFeed:
         if step.moves or step.effects or step.why:
             self._past.append(step)
 
+    def talk(self, line: Mapping[str, Any]) -> None:
+        """A line of the conversation; one of the same number replaces that. From any thread."""
+        self._spoken[line.get("number")] = line
+        while len(self._spoken) > MOST_TALK:
+            self._spoken.pop(next(iter(tuple(self._spoken))), None)
+        self._talk.append(line)
+        wake = self._wake
+        if wake is not None:
+            wake()
+
     async def begin(self, wake: Callable[[], None]) -> RunScene:
         self._waiting.clear()
+        self._talk.clear()
         self._is_notified, self._wake = False, wake
         return self._whole()
 
     async def take(self, scene: RunScene) -> RunScene:
         self._is_notified = False
+        for _ in range(len(self._talk)):
+            scene.converse(self._talk.popleft())
         while True:
             try:
                 step = self._waiting.popleft()
@@ -107,6 +123,8 @@ class RunFeed:
 
     def _whole(self) -> RunScene:
         scene = self._look()
+        for line in tuple(self._spoken.values()):
+            scene.converse(line)
         scene.loosen([goal.data() for goal in self._loose()])
         if self._order is not None:
             scene.recall_order(self._order)

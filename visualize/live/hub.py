@@ -11,6 +11,7 @@ import json
 import secrets
 import time
 from collections import deque
+from collections.abc import Callable
 from contextlib import suppress
 from typing import Any
 
@@ -70,10 +71,11 @@ class Hub:
 
     Args:
         feed: What is passed on.
+        on_viewers: Called where a viewer has come or gone; never waits.
     """
 
-    def __init__(self, feed: Feed) -> None:
-        self._feed = feed
+    def __init__(self, feed: Feed, on_viewers: Callable[[], object] = lambda: None) -> None:
+        self._feed, self._on_viewers = feed, on_viewers
         self._boot, self._number = secrets.token_hex(4), 0
         self._ring: deque[tuple[int, bytes]] = deque(maxlen=RING)
         self._viewers: set[Viewer] = set()
@@ -101,11 +103,13 @@ class Hub:
             self._viewers.add(viewer)
             for message in self._missed(last):
                 viewer.put(message)
+        self._on_viewers()
         return viewer
 
     def leave(self, viewer: Viewer) -> None:
         """A viewer has gone."""
         self._viewers.discard(viewer)
+        self._on_viewers()
         if not self._viewers:
             self._news.set()
 

@@ -21,6 +21,10 @@ __all__ = ("TAIL", "RunScene")
 
 TAIL = 100
 """Steps of the journal's tail."""
+LONGEST_LINE = 4_000
+"""Characters of a line of the conversation."""
+MOST_TALK = 200
+"""Lines of the conversation that are kept."""
 
 
 class RunScene:
@@ -68,6 +72,9 @@ class RunScene:
         """The goals that may still move the robot although nothing waits for them, as the journal has them."""
         self.tail: deque[Json] = deque(maxlen=TAIL)
         """The last steps that did something."""
+        self.talk: dict[int, Json] = {}
+        """The last lines of the conversation with the robot, by their numbers."""
+        self._spoken: list[Json] = []
         self._answered: set[int] = set()
         self._fields: set[str] = set()
         self._written: set[str] = set()
@@ -104,6 +111,15 @@ class RunScene:
             self.paused_by = by
         if self.outcome and step.outcome:
             self.ended_at, self.e_stop_by = step.at, by if is_e_stop(step.event) else ""
+
+    def converse(self, spoken: Mapping[str, Any]) -> None:
+        """A line of the conversation; one of the same number is replaced."""
+        text = bounded(dict(spoken)) | {"text": str(spoken.get("text", ""))[:LONGEST_LINE]}
+        number = text["number"] if isinstance(text.get("number"), int) else len(self.talk) + 1
+        self.talk[number] = text | {"number": number}
+        while len(self.talk) > MOST_TALK:
+            del self.talk[next(iter(self.talk))]
+        self._spoken.append(self.talk[number])
 
     def fault(self, sentence: str) -> None:
         """State what is wrong, once."""
@@ -217,7 +233,7 @@ class RunScene:
     @property
     def pressing(self) -> bool:
         """More has changed than values of the blackboard."""
-        return bool(self._fields or self._lines)
+        return bool(self._fields or self._lines or self._spoken)
 
     @property
     def written(self) -> bool:
@@ -233,10 +249,12 @@ class RunScene:
         fields = {name: self._field(name) for name in sorted(self._fields)}
         if self._lines:
             fields["steps"] = self._lines
+        if self._spoken:
+            fields["talk"] = self._spoken
         if board and self._written:
             fields["board"] = {key: self._entry(key) for key in sorted(self._written)}
             self._written = set()
-        self._fields, self._lines = set(), []
+        self._fields, self._lines, self._spoken = set(), [], []
         return fields
 
     def whole(self) -> Json:
@@ -244,7 +262,9 @@ class RunScene:
         names = ("mode", "control", "active", "questions", "outcome", "why", "closed", "paused_at", "cut", "faults",
                  "open_goals", "held_by", "held_since", "paused_by", "e_stop_by", "ended_at")  # fmt: skip
         board = {key: self._entry(key) for key in sorted(self.board)}
-        return {name: self._field(name) for name in names} | {"board": board, "steps": list(self.tail)}
+        return {name: self._field(name) for name in names} | {
+            "board": board, "steps": list(self.tail), "talk": list(self.talk.values()),
+        }  # fmt: skip
 
     def picture(self, key: str, question: int = 0) -> Image | None:
         """The newest picture under a key, or the one that a question shows."""

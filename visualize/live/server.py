@@ -23,6 +23,7 @@ from visualize.live.auth import ASGI, Door, is_loopback
 from visualize.live.feed import Feed
 from visualize.live.hub import Hub
 from visualize.live.play import PlayDesk, play_application
+from visualize.live.talk import TalkDesk
 
 __all__ = ("PORT", "CommandSink", "LivePage", "PageAddress")
 
@@ -100,8 +101,9 @@ class LivePage:
         return "https" if self._tls else "http"
 
     def start(
-        self, mission: Mission, feed: Feed, desk: CommandSink | None = None, about: dict[str, Any] | None = None
-    ) -> None:
+        self, mission: Mission, feed: Feed, desk: CommandSink | None = None, about: dict[str, Any] | None = None,
+        talk: TalkDesk | None = None, on_viewers: Callable[[], object] = lambda: None,
+    ) -> None:  # fmt: skip
         """Serve a run from now on.
 
         Args:
@@ -109,11 +111,13 @@ class LivePage:
             feed: Where its steps come from.
             desk: Who takes orders; None: the page only looks on.
             about: What the page reports about the run: `run`, `journal`, `answers`, `played`.
+            talk: Who takes what a person writes to the robot; None: the page shows talk and takes none.
+            on_viewers: Called where a viewer has come or gone, on the server's thread; never waits.
         """
 
         def inside() -> ASGI:
-            self._hub = Hub(feed)
-            return application(mission, self._hub, desk, about or {})
+            self._hub = Hub(feed, on_viewers)
+            return application(mission, self._hub, desk, about or {}, talk)
 
         self._begin(inside, viewer_token=self.viewer_token)
 

@@ -51,6 +51,18 @@ class Line {
     }
   }
 
+  /** Writes a sentence to the robot: whether it was taken, and why not. */
+  async talk(text, by) {
+    try {
+      const headers = this.headers({ "Content-Type": "application/json" });
+      const answer = await fetch("/talk", { method: "POST", headers, body: JSON.stringify({ text, by }), redirect: "error", cache: "no-store", signal: AbortSignal.timeout(OPENS_MS) });
+      const { success, why } = await answer.json();
+      return { sent: success, why };
+    } catch {
+      return { sent: false, why: "the run cannot be reached; use the robot's own stop" };
+    }
+  }
+
   async run() {
     while (!this.over) {
       try {

@@ -5,6 +5,7 @@ const FADES_MS = 4000, TICK_MS = 200;
 const HANDOVER_MS = 1000; // one that is acknowledged sooner is no news
 const LATE_S = 10; // a person who listens is reminded when so little is left
 const LOOSE = { orphaned: "its end was not confirmed", refused: "its server refuses to cancel it", lost: "its server is gone" };
+const TABS = ["now", "talk", "journal", "details"];
 const ACTIVE = new Set(["action", "call", "tree", "decision"]);
 
 class Live {
@@ -42,6 +43,8 @@ class Live {
     this.board = new Board(byId("board"), chart.keys);
     this.cameras = new Cameras(byId("cameras"), chart.keys, this.line);
     this.tail = new Tail(byId("steps"), { go });
+    this.chat = new Chat(this.line, { notify: (words, kind) => this.notify(words, kind), who: () => byId("acts").querySelector("#who")?.value.trim() || "" }, Boolean(this.data.talks));
+    byId("tab-talk").hidden = !this.data.talks;
     if (acts) this.acts = new Acts(byId("acts"), byId("stop"), this.line, { notify: (words, kind) => this.notify(words, kind) });
     this.strip = new StateStrip(byId("state"), this.announcer, acts ? () => this.acts.order({ command: "resume" }) : null);
     this.follower = new Follower(this.chart, byId("follow"));
@@ -64,7 +67,7 @@ class Live {
     click("help", () => byId("keys").showModal());
     click("keys-close", () => byId("keys").close());
     click("menu", () => keys.menu());
-    for (const name of ["now", "journal", "details"]) click(`tab-${name}`, () => tab(name));
+    for (const name of TABS) click(`tab-${name}`, () => tab(name));
   }
 
   // -- what comes -------------------------------------------------------------------------------------------------
@@ -80,11 +83,22 @@ class Live {
     this.state = { ...this.state, ...data };
     this.taken.clear();
     this.tail.begin(data.steps);
+    this.talked(data.talk || [], true);
     delete this.state.steps;
+    delete this.state.talk;
     for (const each of ["active", "board", "status", "questions"]) this.mark(each);
   }
 
-  change({ steps, board, ...fields }) {
+  /** Lines of the conversation; where there is one, its tab is shown, also on a page that takes no sentence. */
+  talked(lines, isWhole) {
+    if (!this.chat) return;
+    if (isWhole) this.chat.begin(lines);
+    else this.chat.add(lines);
+    if (lines.length) byId("tab-talk").hidden = false;
+  }
+
+  change({ steps, board, talk, ...fields }) {
+    if (talk) this.talked(talk, false);
     Object.assign(this.state, fields);
     if (board) {
       this.state.board = { ...this.state.board, ...board };
@@ -306,7 +320,7 @@ class Live {
 }
 
 function tab(name) {
-  for (const each of ["now", "journal", "details"]) {
+  for (const each of TABS) {
     byId(each).hidden = each !== name;
     byId(`tab-${each}`).setAttribute("aria-selected", String(each === name));
     byId(`tab-${each}`).tabIndex = each === name ? 0 : -1;

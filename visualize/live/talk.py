@@ -1,0 +1,79 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What a person writes to the robot on its page: taken as text, bounded in size and rate, and passed on.
+
+Rule: the page's token sets the role; nothing in the message does. What is written is never markup, here or on a page.
+"""
+
+from __future__ import annotations
+
+import json
+from typing import Any, Protocol
+
+from starlette.requests import Request
+from starlette.responses import JSONResponse, Response
+from starlette.routing import Route
+
+from visualize.live.auth import Allowance
+
+__all__ = ("LARGEST_TALK", "TalkDesk", "TalkPages")
+
+LARGEST_TALK = 16_384
+"""Bytes of a message; a longer one is not read to its end."""
+
+
+class TalkDesk(Protocol):
+    """Takes what is written on a page; called on the server's loop, and never waits."""
+
+    def receive(self, text: str, author: str) -> str:
+        """Take a sentence; why it is not taken, or empty."""
+
+    def is_stop(self, text: str) -> bool:
+        """Whether it is an order to stop, which finds its way however much is written."""
+
+
+class TalkPages:
+    """The route of talk.
+
+    Args:
+        desk: Who is talked to.
+    """
+
+    def __init__(self, desk: TalkDesk) -> None:
+        self._desk = desk
+        self._sentences, self._stops = Allowance(1.0, 8), Allowance(0.5, 10)
+
+    def routes(self) -> list[Route]:
+        """By path."""
+        return [Route("/talk", self.talk, methods=["POST"])]
+
+    async def talk(self, request: Request) -> Response:
+        kind = request.headers.get("content-type", "").partition(";")[0].strip().lower()
+        if kind != "application/json":
+            return _refused(415, "a message is application/json")
+        body = bytearray()
+        async for piece in request.stream():
+            body += piece
+            if len(body) > LARGEST_TALK:
+                return _refused(413, f"a message has at most {LARGEST_TALK} bytes")
+        given = _object(bytes(body))
+        if given is None:
+            return _refused(400, 'a message is a JSON object: {"text": …, "by": …}')
+        text, author = given["text"], given.get("by", "")
+        if not (self._stops if self._desk.is_stop(text) else self._sentences).take():
+            return _refused(429, "too many messages at once; wait a second")
+        why = self._desk.receive(text, author[:64])
+        return _refused(409, why) if why else JSONResponse({"success": True, "why": ""})
+
+
+def _object(body: bytes) -> dict[str, Any] | None:
+    try:
+        found = json.loads(body)
+    except (ValueError, RecursionError):
+        return None
+    if not isinstance(found, dict) or not isinstance(found.get("text"), str):
+        return None
+    return found if isinstance(found.get("by", ""), str) else None
+
+
+def _refused(status: int, why: str) -> Response:
+    return JSONResponse({"success": False, "why": why}, status)
