@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """The paper's agents, which live between `run()` and `stop()`; each is loaded when it is first used.
 
-Imports `answerers`, `check`, `connectors`, `embodiment`, `engine`, `journal`, `mission`, `profile`, `recording`,
-`replay`, `runtime`, `voice` and `worlds`, and the modules of the root.
+Imports `answerers`, `check`, `connectors`, `conversation`, `embodiment`, `engine`, `guards`, `journal`, `mission`,
+`profile`, `recording`, `replay`, `runtime`, `states`, `voice` and `worlds`, and the modules of the root.
 """
 
 from __future__ import annotations

@@ -125,6 +125,8 @@ class PreparedRun:
     """Where the journal is now that had this one's name."""
     closing: CleanupStack
     connector: Connector | None = None
+    """How the robot is reached; the run starts and stops it unless it is running already."""
+    clock: Clock | None = None
 
     @property
     def mission(self) -> Mission:
@@ -175,8 +177,9 @@ def prepare(config: RunConfig) -> PreparedRun:
         answerers = _open_answerers(plan, connector, clock, closing)
         recording = _open_recording(plan, connector, clock, header, closing)
         journal, moved_aside = _open_journal(plan, header, recording, closing)
+        reached = recorded(connector, recording)
         runner = Runner(
-            plan.mission, robot=plan.robot, connector=recorded(connector, recording), clock=clock,
+            plan.mission, robot=plan.robot, connector=reached, clock=clock,
             answerers=answerers, journal=journal,
             begin=NewRun(
                 header.arguments, config.named, run=header.run, moved_aside=moved_aside, waits=config.waits
@@ -185,7 +188,7 @@ def prepare(config: RunConfig) -> PreparedRun:
             observer=observers(recording, RunObserver(config.on_step, config.on_status)),
         )  # fmt: skip
         return PreparedRun(
-            plan, runner, world, answerers, recording, journal, moved_aside, closing.pop_all(), connector
+            plan, runner, world, answerers, recording, journal, moved_aside, closing.pop_all(), reached, clock
         )
 
 

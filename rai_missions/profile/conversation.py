@@ -42,7 +42,7 @@ class ConversationPolicy(MissionModel):
     begins: Literal["at_once", "ready"] = "at_once"
     """Whether `run --talk` begins the mission, or waits for the order to start it."""
     hri: Bool = False
-    """Whether it receives messages on `/from_human` and `/voice_commands`, and reports on `/to_human`."""
+    """Whether it receives messages on `/from_human`, of persons, and reports on `/to_human`."""
 
     @field_validator("may")
     @classmethod

@@ -1,0 +1,302 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A robot that talks while it works: sentences come in by doors, a dialogue answers, and orders that it judged go out.
+
+Rule: one thread has the dialogue, and nothing on it waits: a model thinks elsewhere, a door speaks elsewhere, and the
+run takes an order in its own turn.
+"""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Callable, Iterable, Sequence
+from functools import partial
+from typing import Any
+
+from rai_missions.agents.talk.attached_run import AttachedRun
+from rai_missions.agents.talk.doors import TalkDoor, TalkDoors, TalkLine
+from rai_missions.agents.talk.journal import NoteSink
+from rai_missions.agents.talk.model import TalkModel
+from rai_missions.agents.talk.orders import OnOrderEnd
+from rai_missions.agents.talk.run_status import RobotWords
+from rai_missions.connectors.worker import Worker
+from rai_missions.conversation import (
+    AskModel,
+    Dialogue,
+    ModelText,
+    Order,
+    OrderEnd,
+    Output,
+    Settings,
+    Silence,
+    Speech,
+    SpeechEnd,
+    StatusView,
+    TalkNote,
+    Utterance,
+)
+from rai_missions.conversation.inputs import SpeechResult
+from rai_missions.engine.step import Step
+from rai_missions.event import Role
+from rai_missions.redaction import logger
+from rai_missions.runtime.lifecycle import Status
+from rai_missions.runtime.runner import Runner
+
+__all__ = ("LONGEST", "ConversationalAgent", "StartRun")
+
+log = logger(__name__)
+LONGEST = 2_000
+"""Characters of a sentence; a longer one is refused at its door."""
+LONGEST_STOP = 200
+"""Characters of a sentence that may be an order to stop."""
+MOST_WAITING = 64
+"""Sentences that may wait for their turn."""
+SETTINGS, NO_ROBOT = Settings(), RobotWords()
+StartRun = Callable[[Order, OnOrderEnd], None]
+"""Begins another run, once one is over."""
+
+
+class ConversationalAgent:
+    """Talks with people about a run, from `run` to `stop`.
+
+    Args:
+        settings: What the profile sets.
+        model: What is asked where the rules know no answer; None: then it does not know.
+        doors: Where people speak and write, and where the robot does.
+        robot: Who the robot is.
+        start: Begins another run where one is over and a person orders so; None: then that is refused.
+        now: The dialogue's clock, in seconds; the wall's by default.
+    """
+
+    def __init__(
+        self, settings: Settings = SETTINGS, *, model: TalkModel | None = None, doors: Sequence[TalkDoor] = (),
+        robot: RobotWords = NO_ROBOT, start: StartRun | None = None, now: Callable[[], float] | None = None,
+    ) -> None:  # fmt: skip
+        self._settings = settings._replace(has_model=model is not None)
+        self._model, self._doors, self._robot, self._start = model, TalkDoors(doors), robot, start
+        began = time.monotonic()
+        self._now = now or (lambda: time.monotonic() - began)
+        self._dialogue = Dialogue(self._settings, StatusView())
+        self._worker = Worker("conversation", on_error=self._failed)
+        self._attached: AttachedRun | None = None
+        self._lines: dict[str, TalkLine] = {}
+        """Speech's key → its line, until it has ended."""
+        self._count = self._waiting = 0
+        self._lock = threading.Lock()
+        self._is_news = False
+        self._is_open = True
+        self._cancel_timer: Callable[[], object] = lambda: None
+        self._end_reported = threading.Event()
+
+    # -- the paper's Agent -----------------------------------------------------------------------------------
+
+    def run(self) -> None:
+        """Begin, and return; running already, nothing happens."""
+        self._worker.start()
+        if self._model is not None:
+            self._model.run()
+
+    def stop(self, within_s: float = 2.0) -> None:
+        """End within seconds, whatever hangs; stopped already, nothing happens."""
+        if self._model is not None:
+            self._model.stop()
+        self._worker.close(within_s)
+
+    # -- the run ---------------------------------------------------------------------------------------------
+
+    def attach(self, runner: Runner, journal: NoteSink | None = None) -> None:
+        """Talk about this run from now on; it is not begun yet."""
+        self._end_reported.clear()
+        self._attached = AttachedRun(runner, journal, self._robot, self._note_news, self._take_speech)
+        self._note_news()
+
+    def step(self, step: Step) -> None:
+        """The run has made a step; on its own thread."""
+        if self._attached is not None:
+            self._attached.step(step)
+
+    def changed(self, status: Status) -> None:
+        """The run's status has changed; on its own thread."""
+        if self._attached is not None:
+            self._attached.changed(status)
+
+    def conclude(self, within_s: float = 5.0) -> bool:
+        """The run is over, and its journal still open: have its end reported; whether it was, in that time."""
+        if self._attached is None:
+            return True
+        self._attached.close()
+        reported = self._end_reported.wait(within_s)
+        self._drain(min(1.0, within_s))
+        return reported
+
+    # -- people ----------------------------------------------------------------------------------------------
+
+    def receive(
+        self, text: str, *, role: Role, channel: str, author: str = "", readings: tuple[str, ...] = (),
+        message_id: str = "",
+    ) -> str:  # fmt: skip
+        """A person's sentence, from any thread; why it is not taken, or empty.
+
+        Args:
+            text: The sentence.
+            role: What the door grants.
+            channel: The door.
+            author: A free name.
+            readings: Of a spoken one each recogniser's transcription.
+            message_id: The message's, if it has one.
+        """
+        if len(text) > LONGEST:
+            return f"a sentence has at most {LONGEST} characters, not {len(text)}"
+        if not text.strip():
+            return "there is no text in it"
+        with self._lock:
+            if self._waiting >= MOST_WAITING:
+                return f"{MOST_WAITING} sentences wait already; speak again in a moment"
+            self._waiting += 1
+        sentence = Utterance(text, role, channel, author, 0.0, readings, message_id)
+        self._worker.post(partial(self._take, sentence))
+        return ""
+
+    def is_stop(self, text: str) -> bool:
+        """Whether a sentence orders to stop, by the grammar alone; from any thread."""
+        from rai_missions.conversation.grammar import STOP, Grammar
+        from rai_missions.conversation.language import language
+
+        if len(text) > LONGEST_STOP:
+            return False
+        return STOP in Grammar(language(self._settings.language)).senses(text, StatusView())
+
+    def doors_changed(self) -> None:
+        """A door has opened or shut; from any thread."""
+        self._worker.post(self._look_at_doors)
+
+    def add_door(self, door: TalkDoor) -> None:
+        """Open another door; before `run`."""
+        self._doors.add(door)
+
+    # -- on the thread of the conversation -------------------------------------------------------------------
+
+    def _take(self, sentence: Utterance) -> None:
+        with self._lock:
+            self._waiting -= 1
+        sentence = sentence._replace(at=self._now())
+        self._show(
+            TalkLine(self._next(), sentence.role, sentence.text, sentence.author, sentence.channel, at=sentence.at)
+        )
+        self._perform(self._dialogue.on_utterance(sentence, self._view()))
+
+    def _note_news(self) -> None:
+        """Have the dialogue look at the run again; from any thread, once however much there is."""
+        with self._lock:
+            was, self._is_news = self._is_news, True
+        if not was:
+            self._worker.post(self._look)
+
+    def _look(self) -> None:
+        with self._lock:
+            self._is_news = False
+        self._perform(self._dialogue.on_status(self._view(), self._now()))
+
+    def _take_speech(self, text: str) -> None:
+        self._worker.post(lambda: self._perform(self._dialogue.on_mission_speech(text, self._now())))
+
+    def _look_at_doors(self) -> None:
+        is_open = self._doors.is_open
+        if is_open != self._is_open:
+            self._is_open = is_open
+            self._perform(self._dialogue.on_speaker(is_alive=is_open, at=self._now()))
+
+    def _tick(self) -> None:
+        self._perform(self._dialogue.on_time(self._now()))
+
+    def _view(self) -> StatusView:
+        return self._attached.status.view() if self._attached is not None else StatusView()
+
+    def _perform(self, outputs: Iterable[Output]) -> None:
+        for output in outputs:
+            self._perform_one(output)
+        self._cancel_timer()
+        wake_at = self._dialogue.wake_at
+        if wake_at is not None:
+            self._cancel_timer = self._worker.after(max(0.0, wake_at - self._now()), self._tick)
+
+    def _perform_one(self, output: Output) -> None:
+        if isinstance(output, Speech):
+            self._speak(output)
+        elif isinstance(output, Order):
+            self._order(output)
+        elif isinstance(output, Silence):
+            self._doors.silence()
+        elif isinstance(output, TalkNote):
+            if self._attached is not None:
+                self._attached.journal.write(output)
+        elif isinstance(output, AskModel):
+            self._ask(output)
+        elif self._model is not None:
+            self._model.drop(output.number)
+
+    def _speak(self, speech: Speech) -> None:
+        line = TalkLine(
+            self._next(), "robot", speech.text, channel=speech.to, way=speech.way, priority=speech.priority,
+            at=self._now(), repeated=speech.repeated,
+        )  # fmt: skip
+        self._lines[speech.key] = line
+        self._show(line)
+
+        def on_end(result: SpeechResult) -> None:
+            self._worker.post(partial(self._spoken, speech, result))
+
+        self._doors.speak(speech, on_end)
+
+    def _spoken(self, speech: Speech, result: SpeechResult) -> None:
+        line = self._lines.pop(speech.key, None)
+        if line is not None and result != "whole":
+            self._show(line._replace(spoken=result))
+        self._perform(self._dialogue.on_speech_end(SpeechEnd(speech.key, result, self._now())))
+        if speech.priority == "end" and result == "whole":
+            self._end_reported.set()
+        self._look_at_doors()
+
+    def _order(self, order: Order) -> None:
+        def on_end(refused: str) -> None:
+            self._worker.post(
+                lambda: self._perform(self._dialogue.on_order_end(OrderEnd(order.number, refused, self._now())))
+            )
+
+        run = self._attached
+        if order.name == "start" and (run is None or run.status.view().outcome is not None):
+            if self._start is None:
+                on_end("no other mission can be begun here")
+            else:
+                self._start(order, on_end)
+        elif run is None:
+            on_end("no mission is running")
+        else:
+            run.orders.perform(order, on_end)
+
+    def _ask(self, request: AskModel) -> None:
+        def on_text(text: ModelText) -> None:
+            self._worker.post(lambda: self._perform(self._dialogue.on_model(text._replace(at=self._now()))))
+
+        if self._model is None:
+            on_text(ModelText(request.number, is_end=True, failed="there is no model"))
+        else:
+            self._model.ask(request, self._attached.status.view if self._attached is not None else StatusView, on_text)
+
+    def _next(self) -> int:
+        self._count += 1
+        return self._count
+
+    def _show(self, line: TalkLine) -> None:
+        self._doors.show(line)
+        if self._attached is not None:
+            self._attached.journal.line(line)
+
+    def _drain(self, within_s: float) -> None:
+        """Wait until what was posted so far is done."""
+        done = threading.Event()
+        self._worker.post(done.set)
+        done.wait(within_s)
+
+    def _failed(self, error: BaseException) -> Any:
+        log.error("the conversation met an error and continues: %s: %s", type(error).__name__, error, exc_info=error)

@@ -1,0 +1,172 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The doors through which people talk with a robot: what each grants, and what is shown or spoken there.
+
+Rule: a door sets the role of all that comes through it. A door that is shut counts as one at which nothing was spoken.
+"""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable, Sequence
+from typing import Literal, NamedTuple, Protocol
+
+from rai_missions.conversation import Speech
+from rai_missions.conversation.inputs import SpeechResult
+from rai_missions.event import Role
+from rai_missions.redaction import logger
+
+__all__ = ("OnSpoken", "TalkDoor", "TalkDoors", "TalkLine", "TextDoor")
+
+log = logger(__name__)
+OnSpoken = Callable[[SpeechResult], None]
+"""Receives once, from any thread, how a speech ended."""
+
+
+class TalkLine(NamedTuple):
+    """One line of a conversation, as a page or a terminal shows it."""
+
+    number: int
+    by: Role | Literal["robot"]
+    text: str
+    author: str = ""
+    channel: str = ""
+    way: str = ""
+    """Of the robot's: `rules`, `model` or `unknown`."""
+    priority: str = ""
+    at: float = 0.0
+    spoken: str = ""
+    """How it ended where that is not `whole`: `cut` or `failed`."""
+    repeated: bool = False
+
+
+class TalkDoor(Protocol):
+    """Where the robot is listened to or read."""
+
+    @property
+    def channel(self) -> str:
+        """Its name, such as `terminal`, `page` or `voice`."""
+
+    @property
+    def is_open(self) -> bool:
+        """Someone may be reached there now."""
+
+    @property
+    def is_aloud(self) -> bool:
+        """What is given there is spoken, and takes its time."""
+
+    def speak(self, speech: Speech, on_end: OnSpoken) -> None:
+        """Speak or show; never waits."""
+
+    def silence(self) -> None:
+        """Stop speaking now."""
+
+    def show(self, line: TalkLine) -> None:
+        """A line of the conversation, of anyone; one that came before with its number replaces that. Never waits."""
+
+
+class TextDoor:
+    """A door at which text is shown: it is read as soon as it is there.
+
+    Args:
+        channel: Its name.
+        show: Shows a line; from any thread.
+        is_open: Whether someone may read it now.
+    """
+
+    is_aloud = False
+
+    def __init__(
+        self, channel: str, show: Callable[[TalkLine], None], is_open: Callable[[], bool] = lambda: True
+    ) -> None:
+        self._channel, self._show, self._is_open = channel, show, is_open
+
+    @property
+    def channel(self) -> str:
+        return self._channel
+
+    @property
+    def is_open(self) -> bool:
+        return self._is_open()
+
+    def speak(self, speech: Speech, on_end: OnSpoken) -> None:
+        on_end("whole" if self.is_open else "failed")
+
+    def silence(self) -> None:
+        """What is shown is shown."""
+
+    def show(self, line: TalkLine) -> None:
+        self._show(line)
+
+
+class TalkDoors:
+    """All doors of a conversation.
+
+    Args:
+        doors: Each has a channel of its own.
+    """
+
+    def __init__(self, doors: Sequence[TalkDoor] = ()) -> None:
+        self._doors = {door.channel: door for door in doors}
+
+    def add(self, door: TalkDoor) -> None:
+        self._doors = {**self._doors, door.channel: door}
+
+    @property
+    def is_open(self) -> bool:
+        """There is one at which someone may be reached."""
+        return any(door.is_open for door in self._doors.values())
+
+    def show(self, line: TalkLine) -> None:
+        """Show a line at every door that shows text; one that raises harms no other."""
+        for door in self._doors.values():
+            try:
+                door.show(line)
+            except Exception:
+                log.exception("the door '%s' cannot show a line", door.channel)
+
+    def silence(self) -> None:
+        for door in self._doors.values():
+            door.silence()
+
+    def speak(self, speech: Speech, on_end: OnSpoken) -> None:
+        """Speak at the doors that are meant; how it ended is that of the door that speaks aloud, else of the best."""
+        meant = [self._doors[speech.to]] if speech.to in self._doors else list(self._doors.values())
+        meant = [door for door in meant if door.is_open]
+        if not meant:
+            on_end("failed")
+            return
+        tally = _Tally(len(meant), on_end)
+        for door in meant:
+            try:
+                door.speak(speech, tally.of(is_aloud=door.is_aloud))
+            except Exception:
+                log.exception("the door '%s' cannot speak", door.channel)
+                tally.of(is_aloud=door.is_aloud)("failed")
+
+
+RANK: tuple[SpeechResult, ...] = ("whole", "cut", "failed")
+
+
+class _Tally:
+    """How a speech ended at each of several doors."""
+
+    def __init__(self, count: int, on_end: OnSpoken) -> None:
+        self._lock, self._left, self._on_end = threading.Lock(), count, on_end
+        self._aloud: list[SpeechResult] = []
+        self._shown: list[SpeechResult] = []
+
+    def of(self, *, is_aloud: bool) -> OnSpoken:
+        ended: list[bool] = []
+
+        def end(result: SpeechResult) -> None:
+            with self._lock:
+                if ended:
+                    return
+                ended.append(True)
+                (self._aloud if is_aloud else self._shown).append(result)
+                self._left -= 1
+                is_last = not self._left
+            if is_last:
+                self._on_end(min(self._aloud or self._shown, key=RANK.index))
+
+        return end

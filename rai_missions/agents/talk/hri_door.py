@@ -1,0 +1,75 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The door of other programs' microphones, pages and speakers: messages in on `/from_human`, out on `/to_human`.
+
+Rule: who writes on a topic is a person, whatever name the message has.
+"""
+
+from __future__ import annotations
+
+from typing import Protocol
+
+from rai_missions.agents.talk.doors import OnSpoken, TalkLine
+from rai_missions.connectors.hri.connector import FROM_HUMAN, TO_HUMAN, HRIConnector
+from rai_missions.connectors.hri.message import HRIMessage
+from rai_missions.conversation import Speech
+from rai_missions.errors import MissionError
+from rai_missions.event import Role
+from rai_missions.redaction import cut, logger
+
+__all__ = ("HRIDoor", "TakesSentence")
+
+log = logger(__name__)
+CHANNEL = "topic"
+
+
+class TakesSentence(Protocol):
+    """What takes a sentence: `ConversationalAgent.receive`."""
+
+    def __call__(
+        self, text: str, *, role: Role, channel: str, author: str = "", readings: tuple[str, ...] = (),
+        message_id: str = "",
+    ) -> str: ...  # fmt: skip
+
+
+class HRIDoor:
+    """Messages over a connector that is running.
+
+    Args:
+        hri: Carries them.
+        name: The robot's, in what it sends.
+    """
+
+    channel, is_aloud, is_open = CHANNEL, False, True
+
+    def __init__(self, hri: HRIConnector, name: str = "") -> None:
+        self._hri, self._name = hri, cut(name, 200)
+
+    def open(self, take: TakesSentence) -> None:
+        """Receive from now on."""
+
+        def receive(message: HRIMessage) -> None:
+            author, number = message.name, message.communication_id
+            if why := take(message.text, role="person", channel=CHANNEL, author=author, message_id=number):
+                log.warning("a message on %s is not taken: %s", FROM_HUMAN, why)
+
+        self._hri.listen(FROM_HUMAN, receive)
+
+    def close(self) -> None:
+        """Receive no more."""
+        self._hri.close()
+
+    def speak(self, speech: Speech, on_end: OnSpoken) -> None:
+        """Publish; whether anyone was reached, no topic reports."""
+        try:
+            self._hri.send(HRIMessage(speech.text, author="ai", name=self._name), TO_HUMAN)
+        except MissionError as error:
+            log.warning("%s: %s", TO_HUMAN, cut(error, 200))
+            on_end("failed")
+        else:
+            on_end("whole")
+
+    def silence(self) -> None:
+        """What is sent is sent."""
+
+    def show(self, line: TalkLine) -> None:
+        """Lines of others are of no concern to a topic."""

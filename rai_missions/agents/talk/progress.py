@@ -1,0 +1,71 @@
+# SPDX-License-Identifier: Apache-2.0
+"""How far a run is: counts that the active states, or the mission's success, compare with a goal; lists worked through.
+
+Rule: only what the mission itself compares is a progress; nothing is estimated.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from rai_missions.conversation import ProgressView
+from rai_missions.guards import Compare
+from rai_missions.guards.guard import Guard
+from rai_missions.keys import Blackboard
+from rai_missions.mission.mission import Mission
+from rai_missions.states.compound import Each
+from rai_missions.states.state import State
+
+__all__ = ("progress",)
+
+
+def progress(mission: Mission, active: frozenset[str], board: Blackboard) -> Iterator[ProgressView]:
+    """How far the active states are, then how far the mission is from its success; each key once."""
+    seen: set[str] = set()
+    walked = [(name, state) for _, name, state in mission.walk()]
+    current = [state for name, state in walked if name in active]
+    for state in (*current, *(state for _, state in walked if _is_success(state))):
+        for found in _of(state, mission, board):
+            if found.of not in seen:
+                seen.add(found.of)
+                yield found
+
+
+def _is_success(state: State) -> bool:
+    return getattr(state, "final", None) == "succeeded"
+
+
+def _of(state: State, mission: Mission, board: Blackboard) -> Iterator[ProgressView]:
+    if isinstance(state, Each):
+        yield from _listed(state, mission, board)
+    for guard in (getattr(state, "achieved", None), getattr(state, "requires", None)):
+        yield from _counted(guard, mission, board)
+
+
+def _counted(guard: Guard | None, mission: Mission, board: Blackboard) -> Iterator[ProgressView]:
+    """`{"key": "alleys_driven", ">=": {"key": "alleys"}}`: so many of so many."""
+    for each in getattr(guard, "all", ()) if guard is not None else ():
+        yield from _counted(each, mission, board)
+    if not isinstance(guard, Compare) or guard.op != ">=":
+        return
+    done, total = _number(board, guard.key), _number(board, guard.other) if guard.other else guard.operand
+    key = mission.blackboard.get(guard.key)
+    if key is None or key.type != "integer" or done is None or not isinstance(total, int | float) or total <= 0:
+        return
+    yield ProgressView(guard.key, min(done, float(total)), float(total), key.about)
+
+
+def _listed(state: Each, mission: Mission, board: Blackboard) -> Iterator[ProgressView]:
+    """Which item of its list a state is at; nothing where two items are equal, since the value alone is known."""
+    items, item = board.get(state.each), board.get(state.item)
+    if items is None or item is None or not isinstance(items.value, list | tuple):
+        return
+    if list(items.value).count(item.value) == 1:
+        about = mission.blackboard[state.each].about if state.each in mission.blackboard else ""
+        yield ProgressView(state.each, float(list(items.value).index(item.value)), float(len(items.value)), about)
+
+
+def _number(board: Blackboard, path: str | None) -> float | None:
+    entry = board.get(path or "")
+    value = entry.value if entry is not None else None
+    return float(value) if isinstance(value, int | float) and not isinstance(value, bool) else None

@@ -1,0 +1,133 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A run as a dialogue sees it: made of its status, its blackboard and the mission's own sentences, for one moment.
+
+Rule: it rests on what the engine and the robot report alone; the run's thread leaves values here and never waits.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Iterator, Mapping
+from typing import Any, NamedTuple
+
+from rai_missions.agents.talk.happenings import happenings
+from rai_missions.agents.talk.progress import progress
+from rai_missions.conversation import Happening, KeyView, MissionView, StatusView
+from rai_missions.engine.decision import Question
+from rai_missions.engine.step import Step
+from rai_missions.keys import Blackboard, Key, stale_at
+from rai_missions.mission.mission import Mission
+from rai_missions.runtime.lifecycle import Status
+from rai_missions.runtime.runner import Runner
+
+__all__ = ("RobotWords", "RunStatus", "arguments_of", "mission_view")
+
+MOST_HAPPENINGS = 40
+
+
+class RobotWords(NamedTuple):
+    """Who the robot is, in words."""
+
+    name: str = ""
+    identity: str = ""
+    """A sentence on who it is."""
+
+
+class RunStatus:
+    """Follows one run.
+
+    Args:
+        runner: The run; begun or not.
+        robot: Who the robot is.
+    """
+
+    def __init__(self, runner: Runner, robot: RobotWords = RobotWords()) -> None:  # noqa: B008 - a frozen value
+        self._runner, self._mission, self._robot = runner, runner.mission, robot
+        self._states = {name: state.about for _, name, state in self._mission.walk()}
+        self._events = {name: event.about for name, event in self._mission.events.items()}
+        self._missions = (mission_view(self._mission),)
+        self._happened: deque[Happening] = deque(maxlen=MOST_HAPPENINGS)
+        self._status: Status | None = None
+        self._since: float | None = None
+        self._mode, self._mode_by = runner.view.mode, ""
+        self._mode_since: float | None = None
+        self._asked: tuple[int, ...] = ()
+
+    @property
+    def mission(self) -> Mission:
+        return self._mission
+
+    # -- on the run's thread ----------------------------------------------------------------------------------------
+
+    def step(self, step: Step) -> bool:
+        """Follow a step; whether a dialogue is to look again."""
+        for each in happenings(step, self._states, self._events):
+            self._happened.append(each)
+        if any(move.entered or move.exited for move in step.moves):
+            self._since = step.at
+        mode = str(step.outcome or step.mode or self._mode)
+        is_news = mode != self._mode
+        if is_news:
+            self._mode, self._mode_since = mode, step.at
+            self._mode_by = str(step.event.data.get("by", "")) if step.event.kind == "command" else ""
+        asked = tuple(question.number for question in self._runner.view.questions)
+        is_news, self._asked = is_news or asked != self._asked, asked
+        return is_news or bool(step.moves or step.outcome)
+
+    def status(self, status: Status) -> None:
+        """The run's status has changed."""
+        self._status = status
+
+    # -- from any thread ----------------------------------------------------------------------------------------------
+
+    def view(self) -> StatusView:
+        """The run now."""
+        run, status, mission = self._runner.view, self._status, self._mission
+        now, board = run.now(), run.board
+        question = next((each for each in run.questions if each.asked == "operator"), None)
+        active = status.active if status is not None else tuple(
+            name for _, name, _ in mission.walk() if name in run.active
+        )  # fmt: skip
+        return StatusView(
+            at=now, run=self._runner.run_id, revision=status.revision if status is not None else 0,
+            mode=run.outcome or run.mode, control=run.holder, active=active, outcome=run.outcome, why=run.why,
+            waits=status.waits if status is not None else "", held_by=run.held_by, held_since=run.held_since,
+            open_goals=tuple(dict.fromkeys(goal.action for goal in run.loose_goals)),
+            question=question, confirm=_confirmed(mission, question) if question is not None else frozenset(),
+            keys={name: key_view(name, key, board, now) for name, key in mission.blackboard.items()},
+            states=self._states, events=self._events, mission=mission.name, about=mission.about,
+            robot=self._robot.name, identity=self._robot.identity, missions=self._missions,
+            progress=tuple(progress(mission, frozenset(active), board)), happened=tuple(self._happened),
+            since=self._since, mode_by=self._mode_by, mode_since=self._mode_since,
+        )  # fmt: skip
+
+
+def mission_view(mission: Mission) -> MissionView:
+    """A mission that can be started."""
+    arguments = tuple(
+        KeyView(name, key.type, key.source, key.about, key.initial, frame=key.frame, fields=key.fields or {})
+        for name, key in arguments_of(mission)
+    )
+    return MissionView(mission.name, mission.about, arguments)
+
+
+def arguments_of(mission: Mission) -> Iterator[tuple[str, Key]]:
+    """The keys that are given at the start."""
+    yield from ((name, key) for name, key in mission.blackboard.items() if key.source == "argument")
+
+
+def key_view(name: str, key: Key, board: Blackboard, now: float) -> KeyView:
+    """A key of the blackboard at one moment."""
+    entry = board.get(name)
+    words: Mapping[str, Any] = {"frame": key.frame, "fields": key.fields or {}}
+    if entry is None:
+        return KeyView(name, key.type, key.source, key.about, None, None, is_fresh=False, **words)
+    age_s = max(0.0, now - entry.at)
+    is_fresh = now < stale_at(key, entry)
+    return KeyView(name, key.type, key.source, key.about, entry.value, age_s, is_fresh=is_fresh, **words)
+
+
+def _confirmed(mission: Mission, question: Question) -> frozenset[str]:
+    """The options that count only once they are confirmed."""
+    decisions = mission.state(question.state).decisions().values()
+    return frozenset(name for each in decisions for name, option in each.options.items() if option.confirm)

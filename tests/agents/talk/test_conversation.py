@@ -1,0 +1,193 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A conversation about a run that works: state questions, orders, questions to the operator, models, closed doors."""
+
+from __future__ import annotations
+
+import threading
+import time
+from typing import Any
+
+import pytest
+
+from rai_missions.agents.contract import check_agent
+from rai_missions.agents.conversation import ConversationalAgent
+from rai_missions.conversation import Settings, permissions
+from rai_missions.runtime.clock import WallClock
+from tests.agents.talk.scenes import RepliesModel, Talk
+from tests.rigs.runs import asking, mission, robot
+
+MOVING: dict[str, Any] = {
+    "moving": {"about": "moves to the shed", "action": "move", "timeout_s": 600,
+               "transitions": [{"on": "go", "to": "over"}, {"on": "succeeded", "to": "over"}]},
+    "over": {"final": "aborted", "about": "given up"},
+}  # fmt: skip
+KEPT = robot(actions={"move": {"action": "/move", "type": "x/action/Move", "uses": ["base"], "keep": True},
+                      "turn": {"action": "/turn", "type": "x/action/Turn", "uses": ["base"]},
+                      "drive": {"start": "/drive", "succeeded": {"key": "there", "==": True}}})  # fmt: skip
+ASKED = asking(ask=["operator"], deadline_s=600)
+
+
+def talked(given: Any = None, **words: Any) -> Talk:
+    return Talk(mission(given or MOVING), clock=WallClock(), **words)
+
+
+def running(talk: Talk) -> None:
+    talk.screen.until(lambda line: "started" in line.text)
+
+
+def test_it_is_an_agent() -> None:
+    check_agent(ConversationalAgent)
+
+
+def test_a_state_question_is_answered_by_rule_while_the_robot_moves() -> None:
+    with talked() as talk:
+        running(talk)
+        line = talk.ask("what are you doing?", "viewer")
+        assert "moves to the shed" in line.text and line.way == "rules"
+
+
+def test_a_typed_stop_pauses_and_cancels_a_kept_goal_at_once() -> None:
+    with talked(robot=KEPT) as talk:
+        running(talk)
+        paused = threading.Event()
+        talk.rig.move.cancel, cancel = lambda goal: (cancel(goal), paused.set()), talk.rig.move.cancel  # type: ignore
+        took = time.monotonic()
+        talk.order("stop", "person")
+        assert paused.wait(5.0)
+        took = time.monotonic() - took
+        assert len(talk.rig.move.canceled) == 1 and took < 1.0, took  # on a busy machine; benchmarks/bench_talk.py
+        talk.screen.until(lambda line: "stop" in line.text.casefold())
+        assert talk.rig.runner.view.mode == "paused"
+
+
+def test_a_stop_while_it_is_canceled_is_the_e_stop() -> None:
+    states = {
+        **MOVING,
+        "tidying": {"action": "turn", "timeout_s": 600, "transitions": [{"on": "succeeded", "to": "over"}]},
+    }
+    with Talk(mission(states, on_cancel="tidying", cancel_s=60), clock=WallClock()) as talk:
+        running(talk)
+        talk.rig.runner.cancel()
+        talk.until(lambda: talk.rig.runner.view.mode == "canceling" and talk.rig.turn.goals)
+        talk.order("stop")
+        assert talk.end().outcome in ("aborted", "canceled")
+        assert talk.rig.turn.canceled and talk.rig.runner.view.holder == "nobody"
+
+
+def test_the_open_question_is_shown_and_answered_in_words_and_judged_like_any_other() -> None:
+    with talked(ASKED) as talk:
+        talk.screen.until(lambda line: "Which?" in line.text)
+        talk.order("left", "person")
+        assert talk.rig.runner.view.questions, "a person may not answer unless the profile grants it"
+        talk.order("left")
+        assert talk.end().outcome == "aborted"
+        answered = [step for step in talk.steps if step.verdict is not None and step.verdict.accepted]
+        assert [(step.event.data["by"], step.event.data["role"]) for step in answered] == [
+            ("operator Anna (terminal)", "operator")
+        ]
+
+
+def test_what_the_profile_grants_a_person_may_do() -> None:
+    settings = Settings(may=permissions({"person": ["answer"]}))
+    with talked(ASKED, settings=settings) as talk:
+        talk.screen.until(lambda line: "Which?" in line.text)
+        talk.order("left", "person")
+        assert talk.end().outcome == "aborted"
+
+
+def test_an_option_that_is_to_be_confirmed_counts_with_the_yes() -> None:
+    states = asking(ask=["operator"], deadline_s=600, options={"left": {"confirm": True}, "right": {}})
+    with talked(states) as talk:
+        talk.screen.until(lambda line: "Which?" in line.text)
+        talk.ask("left")
+        assert talk.rig.runner.view.questions, "it is read back first"
+        talk.order("yes")
+        assert talk.end().outcome == "aborted"
+
+
+def test_a_run_that_waits_is_started_by_an_order_with_its_arguments() -> None:
+    with talked(waits=True) as talk:
+        assert "ready" in talk.ask("what are you doing?").text
+        talk.ask("start with speed 2")
+        assert talk.rig.runner.view.mode == "ready", "it is read back first"
+        talk.order("yes")
+        running(talk)
+        assert talk.rig.runner.view.board["speed"].value == 2.0
+
+
+def test_a_hanging_model_delays_no_state_question() -> None:
+    resume = threading.Event()
+    with talked(model=RepliesModel(before=resume.wait)) as talk:
+        running(talk)
+        talk.order("I would like a story about the moon")
+        waits = []
+        for _ in range(30):
+            began = time.monotonic()
+            talk.ask("what are you doing?")
+            waits.append(time.monotonic() - began)
+        resume.set()
+        assert sorted(waits)[15] < 0.5 and max(waits) < 5.0, waits  # the model has 20 s; benchmarks/bench_talk.py
+
+
+@pytest.mark.parametrize("fault", [RuntimeError, SystemExit, MemoryError])
+def test_a_model_that_fails_leaves_the_conversation_as_it_is(fault: type[BaseException]) -> None:
+    def fail() -> None:
+        raise fault
+
+    with talked(model=RepliesModel(before=fail)) as talk:
+        running(talk)
+        talk.ask("I would like a story about the moon")
+        assert "moves to the shed" in talk.ask("what are you doing?").text
+
+
+def test_a_models_text_is_labelled_and_its_claims_are_replaced() -> None:
+    with talked(model=RepliesModel(reply="The moon is far away. I have driven all the alleys.")) as talk:
+        running(talk)
+        talk.order("I would like a story about the moon")
+        line = talk.screen.until(lambda line: "moon" in line.text)
+        assert line.way == "model"
+        talk.ask("what are you doing?")
+        assert not any("driven all" in text for text in talk.screen.texts())
+
+
+def test_the_end_is_reported_once_and_is_in_the_journal() -> None:
+    with talked() as talk:
+        running(talk)
+        talk.rig.post("go")
+        talk.end()
+        assert talk.agent.conclude(5.0)
+        assert len([line for line in talk.screen.of_robot() if line.priority == "end"]) == 1
+        talk.until(lambda: any(row["kind"] == "spoken" for row in talk.talk()))
+
+
+def test_an_end_that_no_one_could_read_is_reported_when_a_door_opens_and_marked() -> None:
+    with talked() as talk:
+        running(talk)
+        talk.screen.is_open = False
+        talk.agent.doors_changed()
+        talk.rig.post("go")
+        talk.end()
+        assert not talk.agent.conclude(0.3)
+        assert any(line.spoken == "failed" for line in talk.screen.of_robot()), "page and journal show it"
+        talk.until(lambda: any(row["kind"] == "unspoken" for row in talk.talk()))
+        talk.screen.is_open = True
+        talk.agent.doors_changed()
+        assert talk.screen.until(lambda line: line.priority == "end" and not line.spoken).repeated
+
+
+def test_a_sentence_that_is_too_long_or_empty_is_refused_with_the_reason() -> None:
+    with talked() as talk:
+        receive = talk.agent.receive
+        assert "at most 2000 characters" in receive("a" * 10_000_000, role="operator", channel="page")
+        assert "no text" in receive("  ", role="operator", channel="page")
+
+
+def test_orders_of_a_conversation_are_events_with_role_and_sentence() -> None:
+    with talked() as talk:
+        running(talk)
+        talk.order("pause")
+        talk.until(lambda: talk.rig.runner.view.mode == "paused" and talk.steps[-1].mode == "paused")
+        commands = [step.event for step in talk.steps if step.event.kind == "command" and step.event.name == "pause"]
+        assert [(each.data["by"], each.data["role"]) for each in commands] == [("operator Anna (terminal)", "operator")]
+        rows = [row for row in talk.talk() if row["kind"] == "heard"]
+        assert rows and rows[0]["text"] == "pause" and rows[0]["role"] == "operator"
