@@ -20,7 +20,9 @@ from rai_missions.errors import UsageError
 
 if TYPE_CHECKING:
     from rai_missions.agents.mission import PreparedRun, RunConfig
+    from rai_missions.agents.talk.doors import TalkLine, TextDoor
     from rai_missions.cli.commands.run import RunOptions
+    from rai_missions.cli.run.talk import TalkSession
     from rai_missions.engine.decision import Question
     from rai_missions.engine.step import Step
     from rai_missions.node.run_session import RunSession
@@ -140,14 +142,30 @@ class RunPage:
         self._page, self._operator = page, operator
         self._course: RunSession | None = None
         self._feed: RunFeed | None = None
+        self._early: list[TalkLine] = []
+        """What was talked before the page was served."""
         self._step, self._status = config.on_step, config.on_status
         self.config = replace(config, on_step=self._stepped, on_status=self._changed)
         """What the run is to be made of instead."""
+        self._talk: TalkSession | None = None
         if operator:
             from rai_missions.node.web_operator import WebOperator
 
             here = WebOperator(config.operator, lambda: page.viewers > 0)
             self.config = replace(self.config, operator=here)
+
+    def talk_door(self, session: TalkSession) -> TextDoor:
+        """The door of a conversation on this page; it is open while someone looks on."""
+        from rai_missions.agents.talk.doors import TextDoor
+
+        self._talk = session
+        return TextDoor("page", self._show, lambda: self._page.viewers > 0)
+
+    def _show(self, line: TalkLine) -> None:
+        if self._feed is None:
+            self._early.append(line)
+        else:
+            self._feed.talk(line._asdict())
 
     def run(self, prepared: PreparedRun, run: Callable[[Runner], Result]) -> Result:
         """Run it by `run`, with the page next to it."""
@@ -166,7 +184,11 @@ class RunPage:
         )  # fmt: skip
         path = str(journal.path) if journal is not None else ""
         about = {"run": runner.run_id, "journal": path, "answers": self._operator}
-        self._page.start(prepared.mission, self._feed, desk, about)
+        talk = self._talk
+        on_viewers = talk.doors_changed if talk is not None else lambda: None
+        for line in self._early:
+            self._feed.talk(line._asdict())
+        self._page.start(prepared.mission, self._feed, desk, about, talk, on_viewers)
         print(f"watch: {self._page.url}", file=sys.stderr, flush=True)
         print(f"watch, for viewers: {self._page.viewer_url}", file=sys.stderr, flush=True)
         with run_file(

@@ -20,6 +20,7 @@ from rai_missions.cli.progress import Lines
 from rai_missions.cli.run.live_page import normalise_watch_args, page_of
 from rai_missions.cli.run.migration import migrated
 from rai_missions.cli.run.node import reject_single_run_options, serve_managed, serve_node
+from rai_missions.cli.run.talk import talk_of, talking
 from rai_missions.cli.signals import interruptible
 from rai_missions.errors import DefinitionError, UsageError
 from rai_missions.journal import free_name, make_way, opened
@@ -80,6 +81,8 @@ def run_mission(options: RunOptions) -> int:
 def _run(options: RunOptions, config: RunConfig, lines: Lines) -> tuple[PreparedRun, Result]:
     """Run with the page and the node that are asked for."""
     with ExitStack() as stack:
+        talk = stack.enter_context(talk_of(options, config))
+        config = talk.config if talk else config
         page = stack.enter_context(page_of(options, config))
         node = stack.enter_context(serve_node(options, page.config if page else config))
         prepared = stack.enter_context(prepare(node.config))
@@ -91,7 +94,12 @@ def _run(options: RunOptions, config: RunConfig, lines: Lines) -> tuple[Prepared
             )  # fmt: skip
             lines.watch(prepared.runner.view)
         stack.enter_context(interruptible_run(prepared.runner))
-        return prepared, page.run(prepared, node.run) if page else node.run(prepared.runner)
+        if talk is not None:
+            stack.enter_context(talking(talk, prepared, lines, page))
+        result = page.run(prepared, node.run) if page else node.run(prepared.runner)
+        if talk is not None:
+            talk.conclude(result)
+        return prepared, result
 
 
 def interruptible_run(runner: Runner) -> Any:
@@ -198,6 +206,10 @@ def _mission(options: RunOptions) -> Mission:
 
 def _lines(mission: Mission, options: RunOptions) -> Lines:
     """A live view on a terminal, a line a step elsewhere."""
+    if options.talk and not options.json:
+        from rai_missions.cli.run.talk_terminal import TalkLines
+
+        return TalkLines(mission, verbose=options.verbose, colours=sys.stdout.isatty())
     if sys.stdout.isatty() and not options.json:
         from rai_missions.cli.live_terminal import Screen
 
@@ -222,7 +234,7 @@ def _arguments(options: RunOptions, mission: Mission) -> dict[str, Any]:
 
 def _operator(options: RunOptions, lines: Lines) -> Answerer | None:
     """The person at the terminal, if there is one."""
-    if options.no_operator or options.json or not sys.stdin.isatty():
+    if options.no_operator or options.json or options.talk or not sys.stdin.isatty():
         return None
     from rai_missions.answerers.terminal_operator import OperatorAgent
 

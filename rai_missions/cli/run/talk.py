@@ -1,0 +1,244 @@
+# SPDX-License-Identifier: Apache-2.0
+"""`rai-missions run --talk`: the conversation next to a run, with its doors: the terminal, the page, topics."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager, suppress
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+from rai_missions.cli.inputs import warn
+from rai_missions.errors import MissionError, UsageError
+
+if TYPE_CHECKING:
+    from rai_missions.agents.conversation import ConversationalAgent
+    from rai_missions.agents.mission import PreparedRun, RunConfig
+    from rai_missions.agents.talk.doors import TalkDoor
+    from rai_missions.agents.talk.hri_door import HRIDoor
+    from rai_missions.agents.talk.model import TalkModel
+    from rai_missions.cli.commands.run import RunOptions
+    from rai_missions.cli.progress import Lines
+    from rai_missions.cli.run.live_page import RunPage
+    from rai_missions.embodiment.identity import Identity
+    from rai_missions.engine.decision import Question
+    from rai_missions.engine.step import Step
+    from rai_missions.profile import ConversationPolicy
+    from rai_missions.runtime.lifecycle import Status
+    from rai_missions.runtime.runner import Result
+
+__all__ = ("HeldOpen", "TalkSession", "talk_of", "talking")
+
+END_REPORTED_S = 5.0
+"""How long the program waits until the end of the mission is reported to those who talk with the robot."""
+
+
+class HeldOpen:
+    """The operator, who is met by talk: a question stays open until the conversation, or a page, answers it."""
+
+    def ask(self, question: Question, answer: Callable[[Mapping[str, Any]], None]) -> None:
+        """It is spoken and shown by the conversation."""
+
+    def withdraw(self, number: int) -> None:
+        """The conversation sees that it is open no more."""
+
+
+class TalkSession:
+    """A conversation for one run.
+
+    Args:
+        options: Of the command.
+        config: What the run is made of.
+        policy: What the profile states of talk; None where it states nothing.
+    """
+
+    def __init__(self, options: RunOptions, config: RunConfig, policy: ConversationPolicy | None) -> None:
+        self._options, self._policy = options, policy
+        self._step, self._status = config.on_step, config.on_status
+        self.agent: ConversationalAgent | None = None
+        self._doors: list[TalkDoor] = []
+        self._hri: HRIDoor | None = None
+        begins_ready = policy is not None and policy.begins == "ready" and not options.resume
+        self.config = replace(
+            config, on_step=self._stepped, on_status=self._changed, waits=begins_ready,
+            operator=None if options.no_operator else HeldOpen(),
+            speed=1.0 if config.speed is None and _is_simulated(config) else config.speed,
+        )  # fmt: skip
+        """What the run is to be made of instead: at the wall's speed, since a person takes part."""
+
+    def add_door(self, door: TalkDoor) -> None:
+        """Another door; before `open`."""
+        self._doors.append(door)
+
+    def open(self, prepared: PreparedRun) -> ConversationalAgent:
+        """Begin to talk about a run that is prepared.
+
+        Raises:
+            UsageError: The model cannot be asked, or there is no such language.
+        """
+        from rai_missions.agents.conversation import ConversationalAgent
+        from rai_missions.agents.talk.run_status import RobotWords
+        from rai_missions.agents.talk.settings import settings_of
+
+        identity = _identity(prepared)
+        name = prepared.robot.name if prepared.robot is not None else ""
+        robot = RobotWords(name, _first_sentence(identity))
+        if self._policy is not None and self._policy.hri:
+            self._doors.append(self._open_topics(prepared, name))
+        self.agent = agent = ConversationalAgent(
+            settings_of(self._policy), model=_model(self._options, prepared, identity), doors=self._doors, robot=robot,
+        )  # fmt: skip
+        agent.attach(prepared.runner, prepared.journal)
+        agent.run()
+        if self._hri is not None:
+            self._hri.open(agent.receive)
+        return agent
+
+    def _open_topics(self, prepared: PreparedRun, name: str) -> HRIDoor:
+        from rai_missions.agents.talk.hri_door import HRIDoor
+        from rai_missions.connectors.hri.connector import HRIConnector
+
+        connector = prepared.connector
+        if connector is None:
+            raise UsageError('the profile\'s "hri" needs a robot that is reached over a connector; drop it')
+        if not connector.running:
+            connector.start()
+            prepared.closing.closes(connector.stop)
+        self._hri = HRIDoor(HRIConnector(connector), name)
+        return self._hri
+
+    def type(self, text: str) -> str:
+        """A line that is written on the terminal; why it is not taken, or empty."""
+        return self.agent.receive(text, role="operator", channel="terminal") if self.agent is not None else "too early"
+
+    def receive(self, text: str, author: str) -> str:
+        """A sentence that is written on the page, whose token makes its reader the operator."""
+        return self.agent.receive(text, role="operator", channel="page", author=author) if self.agent else "too early"
+
+    def is_stop(self, text: str) -> bool:
+        """Whether it is an order to stop."""
+        return self.agent is not None and self.agent.is_stop(text)
+
+    def doors_changed(self) -> None:
+        """Someone has come to the page, or has gone."""
+        if self.agent is not None:
+            self.agent.doors_changed()
+
+    def conclude(self, result: Result | None) -> None:
+        """The run is over: have its end reported, and talk no more."""
+        agent = self.agent
+        if agent is None:
+            return
+        if not agent.conclude(END_REPORTED_S) and result is not None:
+            warn(f"no one could be reached to report how the mission ended: {result.outcome}: {result.why}")
+        agent.stop()
+        if self._hri is not None:
+            with suppress(MissionError):
+                self._hri.close()
+
+    def _stepped(self, step: Step) -> None:
+        if self.agent is not None:
+            self.agent.step(step)
+        if self._step is not None:
+            self._step(step)
+
+    def _changed(self, status: Status) -> None:
+        if self.agent is not None:
+            self.agent.changed(status)
+        if self._status is not None:
+            self._status(status)
+
+
+@contextmanager
+def talk_of(options: RunOptions, config: RunConfig) -> Iterator[TalkSession | None]:
+    """The conversation of a run, if the options ask for one."""
+    if not options.talk:
+        yield None
+        return
+    if options.json or options.managed:
+        word = "--json" if options.json else "--managed"
+        raise UsageError(f"--talk does not go with {word}: it is of one run, and writes what is talked")
+    session = TalkSession(options, config, _policy(config))
+    try:
+        yield session
+    finally:
+        if session.agent is not None:
+            session.agent.stop()
+
+
+@contextmanager
+def talking(session: TalkSession, prepared: PreparedRun, lines: Lines, page: RunPage | None) -> Iterator[None]:
+    """Open the doors of a conversation while a run lasts."""
+    from rai_missions.agents.talk.doors import TextDoor
+    from rai_missions.cli.run.talk_terminal import TalkLines, open_typing
+
+    typing = None
+    if isinstance(lines, TalkLines):
+        typing = open_typing(session.type, lambda why: lines.remark(f"not taken: {why}"), lines.foot)
+        session.add_door(TextDoor("terminal", lines.talk))
+    if page is not None:
+        session.add_door(page.talk_door(session))
+    session.open(prepared)
+    if typing is not None:
+        typing.start()
+    try:
+        yield
+    finally:
+        if typing is not None:
+            typing.stop()
+
+
+def _policy(config: RunConfig) -> ConversationPolicy | None:
+    from rai_missions.profile import Robot, is_program, load_profile
+
+    robot = config.robot
+    if isinstance(robot, Robot):
+        return robot.conversation
+    if robot is None or is_program(robot) or not isinstance(robot, str):
+        return None
+    return load_profile(robot).conversation
+
+
+def _is_simulated(config: RunConfig) -> bool:
+    """Whether the run has the time of a simulated world."""
+    from rai_missions.profile import is_program, load_profile
+
+    if not isinstance(config.robot, str) or is_program(config.robot):
+        return False
+    connector = load_profile(config.robot).connector
+    return connector["kind"] == "local" and connector.get("world") is not None
+
+
+def _identity(prepared: PreparedRun) -> Identity | None:
+    from rai_missions.embodiment import Identity
+
+    return Identity.read(prepared.plan.identity) if prepared.plan.identity is not None else None
+
+
+def _first_sentence(identity: Identity | None) -> str:
+    text = " ".join(identity.description.split()) if identity is not None else ""
+    return f"{text.split('. ')[0].rstrip('.')}." if text else ""
+
+
+def _model(options: RunOptions, prepared: PreparedRun, identity: Identity | None) -> TalkModel | None:
+    """The model of the conversation, in a process of its own: that of `--model`."""
+    if options.model is None:
+        return None
+    from rai_missions.agents.talk.look_tools import look_tools
+    from rai_missions.agents.talk.model import TalkModel
+    from rai_missions.answerers.model.process.model import ModelProcess
+    from rai_missions.answerers.model.providers import check_model
+    from rai_missions.answerers.model.tools import open_toolbox
+
+    check_model(options.model, memory_gib=options.model_memory)
+    toolbox = open_toolbox(prepared.mission, prepared.robot, prepared.connector, _now(prepared))
+    if toolbox is not None:
+        prepared.closing.closes(toolbox.close)
+    others = toolbox.read_only if toolbox is not None else ()
+    process = ModelProcess(options.model, memory_gib=options.model_memory)
+    return TalkModel(process, identity=identity, tools=lambda view: look_tools(identity, view, others))
+
+
+def _now(prepared: PreparedRun) -> Callable[[], float]:
+    return prepared.clock.now if prepared.clock is not None else lambda: math.nan

@@ -1,0 +1,194 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The terminal of `run --talk`: a line to write on beneath what the run reports, and what the robot replies.
+
+Rule: who writes here began the program, and is its operator. Reading happens on a thread of its own; the run never
+waits for a person.
+"""
+
+from __future__ import annotations
+
+import io
+import math
+import os
+import signal
+import sys
+import threading
+from collections.abc import Callable
+from contextlib import suppress
+from typing import Any, TextIO
+
+from rich.console import Console
+from rich.text import Text
+
+from rai_missions.agents.talk.doors import TalkLine
+from rai_missions.answerers.terminal_input import LineReader, printable
+from rai_missions.cli.live_terminal import STYLES
+from rai_missions.cli.progress import Lines, Tone, trimmed
+from rai_missions.mission.mission import Mission
+
+__all__ = ("TalkLines", "Typing", "line_words", "open_typing")
+
+WAYS = {"rules": "robot", "model": "robot, the model thinks", "unknown": "robot"}
+UNHEARD = {"cut": " (interrupted)", "failed": " (not spoken)"}
+TakeLine = Callable[[str], str]
+
+
+def line_words(line: TalkLine) -> str:
+    """A line of the conversation in one line of text."""
+    who = WAYS.get(line.way, "robot") if line.by == "robot" else " ".join(filter(None, (line.by, line.author)))
+    door = f" ({line.channel})" if line.by != "robot" else ""
+    return f"{who}{door}: {trimmed(printable(line.text), 2_000)}{UNHEARD.get(line.spoken, '')}"
+
+
+class Out(io.TextIOBase):
+    """Standard output as it is now: while a line is being written on, what is printed goes above it."""
+
+    def write(self, text: str) -> int:
+        return sys.stdout.write(text)
+
+    def flush(self) -> None:
+        sys.stdout.flush()
+
+
+class TalkLines(Lines):
+    """Prints a run line by line, in colour, and what is talked in between.
+
+    Args:
+        mission: Whose run it is.
+        out: Where the lines go; None: standard output, whatever that is then.
+        verbose: Steps that changed nothing too.
+        colours: Whether it is a terminal.
+    """
+
+    def __init__(
+        self, mission: Mission, out: TextIO | None = None, *, verbose: bool = False, colours: bool = True
+    ) -> None:
+        target: Any = out if out is not None else Out()
+        super().__init__(mission, target, verbose=verbose)
+        self._console = Console(file=target, highlight=False, force_terminal=colours or None, width=None)
+        self._mine = threading.Lock()
+
+    def talk(self, line: TalkLine) -> None:
+        """A line of the conversation; what was typed here is on the screen already."""
+        if line.by != "robot" and line.channel == "terminal":
+            return
+        style = "bold cyan" if line.way == "model" else "bold" if line.by == "robot" else "cyan"
+        with self._mine:
+            self._console.print(Text(f"{'':4}{line_words(line)}", style=style), soft_wrap=True)
+
+    def remark(self, words: str) -> None:
+        """A line of the program's own."""
+        self._print(f"{'':4}{trimmed(words)}", "remark")
+
+    def foot(self) -> str:
+        """The state of the run, for the bottom of the screen."""
+        view = self._view
+        if view is None:
+            return ""
+        states = " › ".join(name for _, name, _ in self._mission.walk() if name in view.active)
+        return f"{view.now():9.2f} s  {view.outcome or view.mode}  {states}  control: {view.holder}"
+
+    def _print(self, line: str, tone: Tone = "plain") -> None:
+        with self._mine:
+            self._console.print(Text(line, style=STYLES[tone]), soft_wrap=True)
+
+
+class Typing:
+    """Reads what is typed, line by line, until `stop`.
+
+    Args:
+        receive: Takes a line; why it does not, or empty.
+        refuse: Shows why a line was not taken.
+    """
+
+    def __init__(self, receive: TakeLine, refuse: Callable[[str], None]) -> None:
+        self._receive, self._refuse = receive, refuse
+        self._thread = threading.Thread(target=self._work, name="typing", daemon=True)
+        self._is_over = False
+        self.is_open = True
+        """Someone may still write and read here."""
+
+    def start(self) -> None:
+        self._thread.start()
+
+    def stop(self, within_s: float = 1.0) -> None:
+        """Read no more."""
+        self._is_over = True
+        self._wake()
+        if self._thread.is_alive():
+            self._thread.join(within_s)
+
+    def _wake(self) -> None:
+        """End the reading that is under way."""
+
+    def _work(self) -> None:
+        try:
+            while not self._is_over and (text := self._line()) is not None:
+                if text.strip() and (why := self._receive(text.strip())):
+                    self._refuse(why)
+        except (EOFError, OSError, ValueError):
+            return
+
+    def _line(self) -> str | None:
+        raise NotImplementedError
+
+
+class PlainTyping(Typing):
+    """Whole lines from a terminal or a pipe, edited by the terminal itself."""
+
+    def __init__(self, receive: TakeLine, refuse: Callable[[str], None], fd: int) -> None:
+        super().__init__(receive, refuse)
+        self._reader = LineReader(fd)
+
+    def _wake(self) -> None:
+        self._reader.wake()
+
+    def _line(self) -> str | None:
+        return self._reader.line(math.inf)
+
+
+class EditedTyping(Typing):
+    """A line with history and editing, beneath what is printed, above the state of the run.
+
+    Args:
+        foot: The state of the run.
+    """
+
+    def __init__(self, receive: TakeLine, refuse: Callable[[str], None], foot: Callable[[], str]) -> None:
+        super().__init__(receive, refuse)
+        from prompt_toolkit import PromptSession
+
+        self._session: Any = PromptSession("> ", bottom_toolbar=foot, refresh_interval=0.25)
+
+    def _wake(self) -> None:
+        app = self._session.app
+        if app.is_running and app.loop is not None:
+            with suppress(RuntimeError):
+                app.loop.call_soon_threadsafe(lambda: app.exit(exception=EOFError()) if app.is_running else None)
+
+    def _work(self) -> None:
+        from prompt_toolkit.patch_stdout import patch_stdout
+
+        with patch_stdout(raw=True):
+            super()._work()
+
+    def _line(self) -> str | None:
+        try:
+            return str(self._session.prompt(handle_sigint=False))
+        except KeyboardInterrupt:  # the key arrives here, and means the program
+            os.kill(os.getpid(), signal.SIGINT)
+            return ""
+
+
+def open_typing(receive: TakeLine, refuse: Callable[[str], None], foot: Callable[[], str]) -> Typing | None:
+    """What reads standard input; None where there is nothing to be read."""
+    try:
+        fd = sys.stdin.fileno()
+    except (AttributeError, OSError, ValueError):
+        return None
+    if os.isatty(fd) and sys.stdout.isatty():
+        from importlib.util import find_spec
+
+        if find_spec("prompt_toolkit") is not None:
+            return EditedTyping(receive, refuse, foot)
+    return PlainTyping(receive, refuse, fd)
