@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from rai_missions.agents.python_robot import open_python_robot
 from rai_missions.agents.run_config import RunConfig
-from rai_missions.check import check, faults_of
+from rai_missions.check import check, faults_of, load_whole
 from rai_missions.connectors.connector import Connector, SupportsRawMessages
 from rai_missions.connectors.local import LocalConnector
 from rai_missions.connectors.python_robot import PythonRobot, PythonRobotConnector, RobotTime
@@ -26,7 +26,7 @@ from rai_missions.engine.decision import Answerer
 from rai_missions.errors import DefinitionError, Fault, UsageError
 from rai_missions.journal import Header, Journal, make_way, versions
 from rai_missions.kinds import PackageOffer
-from rai_missions.mission.files import dump, load
+from rai_missions.mission.files import dump
 from rai_missions.mission.mission import Mission
 from rai_missions.model import suggestion
 from rai_missions.profile import (
@@ -193,7 +193,7 @@ def prepare(config: RunConfig) -> PreparedRun:
 
 
 def _read(config: RunConfig, closing: CleanupStack) -> RunPlan:
-    mission = load(config.mission) if isinstance(config.mission, str | Path) else config.mission
+    mission = load_whole(config.mission) if isinstance(config.mission, str | Path) else config.mission
     given, identity = config.robot, None
     if isinstance(given, str | Path) and not is_program(given):
         robot: Robot | None = load_profile(given)

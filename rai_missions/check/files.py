@@ -6,11 +6,12 @@ Rule: a word that cannot be read hides no fault elsewhere, and causes no finding
 
 from __future__ import annotations
 
+import os
 from collections.abc import Collection, Iterator, Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from rai_missions.check.finding import Finding, document_order
+from rai_missions.check.finding import Finding, document_order, faults_of
 from rai_missions.check.rules import check, check_part
 from rai_missions.errors import DefinitionError, MissionError, unescaped
 from rai_missions.mission.files import load
@@ -20,7 +21,7 @@ from rai_missions.mission.legible import LegiblePart, legible_part
 from rai_missions.mission.mission import Mission
 from rai_missions.mission.origins import origin
 
-__all__ = ("CheckedFile", "FileFinding", "check_file")
+__all__ = ("CheckedFile", "FileFinding", "check_file", "load_whole")
 
 
 class FileFinding(NamedTuple):
@@ -63,6 +64,26 @@ def check_file(path: str, *, python: bool = True, named: Collection[str] | None 
     if written is None:
         return CheckedFile(mission, tuple(FileFinding(path, each) for each in found))
     return CheckedFile(mission, tuple(_located(path, each, written) for each in found))
+
+
+def load_whole(path: str | os.PathLike[str], *, python: bool = True) -> Mission:
+    """The mission in a file, as `load`; where it cannot be read, what is wrong in the rest is in the error as well.
+
+    Args:
+        path: As `load` takes it.
+        python: Whether a `.py` file may be executed.
+
+    Raises:
+        DefinitionError: The mission is at fault; every error with its JSON pointer.
+        UsageError: There is no such file, or it is of another kind.
+    """
+    try:
+        return load(path, python=python)
+    except DefinitionError as error:
+        unread = [Finding(each.place, each.sentence) for each in error.faults]
+        source = error.source or str(path)
+        found = _with_rest(str(path), source, unread, None)
+        raise DefinitionError(faults_of(each.finding for each in found), source) from None
 
 
 def _located(path: str, finding: Finding, written: Mission) -> FileFinding:

@@ -166,7 +166,7 @@ class _Repair:
         self._tried.add(steps)
         neutral = None if steps in self._misnamed else self._neutral(steps, was, again=again)
         if isinstance(was, Mapping) and isinstance(neutral, Mapping) and was and neutral.items() <= was.items():
-            for word in was.keys() - neutral.keys() - _flags(was):
+            for word in was.keys() - neutral.keys():
                 self._forget((*steps, word), was[word])
         else:
             self._forget(steps, was)
@@ -183,7 +183,8 @@ class _Repair:
         last, word = steps[-1], steps[-2] if len(steps) > 1 else ""
         self.unread.append(steps)
         if not isinstance(was, Mapping) and (last in STATES or (_is_entry(steps) and word in STATES)):
-            self.has_states = self.has_targets = False
+            self.has_states = self.has_states and not isinstance(was, list)  # text and numbers hold no state's name
+            self.has_targets = self.has_targets and last in _flags({str(last): was})
         if last in TARGETS or (isinstance(last, int) and word == "transitions"):
             self.has_targets = False
         self.names.update(words_in(was))
@@ -219,8 +220,8 @@ class _Repair:
 
 
 def _flags(state: Mapping[str, Any]) -> frozenset[str]:
-    """The word `parallel` where it is a flag next to `states`: it holds no state's name."""
-    return frozenset({"parallel"} if isinstance(state.get("parallel"), bool) and "states" in state else ())
+    """The word `parallel` where it is written as a flag: it holds no region."""
+    return frozenset({"parallel"} if isinstance(state.get("parallel"), bool) else ())
 
 
 def _is_original(place: str, data: Any, document: Any) -> bool:

@@ -10,11 +10,10 @@ from pathlib import Path
 from typing import Any
 
 from rai_missions.agents.mission import RunConfig
-from rai_missions.check import check, faults_of
+from rai_missions.check import check, faults_of, load_whole
 from rai_missions.connectors.python_robot import PythonRobot
 from rai_missions.engine.decision import Question
 from rai_missions.errors import DefinitionError, MissionError, UsageError
-from rai_missions.mission.files import load
 from rai_missions.mission.mission import Mission
 from rai_missions.profile import Robot, RobotProgram, is_program, load_profile, missing
 
@@ -56,7 +55,7 @@ def about(given: Mission | str | Path | None) -> tuple[str, tuple[str, str]]:
     """
     if isinstance(given, str | Path):
         try:
-            given = load(given)
+            given = load_whole(given)
         except MissionError:
             return OUTSIDE.sub("_", Path(str(given)).stem), ("", "")
     return (given.name.replace("/", "_"), (given.name, given.version)) if given is not None else ("", ("", ""))
@@ -72,7 +71,7 @@ def readied(setting: RunConfig) -> tuple[Mission, Robot | None]:
     given = setting.mission
     if given is None:
         raise UsageError("a node needs to know its mission; name its file")
-    mission = given if isinstance(given, Mission) else load(given)
+    mission = given if isinstance(given, Mission) else load_whole(given)
     source = "" if isinstance(given, Mission) else str(given)
     if faults := faults_of(check(mission, named=set(setting.named or ()))):
         raise DefinitionError(faults, source)

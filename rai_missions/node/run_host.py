@@ -11,9 +11,9 @@ from pathlib import Path
 from typing import Any
 
 from rai_missions.agents.mission import PreparedRun, RunConfig, prepare
+from rai_missions.check import load_whole
 from rai_missions.engine.step import Step
 from rai_missions.errors import DefinitionError, UsageError
-from rai_missions.mission.files import load
 from rai_missions.mission.mission import Mission
 from rai_missions.node.command import Command
 from rai_missions.node.launched import arguments_of
@@ -79,7 +79,7 @@ class RunHost:
         if not self._parameters:
             return dict(given)
         mission = self.mission or self.setting.mission
-        read = mission if isinstance(mission, Mission) or mission is None else load(mission)
+        read = mission if isinstance(mission, Mission) or mission is None else load_whole(mission)
         return {**given, **(arguments_of(self._parameters, read, given) if read is not None else {})}
 
     def read(self) -> Mission:

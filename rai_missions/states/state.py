@@ -6,6 +6,7 @@ Rule: a state is data. What it does while it is active is worked out by a pure m
 
 from __future__ import annotations
 
+import json
 from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self, get_args
 
@@ -40,6 +41,8 @@ __all__ = (
 )  # fmt: skip
 
 ANY_EVENT = "*"
+MOST_LETTERS = 60
+"""A text that is longer is no name of an action or a mission."""
 ActivityOutcome = Literal["succeeded", "failed", "timed_out", "rejected", "canceled", "unverified", "aborted"]
 """What an activity can report about itself, next to a decision's options."""
 OUTCOMES: tuple[ActivityOutcome, ...] = get_args(ActivityOutcome)
@@ -179,6 +182,8 @@ class State(TaggedModel, family="state", group="rai_missions.activities", word="
             given.remove("states")
         unknown = [] if given else [str(word) for word in data if word not in cls.known_words()]
         given = given or [word for word in unknown if cls.kind(word) is not None]
+        if "parallel" in given and isinstance(data["parallel"], bool):
+            raise fault("kinds", _no_flag(data))
         if set(given) == {"parallel", "states"}:
             raise fault("kinds", "a state has 'states' or 'parallel'; regions are written \"parallel\": {…}, alone")
         if len(given) > 1:
@@ -188,6 +193,14 @@ class State(TaggedModel, family="state", group="rai_missions.activities", word="
                 known = {*cls.kinds, *cls.known_words()} - {""}  # a plain state has no word
                 raise fault("kind", f"a state has no '{word}'" + suggestion(word, known))
         return given[0] if given else ""
+
+    @classmethod
+    def remedy(cls, data: Any) -> str:
+        """A state that a text most likely means."""
+        if not isinstance(data, str) or len(data) > MOST_LETTERS:
+            return "; write {…}"
+        word = "mission" if data.endswith(".json") else "action"
+        return f"; write {json.dumps({word: data}, ensure_ascii=False)}, or {{}} for a state that waits"
 
     @classmethod
     def known_words(cls) -> set[str]:
@@ -317,3 +330,10 @@ def descendants(states: Mapping[str, State], place: str = "/states") -> Iterator
         here = f"{place}/{name.replace('~', '~0').replace('/', '~1')}"
         yield here, name, state
         yield from descendants(state.children(), f"{here}/{state.child_place()}")
+
+
+def _no_flag(data: Mapping[str, Any]) -> str:
+    """What to write where `parallel` is a flag."""
+    rather = "write it in the place of 'states', without 'initial'" if "states" in data else "name them"
+    regions, given = '{"left": {…}, "right": {…}}', str(data["parallel"]).lower()
+    return f"'parallel' holds the regions themselves, {regions}, not {given}; {rather}, or take it away"

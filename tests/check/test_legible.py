@@ -14,8 +14,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from pydantic import ValidationError
 
+from rai_missions import agents
 from rai_missions.check import check, check_file
 from rai_missions.check.rules import check_part
+from rai_missions.cli.main import main
+from rai_missions.errors import DefinitionError
 from rai_missions.mission.legible import legible_part
 from rai_missions.mission.mission import Mission
 from rai_missions.validation_errors import faults_of
@@ -127,3 +130,59 @@ def test_a_finding_is_reported_in_the_file_that_is_to_be_mended(tmp_path: Path) 
     assert {(dock, "/blackboard/spare"), (dock, "/states/driving")} <= found
     assert {file for file, _ in found} == {dock}
     assert check(checked.mission)
+
+
+def document_of(state: Any) -> dict[str, Any]:
+    """A mission with wrong names, and a state that cannot be read."""
+    return {
+        "format": 1, "name": "m", "initial": "odd", "events": {"go": {}},
+        "states": {
+            "odd": state,
+            "next": {"transitions": [{"on": "goo", "to": "edn"}]},
+            "end": {"final": "aborted"},
+        },
+    }  # fmt: skip
+
+
+NAMES = {"/states/next/transitions/0/on", "/states/next/transitions/0/to"}
+INSIDE = {
+    "initial": "x",
+    "states": {"x": {"transitions": [{"on": "go", "to": "yy"}]}, "y": {}},
+    "transitions": [{"on": "go", "to": "nxet"}],
+}
+
+
+@pytest.mark.parametrize(
+    ("state", "sentence", "more"),
+    [
+        ("drive", """a state is an object, not 'drive'; write {"action": "drive"}, or {} for""", ()),
+        ("dock.json", """a state is an object, not 'dock.json'; write {"mission": "dock.json"}, or""", ()),
+        (7, "a state is an object, not 7; write {…}", ()),
+        ({"parallel": True} | INSIDE, "not true; write it in the place of 'states', without 'initial', or take it away",
+         ("/states/odd/states/x/transitions/0/to", "/states/odd/transitions/0/to")),
+        ({"parallel": False, "transitions": [{"on": "go", "to": "nxet"}]}, "not false; name them, or take it away",
+         ("/states/odd/transitions/0/to",)),
+    ],
+)  # fmt: skip
+def test_a_state_that_is_no_object_or_has_parallel_as_a_flag_hides_no_name(
+    state: Any, sentence: str, more: tuple[str, ...], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "m.json"
+    path.write_text(json.dumps(document_of(state)))
+    found = {each.finding.place: each.finding.sentence for each in check_file(str(path)).findings}
+    assert sentence in found["/states/odd"]
+    assert {*NAMES, *more} == found.keys() - {"/states/odd"}
+    assert found["/states/next/transitions/0/to"] == "no state 'edn'; did you mean 'end'?"
+    for command in (["run", str(path)], ["prove", str(path)], ["draw", str(path), "-o", str(tmp_path / "m.svg")],
+                    ["try", str(path), "--terminal"], ["diff", str(path), str(path)]):  # fmt: skip
+        assert main(command) == 2
+        printed = capsys.readouterr().err
+        assert all(f"{path}: {place}: {found[place]}" in printed for place in found), command
+
+
+def test_a_mission_that_cannot_be_read_is_reported_whole_to_programs_too(tmp_path: Path) -> None:
+    path = tmp_path / "m.json"
+    path.write_text(json.dumps(document_of("drive")))
+    with pytest.raises(DefinitionError) as raised:
+        agents.run(path)
+    assert {fault.place for fault in raised.value.faults} == {"/states/odd", *NAMES}

@@ -68,7 +68,7 @@ TRANSITION, ENTRY = "/states/a/transitions/0", "/states/a/entry/0"
         (SMALL | {"initial": []}, "/initial: 0 given, and at least 1 is needed"),
         (SMALL | {"states": []}, "/states: [] is not an object; write {…}"),
         (SMALL | {"states": {}}, "/states: 0 given, and at least 1 is needed"),
-        (SMALL | {"states": {"a": 1}}, "/states/a: a state is an object, not 1"),
+        (SMALL | {"states": {"a": 1}}, "/states/a: a state is an object, not 1; write {…}"),
         (SMALL | {"states": {"A-1": {}}}, f"/states/A-1: 'A-1' {NAME}; did you mean 'a_1'?"),
         (SMALL | {"blackboard": {"a/B": {"type": "number"}}}, f"/blackboard/a~1B: 'a/B' {NAME}; did you mean 'a/b'?"),
         (

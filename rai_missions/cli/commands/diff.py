@@ -53,13 +53,13 @@ def diff(
         rai-missions diff old.json new.json -o difference.html
         rai-missions diff --git main mission.json
     """
+    from rai_missions.check import load_whole
     from rai_missions.cli.inputs import warn
-    from rai_missions.mission.files import load
     from visualize import difference, draw_difference
     from visualize.mermaid import oversize
 
     with _before(old, new, git, no_python=no_python, python=python) as before:
-        found = difference(before, load(new or old, python=not no_python))
+        found = difference(before, load_whole(new or old, python=not no_python))
     for line in found.lines():
         print(line)
     for path in output:
@@ -73,16 +73,16 @@ def _before(old: str, new: str | None, revision: str | None, *, no_python: bool,
     """The mission before: a file, or a file at another revision."""
     from pathlib import Path
 
+    from rai_missions.check import load_whole
     from rai_missions.cli.git import at_revision
     from rai_missions.errors import UsageError
-    from rai_missions.mission.files import load
 
     if revision is None:
         if new is None:
             raise UsageError("give two missions, OLD and NEW, or one and where it was: diff --git REV MISSION")
-        yield load(old, python=not no_python)
+        yield load_whole(old, python=not no_python)
         return
     if new is not None:
         raise UsageError("--git compares one mission with itself at a revision: diff --git REV MISSION")
     with at_revision(revision, Path(old), python=python and not no_python) as file:
-        yield load(file)
+        yield load_whole(file)

@@ -45,13 +45,12 @@ def draw(
     Example:
         rai-missions draw mission.json -o review.html
     """
-    from rai_missions.check import check
+    from rai_missions.check import check, load_whole
     from rai_missions.cli.inputs import journal_steps, warn
-    from rai_missions.mission.files import load
     from visualize import draw as draw_picture
     from visualize.mermaid import oversize
 
-    loaded = load(mission, python=not no_python)
+    loaded = load_whole(mission, python=not no_python)
     path = output or f"{loaded.name.replace('/', '_')}.svg"
     findings = check(loaded)
     errors = [each for each in findings if each.severity == "error"]

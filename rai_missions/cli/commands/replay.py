@@ -44,9 +44,9 @@ def replay(
     """
     from json import dumps
 
-    from rai_missions.mission.files import load
+    from rai_missions.check import load_whole
 
-    loaded = load(mission, python=not no_python) if mission else None
+    loaded = load_whole(mission, python=not no_python) if mission else None
     if Path(journal).is_dir():
         return _replay_folder(Path(journal), loaded, json=json)
     result = _replay(journal, loaded, verbose=verbose and not json)

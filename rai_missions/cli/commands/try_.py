@@ -48,12 +48,12 @@ def try_(
     import sys
     from contextlib import suppress
 
+    from rai_missions.check import load_whole
     from rai_missions.cli.inputs import load_guards
     from rai_missions.cli.play.session import PlayFiles, PlaySession
-    from rai_missions.mission.files import load
     from rai_missions.replay.play import PlaySource
 
-    loaded = load(mission, python=not no_python)
+    loaded = load_whole(mission, python=not no_python)
     source = PlaySource(Path(mission), Path(guards) if guards else None)
     session = PlaySession(loaded, PlayFiles(source, journal, as_test), load_guards(guards, python=not no_python))
     if terminal or (port is None and not no_browser and not sys.stdin.isatty()):

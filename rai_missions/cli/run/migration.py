@@ -7,11 +7,10 @@ import itertools
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from rai_missions.check import check, faults_of
+from rai_missions.check import check, faults_of, load_whole
 from rai_missions.cli.inputs import warn
 from rai_missions.engine import Named
 from rai_missions.errors import DefinitionError, UsageError
-from rai_missions.mission.files import load
 
 if TYPE_CHECKING:
     from rai_missions.cli.commands.run import RunOptions
@@ -31,7 +30,7 @@ def migrated(options: RunOptions, named: Named | None) -> RunOptions:
 
     if not (options.migrate and options.resume and options.mission):
         raise UsageError("--migrate MAP goes with --resume JOURNAL and the mission as it is now: MISSION")
-    mission = load(options.mission, python=not options.no_python)
+    mission = load_whole(options.mission, python=not options.no_python)
     if faults := faults_of(check(mission, named=set(named or ()))):
         raise DefinitionError(faults, options.mission)
     to = Path(options.journal) if options.journal else _free_name(Path(options.resume))

@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from rai_missions.agents.mission import PreparedRun, RunConfig, prepare
-from rai_missions.check import check, faults_of
+from rai_missions.check import check, faults_of, load_whole
 from rai_missions.cli.inputs import is_robot_program, journal_steps, load_guards, read_pairs, warn
 from rai_missions.cli.output import wait_for_output
 from rai_missions.cli.progress import Lines
@@ -24,7 +24,6 @@ from rai_missions.cli.run.talk import talk_of, talking
 from rai_missions.cli.signals import interruptible
 from rai_missions.errors import DefinitionError, UsageError
 from rai_missions.journal import free_name, make_way, opened
-from rai_missions.mission.files import load
 from rai_missions.mission.mission import Mission
 from rai_missions.profile import load_profile, read_program
 from rai_missions.recording import check_name, is_mcap
@@ -191,8 +190,8 @@ def _mission(options: RunOptions) -> Mission:
     if not options.resume:
         if not options.mission:
             raise UsageError("name a mission (rai-missions run MISSION), or a run to resume: --resume JOURNAL")
-        return load(options.mission, python=not options.no_python)
-    now = load(options.mission, python=not options.no_python) if options.mission else None
+        return load_whole(options.mission, python=not options.no_python)
+    now = load_whole(options.mission, python=not options.no_python) if options.mission else None
     with opened(options.resume) as record:  # read whole, and looked at, when the run is resumed
         was = mission_of(record) if record.header.mission or now is None else now
     if now is not None and now != was:
