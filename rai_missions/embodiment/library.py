@@ -111,7 +111,7 @@ class Library:
         cosines = dict(by_meaning)
         nearest = max((cosines.get(number, 0.0) for number in fused), default=0.0)
         key, lacking = _occurrences(shelf, terms, frozenset(fused))
-        is_answered = len(key) - len(lacking) > ENOUGH_TERMS * len(key) or nearest >= NEAR
+        is_answered = nearest >= NEAR or _is_enough(len(key) - len(lacking), len(key), alone=not by_meaning)
         found = [shelf.passages[number] for number in fused] if is_answered else []
         cleaned = tuple(DocumentPassage(*map(redacted, each)) for each in found)
         return FoundPassages(cleaned, tuple(map(redacted, lacking)), shelf.has_vectors or self._nearest is not None)
@@ -189,6 +189,11 @@ def _fused(*rankings: Sequence[int]) -> list[int]:
         for rank, number in enumerate(ranking, start=1):
             scores[number] = scores.get(number, 0.0) + 1 / (RANK_OFFSET + rank)
     return sorted(scores, key=lambda number: (-scores[number], number))
+
+
+def _is_enough(found: int, key: int, *, alone: bool) -> bool:
+    """Whether so many of the key terms make passages an answer; where the words alone count, half of them do."""
+    return found > ENOUGH_TERMS * key or (alone and key > 0 and found >= ENOUGH_TERMS * key)
 
 
 def _occurrences(shelf: _Shelf, terms: Sequence[str], found: frozenset[int]) -> tuple[list[str], list[str]]:

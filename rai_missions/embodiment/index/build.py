@@ -62,17 +62,20 @@ def build_index(folder: Path, path: Path, embedder: TextEmbedder | None, *, long
     read: list[str] = []
     with ReadingProcess(longest_s) as process:
         for file in files.files:
-            document, passages = _read(files, file, earlier, process)
-            found.append(document)
-            kept[file] = passages
-            if passages is not earlier.get(file, (None, None))[1]:
+            document = earlier[file][0] if file in earlier else None
+            if document is None or document.fault or document.sha256 != _digest(files, file):
+                document, kept[file] = _read(files, file, process)
                 read.append(file)
+            else:
+                kept[file] = earlier[file][1]
+            found.append(document)
     rows = [each for passages in kept.values() for each in passages]
     if len(rows) > MOST_PASSAGES:
         raise UsageError(
             f"the documents have {len(rows)} passages; at most {MOST_PASSAGES} are searched: leave some out"
         )
-    vectors, count = _vectors(rows, embedder, is_same)
+    known = {each: vector for _, passages in earlier.values() for each, vector in passages if vector and is_same}
+    vectors, count = _vectors([passage for passage, _ in rows], embedder, known)
     numbered = [
         IndexedPassage(at, row[0], vector) for at, (row, vector) in enumerate(zip(rows, vectors, strict=True), 1)
     ]
@@ -113,15 +116,12 @@ def _earlier(path: Path, embedder: str) -> tuple[Known, bool]:
 
 
 def _read(
-    files: IdentityFolder, file: str, earlier: Known, process: ReadingProcess
+    files: IdentityFolder, file: str, process: ReadingProcess
 ) -> tuple[IndexedDocument, Sequence[tuple[DocumentPassage, bytes | None]]]:
     digest = ""
     try:
         data = files.data(file)
         digest = hashlib.sha256(data).hexdigest()
-        known, passages = earlier.get(file, (None, ()))
-        if known is not None and known.sha256 == digest and not known.fault:
-            return known, passages
         document = process.read(file, data)
     except ValueError as error:
         return IndexedDocument(file, digest, "", str(error)), ()
@@ -139,13 +139,12 @@ def _digest(files: IdentityFolder, file: str) -> str:
 
 
 def _vectors(
-    rows: Sequence[tuple[DocumentPassage, bytes | None]], embedder: TextEmbedder | None, is_same: bool
+    passages: Sequence[DocumentPassage], embedder: TextEmbedder | None, known: Mapping[DocumentPassage, bytes]
 ) -> tuple[list[bytes | None], int]:
     """A vector for each passage, and how many of them were made now."""
     if embedder is None:
-        return [None for _ in rows], 0
-    known = {passage: vector for passage, vector in rows if vector is not None} if is_same else {}
-    fresh = list(dict.fromkeys(passage for passage, _ in rows if passage not in known))
+        return [None for _ in passages], 0
+    fresh = [each for each in dict.fromkeys(passages) if each not in known]
     made = embedder.vectors([f"{each.heading}\n{each.text}" for each in fresh])
-    known |= {passage: vector.tobytes() for passage, vector in zip(fresh, made, strict=True)}
-    return [known[passage] for passage, _ in rows], len(fresh)
+    whole = {**known, **{each: vector.tobytes() for each, vector in zip(fresh, made, strict=True)}}
+    return [whole[each] for each in passages], len(fresh)

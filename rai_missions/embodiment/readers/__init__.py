@@ -28,6 +28,8 @@ class DocumentFormat(NamedTuple):
     """Takes a file's name and bytes; raises `ValueError` with what is wrong and what would be right."""
     largest: int
     """Bytes of the largest file that is read."""
+    is_linear: bool = False
+    """Whether reading takes time and memory in proportion to the file, so that it needs no process of its own."""
 
 
 FORMATS: Mapping[str, DocumentFormat] = {
@@ -36,8 +38,8 @@ FORMATS: Mapping[str, DocumentFormat] = {
     ".html": DocumentFormat(read_html, 3_000_000),
     ".md": DocumentFormat(read_markdown, 1_000_000),
     ".pdf": DocumentFormat(read_pdf, 50_000_000),
-    ".txt": DocumentFormat(read_plain, 2_000_000),
-    ".urdf": DocumentFormat(read_urdf_text, 5_000_000),
+    ".txt": DocumentFormat(read_plain, 2_000_000, is_linear=True),
+    ".urdf": DocumentFormat(read_urdf_text, 5_000_000, is_linear=True),
 }
 """Ending of a file's name → how it is read."""
 

@@ -1,0 +1,103 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What a URDF holds is what another reader of the format finds in it, and each value is in the sentences."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from rai_missions.embodiment.body_text import read_urdf_text
+from rai_missions.embodiment.urdf import Body, BodyJoint, read_body
+
+ROOT = Path(__file__).parents[2]
+SHIPPED = ("missions/tractor/identity/tractor.urdf", "missions/rosbot/identity/rosbot_xl.urdf")
+FORMS = """<robot name="forms"><link name="a"><inertial><mass value="2.5e-1"/></inertial>
+<collision><geometry><sphere radius="0.1"/></geometry></collision>
+<visual><geometry><mesh filename="package://x/y.stl"/></geometry></visual></link><link name="b"/>
+<joint name="j" type="prismatic"><parent link="a"/><child link="b"/><axis xyz="0 0 -1"/>
+<limit lower="-0.1" upper="0.25" effort="30" velocity="0.4"/></joint></robot>"""
+
+
+@pytest.fixture(scope="module")
+def urchin() -> Any:
+    return pytest.importorskip("urchin", reason="urchin is not installed: the extra `urdf-test`")
+
+
+def text_of(data: bytes) -> str:
+    return "\n".join(section.text for section in read_urdf_text("x.urdf", data).sections)
+
+
+@pytest.mark.parametrize("path", SHIPPED)
+def test_links_joints_masses_sizes_and_limits_are_those_that_urchin_reads(urchin: Any, path: str) -> None:
+    body, other = read_body(path, (ROOT / path).read_bytes()), urchin.URDF.load(str(ROOT / path), lazy_load_meshes=True)
+    assert body.name == other.name
+    assert [link.name for link in body.links] == [link.name for link in other.links]
+    for link, theirs in zip(body.links, other.links, strict=True):
+        assert link.mass_kg == theirs.inertial.mass
+        shapes = [(each, use) for use in ("visual", "collision") for each in getattr(theirs, f"{use}s")]
+        found = sorted((shape.use, shape.kind, shape.measures_m) for shape in link.shapes)
+        assert found == sorted((use, *measures(each.geometry)) for each, use in shapes)
+    for joint, theirs in zip(body.joints, other.joints, strict=True):
+        same_joint(joint, theirs)
+
+
+def measures(geometry: Any) -> tuple[str, tuple[float, ...]]:
+    if geometry.box is not None:
+        return "box", tuple(map(float, geometry.box.size))
+    return "cylinder", (geometry.cylinder.radius, geometry.cylinder.length)
+
+
+def same_joint(joint: BodyJoint, theirs: Any) -> None:
+    assert (joint.name, joint.kind, joint.parent, joint.child) == (
+        theirs.name, theirs.joint_type, theirs.parent, theirs.child,
+    )  # fmt: skip
+    assert joint.origin_m == tuple(map(float, theirs.origin[:3, 3]))
+    if joint.kind != "fixed":
+        assert joint.axis == tuple(map(float, theirs.axis))
+    if theirs.limit is not None:
+        assert (joint.velocity, joint.effort) == (theirs.limit.velocity, theirs.limit.effort)
+        assert (joint.lower, joint.upper) == (theirs.limit.lower, theirs.limit.upper)
+
+
+@pytest.mark.parametrize("path", SHIPPED)
+def test_each_value_is_in_the_sentences_as_it_was_written(path: str) -> None:
+    data = (ROOT / path).read_bytes()
+    body, text = read_body(path, data), text_of(data)
+    for link in body.links:
+        assert f"The link {link.name} weighs {number(link.mass_kg or 0)} kg (mass)." in text
+        assert all(number(each) in text for shape in link.shapes for each in shape.measures_m)
+    for joint in body.joints:
+        assert f"The joint {joint.name} ({joint.kind}) connects its parent {joint.parent} to its child" in text
+        for value in (joint.lower, joint.upper, joint.velocity, joint.effort):
+            assert value is None or joint.kind == "fixed" or number(value) in text
+
+
+def number(value: float) -> str:
+    return str(int(value)) if value == int(value) else str(value)
+
+
+def test_the_masses_of_the_shipped_robots_are_those_of_their_descriptions() -> None:
+    tractor, rosbot = (read_body(path, (ROOT / path).read_bytes()) for path in SHIPPED)
+    assert tractor.mass_kg == 3200 and math.isclose(rosbot.mass_kg, 6)
+
+
+def test_other_forms_are_read_and_put_in_words() -> None:
+    text = text_of(FORMS.encode())
+    assert "The link a weighs 0.25 kg (mass)." in text and "The link b has no mass given." in text
+    assert "Its collision shape is a sphere of 0.1 m radius. Its visual shape is a mesh." in text
+    assert "It moves along the axis 0, 0, -1. Its limits are -0.1 m and 0.25 m." in text
+    assert "Its highest velocity is 0.4 m/s. Its highest effort is 30 N (force)." in text
+
+
+def test_a_joint_of_a_turn_is_in_radians_and_degrees() -> None:
+    text = text_of(FORMS.replace("prismatic", "revolute").encode())
+    assert "Its limits are -0.1 rad (-5.7 degrees) and 0.25 rad (14.3 degrees)." in text
+    assert "It turns without end" in text_of(FORMS.replace("prismatic", "continuous").encode())
+
+
+def test_a_body_without_masses_has_none_in_its_overview() -> None:
+    assert Body("x", (), ()).mass_kg == 0
+    assert "total mass" not in text_of(b"<robot name='x'><link name='a'/></robot>")
