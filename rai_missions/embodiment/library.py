@@ -39,6 +39,8 @@ ENOUGH_TERMS = 0.5
 """More than this share of the key terms occurs in the passages that were found: that is an answer."""
 EVERYWHERE = 1 / 3
 """A term in more than this share of all passages names no subject: `tractor` in the documents of a tractor."""
+FEW = 3
+"""In so many passages a term always names one."""
 
 
 class NearestPassages(Protocol):
@@ -199,6 +201,6 @@ def _is_enough(found: int, key: int, *, alone: bool) -> bool:
 def _occurrences(shelf: _Shelf, terms: Sequence[str], found: frozenset[int]) -> tuple[list[str], list[str]]:
     """The terms that name a subject, and those of them that occur in none of the passages found."""
     places = {term: shelf.reader.with_term(term) for term in terms}
-    key = [term for term in terms if len(places[term]) <= EVERYWHERE * len(shelf.passages)]
+    key = [term for term in terms if len(places[term]) <= max(FEW, EVERYWHERE * len(shelf.passages))]
     forms = {term: frozenset[int]().union(*map(shelf.reader.with_term, spellings(term))) for term in key}
     return key, [term for term in key if not forms[term] & found]

@@ -78,7 +78,7 @@ def test_what_the_documents_do_not_have_is_refused(folder: Path) -> None:
 
 
 class Elsewhere:
-    """A store that finds nothing."""
+    """A store that finds nothing, so that the words alone count."""
 
     def fill(self, passages: Sequence[Any]) -> None:
         self.filled = len(passages)

@@ -98,4 +98,4 @@ def _warn_of_words_alone(has_vectors: bool) -> None:
     from rai_missions.cli.inputs import warn
     from rai_missions.embodiment.minilm import why_no_vectors
 
-    warn("" if has_vectors else f"searched by words alone: {why_no_vectors()}")
+    warn("" if has_vectors else f"searched by words alone: {why_no_vectors() or 'build the index again'}")
