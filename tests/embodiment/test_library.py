@@ -26,7 +26,12 @@ from tests.rigs.documents import plain
 
 needs_minilm = pytest.mark.skipif(bool(why_no_vectors()), reason=why_no_vectors())
 CARE = [(1, "Care"), (0, "Wipe the lidar with a dry cloth."), (2, "Tyres"), (0, "The tyres take 1.2 bar.")]
-RULES = [(1, "Rules"), (0, "Nobody rides on the robot."), (2, "Fire"), (0, "The extinguisher hangs at the door.")]
+RULES = [
+    (1, "Rules"),
+    (0, "Riding on the robot is forbidden."),
+    (2, "Fire"),
+    (0, "The extinguisher hangs at the door."),
+]
 
 
 class LetterVectors:

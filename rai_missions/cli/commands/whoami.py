@@ -41,7 +41,7 @@ def whoami(
         0 it was done or answered, 1 the documents have no answer, 2 the input is at fault
 
     Example:
-        rai-missions whoami ask missions/tractor/identity "How heavy are you?"
+        rai-missions whoami build missions/tractor/identity
     """
     from pathlib import Path
 
