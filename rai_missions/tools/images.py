@@ -15,7 +15,7 @@ from rai_missions.errors import ConnectorError
 from rai_missions.image import Image, ImageFile, png
 from rai_missions.redaction import cut, cut_repr
 
-__all__ = ("LARGEST", "block", "image_of")
+__all__ = ("LARGEST", "block", "image_of", "pixels_of")
 
 LARGEST = 1_000_000
 """Bytes of a picture's file."""
@@ -74,6 +74,18 @@ def block(image: Image) -> dict[str, Any]:
         raise ConnectorError(f"the picture cannot be had: {type(fault).__name__}: {cut(fault, 120)}") from fault
 
 
+def pixels_of(image: Image) -> Image:
+    """A picture as raw pixels, `rgb8`: what ROS carries in messages that hold pictures.
+
+    Raises:
+        ConnectorError: It is no picture, is too large, or Pillow is not installed.
+    """
+    if image.encoding == "rgb8":
+        return image
+    picture = _opened(image.file().data, "no raw pixels; to make them")
+    return Image(image.ref, picture.width, picture.height, "rgb8", picture.tobytes())
+
+
 def _small(width: int, height: int, rgb: bytes) -> bytes:
     """A PNG file of every n-th pixel: the least n for which it is small enough."""
     stride = max(1, -(-max(width, height) // LONGEST_SIDE))
@@ -98,20 +110,7 @@ def _every(rgb: bytes, width: int, height: int, stride: int) -> bytes:
 
 def _smaller_file(data: bytes) -> bytes:
     """A JPEG file of a picture file that is too large."""
-    try:
-        import PIL.Image
-    except ImportError:
-        raise ConnectorError(
-            f"a picture file of {len(data)} bytes is larger than {LARGEST}; to make it smaller, pip install pillow"
-        ) from None
-    picture = PIL.Image.open(
-        io.BytesIO(data), formats=("JPEG", "PNG")
-    )  # other forms are programs: Pillow runs PostScript
-    if picture.width * picture.height > MOST_PIXELS:
-        raise ConnectorError(
-            f"a picture of {picture.width}x{picture.height} is too large; {MOST_PIXELS} pixels are the most"
-        )
-    smaller, side = picture.convert("RGB"), LONGEST_SIDE
+    smaller, side = _opened(data, f"larger than {LARGEST}; to make it smaller"), LONGEST_SIDE
     while True:
         smaller.thumbnail((side, side))
         file = io.BytesIO()
@@ -119,3 +118,21 @@ def _smaller_file(data: bytes) -> bytes:
         if file.tell() <= LARGEST or side <= 1:
             return file.getvalue()
         side //= 2
+
+
+def _opened(data: bytes, what_for: str) -> Any:
+    """The pixels of a picture file, as Pillow has them."""
+    try:
+        import PIL.Image
+    except ImportError:
+        raise ConnectorError(f"a picture file of {len(data)} bytes is {what_for}, pip install pillow") from None
+    try:
+        # Other forms are programs: Pillow runs PostScript.
+        picture = PIL.Image.open(io.BytesIO(data), formats=("JPEG", "PNG"))
+        if picture.width * picture.height > MOST_PIXELS:
+            raise ConnectorError(
+                f"a picture of {picture.width}x{picture.height} is too large; {MOST_PIXELS} pixels are the most"
+            )
+        return picture.convert("RGB")
+    except OSError as fault:
+        raise ConnectorError(f"a picture file of {len(data)} bytes cannot be opened: {cut(fault, 120)}") from None
