@@ -86,6 +86,10 @@ class Lines:
         self._view: RunView | None = None
         self._is_waiting = False
         self._open_goals: tuple[OpenGoal, ...] = ()
+        self._warned: tuple[OpenGoal, ...] = ()
+        """The goals of the last line, where that was on goals that may still move the robot."""
+        self._unfit: set[str] = set()
+        """The keys of which a value was received that they cannot have."""
 
     def begin(
         self,
@@ -142,12 +146,16 @@ class Lines:
         """The run's mode, control or states have changed, or which goals may still move the robot."""
         if status.open_goals and status.open_goals != self._open_goals:
             self._print(f"{'':13}{trimmed(may_move(status.open_goals), 400)}")
+            self._warned = status.open_goals
         self._open_goals = status.open_goals
 
     def step(self, step: Step) -> None:
         """One step; those that changed nothing are left out unless all are wanted."""
         if step.refusal == "not_started" and not self._verbose:
             self._wait(step)
+            return
+        if step.refusal == "unfit" and step.event.kind == "write" and not self._verbose:
+            self._report_unfit(step)
             return
         if step.ignored and not (step.why and step.event.kind != "write") and not self._verbose:
             return
@@ -162,6 +170,7 @@ class Lines:
             parts = []
         text, remarks = " · ".join(part for part in parts if part), described.remarks
         if text or remarks:
+            self._warned = ()
             shown = f"{trimmed(self._event(step.event), 28):<28}  {text or '; '.join(remarks)}"
             self._print(f"{step.at:9.2f} s  {shown}", "ignored" if step.ignored else "plain" if text else "remark")
             for reason in self._because(step) if text else ():
@@ -175,6 +184,12 @@ class Lines:
         for effect in step.effects:
             if isinstance(effect, Ask):
                 self._question(effect)
+
+    def _report_unfit(self, step: Step) -> None:
+        """Once a key: the robot reports what it cannot have."""
+        if step.event.name not in self._unfit:
+            self._unfit.add(step.event.name)
+            self._print(f"{step.at:9.2f} s  received and not understood: {trimmed(step.why, 300)}", "remark")
 
     def _wait(self, step: Step) -> None:
         """Once: what the mission must receive before it starts; until then nothing else counts."""
@@ -190,10 +205,9 @@ class Lines:
         counts = ", ".join(f"{who} {count}" for who, count in sorted(self._answered.items())) or "none"
         asked = f"questions {self._asked} (answers that counted: {counts})"
         lines = (
-            trimmed(result.warning, 400),
+            trimmed(result.warning, 400) if result.open_goals != self._warned else "",
             f"steps {result.steps} · {asked} · {result.duration_s:.1f} s",
             result.journal and f"journal: {result.journal}",
-            result.moved_aside and MOVED_ASIDE.format(result.moved_aside),
             picture and f"picture: {picture}",
         )
         for line in filter(None, lines):

@@ -21,6 +21,7 @@ from hypothesis import strategies as st
 from rai_missions.cli.progress import Lines
 from rai_missions.connectors.connector import Reply
 from rai_missions.connectors.local import LocalConnector
+from rai_missions.engine import Chart
 from rai_missions.runtime.lifecycle import Status
 from rai_missions.runtime.runner import Result
 from tests.rigs.runs import Plan, PlannedServer, Rig, ScriptedWorld, mission
@@ -242,7 +243,18 @@ def test_the_journal_and_the_lines_name_what_may_still_move_the_robot() -> None:
     lines.end(rig.run())
     sentence = "the robot may still move: goal 1 of 'move' (its server refuses to cancel it)"
     assert sentence in rig.book.notes
-    assert out.getvalue().count(sentence) == 2
+    assert out.getvalue().count(sentence) == 1
+
+
+def test_goals_that_may_still_move_the_robot_are_named_again_at_the_end_where_lines_came_between() -> None:
+    out, given = io.StringIO(), mission(_states(["move"]))
+    lines = Lines(given, out)
+    rig = Rig(given, on_status=lines.status)
+    rig.move.on_cancel = ("cancel_rejected",)
+    result = rig.run()
+    lines.step(Chart(mission(_states(["move"]))).start(at=0.0))
+    lines.end(result)
+    assert out.getvalue().count("the robot may still move") == 2
 
 
 def test_a_cancel_that_is_never_confirmed_is_named() -> None:
