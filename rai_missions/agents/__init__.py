@@ -17,6 +17,8 @@ if TYPE_CHECKING:
     from rai_missions.agents.mission import MissionAgent, run
     from rai_missions.agents.process_agent import ProcessAgent
     from rai_missions.agents.runner import AgentRunner, exit_with
+    from rai_missions.agents.text_to_speech import TextToSpeech
+    from rai_missions.agents.voice_recognition import VoiceRecognition
 
 __all__ = (
     "Agent",
@@ -24,6 +26,8 @@ __all__ = (
     "AgentRunner",
     "MissionAgent",
     "ProcessAgent",
+    "TextToSpeech",
+    "VoiceRecognition",
     "exit_with",
     "from_langchain",
     "run",
@@ -39,5 +43,7 @@ if not TYPE_CHECKING:
             "mission": ("MissionAgent", "run"),
             "process_agent": ("ProcessAgent",),
             "runner": ("AgentRunner", "exit_with"),
+            "text_to_speech": ("TextToSpeech",),
+            "voice_recognition": ("VoiceRecognition",),
         },
     )

@@ -8,6 +8,8 @@ import threading
 from collections.abc import Callable, Mapping
 from typing import Any
 
+from rai_missions.agents.agent import AgentHealth
+from rai_missions.agents.speech_health import health_of
 from rai_missions.connectors.connector import Close
 from rai_missions.connectors.hri.connector import TO_HUMAN, HRIConnector
 from rai_missions.connectors.hri.message import HRIMessage
@@ -51,6 +53,11 @@ class TextToSpeech:
         self._closes: list[Close] = []
         self._numbers = itertools.count(1)
         self._is_paused = False
+
+    @property
+    def health(self) -> AgentHealth:
+        """Whether the voice can be opened, and how often it was started again."""
+        return health_of(self._processes) if self._closes else AgentHealth("stopped")
 
     @property
     def speaking(self) -> bool:

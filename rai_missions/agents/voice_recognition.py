@@ -6,6 +6,8 @@ from __future__ import annotations
 import threading
 from collections.abc import Callable
 
+from rai_missions.agents.agent import AgentHealth
+from rai_missions.agents.speech_health import health_of
 from rai_missions.connectors.connector import Close
 from rai_missions.connectors.hri.connector import FROM_HUMAN, HRIConnector
 from rai_missions.connectors.hri.message import HRIMessage
@@ -67,6 +69,14 @@ class VoiceRecognition:
         if recognition is not None:
             self._close()
             recognition.close()
+
+    @property
+    def health(self) -> AgentHealth:
+        """Whether all that listens can be opened, and how often each was started again."""
+        recognition = self._recognition
+        if recognition is None:
+            return AgentHealth("stopped")
+        return health_of(recognition.processes)
 
     def wait_ready(self) -> None:
         """Wait until all recognisers are loaded.

@@ -30,6 +30,8 @@ PHRASES = (
 LEAST_SURETY, LEAST_SURETY_AT_ONCE = -3.0, -4.0
 """How sure the first recogniser must be of a phrase that it does not read freely; the second: of one of `at_once`."""
 WAKE_CUTOFF = 0.5
+LEAST_SURETY_AGREED = -6.0
+"""The same of a phrase of three words or more that the second recogniser reads too: little else sounds like one."""
 AWAKE_S = 8.0
 """How long after the wake word, or after a turn that passed, a turn may begin."""
 
@@ -246,13 +248,17 @@ def words_of(known: OfferReplies, settings: ListenSettings) -> tuple[str, tuple[
     first, second = (reply.data if reply is not None and not reply.fault else {} for reply in known)
     free, guess, other = text_in(first, "text"), text_in(first, "phrase"), text_in(second, "text")
     plain = " ".join("".join(each if each.isalnum() or each == "'" else " " for each in free.lower()).split())
-    phrase = plain if plain in settings.phrases else guess if is_sure(guess, first.get("surety"), settings) else ""
+    phrase = (
+        plain if plain in settings.phrases else guess if is_sure(guess, first.get("surety"), other, settings) else ""
+    )
     if phrase:
         return phrase, (phrase, phrase) if other == phrase else (phrase,)
     return (free, (free,)) if plain else ("", ())
 
 
-def is_sure(guess: str, surety: object, settings: ListenSettings) -> bool:
-    """Whether a recogniser's guess counts."""
+def is_sure(guess: str, surety: object, other: str, settings: ListenSettings) -> bool:
+    """Whether a recogniser's guess counts, given what the other reads."""
     least = LEAST_SURETY_AT_ONCE if guess in settings.at_once else LEAST_SURETY
+    if guess == other and len(guess.split()) > 2:
+        least = LEAST_SURETY_AGREED
     return guess in settings.phrases and isinstance(surety, float) and surety > least

@@ -11,13 +11,14 @@ __all__ = ("doctor",)
 
 
 @command()
-def doctor(*, robot: RobotFile | None = None, no_python: bool = False) -> int:
+def doctor(*, robot: RobotFile | None = None, no_python: bool = False, voice: bool = False) -> int:
     """Check what this machine has, what it lacks and how to get it.
 
     Args:
         robot: Check also whether the profile's message types are installed, and whether its topics, services and
             actions are there. Of a robot in Python, check that its file loads; it is executed in a process of its own.
         no_python: Refuse a robot in Python.
+        voice: Open also what listens and speaks, and list the devices of sound.
 
     Exit status:
         0 nothing that is needed is missing, 1 something is, 2 the input is at fault
@@ -37,7 +38,7 @@ def doctor(*, robot: RobotFile | None = None, no_python: bool = False) -> int:
         else None
     )
     is_missing = False
-    for finding in examine(given):
+    for finding in examine(given, voice=voice):
         print(finding, flush=True)
         is_missing |= finding.status == "missing"
     return int(is_missing)

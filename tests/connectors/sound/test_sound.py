@@ -11,14 +11,19 @@ from pathlib import Path
 
 import pytest
 
+from rai_missions.connectors.hri.connector import HRIConnector
+from rai_missions.connectors.hri.message import Audio, HRIMessage
+from rai_missions.connectors.local import LocalConnector
 from rai_missions.connectors.sound.connector import FRAME_BYTES, FRAME_S, SoundConnector, SoundFrame
 from rai_missions.connectors.sound.contract import check_sound_connector
 from rai_missions.connectors.sound.files import FileSound
 from rai_missions.connectors.sound.room import RoomSound
+from rai_missions.connectors.sound.topics import TopicSound
 from rai_missions.connectors.sound.wav import converted, read_wav, write_wav
 from rai_missions.errors import UsageError
 from rai_missions.runtime.clock import SimulatedClock
 from rai_missions.runtime.mailbox import Mailbox
+from rai_missions.testing import Inbox
 
 pytest.importorskip("numpy", reason="needs the extra voice")
 TONE = struct.pack("<512h", *([4000, -4000] * 256))
@@ -141,3 +146,47 @@ def test_a_broken_file_is_named_with_what_is_wrong(tmp_path: Path) -> None:
 def test_sound_of_no_known_form_is_refused(data: bytes, rate: int, channels: int, sentence: str) -> None:
     with pytest.raises(UsageError, match=sentence):
         converted(data, rate, channels)
+
+
+# -- topics ------------------------------------------------------------------------------------------------------------
+
+
+def topic_sound() -> tuple[TopicSound, HRIConnector]:
+    connector = LocalConnector(now=lambda: 0.0)
+    connector.start()
+    hri = HRIConnector(connector, now=lambda: 0.0)
+    return TopicSound(hri, "/mic", "/speaker", now=lambda: 0.0), hri
+
+
+def published(sound: SoundConnector, frames: int) -> None:
+    """Sound that another program records: the frames pass as its messages come."""
+    assert isinstance(sound, TopicSound)
+    passed, done = [0], threading.Event()
+
+    def count(_: SoundFrame) -> None:
+        passed[0] += 1
+        if passed[0] >= frames:
+            done.set()
+
+    close = sound.listen(count)
+    sound._hri.send(HRIMessage(audios=(Audio(bytes(frames * FRAME_BYTES), 16_000),)), "/mic")
+    done.wait(5.0 if sound.running else 0.0)
+    close()
+
+
+def test_sound_on_topics_keeps_the_contract() -> None:
+    check_sound_connector(lambda: topic_sound()[0], published)
+
+
+def test_what_is_played_is_sent_and_broken_sound_is_left_out(caplog: pytest.LogCaptureFixture) -> None:
+    sound, hri = topic_sound()
+    sent = Inbox[HRIMessage]()
+    hri.listen("/speaker", sent, author="ai")
+    sound.play(lambda at: TONE if at < 2 * FRAME_S - 1e-9 else b"")
+    sound.start()
+    hri.send(HRIMessage(audios=(Audio(b"\0\0", 4_000, 1), Audio(bytes(1024), 65_535, 8))), "/mic")
+    published(sound, 4)
+    (message,) = sent.wait(bool, "what was played is sent")
+    assert [audio.samples for audio in message.audios] == [TONE * 2]
+    sound.stop()
+    assert caplog.text == ""

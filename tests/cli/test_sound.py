@@ -1,0 +1,76 @@
+# SPDX-License-Identifier: Apache-2.0
+"""`speak`, `listen` and `doctor --voice`, as a person at a terminal uses them."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from rai_missions.cli.doctor.speech import speech
+from rai_missions.cli.main import main
+from rai_missions.connectors.sound.wav import write_wav
+from tests.voice.conftest import needs_voice
+
+
+@needs_voice
+@pytest.mark.xdist_group("voice")
+def test_what_speak_writes_listen_understands(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    file = str(tmp_path / "question.wav")
+    assert main(["speak", "Where are you going?", "-o", file]) == 0
+    assert capsys.readouterr().out == f"wrote {file}: 1.4 s\n"
+    assert main(["listen", file]) == 0
+    assert capsys.readouterr().out.split(maxsplit=5)[2:] == ["1", "of", "2", "Where are you going?\n"]
+    assert main(["listen", file, "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert (found["text"], found["readings"], found["turn"]) == ("Where are you going?", ["Where are you going?"], 1)
+
+
+@needs_voice
+@pytest.mark.xdist_group("voice")
+def test_a_file_without_speech_exits_with_1(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    write_wav(tmp_path / "silence.wav", bytes(32_000))
+    assert main(["listen", str(tmp_path / "silence.wav")]) == 1
+    assert capsys.readouterr().out == ""
+
+
+@pytest.mark.parametrize(
+    ("words", "sentence"),
+    [
+        (["speak", "  "], "there is nothing to speak: the text is empty"),
+        (["speak", "x", "--voice", "flit"], "no voice 'flit' is known; did you mean 'flite'?"),
+        (["speak", "x", "--voice", "flite:speaker"], "the option 'speaker' of 'flite' has no value"),
+        (["speak", "x", "--voice", "piper:model=no.onnx"], "piper"),
+        (["listen", "no.wav"], "there is no file no.wav"),
+        (["listen", "pyproject.toml"], "pyproject.toml is no WAV file that can be read"),
+    ],
+)
+def test_a_fault_of_the_input_is_one_sentence(
+    words: list[str], sentence: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(words) == 2
+    error = capsys.readouterr().err
+    assert sentence in error
+    assert error.startswith(f"rai-missions {words[0]}: ")
+    assert len(error.strip().splitlines()) == 1
+
+
+@needs_voice
+@pytest.mark.xdist_group("voice")
+def test_an_unknown_recogniser_or_wake_word_is_named(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    write_wav(tmp_path / "a.wav", bytes(2048))
+    assert main(["listen", str(tmp_path / "a.wav"), "--recogniser", "whispr"]) == 2
+    assert "no recogniser 'whispr' is known; did you mean 'whisper'?" in capsys.readouterr().err
+    assert main(["listen", str(tmp_path / "a.wav"), "--wake-word", "alexia"]) == 2
+    assert "there is no wake word 'alexia'; did you mean 'alexa'?" in capsys.readouterr().err
+
+
+@needs_voice
+@pytest.mark.xdist_group("voice")
+def test_the_doctor_opens_what_listens_and_speaks() -> None:
+    found = {finding.what: finding for finding in speech()}
+    assert found["voice flite"].status == "ok"
+    assert all(each.status == "ok" for what, each in found.items() if what.startswith(("ear", "recogniser")))
+    assert "GPL-3.0-or-later" in found["voice piper"].remedy
+    assert any("microphones" in what or "devices of sound" in what for what in found)
