@@ -36,6 +36,7 @@ class ClaimWords:
         self._data, self._words = data, language.normaliser.words
         self.verb_second: bool = data["verb_second"]
         self.harmless, self.let = Phrases(data["harmless"], {}), Phrases(data["let"], {})
+        self.progress = Phrases(data["progress"], {})
         self.idioms, self.whole_idioms = Phrases(data["idioms"], {}), Phrases(data["whole_idioms"], {})
         self.allowed = {kind: Phrases(each, {}) for kind, each in data["allowed"].items()}
         self._past, self._past_pattern = frozenset(data["past"]), re.compile(data["past_pattern"])
@@ -131,6 +132,13 @@ class ClaimWords:
         while rest and rest[0] in self.perfect:
             rest = self.skip(rest[1:])
         return bool(rest) and rest[0] in self.acts
+
+    def has_been(self, words: Sequence[str]) -> bool:
+        """`has been looked at`: a perfect of the passive, whatever the act."""
+        if self.verb_second or len(words) < 3 or words[1] not in self.been:
+            return False
+        rest = self.skip(words[2:])
+        return bool(rest) and self.is_past(rest[0])
 
     def is_past(self, word: str) -> bool:
         """Whether it looks like a past tense or a participle."""

@@ -21,7 +21,9 @@ from rai_missions.conversation.view import StatusView
 
 __all__ = ("ClaimKind", "Claims")
 
-ClaimKind = Literal["", "script", "language", "idiom", "subject", "passive", "result", "fragment", "second verb"]
+ClaimKind = Literal[
+    "", "script", "language", "idiom", "subject", "passive", "progress", "result", "fragment", "second verb"
+]
 """Why a sentence is replaced; empty where it is not."""
 CLAUSES = re.compile(r"[,;:()\n–—…|/]+|\s-+\s|[.!?]+\s+|\b(?=that\b)")
 DISGUISES = str.maketrans({"0": "o", "1": "i", "3": "e", "4": "a", "5": "s", "7": "t", "@": "a", "$": "s"})
@@ -113,6 +115,8 @@ class _Judged:
             return "subject"
         if any(self._has_passive(each) for each in clauses):
             return "passive"
+        if any(rules.progress.within(each) and not set(each) & rules.person for each in self._clauses):
+            return "progress"
         return "second verb" if self._has_second_verb(words) else ""
 
     def _is_claim(self, words: Sequence[str], subject: Subject) -> bool:
@@ -163,7 +167,7 @@ class _Judged:
             subject = next((each for each in reversed(words[:at]) if each not in rules.adverbs), "")
             if subject in rules.modals or subject in rules.person:
                 continue
-            if rules.has_act(words[at + 1 :]):
+            if rules.has_act(words[at + 1 :]) or rules.has_been(words[at:]):
                 return True
         return False
 
