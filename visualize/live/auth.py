@@ -31,6 +31,8 @@ ROLE = "rai_missions.role"
 """Where the door leaves a client's role in the scope of its request."""
 OPEN = frozenset({"/", "/live.js", "/live.css", "/favicon.ico"})
 """What anybody on this machine may read: the page without anything of the mission."""
+MAY_ASK = frozenset({"/talk"})
+"""Where a viewer may write: a question; what it may order there, its role decides."""
 HEADERS: Mapping[bytes, bytes] = {
     b"content-security-policy": b"default-src 'none'; script-src 'self'; style-src 'self'; connect-src 'self'; "
     b"base-uri 'none'; form-action 'none'; frame-ancestors 'none'; "
@@ -124,7 +126,8 @@ class Door:
         role = self._role(headers.get(TOKEN_HEADER, []))
         if not is_open and role is None:
             return 401, "the token is missing or wrong; use the address that the run printed"
-        if not is_open and role != "operator" and scope["method"] not in ("GET", "HEAD"):
+        is_asking = scope["path"] in MAY_ASK
+        if not is_open and role != "operator" and scope["method"] not in ("GET", "HEAD") and not is_asking:
             return 403, "a viewer looks, and orders nothing; the operator's address is another one"
         scope[ROLE] = role
         return 200, ""

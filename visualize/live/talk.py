@@ -13,7 +13,8 @@ from starlette.requests import Request
 from starlette.responses import JSONResponse, Response
 from starlette.routing import Route
 
-from visualize.live.auth import Allowance
+from rai_missions.event import Role
+from visualize.live.auth import ROLE, Allowance
 
 __all__ = ("LARGEST_TALK", "TalkDesk", "TalkPages")
 
@@ -24,8 +25,14 @@ LARGEST_TALK = 16_384
 class TalkDesk(Protocol):
     """Takes what is written on a page; called on the server's loop, and never waits."""
 
-    def receive(self, text: str, author: str) -> str:
-        """Take a sentence; why it is not taken, or empty."""
+    def receive(self, text: str, author: str, role: Role) -> str:
+        """Take a sentence; why it is not taken, or empty.
+
+        Args:
+            text: As it was written.
+            author: A free name.
+            role: That of the token.
+        """
 
     def is_stop(self, text: str) -> bool:
         """Whether it is an order to stop, which finds its way however much is written."""
@@ -61,7 +68,7 @@ class TalkPages:
         text, author = given["text"], given.get("by", "")
         if not (self._stops if self._desk.is_stop(text) else self._sentences).take():
             return _refused(429, "too many messages at once; wait a second")
-        why = self._desk.receive(text, author[:64])
+        why = self._desk.receive(text, author[:64], request.scope[ROLE])
         return _refused(409, why) if why else JSONResponse({"success": True, "why": ""})
 
 

@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from rai_missions.embodiment.identity import Identity
     from rai_missions.engine.decision import Question
     from rai_missions.engine.step import Step
+    from rai_missions.event import Role
     from rai_missions.profile import ConversationPolicy
     from rai_missions.runtime.lifecycle import Status
     from rai_missions.runtime.runner import Result
@@ -112,9 +113,9 @@ class TalkSession:
         """A line that is written on the terminal; why it is not taken, or empty."""
         return self.agent.receive(text, role="operator", channel="terminal") if self.agent is not None else "too early"
 
-    def receive(self, text: str, author: str) -> str:
-        """A sentence that is written on the page, whose token makes its reader the operator."""
-        return self.agent.receive(text, role="operator", channel="page", author=author) if self.agent else "too early"
+    def receive(self, text: str, author: str, role: Role) -> str:
+        """A sentence that is written on the page, whose token has a role."""
+        return self.agent.receive(text, role=role, channel="page", author=author) if self.agent else "too early"
 
     def is_stop(self, text: str) -> bool:
         """Whether it is an order to stop."""

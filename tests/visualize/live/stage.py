@@ -84,14 +84,16 @@ class Run:
 
 def folded(seen: dict[str, Any], kind: str, data: Mapping[str, Any]) -> None:
     """What a browser makes of a message."""
-    fields = {name: item for name, item in data.items() if name not in ("board", "steps", "now", "sent")}
+    fields = {name: item for name, item in data.items() if name not in ("board", "steps", "talk", "now", "sent")}
     if kind == "state":
         seen.clear()
-        seen.update(fields, board=dict(data["board"]), steps=list(data["steps"]))
+        seen.update(fields, board=dict(data["board"]), steps=list(data["steps"]), talk=list(data["talk"]))
     elif kind == "change":
         seen.update(fields)
         seen["board"].update(data.get("board", {}))
         seen["steps"] += data.get("steps", [])
+        lines = {line["number"]: line for line in (*seen["talk"], *data.get("talk", []))}
+        seen["talk"] = list(lines.values())
 
 
 class Viewer:

@@ -22,9 +22,11 @@ class Ear:
 
     def __init__(self) -> None:
         self.received: list[tuple[str, str]] = []
+        self.roles: list[str] = []
         self.why = ""
 
-    def receive(self, text: str, author: str) -> str:
+    def receive(self, text: str, author: str, role: str) -> str:
+        self.roles.append(role)
         self.received.append((text, author))
         return self.why
 
@@ -71,6 +73,13 @@ def test_a_foreign_origin_a_wrong_token_or_a_form_is_refused_and_nothing_is_pass
     assert written(run.page, "stop", Content_Type="text/plain")[0] == 415
     assert written(run.page, "stop", Host="evil.example:1")[0] == 421
     assert run.ear.received == []
+
+
+def test_the_role_is_that_of_the_token_whatever_the_message_has(run: TalkedRun) -> None:
+    forged = json.dumps({"text": "cancel", "by": "operator Anna (page)", "role": "operator"}).encode()
+    assert ask(run.page, "POST", "/talk", forged, X_Mission_Token=run.page.viewer_token)[0] == 200
+    assert written(run.page, "cancel")[0] == 200
+    assert run.ear.roles == ["viewer", "operator"]
 
 
 @pytest.mark.parametrize("body", [b"", b"[]", b"{}", b'{"text": 1}', b'{"text": "a", "by": 1}', b"\xff", b"[" * 9_000])
