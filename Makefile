@@ -5,7 +5,7 @@
 SHELL := /bin/bash
 .SHELLFLAGS := -euo pipefail -c
 .DEFAULT_GOAL := help
-.PHONY: help setup run fmt check test wheel compiled middleware ros-interfaces ros-package oracles fresh drill repeat mutate fuzz audit lock bench docs pictures weights clean
+.PHONY: help setup run talk fmt check test wheel compiled middleware ros-interfaces ros-package oracles fresh drill repeat mutate fuzz audit lock bench docs pictures weights clean
 
 BIN := .venv/bin
 comma := ,
@@ -29,6 +29,9 @@ run: .venv/.ready-run ## Run the tractor's mission in the simulated orchard and 
 	@$(BIN)/rai-missions run missions/tractor/mission.json --robot missions/tractor/robot.sim.json \
 	    --no-operator --speed max --journal out/tractor.journal --picture out/tractor.svg
 	@echo "next: source .venv/bin/activate, then: rai-missions draw missions/tractor/mission.json --journal out/tractor.journal -o out/review.html"
+
+talk: .venv/.ready-run ## Talk: a scripted person asks, orders and interrupts in two simulated missions; one minute, no key, no device
+	@$(BIN)/python scripts/talk.py
 
 fmt: .venv/.ready-dev ## Format, and mend what a linter can mend
 	$(BIN)/ruff format .
