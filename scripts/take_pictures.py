@@ -47,6 +47,7 @@ def main() -> None:
         return
     with tempfile.TemporaryDirectory() as folder, browser(found) as running:
         pages(running, Path(folder))
+        keep("tractor_talk.png", talk(running, Path(folder)))
 
 
 @contextmanager
@@ -77,6 +78,35 @@ def pages(running: Any, folder: Path) -> None:
     keep("tractor_model.png", shot(running, page, "light", keys="m"))
     draw_review(load(ROOT / "missions/tractor/mission.json"), page, [journal])
     keep("tractor_run.png", shot(running, page, "light", until_answered=True))
+
+
+TALKED = ("what are you doing?", "how far are you?", "stop", "why did you stop?", "resume", "cancel the mission", "no")
+
+
+def talk(running: Any, folder: Path) -> bytes:
+    """The live page of a run about which a person writes on it."""
+    command = ["run", "missions/tractor/mission.json", "--robot", "missions/tractor/robot.sim.json", "--talk"]
+    program = Path(sys.executable).with_name("rai-missions")
+    more = ["--watch", "0", "--journal", folder / "talked.journal"]
+    with subprocess.Popen(
+        [program, *command, *more], cwd=ROOT, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL,
+        stderr=subprocess.PIPE, text=True,
+    ) as run:  # fmt: skip
+        assert run.stderr is not None
+        url = next(line.split()[1] for line in run.stderr if line.startswith("watch: "))
+        window = running.new_page(viewport=SIZE, color_scheme="light", reduced_motion="reduce")
+        window.goto(url)
+        window.wait_for_selector("[data-state=driving].active", state="attached", timeout=120_000)
+        window.keyboard.press("c")
+        for number, text in enumerate(TALKED, start=1):
+            window.keyboard.type(text)
+            window.keyboard.press("Enter")
+            window.locator(f"#talk-lines .robot >> nth={number}").wait_for(timeout=30_000)
+        window.wait_for_timeout(1500)
+        data: bytes = window.screenshot()
+        window.close()
+        run.terminate()
+    return data
 
 
 def shot(running: Any, page: Path, theme: str, *, keys: str = "", until_answered: bool = False) -> bytes:

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """A conversation with a robot that works: a scripted person asks, orders and interrupts in a simulated mission.
 
-No key and no network: what the rules do not know is answered by a scripted stand-in for a model, so that each of the
-three ways is seen. The person, the stand-in and the world are fixed; the mission, its rules and the talk are real.
+No key and no network: what the rules do not know is answered by a scripted model, so that each of the
+three ways is seen. The person, the model and the world are fixed; the mission, its rules and the talk are real.
 """
 
 from __future__ import annotations
@@ -77,19 +77,19 @@ SCENES: Mapping[str, Scene] = {
 }  # fmt: skip
 
 
-class StandIn(BaseChatModel):
+class ScriptedModel(BaseChatModel):
     """Answers with a fixed sentence and a claim that the rules replace; of songs it knows nothing."""
 
     @property
     def _llm_type(self) -> str:
-        return "stand-in"
+        return "scripted"
 
     def _generate(
         self, messages: list[BaseMessage], stop: list[str] | None = None,
         run_manager: CallbackManagerForLLMRun | None = None, **words: object,
     ) -> ChatResult:  # fmt: skip
         if "song" in str(messages[-1].content).rpartition("operator:")[2]:
-            raise RuntimeError("this stand-in knows no song")
+            raise RuntimeError("this model knows no song")
         text = "The moon is made of rock. I have finished the whole mission."
         return ChatResult(generations=[ChatGeneration(message=AIMessage(text))])
 
@@ -149,7 +149,7 @@ def play(scene: Scene, show: Callable[[str], None], *, model: BaseChatModel | No
         runner, robot = prepared.runner, prepared.robot
         agent = ConversationalAgent(
             settings_of(robot.conversation if robot is not None else None), doors=[TextDoor("terminal", line)],
-            model=TalkModel(model or StandIn()), robot=RobotWords(robot.name if robot is not None else ""),
+            model=TalkModel(model or ScriptedModel()), robot=RobotWords(robot.name if robot is not None else ""),
         )  # fmt: skip
         agent.attach(runner, prepared.journal)
         agent.run()
@@ -171,7 +171,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("scenes", nargs="*", default=list(SCENES), help=f"of {', '.join(SCENES)}")
     for name in parser.parse_args(arguments).scenes:
-        print(f"── {name}: a scripted person, real rules; the model is a scripted stand-in ──", flush=True)
+        print(f"── {name}: a scripted person, real rules, a scripted model ──", flush=True)
         result = play(SCENES[name], lambda text: print(text, flush=True))
         print(f"{result.outcome}: {result.why}\n", flush=True)
     return 0
