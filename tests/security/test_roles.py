@@ -11,11 +11,14 @@ from typing import Any
 
 import pytest
 
+from rai_missions.agents.talk.hri_door import HRIDoor
+from rai_missions.connectors.hri.connector import FROM_HUMAN, HRIConnector
 from rai_missions.connectors.hri.message import HRIMessage
-from rai_missions.connectors.hri.wire import message_from_data
+from rai_missions.connectors.hri.wire import TYPE, message_from_data
+from rai_missions.connectors.local import LocalConnector
 from rai_missions.engine.chart import Chart
 from rai_missions.errors import ConnectorError
-from rai_missions.event import Event, is_taken
+from rai_missions.event import Event, Role, is_taken
 from rai_missions.journal.rows import parsed
 from rai_missions.mission.mission import Mission
 from rai_missions.node.command import Command, CommandReply, from_ros, read_order
@@ -74,6 +77,24 @@ def test_no_message_of_a_person_has_a_role() -> None:
         assert (found is None) == ("\0" in name), "a name that no message carries is refused"
         assert found is None or found == HRIMessage(data["text"], name=name, seq_end=False), "the field is read nowhere"
         assert not hasattr(found, "role")
+
+
+def test_every_client_on_the_topic_of_people_is_a_person() -> None:
+    connector, taken = LocalConnector(), list[tuple[str, str]]()
+    connector.start()
+
+    def take(text: str, *, role: Role, channel: str, author: str = "", **_: Any) -> str:
+        taken.append((role, author))
+        return ""
+
+    door = HRIDoor(HRIConnector(connector))
+    door.open(take)
+    sent = [name for name in names() if "\0" not in name]
+    for number, name in enumerate(sent):
+        text, extra = TEXTS[number % len(TEXTS)], {"role": ROLES[number % len(ROLES)], "author": "operator"}
+        connector.publish(FROM_HUMAN, TYPE, {"header": {"frame_id": name}, "text": text, **extra})
+    door.close()
+    assert taken == [("person", name) for name in sent]
 
 
 @pytest.mark.parametrize("role", ["person", "viewer"])
