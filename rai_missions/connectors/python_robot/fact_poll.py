@@ -48,9 +48,14 @@ class FactPoll:
         threading.Thread(target=self._work, name=f"fact '{name}'", daemon=True).start()
 
     def stop(self) -> None:
-        """Read no more; a reading under way brings nothing."""
-        self._is_stopped = True
+        """Read no more; a reading under way brings nothing, and holds up no one who waits for it."""
+        self._end()
         self._time.wake(self._execution)
+
+    def _end(self) -> None:
+        with self._changed:
+            self._is_stopped = True
+            self._changed.notify_all()
 
     def want(self) -> int:
         """Have a reading begin as soon as there is none under way; returns its number."""
@@ -81,6 +86,7 @@ class FactPoll:
         except RunOver:
             return
         finally:
+            self._end()  # whatever ended it: a reading that will never begin is waited for by no one
             self._time.remove(self._execution)
 
     def _read_once(self) -> None:
