@@ -321,11 +321,10 @@ class Operand:
     def __init__(self, path: str, site: Site) -> None:
         self.key, *self.fields = path.split(".")
         self.passing = self.key if self.key in ("event", "answer") and self.key not in site.keys else ""
-        self.max_age_s = None
+        key = None if self.passing else site.keys.get(self.key)
+        self.max_age_s = key.max_age_s if key else None
         if not self.passing:
             site.reads.add(self.key)
-            key = site.keys.get(self.key)
-            self.max_age_s = key.max_age_s if key else None
             if self.max_age_s is not None:
                 site.instants.append(self.goes_stale)
 

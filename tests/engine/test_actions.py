@@ -341,6 +341,19 @@ def test_a_held_state_that_is_left_waits_for_no_control() -> None:
     assert made.waiting == {}
 
 
+def test_a_state_that_is_held_again_within_a_pause_waits_once() -> None:
+    made = Chart(mission({"rest": {"control": "autonomy", "transitions": [transition("go", "done")]}, "done": {}}))
+    made.start(0.0)
+    by: dict[str, Any] = {"by": "operator", "role": "operator"}
+    made.send(Event("operator", 1.0, by, "control"))
+    made.send(Event("pause", 2.0, by, "command"))
+    made.send(Event("autonomy", 3.0, by, "control"))
+    taken = made.send(Event("operator", 4.0, by, "control"))
+    assert taken.notes == ("control: operator",), "it waits for the end of the pause already"
+    made.send(Event("resume", 5.0, by, "command"))
+    assert made.waiting == {"rest": "autonomy"} and made.snapshot()["_laid_by"] == ("rest",)
+
+
 def test_control_taken_and_given_back_in_a_pause_starts_the_goal_once_at_its_end() -> None:
     made = Chart(mission(driving(control="autonomy")))
     number = starts(made.start(0.0))[0].number

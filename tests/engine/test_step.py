@@ -8,8 +8,11 @@ from typing import Any
 import pytest
 
 from rai_missions.engine import Chart
+from rai_missions.engine.configuration import CompiledStep
 from rai_missions.engine.decision import Verdict
+from rai_missions.engine.state import RunState
 from rai_missions.engine.step import Step
+from rai_missions.engine.surroundings import Surroundings
 from rai_missions.event import Event, Tick
 from tests.engine.test_decisions import answers, asked, asking
 from tests.rigs.charts import mission, transition
@@ -17,6 +20,23 @@ from tests.rigs.charts import mission, transition
 
 def command(name: str, at: float = 0.0) -> Event:
     return Event(name, at, {"by": "operator"}, "command")
+
+
+class Once(Surroundings):
+    """Let the mission begin, and allow no step after that."""
+
+    steps = 0
+
+    def before_step(self, state: RunState, step: CompiledStep) -> bool:
+        self.steps += 1
+        return self.steps == 1
+
+
+def test_a_step_that_its_surroundings_do_not_allow_is_not_made_and_ends_the_mission_as_a_cycle() -> None:
+    made = Chart(mission({"a": {"transitions": [transition("go", "b")]}, "b": {}}), surroundings=Once())
+    made.start(0.0)
+    step = made.send(Event("go", 1.0))
+    assert (step.outcome, step.entered, step.why) == ("failed", (), "a cycle without end: internal events")
 
 
 def test_a_proposal_that_counts_has_an_accepted_verdict() -> None:

@@ -170,7 +170,13 @@ def test_a_foreign_guard_and_ours_keep_the_contract_of_guards() -> None:
     keys = {"humidity": Key(float, source="robot"), "other": Key(float, source="robot")}
     facts = [{}, {"humidity": 0.5}, {"humidity": 0.9, "other": 1.0}]
     between = load(MISSION).states["watered"].requires
-    for guard in (between, Compare(key="humidity", less=0.5), Fresh("humidity"), between & ~Fresh("other")):
+    for guard in (
+        between,
+        Compare(key="humidity", less=0.5),
+        Fresh("humidity"),
+        between & ~Fresh("other"),
+        between.held_for(2),
+    ):
         check_guard(guard, keys, facts)
 
 
@@ -319,6 +325,12 @@ def guard_of(
         ("import importlib", "pass", "importlib.import_module('time').time() > 0", "'importlib'"),
         ("SEEN = []", "pass", "SEEN.append(1) is None and len(SEEN) > 2", "'SEEN', which can change"),
         ("def helper():\n    import uuid\n    return uuid.uuid4()", "pass", "helper() is None", "'uuid' (chance)"),
+        (
+            "def made():\n    from time import time\n    return lambda: time() > 0\nlook = made()",
+            "pass",
+            "look()",
+            "'time' (the clock)",
+        ),
         (
             "N = 0\ndef helper():\n    global N\n    N += 1\n    return N",
             "pass",

@@ -12,12 +12,16 @@ from typing import Any
 import jsonschema
 import pytest
 
+from rai_missions.engine import Chart
 from rai_missions.engine.step import CallService, StartGoal
 from rai_missions.errors import DefinitionError, UsageError
-from rai_missions.journal import Record, read
+from rai_missions.event import Event, Tick
+from rai_missions.journal import Header, Journal, Record, read
+from rai_missions.mission.files import dump
 from rai_missions.mission.mission import Mission
 from rai_missions.replay.migrate import Map, load_map, map_schema, migrate
 from rai_missions.replay.open_run import open_run
+from rai_missions.replay.resume import resumption
 from tests.replay.mortal import Fate, Land, live
 from tests.replay.test_kills import ROBOT, Ended, entered, holds
 from tests.rigs.runs import ReplyingAnswerer
@@ -103,6 +107,44 @@ def test_what_is_as_it_was_continues_by_itself(tmp_path: Path) -> None:
     with read(path) as record:
         assert record.last() is not None
         assert {key: value for step in record.steps() for key, value in step.writes}.get("rounds") is None
+
+
+def waiting_for(event: str, version: str, **entry: Any) -> Mission:
+    """A mission that waits for an event, and raises it by itself where `entry` has it so."""
+    return Mission.model_validate({
+        "name": "waiting", "version": version, "initial": "here", "events": {event: {}, "stop": {}},
+        "states": {"here": {"entry": [{"raise": event, **entry}] if entry else [],
+                            "transitions": [{"on": event, "to": "there"}, {"on": "stop", "to": "over"}]},
+                   "there": {"transitions": [{"on": "stop", "to": "over"}]}, "over": {"final": "aborted"}},
+    })  # fmt: skip
+
+
+def carried(tmp_path: Path, was: Mission, now: Mission, *events: Event) -> Chart:
+    """The chart of a run in the mission as it is now, in which the event `go` is called `set_off`."""
+    chart = Chart(was)
+    with Journal.create(tmp_path / "run.journal", Header(dump(was))) as journal:
+        for step in (chart.start(0.0), *map(chart.send, events)):
+            journal.write(step, since=step.at)
+    path = migrate(tmp_path / "run.journal", now, Map(events={"go": "set_off"}), to=tmp_path / "new.journal").journal
+    with read(path) as record:
+        return resumption(record, now).chart
+
+
+def test_an_event_that_came_in_a_pause_counts_at_its_end_under_its_new_name(tmp_path: Path) -> None:
+    by = {"by": "operator"}
+    events = (Event("pause", 1.0, by, "command"), Event("go", 2.0))
+    chart = carried(tmp_path, waiting_for("go", "1.0.0"), waiting_for("set_off", "2.0.0"), *events)
+    assert (chart.mode, chart.active) == ("paused", {"here"})
+    chart.send(Event("resume", 3.0, by, "command"))
+    assert chart.active == {"there"}
+
+
+def test_an_event_that_is_raised_later_is_raised_at_its_time_under_its_new_name(tmp_path: Path) -> None:
+    later = {"after_s": 6, "id": "x"}
+    was, now = waiting_for("go", "1.0.0", **later), waiting_for("set_off", "2.0.0", **later)
+    chart = carried(tmp_path, was, now, Tick(2.0))
+    assert chart.send(Tick(5.5)).entered == ()
+    assert chart.send(Tick(6.0)).entered == ("there",)
 
 
 def test_a_state_that_has_changed_and_is_named_begins_what_it_runs_again(tmp_path: Path) -> None:

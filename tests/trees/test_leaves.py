@@ -44,6 +44,15 @@ def test_a_check_fails_where_its_guard_is_false_or_unknown(fact: bool | None, st
     assert Run({"check": is_true("a")}).tick(a=fact).status == status
 
 
+def test_what_is_looked_at_before_a_branch_that_takes_over_comes_before_the_end_of_the_old_one() -> None:
+    run = Run({"selector": [{"check": is_true("a")}, {"sequence": [{"check": is_true("b")}, {"action": "turn"}]},
+                            {"action": "drive"}], "memory": False})  # fmt: skip
+    assert run.tick(a=False, b=False).started == ("selector/2",)
+    calls = [path for path, _, status in run.tick(a=False, b=True).trace if path.startswith("selector/")]
+    old, new, looked = (calls.index(f"selector/{each}") for each in ("2", "1/sequence/0", "0"))
+    assert looked < old < new
+
+
 @pytest.mark.parametrize("outcome", ["failed", "timed_out", "rejected", "canceled", "unverified", "left"])
 def test_an_action_succeeds_with_succeeded_and_with_nothing_else(outcome: str) -> None:
     run = Run({"action": "drive"})
