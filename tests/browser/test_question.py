@@ -251,7 +251,7 @@ def test_every_part_of_the_page_is_reached_by_keys(asked: Run, look: Look) -> No
         reached.add(window.evaluate(AT))
     wanted = {"who", "pause", "cancel", "take", "e_stop", "follow", "fit", "help", "chart", "legend", "tab-now"}
     assert wanted <= reached
-    asked.send("operator", "control", after_s=0.1, by="operator")
+    asked.send("operator", "control", after_s=0.1, by="operator", role="operator")
     window.wait_for_selector("[data-act=autonomy]")
     assert window.inner_text("#control") == "operator" and window.inner_text("[data-act=agent]") == "give to mission"
     assert window.evaluate("document.querySelector('#bar').getBoundingClientRect().height") < 56
