@@ -20,6 +20,7 @@ from rai_missions.plain_data import listed
 from rai_missions.runtime.lifecycle import Status
 from rai_missions.runtime.runner import Result
 from rai_missions.runtime.view import RunView
+from rai_missions.states import answerer_words
 from rai_missions.states.final import FinalOutcome
 
 __all__ = ("Lines", "Person", "Tone", "trimmed")
@@ -235,7 +236,7 @@ class Lines:
         if self._is_vain(ask):
             return
         again = f", attempt {question.attempt}" if question.attempt > 1 else ""
-        self._print(f"{'':13}question {question.number} to {question.asked}{again}", "question")
+        self._print(f"{'':13}question {question.number} to {answerer_words(question.asked)}{again}", "question")
 
     def _is_vain(self, effect: Effect) -> bool:
         """It asks one who cannot answer in this run, which the head of the run reports once."""

@@ -9,9 +9,11 @@ from __future__ import annotations
 from collections.abc import Collection, Sequence
 from typing import Any, NamedTuple
 
-from rai_missions.engine.step import Step
+from rai_missions.engine.step import Step, control_note
 from rai_missions.event import Event, is_e_stop
 from rai_missions.plain_data import plain
+from rai_missions.states import answerer_words
+from rai_missions.states.state import CONTROLLERS
 
 __all__ = ("Description", "describe", "effect_word", "event_words", "resting_words", "step_json", "way_words")
 
@@ -23,7 +25,7 @@ class Description(NamedTuple):
     """A step in words."""
 
     event: str
-    """Such as `anomaly`, `drive (3)`, `agent answers`, `time`."""
+    """Such as `anomaly`, `drive (3)`, `the model answers`, `time`."""
     way: str
     """States left and entered, such as `driving → assessing`; empty where none was entered."""
     effects: tuple[str, ...]
@@ -41,10 +43,12 @@ class Description(NamedTuple):
 def describe(step: Step) -> Description:
     """A step in words."""
     resting = resting_words(step)
+    note, holder = control_note(step.event.name), CONTROLLERS.get(step.event.name, step.event.name)
+    remarks = tuple(control_note(holder) if each == note else each for each in step.remarks)
     verdicts = tuple(step.notes[each.note] for each in step.verdicts if each.note is not None)
     return Description(
         event_words(step.event), way_words(step.exited, step.entered),
-        tuple(effect.describe() for effect in step.effects), verdicts, (*step.remarks, *resting),
+        tuple(effect.describe() for effect in step.effects), verdicts, (*remarks, *resting),
         f"{step.outcome}: {step.why}" if step.outcome else step.why, (*step.notes, *resting),
     )  # fmt: skip
 
@@ -82,7 +86,7 @@ def event_words(event: Event) -> str:
     if event.kind in ("accepted", "result"):
         return f"{event.name} ({event.number})"
     if event.kind == "proposal":
-        return f"{event.name} answers"
+        return f"{answerer_words(event.name)} answers"
     if is_e_stop(event):
         return "e-stop"
     return {"tick": "time", "control": "control"}.get(event.kind, event.name)

@@ -20,6 +20,7 @@ from rai_missions.engine.program import Program
 from rai_missions.engine.reports import handle_late
 from rai_missions.engine.running import begin, leave_activity, request_control
 from rai_missions.engine.state import RunState, refuse
+from rai_missions.engine.step import control_note
 from rai_missions.errors import suggestion
 from rai_missions.event import Event, is_taken
 from rai_missions.states.state import HOLDERS
@@ -36,7 +37,7 @@ def receive_control(program: Program, state: RunState, event: Event) -> None:
     before = held_by(state)
     state.taken = is_taken(event, holder=state.holder or "", taken=state.taken, asked=state.asked)
     state.holder, state.asked = holder, "" if state.asked == event.name else state.asked
-    state.draft.notes.append(f"control: {event.name}")
+    state.draft.notes.append(control_note(event.name))
     if state.mode == "ready":
         return
     if held_by(state) != before:

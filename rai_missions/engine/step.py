@@ -14,12 +14,14 @@ from rai_missions.engine.modes import Mode
 from rai_missions.event import Event
 from rai_missions.guards.guard import Truth
 from rai_missions.plain_data import listed
+from rai_missions.states import answerer_words
 from rai_missions.states.final import FinalOutcome
-from rai_missions.states.state import Holder
+from rai_missions.states.state import CONTROLLERS, Holder
 
 __all__ = (
     "Ask", "CallService", "CancelGoal", "Cause", "Effect", "Handover", "LogLine", "Move", "PublishMessage",
-    "Refusal", "SayAloud", "StartBehaviour", "StartGoal", "Step", "StopBehaviour", "Withdraw", "step_count",
+    "Refusal", "SayAloud", "StartBehaviour", "StartGoal", "Step", "StopBehaviour", "Withdraw", "control_note",
+    "step_count",
 )  # fmt: skip
 
 
@@ -105,7 +107,7 @@ class Ask(NamedTuple):
 
     def describe(self) -> str:
         """The effect in words."""
-        return f"ask {self.question.asked} (question {self.question.number})"
+        return f"ask {answerer_words(self.question.asked)} (question {self.question.number})"
 
 
 class Withdraw(NamedTuple):
@@ -125,7 +127,7 @@ class Handover(NamedTuple):
 
     def describe(self) -> str:
         """The effect in words."""
-        return f"ask for control to go to {self.to}"
+        return f"ask for control to go to {CONTROLLERS.get(self.to, self.to)}"
 
 
 class StartBehaviour(NamedTuple):
@@ -291,3 +293,8 @@ def step_count(steps: Iterable[Step]) -> int:
             count += last.seq
         last = step
     return count + (last.seq if last is not None else 0)
+
+
+def control_note(holder: str) -> str:
+    """The note of a step on who has control; journals keep it with the holder's own word."""
+    return f"control: {holder}"

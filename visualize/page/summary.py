@@ -102,6 +102,8 @@ class MissionSummary(NamedTuple):
     """What ends the mission from any state, without a transition."""
     controllers: tuple[Fact, ...]
     """Who commands the actuators, and in which states."""
+    words: tuple[str, ...]
+    """The words to explain: `model`, `rules` where they are asked, `mission` where it commands the actuators."""
 
 
 class _Edge(NamedTuple):
@@ -132,6 +134,11 @@ class _Reader:
         mission, sites = self.mission, [*questions(self.mission)]
         answered = {target for site in sites if "agent" in site.asked.ask for target in self._answers(site)}
         at_once = self.roads.at_once(answered)
+        used = {
+            "model": any("agent" in site.asked.ask for site in sites),
+            "rules": any("rules" in site.asked.ask for site in sites),
+            "mission": any(state.control == "agent" for _, _, state in mission.walk()),
+        }
         return MissionSummary(
             purpose=mission.about or "What this mission is for is not written: give it an 'about'.",
             asked=self._asked(sites),
@@ -145,6 +152,7 @@ class _Reader:
             ),
             interruptions=(*INTERRUPTIONS, _canceled(mission)),
             controllers=tuple(_controllers(mission)),
+            words=tuple(word for word, is_used in used.items() if is_used),
         )
 
     def _asked(self, sites: list[DecisionSite]) -> str:

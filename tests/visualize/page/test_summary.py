@@ -125,3 +125,13 @@ def test_the_answers_in_the_documents_are_those_of_the_page() -> None:
         ]
         assert len(answers) > 8
         assert [line for line in answers if line not in text] == []
+
+
+def test_only_the_words_that_a_mission_needs_are_explained() -> None:
+    assert summary(tractor()).words == ("model", "rules", "mission")
+    plain = {"format": 1, "name": "m", "initial": "a", "states": {"a": {"transitions": [{"after_s": 1, "to": "b"}]},
+             "b": {"final": "aborted"}}}  # fmt: skip
+    assert summary(Mission.model_validate(plain)).words == ()
+    asked = {"decision": {"question": "?", "options": {"x": {}}, "ask": ["operator", "rules"], "fallback": "x"},
+             "transitions": [{"on": "x", "to": "b"}]}  # fmt: skip
+    assert summary(Mission.model_validate(plain | {"states": {**plain["states"], "a": asked}})).words == ("rules",)

@@ -73,10 +73,11 @@ class Summary {
 
   words() {
     const words = [
-      ["the model", "the language model that a run is given; it proposes an option, and may set nothing itself. In the file: ask \"agent\""],
-      ["the fixed rules", "answers by condition, written in the robot's profile; no model is part of them. In the file: ask \"rules\""],
-      ["controlled by the mission itself", "this program commands the actuators there; whether a model is asked is another matter. In the file: control \"agent\""],
-    ];
-    return make("section", {}, make("h3", {}, "Words"), make("dl", { class: "words" }, words.map(([word, sense]) => [make("dt", {}, word), make("dd", {}, sense)])));
+      ["model", "the model", "the language model that a run is given; it proposes an option, and may set nothing itself. In the file: ask \"agent\""],
+      ["rules", "the fixed rules", "answers by condition, written in the robot's profile; no model is part of them. In the file: ask \"rules\""],
+      ["mission", "controlled by the mission itself", "this program commands the actuators there; whether a model is asked is another matter. In the file: control \"agent\""],
+    ].filter(([key]) => this.given.words.includes(key));
+    if (!words.length) return "";
+    return make("section", {}, make("h3", {}, "Words"), make("dl", { class: "words" }, words.map(([, word, sense]) => [make("dt", {}, word), make("dd", {}, sense)])));
   }
 }
