@@ -253,7 +253,7 @@ class ConversationalAgent:
         if line is not None and result != "whole":
             self._show(line._replace(spoken=result))
         self._perform(self._dialogue.on_speech_end(SpeechEnd(speech.key, result, self._now())))
-        if speech.priority == "end" and result == "whole":
+        if speech.report.endswith(":end") and result == "whole":
             self._end_reported.set()
         self._look_at_doors()
 

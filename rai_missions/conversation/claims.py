@@ -16,7 +16,7 @@ from typing import Literal
 
 from rai_missions.conversation.claim_words import ClaimWords, Subject
 from rai_missions.conversation.language import language, languages, spoken
-from rai_missions.conversation.normalise import readable
+from rai_missions.conversation.normalise import LONGEST_WORD, readable
 from rai_missions.conversation.view import StatusView
 
 __all__ = ("ClaimKind", "Claims")
@@ -27,7 +27,7 @@ ClaimKind = Literal[
 """Why a sentence is replaced; empty where it is not."""
 CLAUSES = re.compile(r"[,;:()\n–—…|/]+|\s-+\s|[.!?]+\s+|\b(?=that\b)")
 DISGUISES = str.maketrans({"0": "o", "1": "i", "3": "e", "4": "a", "5": "s", "7": "t", "@": "a", "$": "s"})
-MIXED = re.compile(r"(?=\w*[^\W\d_])(?=\w*[\d])\w+|\w*[@$]\w+")
+MIXED = re.compile(r"\b(?=\w*[^\W\d_])(?=\w*\d)\w+|\b\w*[@$]\w+")
 SPACED = re.compile(r"\b(?:[^\W\d_] ){2,}[^\W\d_]\b")
 MARKS = re.compile(r"[*_`~#>\"“”„«»\[\]{}]+|(?<!\w)'|'(?!\w)")
 LEAST_SHARE = 0.15
@@ -59,6 +59,8 @@ class Claims:
         if any(each.isalpha() and "LATIN" not in unicodedata.name(each, "") for each in text):
             return "script"
         words = self._own.words(text)
+        if words and max(map(len, words)) > LONGEST_WORD:
+            return "script"
         if not words:
             return "script" if sentence.strip(" \n.!?…-") else ""
         if self._own.harmless.fits(words):

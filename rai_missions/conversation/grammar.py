@@ -11,7 +11,7 @@ from collections.abc import Iterator, Sequence
 from rai_missions.conversation.arguments import BadValue, read_arguments
 from rai_missions.conversation.language import Language, spoken
 from rai_missions.conversation.named import key_named, missions_named, option_named
-from rai_missions.conversation.normalise import is_near, once
+from rai_missions.conversation.normalise import LONGEST_WORD, is_near, once
 from rai_missions.conversation.senses import Sense
 from rai_missions.conversation.view import KeyView, MissionView, StatusView
 from rai_missions.engine.decision import Offer
@@ -21,6 +21,10 @@ __all__ = ("STOP", "Grammar")
 STOP = Sense("order", "stop")
 MOST_WORDS = 40
 """Words of the longest sentence that may be an order or a question of state."""
+MOST_MENDED = 12
+"""Words of the longest sentence in which misspelled words are mended."""
+MOST_PARTS = 6
+"""Sentences of an utterance that are read; of more, only a stop at its beginning or end counts."""
 NEAREST = 5
 """Letters of the shortest word whose misspelling is mended."""
 JSON_TYPES = {"integer": "integer", "number": "number", "boolean": "boolean", "string": "string"}
@@ -48,6 +52,8 @@ class Grammar:
         parts = [] if whole else self.language.normaliser.parts(text)
         if len(parts) < 2:
             return whole
+        if len(parts) > MOST_PARTS:
+            parts = [parts[0], "", parts[-1]]
         each = [self._sentence(part, view) for part in parts]
         if STOP in each[0] or STOP in each[-1]:
             return (STOP,)
@@ -57,12 +63,12 @@ class Grammar:
     def _sentence(self, text: str, view: StatusView) -> tuple[Sense, ...]:
         normaliser = self.language.normaliser
         words = normaliser.words(text)
-        if not words or len(words) > MOST_WORDS:
+        if not words or len(words) > MOST_WORDS or max(map(len, words)) > LONGEST_WORD:
             return ()
         names = (view.robot, spoken(view.robot), view.robot.partition(",")[0])
         bare = list(once(normaliser.bare(words, names)))
         found = self._words(bare, view) or self._words(words, view)
-        return found or self._mended(bare, view)
+        return found or (self._mended(bare, view) if len(bare) <= MOST_MENDED else ())
 
     def _mended(self, words: list[str], view: StatusView) -> tuple[Sense, ...]:
         """As after small errors of a recogniser or a keyboard."""

@@ -10,10 +10,12 @@ from typing import Any
 
 from rai_missions.redaction import cut
 
-__all__ = ("LONGEST", "Normaliser", "is_near", "once", "readable")
+__all__ = ("LONGEST", "LONGEST_WORD", "Normaliser", "is_near", "once", "readable")
 
 LONGEST = 2_000
 """Characters of a sentence that are read; no order is longer."""
+LONGEST_WORD = 60
+"""Letters of a word; a longer one is none, and a sentence with it is not read."""
 QUOTES = re.compile(r"[\"“”„«»]")
 SENTENCES = re.compile(r"(?<=[.!?;])\s+")
 TOKEN = re.compile(r"\d+(?:st|nd|rd|th)\b|-?\d+(?:[.,]\d+)*|[^\W\d_]+(?:'[^\W\d_]+)*|[^\W_]+")

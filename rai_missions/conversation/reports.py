@@ -87,14 +87,7 @@ class Reports:
             yield f"{run}:waits:{view.revision}", language.text("report_waits", waits=waits), "question"
         self._waits = f"{run}:{waits}" if waits else ""
         if view.mode and not is_alive(view):
-            self._hurry(run)
             yield f"{run}:end", self._end(view), "end"
-
-    def _hurry(self, run: str) -> None:
-        """What is owed of a run that has ended comes before its end, with the end's priority."""
-        for each in list(self._all.values()):
-            if each.state == "owed" and each.identity.startswith(f"{run}:"):
-                self._all[each.identity] = each._replace(priority="end")
 
     def _end(self, view: StatusView) -> str:
         why, mode = about_words(view.why), self._language.word("modes", view.mode)
@@ -107,18 +100,17 @@ class Reports:
         return text
 
     def due(self, at: float, *, now: bool = False) -> list[MissionReport]:
-        """What is to be spoken: the end of a mission first, then the oldest.
+        """What is to be spoken, the oldest first, so that no end comes before its start; priorities are the speaker's.
 
         Args:
             at: The present.
             now: Also what waits for the end of a person's sentence: before the next answer.
         """
-        ready = [
+        return [
             each
             for each in self._all.values()
             if (each.state == "owed" and (now or each.due <= at)) and (each.tries == 0 or self.is_speaker_alive)
         ]
-        return sorted(ready, key=lambda each: each.priority != "end")
 
     def begin(self, report: MissionReport, key: str) -> MissionReport:
         """The report is being spoken under this key."""

@@ -1,0 +1,105 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A dialogue's limits: what a profile may grant, what outlives a process, and how much is kept."""
+
+from __future__ import annotations
+
+import json
+from typing import Any
+
+import pytest
+
+from rai_missions.conversation import (
+    AskModel,
+    Dialogue,
+    ModelText,
+    Settings,
+    Speech,
+    SpeechEnd,
+    StatusView,
+    Utterance,
+    permissions,
+)
+from rai_missions.conversation.sentences import SentenceStream, sentences
+from rai_missions.errors import UsageError
+
+RUNNING = StatusView(run="r", mode="running", mission="patrol")
+
+
+def test_a_profile_adds_to_what_a_role_may() -> None:
+    assert permissions({"person": ["answer"]})["person"] == {"ask", "stop", "answer"}
+    assert permissions({})["viewer"] == {"ask"}
+
+
+@pytest.mark.parametrize(
+    ("granted", "message"),
+    [
+        ({"persn": ["stop"]}, "'may' names no role: 'persn'; did you mean 'person'?"),
+        ({"person": ["paus"]}, "'may' of 'person' names no order: 'paus'; did you mean 'pause'?"),
+        ({"person": "stop"}, "'may' of 'person' is no list: 'stop'; give a list of: ask, start"),
+    ],
+)
+def test_what_a_profile_cannot_grant_is_refused_with_what_it_can(granted: dict[str, Any], message: str) -> None:
+    with pytest.raises(UsageError) as error:
+        permissions(granted)
+    assert message in str(error.value)
+
+
+def test_the_history_is_bounded() -> None:
+    dialogue = Dialogue(Settings(history=6), RUNNING)
+    for at in range(20):
+        dialogue.on_utterance(Utterance("hello", "operator", "terminal", at=at), RUNNING)
+    assert len(dialogue.history) == 6
+    assert [each.number for each in dialogue.history] == sorted(each.number for each in dialogue.history)
+
+
+def test_a_snapshot_is_json_and_keeps_what_was_spoken() -> None:
+    dialogue = Dialogue(view=RUNNING)
+    (start,) = (each for each in dialogue.on_status(RUNNING, 0.0) if isinstance(each, Speech))
+    dialogue.on_speech_end(SpeechEnd(start.key, "whole", 1.0))
+    saved = json.loads(json.dumps(dialogue.snapshot()))
+    again = Dialogue.restore(saved, view=RUNNING)
+    assert again.on_status(RUNNING, 2.0) == ()
+    assert again.unspoken == ()
+
+
+def test_time_never_goes_back() -> None:
+    dialogue = Dialogue(view=RUNNING)
+    dialogue.on_utterance(Utterance("cancel the mission", "operator", "terminal", at=100.0), RUNNING)
+    dialogue.on_time(50.0)
+    outputs = dialogue.on_utterance(Utterance("yes", "operator", "terminal", at=0.0), RUNNING)
+    assert any(getattr(each, "name", "") == "cancel" for each in outputs)
+
+
+def test_a_reply_without_end_is_bounded() -> None:
+    dialogue = Dialogue(Settings(has_model=True), RUNNING)
+    asked = dialogue.on_utterance(Utterance("a story, please", "operator", "terminal", at=1.0), RUNNING)
+    (request,) = (each for each in asked if isinstance(each, AskModel))
+    spoken = [
+        each
+        for _ in range(200)
+        for each in dialogue.on_model(ModelText(request.number, "You can ask. ", at=2.0))
+        if isinstance(each, Speech)
+    ]
+    assert len(spoken) == 12
+
+
+@pytest.mark.parametrize(
+    ("text", "whole", "rest"),
+    [
+        ("One. Two! Thr", ["One.", "Two!"], "Thr"),
+        ("E.g. apples are red. And", ["E.g. apples are red."], "And"),
+        ("It costs 2. 5 is more. ", ["It costs 2. 5 is more."], ""),
+        ("line one\nline two", ["line one"], "line two"),
+    ],
+)
+def test_a_text_is_split_into_sentences(text: str, whole: list[str], rest: str) -> None:
+    assert sentences(text) == (whole, rest)
+
+
+def test_a_stream_gives_each_sentence_once_whatever_the_pieces() -> None:
+    text, stream, out = "First one. Second one! And the third", SentenceStream(), list[str]()
+    for letter in text:
+        stream, whole = stream.add(letter, is_end=False)
+        out += whole
+    _, whole = stream.add("", is_end=True)
+    assert [*out, *whole] == ["First one.", "Second one!", "And the third"]

@@ -1,0 +1,104 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The grammar reads whole sentences, their numbers and small errors, and nothing inside other talk."""
+
+from __future__ import annotations
+
+import json
+import time
+from pathlib import Path
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from rai_missions.conversation import KeyView, MissionView, StatusView
+from rai_missions.conversation.grammar import STOP, Grammar
+from rai_missions.conversation.language import language, languages
+from rai_missions.conversation.normalise import is_near
+from rai_missions.conversation.numbers import number
+from rai_missions.conversation.phrases import Phrases
+from rai_missions.engine.decision import Offer, Question
+from rai_missions.errors import UsageError
+
+STORED = json.loads((Path(__file__).parent / "data/sentences.json").read_text("utf-8"))
+LAPS = KeyView("laps", "integer", "argument")
+VIEW = StatusView(mode="running", mission="patrol", robot="rob", missions=(MissionView("patrol", "", (LAPS,)),))
+ENGLISH = Grammar(language("en"))
+
+
+@pytest.mark.parametrize("code", languages())
+def test_each_sentence_that_stops_stops(code: str) -> None:
+    grammar = Grammar(language(code))
+    assert [each for each in STORED["stops"][code] if grammar.senses(each, VIEW) != (STOP,)] == []
+
+
+@pytest.mark.parametrize("code", languages())
+def test_an_order_inside_other_talk_is_none(code: str) -> None:
+    grammar, asked = Grammar(language(code)), Question(1, "s", "operator", "?", (Offer("wait", "wait here"),))
+    read = {
+        each: grammar.senses(each, view)
+        for each in STORED["talk"][code]
+        for view in (VIEW, VIEW._replace(question=asked))
+    }
+    orders = {each: senses for each, senses in read.items() if any(sense.kind == "order" for sense in senses)}
+    assert orders == {}
+
+
+@given(st.text(max_size=300))
+@settings(max_examples=60, deadline=None, derandomize=True)
+def test_no_text_breaks_the_grammar_or_keeps_it_long(text: str) -> None:
+    began = time.process_time()
+    for each in (text, text * 20):
+        ENGLISH.senses(each, VIEW)
+    assert time.process_time() - began < 0.5
+
+
+@pytest.mark.parametrize(
+    ("code", "words", "value"),
+    [
+        ("en", "twenty five", 25), ("en", "one hundred and two", 102), ("en", "minus two", -2), ("en", "2.5", 2.5),
+        ("en", "three point five", 3.5), ("en", "two thousand", 2000), ("en", "five five", None),
+        ("en", "apples", None),
+        ("de", "fünfundzwanzig", 25), ("de", "drei komma fünf", 3.5), ("de", "2,5", 2.5), ("de", "1.500", 1500),
+        ("en", "1,500", 1500), ("en", "9" * 30, None),
+    ],
+)  # fmt: skip
+def test_numbers_are_read_in_words_and_digits(code: str, words: str, value: float | None) -> None:
+    assert number(words.split(), language(code).data) == value
+
+
+@pytest.mark.parametrize(
+    ("one", "other", "near"),
+    [("pause", "pasue", True), ("pause", "paus", True), ("pause", "pausse", True), ("pause", "cause", True),
+     ("pause", "cases", False), ("stop", "stop", True), ("", "a", True), ("abcd", "badc", False)],
+)  # fmt: skip
+def test_words_are_near_by_one_letter(one: str, other: str, near: bool) -> None:
+    assert is_near(one, other) is near
+    assert is_near(other, one) is near
+
+
+def test_a_faulty_phrase_is_refused_with_its_text() -> None:
+    with pytest.raises(UsageError, match=r"the phrase '\(stop' is not closed"):
+        Phrases(["(stop"], {})
+    with pytest.raises(UsageError, match="the phrase 'stop <it>' names no part: '<it>'; there is: robot"):
+        Phrases(["stop <it>"], {"robot": "it"})
+
+
+def test_a_language_without_a_file_is_refused_with_those_that_have_one() -> None:
+    with pytest.raises(UsageError, match="no language 'fr'; there is: de, en"):
+        language("fr")
+
+
+def test_every_language_has_the_same_tables_and_templates() -> None:
+    first, *others = (language(code).data for code in languages())
+    for other in others:
+        assert other.keys() == first.keys()
+        for table in ("texts", "questions", "orders", "modes", "claims", "happenings", "order_names"):
+            assert other[table].keys() == first[table].keys(), table
+        for name, text in first["texts"].items():
+            if isinstance(text, str):
+                assert set(_slots(other["texts"][name])) <= {*_slots(text), "name"}, name
+
+
+def _slots(text: str) -> list[str]:
+    return [part.partition("}")[0] for part in text.split("{")[1:]]
