@@ -110,8 +110,9 @@ def test_a_function_that_does_not_wait_is_named_and_its_time_out_comes_all_the_s
     assert entered["lost"] - began >= 0.1 + 0.2, "from then on time passes as on the wall"
     assert result.outcome == "aborted"
     assert [each.reason for each in result.open_goals] == ["orphaned"]
-    (named,) = [each.getMessage() for each in caplog.records if "without waiting in run.sleep" in each.getMessage()]
-    assert named.startswith("action 'think' has executed for 0.1 s")
+    named = [each.getMessage() for each in caplog.records if "without waiting in run.sleep" in each.getMessage()]
+    of_it = [each for each in named if each.startswith("action 'think' has executed for 0.1 s")]
+    assert len(of_it) == 1, "once; on a busy machine a fact may take as long"
 
 
 def test_a_fact_that_hangs_goes_stale(robot: PythonRobot) -> None:
