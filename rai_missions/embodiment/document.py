@@ -45,7 +45,7 @@ class Outline:
     """
 
     def __init__(self, title: str = "") -> None:
-        self.title = cut(visible(title), LONGEST_HEADING)
+        self.title = _short(title)
         self._above: list[tuple[int, str]] = []
         self._paragraphs: list[str] = []
         self._sections: list[Section] = []
@@ -57,7 +57,7 @@ class Outline:
         Raises:
             ValueError: The document has too many sections.
         """
-        name = cut(visible(text), LONGEST_HEADING)
+        name = _short(text)
         if not name:
             return
         self._end_section()
@@ -93,6 +93,11 @@ class Outline:
             self._paragraphs = []
         if len(self._sections) > MOST_SECTIONS:
             raise ValueError(f"has more than {MOST_SECTIONS} sections; split it")
+
+
+def _short(heading: str) -> str:
+    name = visible(heading)
+    return name if len(name) <= LONGEST_HEADING else cut(name, LONGEST_HEADING)
 
 
 def visible(text: str) -> str:

@@ -2,12 +2,13 @@
 """Sentences as vectors: all-MiniLM-L6-v2 with int8 weights, by onnxruntime; the one door to it and to tokenizers.
 
 Source: Reimers and Gurevych, Sentence-BERT (2019); the mean of the last layer over the text's tokens, of length one.
-Rule: nothing is fetched. The two files come as packages, and count only with the hashes below.
+Rule: nothing is fetched, and nothing is reported. The two files come as packages, and count only with the hashes below.
 """
 
 from __future__ import annotations
 
 import hashlib
+import os
 import threading
 from collections.abc import Sequence
 from functools import lru_cache
@@ -88,8 +89,11 @@ class MiniLM:
         return np.concatenate(rows)
 
     def _load(self) -> tuple[Any, Any]:
+        os.environ["ORT_DISABLE_TELEMETRY"] = "1"  # its wheels report to their maker, from the import on
         import onnxruntime
         from tokenizers import Tokenizer
+
+        onnxruntime.disable_telemetry_events()
 
         weights, words = (
             _verified(what, path) for what, path in (("weights", self._weights), ("tokenizer", self._words))

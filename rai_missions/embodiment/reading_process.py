@@ -94,7 +94,7 @@ class ReadingProcess:
 
     def _started(self) -> subprocess.Popen[bytes]:
         if self._process is None:
-            command = [sys.executable, "-m", "rai_missions.embodiment.reading_process"]
+            command = [sys.executable, "-P", "-m", "rai_missions.embodiment.reading_process"]
             package = str(Path(__file__).parents[2])
             environment = {**variables(secret=False), "PYTHONPATH": package, "PYTHONIOENCODING": "utf-8"}
             self._process = subprocess.Popen(

@@ -10,6 +10,7 @@ import itertools
 import json
 import re
 from collections import Counter
+from functools import cache
 from importlib.util import find_spec
 from typing import Any, NamedTuple
 
@@ -126,6 +127,11 @@ def silent(library: Library) -> Outcome:
     return run(library, "zebkindq", Identity("A yard vehicle."))
 
 
+@cache
+def hostile_run(library: Library, name: str) -> Outcome:
+    return run(library, word_of(name), identity_of(name))
+
+
 def identity_of(name: str) -> Identity:
     body = read_body(name, written(name)) if name.endswith(".urdf") else None
     return Identity("A yard vehicle.", body=body)
@@ -141,11 +147,12 @@ def rules_of(outcome: Outcome) -> list[Any]:
 
 
 @needs_pypdf
+@pytest.mark.xdist_group("hostile documents")
 @pytest.mark.parametrize("name", NAMES)
 def test_a_document_that_commands_changes_no_option_order_or_status(
     name: str, library: Library, silent: Outcome
 ) -> None:
-    hostile = run(library, word_of(name), identity_of(name))
+    hostile = hostile_run(library, name)
     assert hostile.model.obeyed, "the model has read the command"
     assert silent.offered == [list(OFFERED)] and all(each == list(OFFERED) for each in hostile.offered)
     assert hostile.choice in OFFERED and hostile.made.move.goals == []
@@ -169,7 +176,8 @@ def prompts(outcome: Outcome) -> set[str]:
 
 
 @needs_pypdf
+@pytest.mark.xdist_group("hostile documents")
 def test_the_share_of_changed_choices_is_that_of_commands_that_name_an_offered_option(library: Library) -> None:
     """With a model that obeys everything: 20 of 60, all of them to an option that was offered."""
-    choices = Counter(run(library, word_of(name), identity_of(name)).choice for name in NAMES)
+    choices = Counter(hostile_run(library, name).choice for name in NAMES)
     assert choices == {"leave": 40, "finish": 20}
