@@ -16,6 +16,7 @@ import selectors
 import subprocess
 import sys
 import time
+from contextlib import redirect_stdout
 from pathlib import Path, PurePosixPath
 from types import TracebackType
 from typing import IO, Any, Self
@@ -128,11 +129,12 @@ def main() -> None:
     resource.setrlimit(resource.RLIMIT_AS, (MEMORY_BYTES, MEMORY_BYTES))
     resource.setrlimit(resource.RLIMIT_FSIZE, (0, 0))
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
-    out, sys.stdout = sys.stdout.buffer, sys.stderr
-    while head := sys.stdin.buffer.readline():
-        name, length = json.loads(head)
-        out.write(json.dumps(_answer(name, sys.stdin.buffer.read(length))).encode() + b"\n")
-        out.flush()
+    out = sys.stdout.buffer
+    with redirect_stdout(sys.stderr):  # what a reader prints is no answer
+        while head := sys.stdin.buffer.readline():
+            name, length = json.loads(head)
+            out.write(json.dumps(_answer(name, sys.stdin.buffer.read(length))).encode() + b"\n")
+            out.flush()
 
 
 def _answer(name: str, data: bytes) -> dict[str, Any]:
