@@ -190,12 +190,11 @@ class _Judged:
         words = rules.skip_lead(words)
         if not words:
             return False
-        first = words[0]
-        return (
-            first in rules.acts
-            or (rules.is_past(first) and first not in rules.imperative)
-            or rules.is_progressive(first)
-        )
+        first, after = words[0], set(rules.skip(words[1:])[:1])
+        if first in rules.second and not rules.verb_second and after & (rules.acts | rules.places):
+            return True
+        is_past = rules.is_past(first) and first not in rules.imperative
+        return is_past or first in rules.acts or rules.is_progressive(first)
 
     def _has_second_verb(self, words: Sequence[str]) -> bool:
         """`I understand and have moved`: a second verb of the same subject."""

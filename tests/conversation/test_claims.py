@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import json
+from itertools import cycle
 from pathlib import Path
 
 import pytest
@@ -28,7 +29,7 @@ def test_no_claim_about_the_robot_passes(code: str) -> None:
 @pytest.mark.parametrize("code", sorted(DATA["claims"]))
 def test_no_claim_passes_in_another_dress(code: str) -> None:
     claims = Claims(code)
-    dressed = [dress.format(each) for each in DATA["claims"][code] for dress in DRESSES]
+    dressed = [dress.format(each) for dress, each in zip(cycle(DRESSES), DATA["claims"][code], strict=False)]
     assert [each for each in dressed if not claims.why_replaced(each, VIEW)] == []
 
 
