@@ -35,6 +35,8 @@ class ProcessAgent:
         self._lines: deque[str] = deque(maxlen=MOST_LINES)
         self._reader: threading.Thread | None = None
         self._is_stopped = False
+        self._is_clean = True
+        self._lock = threading.Lock()
 
     def run(self) -> None:
         """Begin it; one that has ended begins again.
@@ -44,12 +46,14 @@ class ProcessAgent:
         """
         if self._process is not None and self._process.poll() is None:
             return
+        self._clean_up()
         self._lines.clear()
         self._is_stopped = False
-        self._process = process = subprocess.Popen(
+        process = subprocess.Popen(
             self._command, stdin=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, errors="replace",
             start_new_session=True, env=dict(self._environment) if self._environment is not None else None,
         )  # fmt: skip
+        self._process, self._is_clean = process, False
         self._reader = threading.Thread(target=self._read, args=(process,), name="agent's errors", daemon=True)
         self._reader.start()
 
@@ -65,8 +69,10 @@ class ProcessAgent:
                 process.wait(self._stop_s)
             except subprocess.TimeoutExpired:
                 pass
-        end_session(process.pid)
-        process.wait()
+        if process.poll() is None:
+            process.kill()
+            process.wait()
+        self._clean_up()
         if self._reader is not None:
             self._reader.join(1.0)
 
@@ -80,6 +86,7 @@ class ProcessAgent:
         values = {"pid": str(process.pid)}
         if status is None:
             return AgentHealth("running", "", values)
+        self._clean_up()
         if self._is_stopped:
             return AgentHealth("stopped", "", values)
         if status == 0:
@@ -89,6 +96,13 @@ class ProcessAgent:
             self._reader.join(0.2)
         last = next((line for line in reversed(self._lines) if line.strip()), "")
         return AgentHealth("died", f"{how}: {cut(last.strip(), 200)}" if last else how, values)
+
+    def _clean_up(self) -> None:
+        """End what is left of its session, once and as soon as its end is known: the number may be another's later."""
+        with self._lock:
+            if not self._is_clean and self._process is not None:
+                self._is_clean = True
+                end_session(self._process.pid)
 
     def _read(self, process: subprocess.Popen[str]) -> None:
         assert process.stderr is not None

@@ -224,3 +224,28 @@ def test_health_is_a_message_of_ros() -> None:
     received = to_data(to_message(find_type(DIAGNOSTIC_ARRAY, "msg"), sent))
     assert received["status"] == sent["status"]
     assert received["header"]["stamp"] == {"sec": 12, "nanosec": 500_000_000}
+
+
+def test_what_a_program_leaves_behind_ends_with_it() -> None:
+    child = "import subprocess, sys; subprocess.Popen([sys.executable, '-c', 'import time; time.sleep(600)'])"
+    agent = ProcessAgent([sys.executable, "-c", child])
+    agent.run()
+    session = int(agent.health.values["pid"])
+    until = time.monotonic() + 30
+    while agent.health.state == "running" and time.monotonic() < until:
+        threading.Event().wait(0.02)
+    assert agent.health.state == "ended"
+    while is_group(session) and time.monotonic() < until:
+        threading.Event().wait(0.02)
+    assert not is_group(session)
+    agent.stop()
+    assert agent.health.state == "ended"
+
+
+def is_group(number: int) -> bool:
+    """Whether any process is in a group."""
+    try:
+        os.killpg(number, 0)
+    except ProcessLookupError:
+        return False
+    return True
