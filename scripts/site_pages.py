@@ -32,7 +32,7 @@ SECTIONS = {
     "Tutorial": "tutorial/**/*.md", "Guides": "guide/*.md", "Coming from": "coming-from/*.md",
     "Notebooks": "notebooks/*.md",
 }  # fmt: skip
-INSIDE = ("architecture.md", "guarantees.md", "security.md")
+INSIDE = ("paper.md", "architecture.md", "guarantees.md", "security.md")
 
 
 def on_config(config: MkDocsConfig) -> MkDocsConfig:
