@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a model may look at in a conversation: who the robot is, what its rules report, and the pictures it has.
+"""What a model may look at in a conversation: who the robot is, its documents, what its rules report, its pictures.
 
 Rule: a tool reads values and changes nothing. What the robot reported is quoted, as data.
 """
@@ -15,6 +15,7 @@ from rai_missions.conversation import StatusView
 from rai_missions.embodiment.identity import Identity
 from rai_missions.image import Image
 from rai_missions.plain_data import listed
+from rai_missions.tools import recall_tool
 
 __all__ = ("look_tools",)
 
@@ -41,11 +42,13 @@ def look_tools(
     def picture(key: str) -> Any:
         return _picture(view(), key)
 
-    made = [
-        _tool(who_am_i, "who_am_i", "Who this robot is: its description, body and documents."),
+    made: list[BaseTool] = [
+        _tool(who_am_i, "who_am_i", "Who this robot is: its description and body."),
         _tool(status, "status", "What the robot's rules report now: mode, states, keys with their ages."),
         _tool(picture, "picture", "The newest picture under a key of the blackboard, if there is one."),
     ]
+    if identity is not None and identity.library is not None:
+        made.append(recall_tool(identity.library))
     names = {tool.name for tool in made}
     return [*made, *(tool for tool in others if tool.name not in names)]
 

@@ -35,11 +35,11 @@ MOST_TURNS = 12
 
 def talk_messages(request: AskModel, identity: Identity | None, mode: Mode, tools: Sequence[str]) -> list[BaseMessage]:
     """The messages that put a person's sentence to a model."""
-    system = (
-        RULES if identity is None else f"<identity>\n{identity.words().replace('</', '< /')}\n</identity>\n\n{RULES}"
-    )
+    words = identity.description.strip().replace("</", "< /") if identity is not None else ""
+    system = f"<identity>\n{words}\n</identity>\n\n{RULES}" if words else RULES
+    build = [quoted(identity.body.words())] if identity is not None and identity.body is not None else []
     turns = [quoted(f"{turn.by}: {turn.text}") for turn in request.history[-MOST_TURNS:]]
-    facts = [quoted(f"status: {request.status}"), *turns, quoted(f"{request.role}: {request.text}")]
+    facts = [*build, quoted(f"status: {request.status}"), *turns, quoted(f"{request.role}: {request.text}")]
     text = "\n".join((_form(request, mode, tools), "<facts>", *facts, "</facts>"))
     return [SystemMessage(system), HumanMessage(text)]
 
