@@ -33,13 +33,16 @@ class Trip:
         mission: The folder of the shipped mission.
         profile: The robot, as JSON has it.
         moments: When → what happens then.
+        file: The mission in it.
         words: Fields of `RunConfig`.
     """
 
-    def __init__(self, mission: Path, profile: Mapping[str, Any], moments: Moments, **words: Any) -> None:
+    def __init__(
+        self, mission: Path, profile: Mapping[str, Any], moments: Moments, *, file: str = "mission.json", **words: Any
+    ) -> None:
         self.moments, self.steps = sorted(moments.items()), list[Step]()
         self.prepared: PreparedRun = prepare(
-            RunConfig(mission / "mission.json", Robot.model_validate(profile), on_step=self._see, **words)
+            RunConfig(mission / file, Robot.model_validate(profile), on_step=self._see, **words)
         )
         self.world: Any = self.prepared.world
         self.runner = self.prepared.runner

@@ -12,7 +12,8 @@ import inspect
 import json
 import math
 from collections.abc import Mapping, Sequence
-from typing import Any, Protocol, get_args, get_origin, get_type_hints
+from types import UnionType
+from typing import Any, Protocol, Union, get_args, get_origin, get_type_hints
 
 from rai_missions.connectors.connector import Connector
 from rai_missions.errors import UsageError
@@ -125,7 +126,8 @@ def _check_sorts(name: str, world: Any, options: Mapping[str, Any]) -> None:
 
 def _mismatch(taken: Any, value: Any) -> str:
     """What an option takes, if that is not a value of this type; else empty."""
-    sorts = [get_origin(each) or each for each in get_args(taken) or (taken,)]
+    kinds = get_args(taken) if get_origin(taken) in (Union, UnionType) else (taken,)
+    sorts = [get_origin(each) or each for each in kinds]
     if len(sorts) == 1 and sorts[0] in SORTS:
         fitting, called = SORTS[sorts[0]]
         fits = isinstance(value, fitting) and (sorts[0] is bool or not isinstance(value, bool))

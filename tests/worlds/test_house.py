@@ -58,6 +58,10 @@ class Visit:
         assert self.run(lambda: len(self.statuses(goal_id)) > 1), self.reports[-3:]
         return [report for report in self.reports if report.goal_id == goal_id][-1]
 
+    def to_person(self) -> float:
+        """How far the robot is from the nearest person."""
+        return min(math.dist(self.world.pose[:2], (one.x, one.y)) for one in self.world.residents.people)
+
     def to(self, place: str) -> float:
         """How far the robot is from a place."""
         return math.dist(self.world.pose[:2], PLACES[place][:2])

@@ -85,6 +85,8 @@ LOOKALIKES: Mapping[str, tuple[str, ...]] = {
     "cup": ("bowl", "bottle"), "lamp": ("plant", "bottle"), "person": ("chair",), "plant": ("lamp",),
 }  # fmt: skip
 """What each is taken for when it is taken for something else."""
+HARDLY_SEEN = ".2 .2 .25 .004"
+"""A ray passes through what is quite invisible."""
 CLOTHES = (".2 .45 .65 1", ".65 .25 .3 1", ".3 .5 .3 1")
 
 
@@ -102,7 +104,7 @@ def person(name: str, number: int, place: tuple[float, float]) -> str:
         "trousers": ".16 .18 .25 1", "boots": ".14 .1 .08 1",
     }  # fmt: skip
     seen = "".join(f'<geom type="mesh" mesh="{mesh}" rgba="{rgba}" {SEEN}/>' for mesh, rgba in parts.items())
-    legs = f'<geom type="cylinder" pos="0 0 .45" size=".17 .45" rgba="0 0 0 0" {SOLID}/>'
+    legs = f'<geom type="cylinder" pos="0 0 .45" size=".17 .45" rgba="{HARDLY_SEEN}" {SOLID}/>'
     return f'<body name="{name}" mocap="true" pos="{place[0]:.3f} {place[1]:.3f} 0">{seen}{legs}</body>'
 
 

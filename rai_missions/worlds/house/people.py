@@ -19,13 +19,14 @@ from rai_missions.worlds.house.costmap import Costmap
 from rai_missions.worlds.house.layout import DOORS, PLACES
 from rai_missions.worlds.house.planner import plan
 
-__all__ = ("People", "PersonPlan", "Resident", "walkers")
+__all__ = ("People", "PersonPlan", "Resident", "residents")
 
 People = int | Sequence[Mapping[str, Any]]
 """How many are drawn from the seed, or mappings of the fields of `PersonPlan`."""
 MOST = 6
 KEEP_M = 0.75
 """How near they come to the robot."""
+BOUNDS = {"from_s": (0, 1_000_000), "pause_s": (0, 1_000_000), "speed_mps": (0.1, 2)}
 PATIENCE_S = 6.0
 """How long one waits for the robot before turning to another place."""
 STAYS = (PLACES["kitchen"], PLACES["living_room"], PLACES["bedroom"], (6.2, 2.2), (3.6, 5.0), (1.2, 3.2))
@@ -59,7 +60,7 @@ def place_people(seed: int, wanted: People | Any) -> tuple[PersonPlan, ...]:
             raise UsageError(f"people: {wanted!r} is no number of people; give 0 to {MOST}, or a list")
         return tuple(_drawn(random.Random(f"people {seed} {number}")) for number in range(wanted))
     if isinstance(wanted, str) or not isinstance(wanted, Sequence) or len(wanted) > MOST:
-        raise UsageError(f"people: give at most {MOST} in a list of objects, not {wanted!r}")
+        raise UsageError(f"people: give a number, or a list of at most {MOST}, not {wanted!r}")
     return tuple(_given(one) for one in wanted)
 
 
@@ -76,12 +77,10 @@ def _given(one: Any) -> PersonPlan:
         if name not in known:
             raise UsageError(f"people: no field {name!r}{suggestion(name, known)}")
     person = PersonPlan(**one)
-    for name, least in (("from_s", 0.0), ("pause_s", 0.0), ("speed_mps", 0.1)):
+    for name, (least, most) in BOUNDS.items():
         value = getattr(person, name)
-        if not isinstance(value, int | float) or not least <= value <= 1e6:
-            raise UsageError(f"people: {name} takes a number from {least} on, not {value!r}")
-    if person.speed_mps > 2:
-        raise UsageError(f"people: speed_mps takes at most 2, not {person.speed_mps}")
+        if not isinstance(value, int | float) or isinstance(value, bool) or not least <= value <= most:
+            raise UsageError(f"people: {name} takes a number from {least:g} to {most}, not {value!r}")
     if isinstance(person.walks, str):
         raise UsageError(f"people: walks takes a list of places, not {person.walks!r}")
     for stop in (person.at, *person.walks):
@@ -108,9 +107,9 @@ def point(stop: str | Sequence[float]) -> Point:
     return x, y
 
 
-def walkers(seed: int, wanted: People) -> list[Resident]:
+def residents(seed: int, wanted: People) -> list[Resident]:
     """The people of a house, ready to walk; raises `UsageError` as `place_people` does."""
-    return [Resident(one, f"walker {seed} {number}") for number, one in enumerate(place_people(seed, wanted))]
+    return [Resident(one, f"resident {seed} {number}") for number, one in enumerate(place_people(seed, wanted))]
 
 
 class Resident:
@@ -122,7 +121,7 @@ class Resident:
     """
 
     def __init__(self, person: PersonPlan, seed: str) -> None:
-        self.person = person
+        self.plan = person
         self.x, self.y = point(person.at)
         self.heading = random.Random(seed).uniform(-math.pi, math.pi)
         self._stops = [point(stop) for stop in person.walks]
@@ -151,10 +150,10 @@ class Resident:
                 self._turn_away(at)
             return False
         self._waits_since = None
-        self._walk(self.person.speed_mps * period_s)
+        self._walk(self.plan.speed_mps * period_s)
         if not self._way:
             self._next = (self._next + 1) % len(self._stops)
-            self._rests_until = at + self.person.pause_s
+            self._rests_until = at + self.plan.pause_s
         return True
 
     def _set_out(self) -> None:

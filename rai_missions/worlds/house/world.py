@@ -25,7 +25,7 @@ from rai_missions.worlds.house.layout import DOORS, PLACES
 from rai_missions.worlds.house.lidar import Lidar
 from rai_missions.worlds.house.navigator import Navigator
 from rai_missions.worlds.house.objects import Objects, place_objects
-from rai_missions.worlds.house.people import People, walkers
+from rai_missions.worlds.house.people import People, residents
 from rai_missions.worlds.house.residents import Residents
 from rai_missions.worlds.house.rosbot import RobotPose, Rosbot
 from rai_missions.worlds.house.scene import TIMESTEP_S, build, object_name, person_name
@@ -85,7 +85,7 @@ class House(Simulation):
         outbox = Outbox("", interface.TOPICS)
         words = read_scene(scene)
         self.objects = place_objects(seed, words.get("objects") if objects is None else objects)
-        here = walkers(seed, words.get("people", 0) if people is None else people)
+        here = residents(seed, words.get("people", 0) if people is None else people)
         super().__init__(
             build(self.objects, here), outbox, energy, camera=camera, start_s=start_s,
             timestep_s=TIMESTEP_S, aligned=True,
@@ -116,7 +116,7 @@ class House(Simulation):
     def _things(self) -> dict[int, Thing]:
         """What each body of the model is that may be detected."""
         names = [(object_name(number), Thing(one.kind, one.colour)) for number, one in enumerate(self.objects)]
-        names += [(person_name(number), Thing("person", "")) for number in range(len(self.residents.walkers))]
+        names += [(person_name(number), Thing("person", "")) for number in range(len(self.residents.people))]
         return {int(self.model.body(name).id): thing for name, thing in names}
 
     @property

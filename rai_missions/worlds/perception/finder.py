@@ -34,6 +34,8 @@ KEPT = 4
 """Pictures, and depths, that wait for their other half."""
 STILL_M, STILL_RAD = 0.03, 0.03
 """How far the robot may have moved between two poses and count as still."""
+AGAIN_S = 2.0
+"""How long a detector that failed is left alone."""
 LATE_S = 2.0
 """A reply to a picture that is older than this is dropped."""
 
@@ -81,7 +83,7 @@ class ObjectFinder:
         self._still_since = math.inf
         self._pictures: Kept = OrderedDict()
         self._depths: Kept = OrderedDict()
-        self._is_failing = False
+        self._is_failing, self._silent_until = False, -math.inf
 
     def open(self) -> list[Close]:
         """Subscribe; what ends it all."""
@@ -137,18 +139,20 @@ class ObjectFinder:
             pair = self._pair()
             if not (self._names and pair and self._pose and self._lens) or self._asked:
                 return
-            (picture, depth), pose = pair, self._pose[1]
+            (at, picture, depth), pose = pair, self._pose[1]
+            if at < self._silent_until:
+                return
             names, lens, self._asked = self._names, self._lens, True
         try:
             self._connector.call(
                 self._config.detector, CLASSIFY[1], request(names, picture), timeout_s=LATE_S,
-                on_reply=lambda reply: self._on_reply(reply, names, pose, lens, depth),
+                on_reply=lambda reply: self._on_reply(reply, at, names, pose, lens, depth),
             )  # fmt: skip
         except ConnectorError as fault:
-            self._fail(str(fault))
+            self._fail(at, str(fault))
 
-    def _pair(self) -> tuple[Mapping[str, Any], Mapping[str, Any]] | None:
-        """The newest picture and depth of one moment since which the robot is still; older ones are dropped."""
+    def _pair(self) -> tuple[float, Mapping[str, Any], Mapping[str, Any]] | None:
+        """The newest picture and depth of one moment, and when it was, if the robot is still since; older ones go."""
         both = sorted(self._pictures.keys() & self._depths.keys())
         if not both:
             return None
@@ -156,18 +160,19 @@ class ObjectFinder:
         for kept in (self._pictures, self._depths):
             for stamp in [each for each in kept if each <= both[-1]]:
                 del kept[stamp]
-        return (picture.data, depth.data) if min(picture.at, depth.at) >= self._still_since else None
+        at = min(picture.at, depth.at)
+        return (at, picture.data, depth.data) if at >= self._still_since else None
 
     def _on_reply(
-        self, reply: Reply, names: tuple[str, ...], pose: Robot2D, lens: Lens, depth: Mapping[str, Any]
+        self, reply: Reply, at: float, names: tuple[str, ...], pose: Robot2D, lens: Lens, depth: Mapping[str, Any]
     ) -> None:
         if reply.outcome != "succeeded":
-            self._fail(reply.why or reply.outcome)
+            self._fail(at, reply.why or reply.outcome)
             return
         found = list(self._located(reply.data, names, pose, lens, depth))
         with self._lock:
             self._asked = self._is_failing = False
-            if self._names != names or math.isinf(self._still_since):
+            if self._names != names or at < self._still_since:
                 return
             self._looks.add(found)
             seen, looks = self._looks.seen(), len(self._looks)
@@ -186,10 +191,10 @@ class ObjectFinder:
             if place is not None and place.distance_m <= self._config.range_m:
                 yield Sighting(one.name, place, one.score)
 
-    def _fail(self, why: str) -> None:
+    def _fail(self, at: float, why: str) -> None:
         """A look without an answer is no look; the first of several is logged."""
         with self._lock:
-            self._asked = False
+            self._asked, self._silent_until = False, at + AGAIN_S
             was_failing, self._is_failing = self._is_failing, True
         if not was_failing:
             log.warning("the detector %s gives no answer: %s", self._config.detector, cut(why, 200))
@@ -197,8 +202,9 @@ class ObjectFinder:
     def _report(self, seen: Sequence[AgreedObject], looks: int) -> None:
         facts = [self._fact(one) for one in seen]
         if facts:
-            self._publish(self._config.sighting, facts[0])
-        self._publish(self._config.seen, {"looks": looks, "count": len(facts), "objects": facts})
+            self._publish(self._config.sighting, {**facts[0], "text": _sentence(facts[0])})
+        text = "; ".join(map(_sentence, facts)) or "nothing that is looked for"
+        self._publish(self._config.seen, {"looks": looks, "count": len(facts), "objects": facts, "text": text})
 
     def _fact(self, one: AgreedObject) -> dict[str, Any]:
         x, y, z, away = (round(value, 2) for value in one.place)
@@ -214,6 +220,15 @@ class ObjectFinder:
             self._connector.publish(topic, TEXT, {"data": json.dumps(fact)})
         except ConnectorError as fault:
             log.warning("%s cannot be published: %s", topic, cut(str(fault), 200))
+
+
+def _sentence(fact: Mapping[str, Any]) -> str:
+    """A fact for a person to read."""
+    place = f"on the {fact['on']}" + (f" in the {fact['room']}" if fact["room"] else "")
+    return (
+        f"{fact['object']} {place}, at x {fact['x']:.1f} m, y {fact['y']:.1f} m, {fact['distance_m']:.1f} m away; "
+        f"{fact['agreeing']} of {fact['looks']} looks agree, certainty {fact['certainty']:.0%}"
+    )
 
 
 def _stamp(message: Message) -> float:
