@@ -63,7 +63,7 @@ k = Keys(
         source="robot",
         max_age_s=1.5,
         optional=True,
-        about="all that it looks for and sees now",
+        about="what most of its looks from here agree on",
         fields={"looks": int, "count": int, "text": str},
     ),
     failures=Key(int, source="mission", initial=0, about="how often it could not get to this view"),

@@ -139,7 +139,7 @@ def test_an_order_that_it_does_not_know_is_refused_before_it_moves(patrol: Any, 
 
 @pytest.mark.sim
 def test_a_person_in_the_way_is_looked_at_waited_for_and_passed(patrol: Any) -> None:
-    person = {"at": "study_pantry", "walks": ["study"], "from_s": 30, "pause_s": 500}
+    person = {"at": "study_pantry", "walks": ["bedroom"], "from_s": 14, "pause_s": 500}
     one = patrol(words=order("go", place="pantry"), objects=[], people=[person], recoveries=1, camera=True)
     result = one.run()
     assert (result.outcome, one.answers[0]) == ("succeeded", "wait"), result.why

@@ -7,6 +7,7 @@ import itertools
 import json
 import math
 from collections.abc import Mapping
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -14,6 +15,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from rai_missions.connectors.connector import Message
 from rai_missions.connectors.local import LocalConnector
 from rai_missions.errors import ConnectorError, UsageError
 from rai_missions.worlds import messages
@@ -132,6 +134,10 @@ def test_two_things_of_one_kind_are_two_and_what_the_newest_look_lacks_is_not_se
     assert looks.seen() == []
 
 
+def _keep(facts: list[Any], message: Message) -> None:
+    facts.append(json.loads(message.data["data"]))
+
+
 class Scene:
     """A robot with a camera on a connector, and a detector that answers as upstream's do."""
 
@@ -143,7 +149,7 @@ class Scene:
         self.answer: Any = [ObjectDetection("cup", 0.7, Box2D(60, 44, 68, 52))]
         self.facts: dict[str, list[Any]] = {"/sighting": [], "/seen": []}
         for topic, facts in self.facts.items():
-            self.connector.subscribe(topic, "", lambda m, to=facts: to.append(json.loads(m.data["data"])))
+            self.connector.subscribe(topic, "", partial(_keep, facts))
         self.connector.serve(CLASSIFY[0][0], CLASSIFY[1], self.classify)
         config = FinderConfig(rooms={"kitchen": (0, -5, 9, 5)}, furniture={"table": (1.5, -1, 2.5, 1)})
         self.closes = ObjectFinder(self.connector, config).open()
@@ -200,9 +206,23 @@ def test_what_was_seen_before_is_not_reported_again() -> None:
     scene.look_for("cup")
     scene.go_on(3)
     scene.answer = []
-    scene.go_on(2)
+    scene.go_on(4)
     assert len(scene.facts["/sighting"]) == 3
-    assert [one["count"] for one in scene.facts["/seen"]] == [1, 1, 1, 0, 0]
+    counts = [(one["looks"], one["count"]) for one in scene.facts["/seen"]]
+    assert counts == [(1, 1), (2, 1), (3, 1), (4, 1), (5, 1), (6, 1), (7, 0)], "three of six agree, not three of seven"
+
+
+def test_one_look_of_several_is_a_sighting_and_no_agreement() -> None:
+    scene = Scene()
+    scene.answer = []
+    scene.look_for("cup")
+    scene.go_on(3)
+    scene.answer = [ObjectDetection("cup", 0.7, Box2D(60, 44, 68, 52))]
+    scene.go_on(1)
+    assert scene.facts["/sighting"][-1]["certainty"] == 0.33
+    assert (
+        scene.facts["/seen"][-1]["objects"] == [] and scene.facts["/seen"][-1]["text"] == "nothing that is looked for"
+    )
 
 
 def test_a_look_while_the_robot_turns_counts_for_nothing() -> None:

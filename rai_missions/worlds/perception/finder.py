@@ -2,7 +2,7 @@
 """The object finder: asks a detector while something is looked for, and reports what it finds on the map.
 
 Rule: a look counts only while the robot is still, and only with a picture, its depth and its pose of the same moment;
-what is reported was in the camera's picture at that moment, whatever was seen before.
+a sighting was in the camera's picture at that moment, whatever was seen before.
 """
 
 from __future__ import annotations
@@ -55,7 +55,7 @@ class FinderConfig:
     sighting: str = "/sighting"
     """JSON: the most certain thing that is looked for and seen now."""
     seen: str = "/seen"
-    """JSON: all that is looked for and seen now, after each look, also where that is nothing."""
+    """JSON: what most looks from here agree on, after each look, also where that is nothing."""
     mount: Mount = field(default_factory=Mount)
     range_m: float = 4.0
     """What is farther away is not reported: depth is too coarse there."""
@@ -175,8 +175,8 @@ class ObjectFinder:
             if self._names != names or at < self._still_since:
                 return
             self._looks.add(found)
-            seen, looks = self._looks.seen(), len(self._looks)
-        self._report(seen, looks)
+            seen, agreed, looks = self._looks.seen(), self._looks.agreed(), len(self._looks)
+        self._report(seen, agreed, looks)
 
     def _located(
         self, reply: Mapping[str, Any], names: Sequence[str], pose: Robot2D, lens: Lens, depth: Mapping[str, Any]
@@ -199,10 +199,11 @@ class ObjectFinder:
         if not was_failing:
             log.warning("the detector %s gives no answer: %s", self._config.detector, cut(why, 200))
 
-    def _report(self, seen: Sequence[AgreedObject], looks: int) -> None:
-        facts = [self._fact(one) for one in seen]
-        if facts:
-            self._publish(self._config.sighting, {**facts[0], "text": _sentence(facts[0])})
+    def _report(self, seen: Sequence[AgreedObject], agreed: Sequence[AgreedObject], looks: int) -> None:
+        for best in seen[:1]:
+            fact = self._fact(best)
+            self._publish(self._config.sighting, {**fact, "text": _sentence(fact)})
+        facts = [self._fact(one) for one in agreed]
         text = "; ".join(map(_sentence, facts)) or "nothing that is looked for"
         self._publish(self._config.seen, {"looks": looks, "count": len(facts), "objects": facts, "text": text})
 

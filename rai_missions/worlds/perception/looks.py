@@ -19,6 +19,7 @@ __all__ = ("AgreedObject", "Looks", "Sighting")
 
 MOST = 8
 """Looks that count, the newest."""
+LIKELY = 0.5
 SAME_M = 0.35
 """Two sightings so near each other are of one thing."""
 
@@ -64,13 +65,18 @@ class Looks:
         """What the newest look shows, with what the others agree on; the most certain first."""
         if not self._looks:
             return []
-        found: list[AgreedObject] = []
-        for sighting in self._looks[-1]:
-            same = [near for look in self._looks if (near := _nearest(sighting, look)) is not None]
-            found.append(self._agreed(sighting, same))
-        return sorted(found, key=lambda one: (-one.certainty, one.place.distance_m, one.name))
+        return _ordered(self._agreed(sighting) for sighting in self._looks[-1])
 
-    def _agreed(self, newest: Sighting, same: Sequence[Sighting]) -> AgreedObject:
+    def agreed(self) -> list[AgreedObject]:
+        """What the looks agree on so that the next is likelier to show it than not; the most certain first."""
+        found: list[AgreedObject] = []
+        for sighting in (one for look in reversed(self._looks) for one in look):
+            if not any(one.name == sighting.name and _is_same(one.place, sighting.place) for one in found):
+                found.append(self._agreed(sighting))
+        return _ordered(one for one in found if one.certainty >= LIKELY)
+
+    def _agreed(self, newest: Sighting) -> AgreedObject:
+        same = [near for look in self._looks if (near := _nearest(newest, look)) is not None]
         x, y, z = (statistics.median(one.place[axis] for one in same) for axis in range(3))
         score = statistics.fmean(one.score for one in same)
         certainty = (len(same) + 1) / (len(self._looks) + 2)
@@ -79,6 +85,13 @@ class Looks:
 
 
 def _nearest(to: Sighting, look: Sequence[Sighting]) -> Sighting | None:
-    near = [(math.dist(one.place[:3], to.place[:3]), one) for one in look if one.name == to.name]
-    away, best = min(near, key=lambda each: each[0], default=(math.inf, None))
-    return best if away <= SAME_M else None
+    near = [one for one in look if one.name == to.name and _is_same(one.place, to.place)]
+    return min(near, key=lambda one: math.dist(one.place[:3], to.place[:3]), default=None)
+
+
+def _is_same(one: MapPoint, other: MapPoint) -> bool:
+    return math.dist(one[:3], other[:3]) <= SAME_M
+
+
+def _ordered(found: Iterable[AgreedObject]) -> list[AgreedObject]:
+    return sorted(found, key=lambda one: (-one.certainty, one.place.distance_m, one.name))
