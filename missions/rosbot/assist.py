@@ -96,7 +96,7 @@ def look_for(names: Any) -> Publish:
     return Publish("look_for", message={"data": names})
 
 
-def room(guard: Guard, views: list[dict[str, Any]]) -> When:
+def room(guard: Guard, views: list[dict[str, Any]]) -> Any:
     return When(guard, to="at_place", do=[Set(k.views, views)])
 
 
