@@ -173,8 +173,10 @@ for argument in "$@"; do
     esac
 done
 if [ ${#packages[@]} -eq 0 ]; then
-    for folder in "$sources"/*/; do
+    # What another package is made of comes first.
+    for folder in "$sources"/vision_msgs/ "$sources"/*/; do
         package="$(basename "$folder")"
+        if [[ " ${packages[*]} " == *" $package "* ]]; then continue; fi
         # A package without definitions yet has nothing to build.
         if [ -e "$folder/package.xml" ] && [ -n "$(definitions "$package")" ]; then packages+=("$package"); fi
     done

@@ -77,6 +77,41 @@ UPSTREAM: Mapping[str, tuple[Mapping[str, str], ...]] = {
         },
     ),
     "rai_interfaces/msg/AudioMessage": ({"audio": "sequence<int16>", "sample_rate": "uint16", "channels": "uint16"},),
+    "rai_interfaces/msg/RAIDetectionArray": (
+        {
+            "header": "std_msgs/Header",
+            "detections": "sequence<vision_msgs/Detection2D>",
+            "detection_classes": "sequence<string>",
+        },
+    ),
+    "rai_interfaces/srv/RAIGroundingDino": (
+        {
+            "classes": "string",
+            "box_threshold": "double",
+            "text_threshold": "double",
+            "source_img": "sensor_msgs/Image",
+        },
+        {"detections": "rai_interfaces/RAIDetectionArray"},
+    ),
+    "rai_interfaces/srv/RAIGroundedSam": (
+        {"detections": "rai_interfaces/RAIDetectionArray", "source_img": "sensor_msgs/Image"},
+        {"masks": "sequence<sensor_msgs/Image>"},
+    ),
+    "vision_msgs/msg/Point2D": ({"x": "double", "y": "double"},),
+    "vision_msgs/msg/Pose2D": ({"position": "vision_msgs/Point2D", "theta": "double"},),
+    "vision_msgs/msg/BoundingBox2D": ({"center": "vision_msgs/Pose2D", "size_x": "double", "size_y": "double"},),
+    "vision_msgs/msg/ObjectHypothesis": ({"class_id": "string", "score": "double"},),
+    "vision_msgs/msg/ObjectHypothesisWithPose": (
+        {"hypothesis": "vision_msgs/ObjectHypothesis", "pose": "geometry_msgs/PoseWithCovariance"},
+    ),
+    "vision_msgs/msg/Detection2D": (
+        {
+            "header": "std_msgs/Header",
+            "results": "sequence<vision_msgs/ObjectHypothesisWithPose>",
+            "bbox": "vision_msgs/BoundingBox2D",
+            "id": "string",
+        },
+    ),
     "tf2_msgs/msg/TFMessage": ({"transforms": "sequence<geometry_msgs/TransformStamped>"},),
     "tf2_msgs/msg/TF2Error": ({"error": "uint8", "error_string": "string"},),
     "tf2_msgs/srv/FrameGraph": ({}, {"frame_yaml": "string"}),
