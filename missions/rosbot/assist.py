@@ -19,7 +19,7 @@ k = Keys(
         str,
         source="argument",
         initial="kitchen",
-        about="where: kitchen, living_room, bedroom, study, pantry, house (every room), or here",
+        about="where: kitchen, living_room, bedroom, study, pantry; house (every room) to find; here to look or wait",
     ),
     wait_s=Key(int, source="argument", initial=30, about="how many seconds to wait there"),
     things=Key(
@@ -126,7 +126,7 @@ def choosing() -> State:
             room(k.place == "bedroom", VIEWS["bedroom"]),
             room(k.place == "study", VIEWS["study"]),
             room(k.place == "pantry", VIEWS["pantry"]),
-            room(k.place == "house", EVERY_ROOM),
+            room((k.task == "find") & (k.place == "house"), EVERY_ROOM),
             After(0, to="refused"),
         ],
     )
@@ -155,10 +155,9 @@ def on_the_way() -> Compound:
             "abort": Option("give the task up, and stay here"),
         },
         ask=["agent", "rules"],
-        attempts=2,
+        attempts=1,
         deadline_s=30,
         fallback="skip",
-        control="agent",
         transitions=[
             On("retry", to="going"),
             On("wait", to="giving_way"),

@@ -163,7 +163,7 @@ class Scene:
     def look_for(self, names: str) -> None:
         self.connector.publish("/look_for", "std_msgs/msg/String", {"data": names})
 
-    def go_on(self, looks: int = 1, yaw_step: float = 0.0, depth_late_s: float = 0.0) -> None:
+    def live(self, looks: int = 1, yaw_step: float = 0.0, depth_late_s: float = 0.0) -> None:
         """Half a second a look: poses, the lens, a depth and a picture."""
         for _ in range(looks):
             for _ in range(3):
@@ -186,10 +186,10 @@ class Scene:
 
 def test_a_finder_asks_while_something_is_looked_for_and_counts_what_agrees() -> None:
     scene = Scene()
-    scene.go_on(2)
+    scene.live(2)
     assert scene.asked == [], "nothing is looked for"
     scene.look_for("cup, ball")
-    scene.go_on(3)
+    scene.live(3)
     assert [one["classes"] for one in scene.asked] == ["cup, ball"] * 3
     sighting = scene.facts["/sighting"][-1]
     assert {name: sighting[name] for name in ("object", "agreeing", "looks", "certainty", "room", "on")} == {
@@ -197,16 +197,16 @@ def test_a_finder_asks_while_something_is_looked_for_and_counts_what_agrees() ->
     }  # fmt: skip
     assert (sighting["x"], sighting["y"], sighting["distance_m"]) == pytest.approx((1.94, 0.0, 1.8), abs=0.02)
     scene.look_for("")
-    scene.go_on(2)
+    scene.live(2)
     assert len(scene.asked) == 3
 
 
 def test_what_was_seen_before_is_not_reported_again() -> None:
     scene = Scene()
     scene.look_for("cup")
-    scene.go_on(3)
+    scene.live(3)
     scene.answer = []
-    scene.go_on(4)
+    scene.live(4)
     assert len(scene.facts["/sighting"]) == 3
     counts = [(one["looks"], one["count"]) for one in scene.facts["/seen"]]
     assert counts == [(1, 1), (2, 1), (3, 1), (4, 1), (5, 1), (6, 1), (7, 0)], "three of six agree, not three of seven"
@@ -216,9 +216,9 @@ def test_one_look_of_several_is_a_sighting_and_no_agreement() -> None:
     scene = Scene()
     scene.answer = []
     scene.look_for("cup")
-    scene.go_on(3)
+    scene.live(3)
     scene.answer = [ObjectDetection("cup", 0.7, Box2D(60, 44, 68, 52))]
-    scene.go_on(1)
+    scene.live(1)
     assert scene.facts["/sighting"][-1]["certainty"] == 0.33
     assert (
         scene.facts["/seen"][-1]["objects"] == [] and scene.facts["/seen"][-1]["text"] == "nothing that is looked for"
@@ -228,16 +228,16 @@ def test_one_look_of_several_is_a_sighting_and_no_agreement() -> None:
 def test_a_look_while_the_robot_turns_counts_for_nothing() -> None:
     scene = Scene()
     scene.look_for("cup")
-    scene.go_on(3, yaw_step=0.5)
+    scene.live(3, yaw_step=0.5)
     assert scene.asked == [] and scene.facts["/seen"] == []
-    scene.go_on(2)
+    scene.live(2)
     assert [one["looks"] for one in scene.facts["/seen"]] == [1, 2], "they count from when it is still"
 
 
 def test_a_picture_and_a_depth_of_two_moments_are_not_put_together() -> None:
     scene = Scene()
     scene.look_for("cup")
-    scene.go_on(3, depth_late_s=0.1)
+    scene.live(3, depth_late_s=0.1)
     assert scene.asked == []
 
 
@@ -245,7 +245,7 @@ def test_names_that_were_not_asked_for_and_what_is_out_of_range_are_no_sightings
     scene = Scene()
     scene.answer = [ObjectDetection("gold", 0.9, Box2D(60, 44, 68, 52))]
     scene.look_for("cup")
-    scene.go_on(2)
+    scene.live(2)
     assert scene.facts["/sighting"] == []
 
 
@@ -253,13 +253,13 @@ def test_a_detector_that_fails_is_no_look_and_is_named_once(caplog: pytest.LogCa
     scene = Scene()
     scene.answer = ConnectorError("the detector is down")
     scene.look_for("cup")
-    scene.go_on(5)
+    scene.live(5)
     assert len(scene.asked) == 2, "it is left alone for a while"
     assert scene.facts == {"/sighting": [], "/seen": []}
     named = "the detector /grounding_dino_classify gives no answer: ConnectorError: the detector is down"
     assert [record.getMessage() for record in caplog.records].count(named) == 1
     scene.answer = []
-    scene.go_on(4)
+    scene.live(4)
     assert [one["looks"] for one in scene.facts["/seen"]] == [1]
 
 
@@ -268,14 +268,14 @@ def test_a_closed_finder_asks_no_more() -> None:
     scene.look_for("cup")
     for close in scene.closes:
         close()
-    scene.go_on(2)
+    scene.live(2)
     assert scene.asked == []
 
 
 def test_a_flood_of_names_is_cut() -> None:
     scene = Scene()
     scene.look_for(", ".join([*(f"thing {n}" for n in range(50)), "x" * 500]))
-    scene.go_on(1)
+    scene.live(1)
     assert len(classes_of(scene.asked[0]["classes"])) == 20
 
 
