@@ -10,7 +10,9 @@ import pytest
 
 from rai_missions.cli.doctor.speech import speech
 from rai_missions.cli.main import main
+from rai_missions.connectors.sound.devices import sound_devices
 from rai_missions.connectors.sound.wav import write_wav
+from rai_missions.errors import MissionError
 from tests.voice.conftest import needs_voice
 
 
@@ -74,3 +76,24 @@ def test_the_doctor_opens_what_listens_and_speaks() -> None:
     assert all(each.status == "ok" for what, each in found.items() if what.startswith(("ear", "recogniser")))
     assert "GPL-3.0-or-later" in found["voice piper"].remedy
     assert any("microphones" in what or "devices of sound" in what for what in found)
+
+
+def test_the_sound_of_a_conversation_needs_a_conversation(capsys: pytest.CaptureFixture[str]) -> None:
+    mission = ["missions/tractor/mission.json", "--robot", "missions/tractor/robot.sim.json"]
+    assert main(["run", *mission, "--voice"]) == 2
+    assert "--voice is the sound of a conversation: give --talk too" in capsys.readouterr().err
+
+
+@needs_voice
+def test_a_run_that_cannot_be_spoken_with_names_the_device_and_does_not_begin(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    try:
+        if sound_devices():
+            pytest.skip("there are devices of sound here")
+    except MissionError:
+        pass
+    mission = ["missions/tractor/mission.json", "--robot", "missions/tractor/robot.sim.json"]
+    assert main(["run", *mission, "--no-operator", "--talk", "--voice"]) == 2
+    error = capsys.readouterr().err
+    assert "libportaudio2" in error or "doctor --voice" in error

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from rai_missions.agents.talk.doors import TalkDoor
     from rai_missions.agents.talk.hri_door import HRIDoor
     from rai_missions.agents.talk.model import TalkModel
+    from rai_missions.agents.talk.voice_door import VoiceDoor
     from rai_missions.cli.commands.run import RunOptions
     from rai_missions.cli.progress import Lines
     from rai_missions.cli.run.live_page import RunPage
@@ -60,6 +61,7 @@ class TalkSession:
         self.agent: ConversationalAgent | None = None
         self._doors: list[TalkDoor] = []
         self._hri: HRIDoor | None = None
+        self._voice: VoiceDoor | None = None
         begins_ready = policy is not None and policy.begins == "ready" and not options.resume
         self.config = replace(
             config, on_step=self._stepped, on_status=self._changed, waits=begins_ready,
@@ -84,6 +86,8 @@ class TalkSession:
 
         identity = _identity(prepared)
         name = prepared.robot.name if prepared.robot is not None else ""
+        if self._options.voice:
+            self._doors.append(self._open_voice())
         robot = RobotWords(name, _first_sentence(identity))
         if self._policy is not None and self._policy.hri:
             self._doors.append(self._open_topics(prepared, name))
@@ -95,6 +99,18 @@ class TalkSession:
         if self._hri is not None:
             self._hri.open(agent.receive)
         return agent
+
+    def _open_voice(self) -> VoiceDoor:
+        """The microphone and the speaker of this machine, running."""
+        from rai_missions.agents.talk.voice_door import VoiceDoor
+        from rai_missions.connectors.sound.devices import DeviceSound
+
+        self._voice = door = VoiceDoor(DeviceSound(), self._spoken)
+        door.run()
+        return door
+
+    def _spoken(self, text: str, **words: Any) -> str:
+        return self.agent.receive(text, **words) if self.agent is not None else "too early"
 
     def _open_topics(self, prepared: PreparedRun, name: str) -> HRIDoor:
         from rai_missions.agents.talk.hri_door import HRIDoor
@@ -134,9 +150,16 @@ class TalkSession:
         if not agent.conclude(END_REPORTED_S) and result is not None:
             warn(f"no one could be reached to report how the mission ended: {result.outcome}: {result.why}")
         agent.stop()
+        if self._voice is not None:
+            self._voice.stop()
         if self._hri is not None:
             with suppress(MissionError):
                 self._hri.close()
+
+    def close_voice(self) -> None:
+        """Listen and speak no more; closed already, nothing happens."""
+        if self._voice is not None:
+            self._voice.stop()
 
     def _stepped(self, step: Step) -> None:
         if self.agent is not None:
@@ -155,6 +178,8 @@ class TalkSession:
 def talk_of(options: RunOptions, config: RunConfig) -> Iterator[TalkSession | None]:
     """The conversation of a run, if the options ask for one."""
     if not options.talk:
+        if options.voice:
+            raise UsageError("--voice is the sound of a conversation: give --talk too")
         yield None
         return
     if options.json or options.managed:
@@ -166,6 +191,7 @@ def talk_of(options: RunOptions, config: RunConfig) -> Iterator[TalkSession | No
     finally:
         if session.agent is not None:
             session.agent.stop()
+        session.close_voice()
 
 
 @contextmanager

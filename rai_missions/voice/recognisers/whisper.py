@@ -26,6 +26,8 @@ WINDOW_STEPS = 1500
 LONGEST_TOKENS = 96
 SHORT_S = 3.0
 """Longer sounds, with the quiet around them, are no phrase."""
+MOST_WORDS = 7
+"""A longer text is no phrase that was taken for another."""
 LEAST_CHANCE = 1e-9
 SAMPLES_A_STEP, AFTER_STEPS = 320, 50
 """Of the encoding: 20 ms a step, and a second after the sound."""
@@ -96,7 +98,10 @@ class Whisper:
         if free.no_speech_prob > MOST_SILENCE:
             return Reading("")
         text = text_of_tokens(free.sequences[0]) if free.scores[0] > LEAST_SCORE else ""
-        if len(sound) > SHORT_S * RATE_HZ or not phrases:
+        plain = plain_words(text)
+        if plain in phrases:
+            return Reading(text, plain)
+        if len(sound) > SHORT_S * RATE_HZ or len(plain.split()) > MOST_WORDS or not phrases:
             return Reading(text)
         spoken = np.array(encoded)[:, : len(sound) // SAMPLES_A_STEP + AFTER_STEPS]  # the rest is quiet, and costs time
         phrase, surety = self._phrase(self._view.from_array(np.ascontiguousarray(spoken)), phrases)
