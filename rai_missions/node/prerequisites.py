@@ -15,7 +15,7 @@ from rai_missions.connectors.python_robot import PythonRobot
 from rai_missions.engine.decision import Question
 from rai_missions.errors import DefinitionError, MissionError, UsageError
 from rai_missions.mission.mission import Mission
-from rai_missions.profile import Robot, RobotProgram, is_program, load_profile, missing
+from rai_missions.profile import Robot, RobotProgram, is_program, lacking_functions, load_profile, missing
 
 __all__ = ("Clients", "about", "readied", "robot_of")
 
@@ -78,9 +78,22 @@ def readied(setting: RunConfig) -> tuple[Mission, Robot | None]:
     robot = robot_of(setting)
     if robot is not None and (lacks := missing(mission, robot)):
         raise DefinitionError(lacks, "" if isinstance(setting.robot, Robot) else str(setting.robot))
+    if isinstance(setting.robot, PythonRobot | RobotProgram):
+        _cover(setting.robot, mission)
     if setting.journal is not None:
         _writable(Path(setting.journal).parent)
     return mission, robot
+
+
+def _cover(given: PythonRobot | RobotProgram, mission: Mission) -> None:
+    """Check that a robot in Python has what the mission uses.
+
+    Raises:
+        DefinitionError: It lacks some: every name at once.
+    """
+    robot, source = (given.ready(), str(given.file)) if isinstance(given, RobotProgram) else (given, given.name)
+    if lacks := lacking_functions(robot, mission):
+        raise DefinitionError(lacks, source)
 
 
 def _writable(folder: Path) -> None:

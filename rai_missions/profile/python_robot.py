@@ -13,7 +13,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from types import ModuleType
-from typing import Any, NamedTuple
+from typing import Any
 
 from pydantic import ValidationError
 
@@ -28,19 +28,33 @@ from rai_missions.profile.profile import Robot
 from rai_missions.redaction import shown
 from rai_missions.validation_errors import faults_of
 
-__all__ = ("KIND", "RobotProgram", "lacking_functions", "profile_of", "read_program")
+__all__ = ("KIND", "RobotProgram", "lacking_functions", "profile_of", "read_program", "same_file")
 
 KIND = "python"
 """The kind of its connector; a run opens it for a program that was named, and for nothing else."""
 
 
-class RobotProgram(NamedTuple):
-    """A file in Python that offers a robot, executed once."""
+class RobotProgram:
+    """A file in Python that offers a robot, executed once.
 
-    file: Path
-    sha256: str
-    """Of its bytes, in hex."""
-    module: ModuleType
+    Args:
+        file: Where it is.
+        sha256: Of its bytes, in hex.
+        module: What it left.
+    """
+
+    def __init__(self, file: Path, sha256: str, module: ModuleType) -> None:
+        self.file, self.sha256, self.module = file, sha256, module
+        self._next: PythonRobot | None = None
+
+    def ready(self) -> PythonRobot:
+        """The robot of the next run, made now, so that what it lacks is known before the run begins.
+
+        Raises:
+            DefinitionError: As `robot`.
+        """
+        self._next = self._next or self._made()
+        return self._next
 
     def robot(self) -> PythonRobot:
         """Its `robot`, or what its `robot()` makes for a run.
@@ -48,6 +62,10 @@ class RobotProgram(NamedTuple):
         Raises:
             DefinitionError: It offers none, or `robot()` raises.
         """
+        made, self._next = self._next or self._made(), None
+        return made
+
+    def _made(self) -> PythonRobot:
         offered = getattr(self.module, "robot", None)
         if callable(offered) and not isinstance(offered, PythonRobot):
             with _neighbours(self.file):
@@ -77,6 +95,18 @@ def read_program(path: str | Path, *, expected: str | None = None) -> RobotProgr
         UsageError: There is no such file.
     """
     file = Path(path)
+    source, sha256 = same_file(file, expected)
+    with _neighbours(file):
+        return RobotProgram(file, sha256, run_file(file, source))
+
+
+def same_file(file: Path, expected: str | None) -> tuple[bytes, str]:
+    """The bytes of a robot's file and their hash; nothing is executed.
+
+    Raises:
+        DefinitionError: It has another hash than is expected.
+        UsageError: There is no such file.
+    """
     source = file_bytes(file)
     sha256 = hashlib.sha256(source).hexdigest()
     if expected is not None and sha256 != expected:
@@ -84,8 +114,7 @@ def read_program(path: str | Path, *, expected: str | None = None) -> RobotProgr
             f"the run's robot was another file, or has changed since (sha256 {expected[:12]}…, now {sha256[:12]}…)"
         )
         raise DefinitionError([Fault("", f"{sentence}; resume with the file as it was")], str(file))
-    with _neighbours(file):
-        return RobotProgram(file, sha256, run_file(file, source))
+    return source, sha256
 
 
 @contextmanager

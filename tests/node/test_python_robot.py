@@ -67,3 +67,18 @@ def test_a_node_executes_the_file_once_and_has_a_robot_for_each_run(tmp_path: Pa
     node.stop()
     connector.stop()
     assert sorted(each.name for each in tmp_path.iterdir()) == ["executed", "made0", "made1", "my_robot.py"]
+
+
+def test_what_a_robot_in_python_lacks_keeps_the_node_from_being_configured(tmp_path: Path) -> None:
+    file = tmp_path / "my_robot.py"
+    file.write_text(FILE.replace('@made.action("drive")', '@made.action("drvie")'), encoding="utf-8")
+    connector = LocalConnector()
+    connector.start()
+    node = MissionNode(RunConfig(MISSION, read_program(file)), "trip", carrier=Carrier(connector, False, False))
+    client = Client(connector, node.name.path)
+    node.run()
+    assert not client.change("configure")
+    lacks = "write `@robot.action(\"drive\")`; did you mean 'drvie'?"
+    assert node.fault == f"{file}: /actions/drive: missing; the mission uses it at /states/driving/action; {lacks}"
+    node.stop()
+    connector.stop()

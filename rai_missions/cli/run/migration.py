@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import itertools
+import json
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -11,6 +12,7 @@ from rai_missions.check import check, faults_of, load_whole
 from rai_missions.cli.inputs import warn
 from rai_missions.engine import Named
 from rai_missions.errors import DefinitionError, UsageError
+from rai_missions.journal import opened
 
 if TYPE_CHECKING:
     from rai_missions.cli.commands.run import RunOptions
@@ -26,6 +28,7 @@ def migrated(options: RunOptions, named: Named | None) -> RunOptions:
         UsageError: The run cannot be resumed, or the options do not name it and the mission.
     """
     from rai_missions.profile import is_program, load_profile
+    from rai_missions.profile.python_robot import same_file
     from rai_missions.replay.migrate import load_map, migrate
 
     if not (options.migrate and options.resume and options.mission):
@@ -34,6 +37,9 @@ def migrated(options: RunOptions, named: Named | None) -> RunOptions:
     if faults := faults_of(check(mission, named=set(named or ()))):
         raise DefinitionError(faults, options.mission)
     to = Path(options.journal) if options.journal else _free_name(Path(options.resume))
+    if options.robot and is_program(options.robot):  # before anything is written
+        with opened(options.resume) as record:
+            same_file(Path(options.robot), _hash_of(record.header.profile))
     robot = load_profile(options.robot) if options.robot and not is_program(options.robot) else None
     done = migrate(
         options.resume, mission, load_map(options.migrate), to=to, robot=robot, named=named, source=options.migrate
@@ -42,6 +48,12 @@ def migrated(options: RunOptions, named: Named | None) -> RunOptions:
     for note in done.notes:
         warn(f"migrated: {note}")
     return options._replace(resume=str(to), journal=None)
+
+
+def _hash_of(profile: str) -> str | None:
+    """The hash of the file in Python that was the robot of a run; None where it was none, which is refused later."""
+    found = json.loads(profile or "{}").get("connector", {}).get("sha256")
+    return found if isinstance(found, str) else None
 
 
 def _free_name(journal: Path) -> Path:
