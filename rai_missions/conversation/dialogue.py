@@ -133,7 +133,7 @@ class Dialogue:
         self._speaking.on_time()
 
     def _follow(self, view: StatusView) -> None:
-        before, self._talk.view = self._talk.view, view
+        before = self._talk.follow(view)
         self._speaking.follow()
         self._speaking.speak_due(now=False)
         self._orders.follow(before)

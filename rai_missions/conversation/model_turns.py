@@ -65,6 +65,10 @@ class ModelTurns:
         self.turn = ModelTurn(self._number, sentence, at + self._settings.model_s)
         return self.turn
 
+    def keep(self, turn: ModelTurn | None) -> None:
+        """How far the reply is; None: none is expected any more."""
+        self.turn = turn
+
     def late(self, sentence: WaitingSentence) -> tuple[bool, list[WaitingSentence]]:
         """A sentence that comes while the model answers.
 

@@ -134,6 +134,10 @@ class Reports:
         self._all[report.identity] = ended
         return ended
 
+    def mute(self) -> None:
+        """The speaker is dead: what it did not speak waits for another."""
+        self.is_speaker_alive = False
+
     def revive(self, at: float) -> None:
         """The speaker speaks again: what it did not speak is owed."""
         self.is_speaker_alive = True

@@ -81,10 +81,11 @@ class Speaking:
 
     def on_speaker(self, *, is_alive: bool) -> None:
         """The speaker died, or speaks again."""
-        if is_alive and not self.reports.is_speaker_alive:
+        if not is_alive:
+            self.reports.mute()
+        elif not self.reports.is_speaker_alive:
             self.reports.revive(self._talk.now)
             self.speak_due(now=False)
-        self.reports.is_speaker_alive = is_alive
         for key in list(self._open) if not is_alive else ():
             self.on_end(SpeechEnd(key, "failed", self._talk.now))
 

@@ -43,6 +43,11 @@ class Talk:
         """The present is never earlier than it was."""
         self.now = max(self.now, at)
 
+    def follow(self, view: StatusView) -> StatusView:
+        """The run is as in this view now; returns how it was."""
+        before, self.view = self.view, view
+        return before
+
     def is_new(self, utterance: Utterance) -> bool:
         """Whether its message was not received before."""
         identity = (utterance.channel, utterance.id)
