@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import time
+import tracemalloc
 from collections.abc import Iterator
 from importlib.util import find_spec
 
@@ -171,6 +172,17 @@ def test_a_pdf_that_is_encrypted_is_refused() -> None:
     writer.encrypt("secret", algorithm="RC4-128")
     writer.write(made)
     assert fault("a.pdf", made.getvalue()) == "is encrypted; save a copy of it without a password"
+
+
+def test_a_zip_bomb_is_unpacked_up_to_the_bound_alone(monkeypatch: pytest.MonkeyPatch) -> None:
+    bomb = zipped({"word/document.xml": " " * 20_000_000})
+    monkeypatch.setattr("rai_missions.embodiment.readers.docx.LARGEST_PART", 100_000)
+    tracemalloc.start()
+    try:
+        assert fault("a.docx", bomb).startswith("unpacks to more than 100000 bytes")
+        assert tracemalloc.get_traced_memory()[1] < 5_000_000
+    finally:
+        tracemalloc.stop()
 
 
 SEEDS = {ending: write(PARTS) for ending, write in WRITERS.items()}
