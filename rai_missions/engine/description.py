@@ -17,7 +17,8 @@ from rai_missions.states.state import CONTROLLERS
 
 __all__ = ("Description", "describe", "effect_word", "event_words", "resting_words", "step_json", "way_words")
 
-
+SHOWN = {control_note(holder): control_note(words) for holder, words in CONTROLLERS.items()}
+"""The notes on who has control, as they are stored → as people read them."""
 TRUTHS = {True: "true", False: "false", None: "unknown"}
 
 
@@ -43,8 +44,7 @@ class Description(NamedTuple):
 def describe(step: Step) -> Description:
     """A step in words."""
     resting = resting_words(step)
-    note, holder = control_note(step.event.name), CONTROLLERS.get(step.event.name, step.event.name)
-    remarks = tuple(control_note(holder) if each == note else each for each in step.remarks)
+    remarks = tuple(SHOWN.get(each, each) for each in step.remarks)
     verdicts = tuple(step.notes[each.note] for each in step.verdicts if each.note is not None)
     return Description(
         event_words(step.event), way_words(step.exited, step.entered),
