@@ -31,6 +31,7 @@ def test_what_speak_writes_listen_understands(tmp_path: Path, capsys: pytest.Cap
 
 @needs_voice
 @pytest.mark.xdist_group("voice")
+@pytest.mark.drill
 def test_a_file_without_speech_exits_with_1(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     write_wav(tmp_path / "silence.wav", bytes(32_000))
     assert main(["listen", str(tmp_path / "silence.wav")]) == 1
@@ -60,6 +61,7 @@ def test_a_fault_of_the_input_is_one_sentence(
 
 @needs_voice
 @pytest.mark.xdist_group("voice")
+@pytest.mark.drill
 def test_an_unknown_recogniser_or_wake_word_is_named(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     write_wav(tmp_path / "a.wav", bytes(2048))
     assert main(["listen", str(tmp_path / "a.wav"), "--recogniser", "whispr"]) == 2
@@ -70,6 +72,7 @@ def test_an_unknown_recogniser_or_wake_word_is_named(tmp_path: Path, capsys: pyt
 
 @needs_voice
 @pytest.mark.xdist_group("voice")
+@pytest.mark.drill
 def test_the_doctor_opens_what_listens_and_speaks() -> None:
     found = {finding.what: finding for finding in speech()}
     assert found["voice flite"].status == "ok"
@@ -85,6 +88,7 @@ def test_the_sound_of_a_conversation_needs_a_conversation(capsys: pytest.Capture
 
 
 @needs_voice
+@pytest.mark.drill
 def test_a_run_that_cannot_be_spoken_with_names_the_device_and_does_not_begin(
     capsys: pytest.CaptureFixture[str],
 ) -> None:

@@ -203,6 +203,7 @@ def test_text_to_speech_is_an_agent() -> None:
 
 @needs_voice
 @pytest.mark.xdist_group("voice")
+@pytest.mark.drill
 def test_voice_recognition_is_an_agent() -> None:
     check_agent(lambda: VoiceRecognition(FileSound()))
 
