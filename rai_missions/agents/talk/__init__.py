@@ -2,7 +2,7 @@
 """What connects a dialogue to a run and to people: the run's status, its orders, a model, the doors, the journal.
 
 Imports `answerers`, `connectors`, `conversation`, `embodiment`, `engine`, `guards`, `mission`, `profile`, `runtime`,
-`states` and `voice`, and the modules of the root.
+`states`, `tools` and `voice`, and the modules of the root.
 """
 
 __all__ = ()
