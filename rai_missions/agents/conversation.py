@@ -238,7 +238,7 @@ class ConversationalAgent:
     def _speak(self, speech: Speech) -> None:
         line = TalkLine(
             self._next(), "robot", speech.text, channel=speech.to, way=speech.way, priority=speech.priority,
-            at=self._now(), repeated=speech.repeated,
+            at=self._now(), repeated=speech.repeated, report=speech.report,
         )  # fmt: skip
         self._lines[speech.key] = line
         self._show(line)

@@ -37,6 +37,8 @@ class TalkLine(NamedTuple):
     spoken: str = ""
     """How it ended where that is not `whole`: `cut` or `failed`."""
     repeated: bool = False
+    report: str = ""
+    """The identity of a report, as in `Speech.report`; empty for any other line."""
 
 
 class TalkDoor(Protocol):

@@ -156,7 +156,7 @@ def test_the_end_is_reported_once_and_is_in_the_journal() -> None:
         talk.rig.post("go")
         talk.end()
         assert talk.agent.conclude(5.0)
-        assert len([line for line in talk.screen.of_robot() if line.priority == "end"]) == 1
+        assert len([line for line in talk.screen.of_robot() if line.report.endswith(":end")]) == 1
         talk.until(lambda: any(row["kind"] == "spoken" for row in talk.talk()))
 
 
@@ -172,7 +172,7 @@ def test_an_end_that_no_one_could_read_is_reported_when_a_door_opens_and_marked(
         talk.until(lambda: any(row["kind"] == "unspoken" for row in talk.talk()))
         talk.screen.is_open = True
         talk.agent.doors_changed()
-        assert talk.screen.until(lambda line: line.priority == "end" and not line.spoken).repeated
+        assert talk.screen.until(lambda line: line.report.endswith(":end") and not line.spoken).repeated
 
 
 def test_a_sentence_that_is_too_long_or_empty_is_refused_with_the_reason() -> None:

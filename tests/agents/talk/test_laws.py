@@ -163,7 +163,7 @@ def check(seeds: range) -> None:
         silent = run_silent(seed)
         talked, talk = run_talked(seed)
         assert talked == silent, f"seed {seed}"
-        ends = [line for line in talk.screen.of_robot() if line.priority == "end" and not line.spoken]
+        ends = [line for line in talk.screen.of_robot() if line.report.endswith(":end") and not line.spoken]
         assert len(ends) == 1, (seed, talk.screen.texts())
         count += sum(row["kind"] == "heard" for row in talk.talk())
     assert count > 3 * len(seeds), "there was talk while they ran"
