@@ -59,7 +59,7 @@ def reject_single_run_options(options: RunOptions) -> None:
     Raises:
         UsageError: An option is given that is about one run.
     """
-    for word in ("picture", "resume", "migrate", "record", "json"):
+    for word in ("picture", "resume", "migrate", "record", "json", "talk"):
         if getattr(options, word, None):
             raise UsageError(f"--{word} is of one run; a managed node has many: drop it or --managed")
 

@@ -182,9 +182,8 @@ def talk_of(options: RunOptions, config: RunConfig) -> Iterator[TalkSession | No
             raise UsageError("--voice is the sound of a conversation: give --talk too")
         yield None
         return
-    if options.json or options.managed:
-        word = "--json" if options.json else "--managed"
-        raise UsageError(f"--talk does not go with {word}: it is of one run, and writes what is talked")
+    if options.json:
+        raise UsageError("--talk does not go with --json: it writes what is talked on standard output")
     session = TalkSession(options, config, _policy(config))
     try:
         yield session

@@ -1,0 +1,136 @@
+# SPDX-License-Identifier: Apache-2.0
+"""`run --talk` as a person at a terminal meets it, and one who writes through a pipe."""
+
+from __future__ import annotations
+
+import json
+import os
+import pty
+import select
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from rai_missions.cli.main import main
+from rai_missions.journal import read
+
+PROGRAM = Path(sys.executable).with_name("rai-missions")
+PATIENCE_S = 60.0
+WAITING: dict[str, Any] = {
+    "format": 1, "name": "errand", "about": "wait for a while", "initial": "waiting",
+    "blackboard": {"rounds": {"type": "integer", "source": "argument", "initial": 1, "about": "how many rounds"}},
+    "states": {"waiting": {"about": "waits at the gate", "transitions": [{"after_s": 600, "to": "over"}]},
+               "over": {"final": "aborted"}},
+}  # fmt: skip
+
+
+@pytest.fixture
+def mission(tmp_path: Path) -> Path:
+    path = tmp_path / "errand.json"
+    path.write_text(json.dumps(WAITING))
+    return path
+
+
+class Terminal:
+    """A terminal with the program in it."""
+
+    def __init__(self, mission: Path, *more: str) -> None:
+        self.main, side = pty.openpty()
+        self.journal = mission.with_suffix(".journal")
+        environment = {**os.environ, "TERM": "xterm", "COLUMNS": "200", "LINES": "40"}
+        self.program = subprocess.Popen(
+            [PROGRAM, "run", mission, "--talk", "--journal", self.journal, *more], stdin=side, stdout=side, stderr=side,
+            env=environment, start_new_session=True, preexec_fn=lambda: _own_terminal(side),  # noqa: PLW1509 - this test has no other thread
+        )  # fmt: skip
+        os.close(side)
+        self.text = ""
+
+    def until(self, words: str) -> None:
+        end = time.monotonic() + PATIENCE_S
+        while words not in self.text:
+            assert time.monotonic() < end, self.text
+            ready, _, _ = select.select([self.main], [], [], 0.2)
+            if ready:
+                try:
+                    piece = os.read(self.main, 65_536).decode("utf-8", "replace")
+                except OSError:
+                    piece = ""
+                assert piece, self.text
+                self.text += piece
+                if "\x1b[6n" in piece:  # it asks where the cursor is
+                    os.write(self.main, b"\x1b[1;1R")
+
+    def type(self, text: str) -> None:
+        os.write(self.main, text.encode())
+
+
+def _own_terminal(side: int) -> None:
+    import fcntl
+    import termios
+
+    fcntl.ioctl(side, termios.TIOCSCTTY, 0)
+
+
+@contextmanager
+def terminal(mission: Path, *more: str) -> Iterator[Terminal]:
+    made = Terminal(mission, *more)
+    try:
+        yield made
+    finally:
+        if made.program.poll() is None:
+            os.killpg(made.program.pid, signal.SIGKILL)
+        made.program.wait(PATIENCE_S)
+        os.close(made.main)
+
+
+def test_a_person_at_a_terminal_asks_edits_the_line_orders_and_confirms(mission: Path) -> None:
+    with terminal(mission) as screen:
+        screen.until("has started")
+        screen.type("what are you duing\x7f\x7f\x7f\x7foing?\r")
+        screen.until("waits at the gate")
+        screen.type("cancel the mission\r")
+        screen.until("Say yes or no")
+        screen.type("yes\r")
+        screen.until("canceled: canceled by operator (terminal)")
+        assert screen.program.wait(PATIENCE_S) == 1
+    with read(screen.journal) as record:
+        kinds = [row.data["talk"]["kind"] for row in record.rows() if "talk" in (getattr(row, "data", None) or {})]
+    assert {"heard", "read_back", "confirmed", "ordered", "spoken"} <= set(kinds)
+
+
+def test_ctrl_c_on_the_line_cancels_the_mission(mission: Path) -> None:
+    with terminal(mission) as screen:
+        screen.until("has started")
+        screen.type("\x03")
+        screen.until("canceled: canceled by operator (interrupt)")
+        assert screen.program.wait(PATIENCE_S) == 1
+
+
+def test_a_terminal_that_goes_away_ends_no_mission_and_the_end_is_in_the_journal(mission: Path) -> None:
+    states = WAITING["states"] | {"waiting": {"transitions": [{"after_s": 2, "to": "over"}]}}
+    mission.write_text(json.dumps(WAITING | {"states": states}))
+    journal = mission.with_suffix(".journal")
+    result = subprocess.run(
+        [PROGRAM, "run", mission, "--talk", "--journal", journal], input="what are you doing?\n", text=True,
+        capture_output=True, timeout=PATIENCE_S, check=False,
+    )  # fmt: skip
+    assert result.returncode == 1 and "aborted" in result.stdout, result
+    with read(journal) as record:
+        lines = [row.data["line"] for row in record.rows() if "line" in (getattr(row, "data", None) or {})]
+    assert any(line["report"].endswith(":end") for line in lines)
+
+
+WORDS = {"--json": "--talk does not go with --json", "--managed": "--talk is of one run; a managed node has many"}
+
+
+@pytest.mark.parametrize("word", WORDS)
+def test_what_does_not_go_with_talk_is_refused(mission: Path, word: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["run", str(mission), "--talk", word]) == 2
+    assert WORDS[word] in capsys.readouterr().err
