@@ -18,6 +18,7 @@ from rai_missions.agents.talk.doors import TalkDoor, TalkDoors, TalkLine
 from rai_missions.agents.talk.journal import NoteSink
 from rai_missions.agents.talk.model import TalkModel
 from rai_missions.agents.talk.orders import OnOrderEnd
+from rai_missions.agents.talk.pace import DoorPace
 from rai_missions.agents.talk.run_status import RobotWords
 from rai_missions.connectors.worker import Worker
 from rai_missions.conversation import (
@@ -82,6 +83,7 @@ class ConversationalAgent:
         self._lines: dict[str, TalkLine] = {}
         """Speech's key → its line, until it has ended."""
         self._count = self._waiting = 0
+        self._pace, self._stops = DoorPace(), DoorPace()
         self._lock = threading.Lock()
         self._is_news = False
         self._is_open = True
@@ -149,6 +151,8 @@ class ConversationalAgent:
             return f"a sentence has at most {LONGEST} characters, not {len(text)}"
         if not text.strip():
             return "there is no text in it"
+        if not (self._stops if self.is_stop(text) else self._pace).take(channel):
+            return "too many sentences at once; wait a moment"
         with self._lock:
             if self._waiting >= MOST_WAITING:
                 return f"{MOST_WAITING} sentences wait already; speak again in a moment"

@@ -96,12 +96,12 @@ def test_a_person_at_a_terminal_asks_edits_the_line_orders_and_confirms(mission:
         screen.type("what are you duing\x7f\x7f\x7f\x7foing?\r")
         screen.until("waits at the gate")
         screen.type("cancel the mission\r")
-        screen.until("Say yes or no")
+        screen.until("Is that right?")
         screen.type("yes\r")
         screen.until("canceled: canceled by operator (terminal)")
         assert screen.program.wait(PATIENCE_S) == 1
     with read(screen.journal) as record:
-        kinds = [row.data["talk"]["kind"] for row in record.rows() if "talk" in (getattr(row, "data", None) or {})]
+        kinds = [each["kind"] for row in record.rows() for each in (getattr(row, "data", None) or {}).get("talk", ())]
     assert {"heard", "read_back", "confirmed", "ordered", "spoken"} <= set(kinds)
 
 
@@ -123,7 +123,7 @@ def test_a_terminal_that_goes_away_ends_no_mission_and_the_end_is_in_the_journal
     )  # fmt: skip
     assert result.returncode == 1 and "aborted" in result.stdout, result
     with read(journal) as record:
-        lines = [row.data["line"] for row in record.rows() if "line" in (getattr(row, "data", None) or {})]
+        lines = [each for row in record.rows() for each in (getattr(row, "data", None) or {}).get("lines", ())]
     assert any(line["report"].endswith(":end") for line in lines)
 
 

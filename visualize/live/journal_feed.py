@@ -137,8 +137,10 @@ class JournalFeed:
             self._scene.take(row.step, row.before)
         elif isinstance(row, Note) and isinstance(row.data, dict) and isinstance(row.data.get("open_goals"), list):
             self._scene.loosen(row.data["open_goals"])
-        elif isinstance(row, Note) and isinstance(row.data, dict) and isinstance(row.data.get("line"), dict):
-            self._scene.converse(row.data["line"])
+        elif isinstance(row, Note) and isinstance(row.data, dict) and isinstance(row.data.get("lines"), list):
+            for line in row.data["lines"]:
+                if isinstance(line, dict):
+                    self._scene.converse(line)
         elif isinstance(row, Note) and isinstance(row.data, dict) and "broken_off" in row.data:
             self._scene.fault(row.text)
 

@@ -1,15 +1,15 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The rows of talk in a run's journal: notes next to its steps, which replay ignores and a reader finds by `talk`.
+"""The talk of a run in its journal: notes between its steps, which replay leaves out, and a reader finds by field.
 
-Rule: nothing of talk is a step. A note is written by the run's own thread while it lasts, and here after its end.
+Rule: nothing of talk is a step. A note is written by the run's own thread while it lasts, and here after its end. What
+has come since the note before is one note, so that much talk costs the run no more writes than little.
 """
 
 from __future__ import annotations
 
 import threading
-from collections import deque
 from collections.abc import Mapping
-from typing import Any, Protocol
+from typing import Any, NamedTuple, Protocol
 
 from rai_missions.agents.talk.doors import TalkLine
 from rai_missions.conversation import TalkNote
@@ -17,19 +17,27 @@ from rai_missions.errors import MissionError
 from rai_missions.redaction import Redaction, cut, logger
 from rai_missions.runtime.runner import Runner
 
-__all__ = ("TALK", "NoteSink", "TalkJournal")
+__all__ = ("LINES", "TALK", "NoteSink", "TalkJournal")
 
 log = logger(__name__)
-TALK = "talk"
-"""The field of a note's data in which talk is."""
+TALK, LINES = "talk", "lines"
+"""The fields of a note's data: what happened in the conversation, and the lines that its page shows."""
 LONGEST = 2_000
-"""Characters of one text in a row."""
+"""Characters of one text."""
 
 
 class NoteSink(Protocol):
     """What takes a note once the run is over: `rai_missions.journal.Journal`."""
 
     def note(self, text: str, data: Any = None) -> int: ...
+
+
+class TalkRows(NamedTuple):
+    """What is to be written with the next note."""
+
+    words: list[str]
+    talk: list[Any]
+    lines: list[Any]
 
 
 class TalkJournal:
@@ -43,29 +51,24 @@ class TalkJournal:
     def __init__(self, runner: Runner, journal: NoteSink | None) -> None:
         self._runner, self._journal = runner, journal
         self._lock = threading.Lock()
-        self._rows: deque[tuple[str, Any]] = deque()
-        self._is_over = False
+        self._rows = TalkRows([], [], [])
+        self._is_over = self._is_asked = False
         self._redaction = Redaction()
 
     def write(self, note: TalkNote) -> None:
         """Have a note written; the caller waits for no disk while the run lasts."""
-        data: Mapping[str, Any] = {"kind": note.kind, "at": round(note.at, 3), **_bounded(note.data)}
-        words = cut(str(data.get("text", "")), 200)
-        self._put(f"talk, {note.kind}{f': {words}' if words else ''}", {TALK: self._redaction.json(dict(data))})
-
-    def _put(self, text: str, data: Any) -> None:
+        data = self._redaction.json(_bounded({"kind": note.kind, "at": round(note.at, 3), **note.data}))
         with self._lock:
-            self._rows.append((self._redaction.text(text), data))
-            is_over = self._is_over
-        if is_over:
-            self._flush_over()
-        else:
-            self._runner.call_soon(self._flush)
+            self._rows.talk.append(data)
+        self._ask()
 
     def line(self, line: TalkLine) -> None:
-        """Have a line of the conversation written, for the page of a journal."""
-        data = {"line": self._redaction.json(_bounded(line._asdict()))}
-        self._put(f"{line.by}: {cut(line.text, 200)}", data)
+        """Have a line of the conversation written, for people and for the page of a journal."""
+        data = self._redaction.json(_bounded(line._asdict()))
+        with self._lock:
+            self._rows.lines.append(data)
+            self._rows.words.append(f"{data['by']}: {data['text'][:200]}")
+        self._ask()
 
     def close(self) -> None:
         """The run is over: its journal is still open, and what follows is written to it from here."""
@@ -73,21 +76,38 @@ class TalkJournal:
             self._is_over = True
         self._flush_over()
 
+    def _ask(self) -> None:
+        with self._lock:
+            is_over, is_asked = self._is_over, self._is_asked
+            self._is_asked = True
+        if is_over:
+            self._flush_over()
+        elif not is_asked:
+            self._runner.call_soon(self._flush)
+
+    def _taken(self) -> tuple[str, Any] | None:
+        """What waits, as one note; under the lock."""
+        rows, self._rows, self._is_asked = self._rows, TalkRows([], [], []), False
+        if not rows.talk and not rows.lines:
+            return None
+        return " · ".join(rows.words)[:1_000] or "talk", {TALK: rows.talk, LINES: rows.lines}
+
     def _flush(self) -> None:
         """On the run's thread."""
         with self._lock:
-            rows, self._rows = tuple(self._rows), deque()
-        for row in rows:
-            self._runner.note(*row)
+            note = self._taken()
+        if note is not None:
+            self._runner.note(*note)
 
     def _flush_over(self) -> None:
         with self._lock:
-            rows, self._rows = tuple(self._rows), deque()
-            for row in rows if self._journal is not None else ():
-                try:
-                    self._journal.note(*row)  # type: ignore[union-attr]  # the loop is empty without one
-                except (MissionError, OSError) as error:
-                    log.warning("a row of talk could not be written: %s", cut(error, 200))
+            note = self._taken()
+            if note is None or self._journal is None:
+                return
+            try:
+                self._journal.note(*note)
+            except (MissionError, OSError) as error:
+                log.warning("the end of the talk could not be written: %s", cut(error, 200))
 
 
 def _bounded(value: Any) -> Any:

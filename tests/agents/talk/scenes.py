@@ -141,7 +141,7 @@ class Talk:
 
     def talk(self) -> list[Mapping[str, Any]]:
         """The rows of talk in the journal."""
-        return [data["talk"] for data in self.book.data if isinstance(data, Mapping) and "talk" in data]
+        return [row for data in self.book.data if isinstance(data, Mapping) for row in data.get("talk", [])]
 
     def until(self, holds: Callable[[], object]) -> None:
         """Wait for what another thread does."""

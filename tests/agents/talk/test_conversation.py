@@ -121,12 +121,12 @@ def test_a_hanging_model_delays_no_state_question() -> None:
         running(talk)
         talk.order("I would like a story about the moon")
         waits = []
-        for _ in range(30):
+        for _ in range(15):
             began = time.monotonic()
             talk.ask("what are you doing?")
             waits.append(time.monotonic() - began)
         resume.set()
-        assert sorted(waits)[15] < 0.5 and max(waits) < 5.0, waits  # the model has 20 s; benchmarks/bench_talk.py
+        assert sorted(waits)[7] < 0.5 and max(waits) < 5.0, waits  # the model has 20 s; benchmarks/bench_talk.py
 
 
 @pytest.mark.parametrize("fault", [RuntimeError, SystemExit, MemoryError])
