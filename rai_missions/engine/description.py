@@ -26,7 +26,7 @@ class Description(NamedTuple):
     """A step in words."""
 
     event: str
-    """Such as `anomaly`, `drive (3)`, `the model answers`, `time`."""
+    """Such as `anomaly`, `drive (3)`, `answered by the model`, `time`."""
     way: str
     """States left and entered, such as `driving → assessing`; empty where none was entered."""
     effects: tuple[str, ...]
@@ -86,7 +86,7 @@ def event_words(event: Event) -> str:
     if event.kind in ("accepted", "result"):
         return f"{event.name} ({event.number})"
     if event.kind == "proposal":
-        return f"{answerer_words(event.name)} answers"
+        return f"answered by {answerer_words(event.name)}"
     if is_e_stop(event):
         return "e-stop"
     return {"tick": "time", "control": "control"}.get(event.kind, event.name)

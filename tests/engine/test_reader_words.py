@@ -28,5 +28,5 @@ def test_a_step_names_who_has_control_and_who_is_asked_as_the_pages_do() -> None
     assert asked.startswith("ask the model (question ")
     question = chart.questions[0]
     answered = chart.propose(question.number, "left", at=2.0)
-    assert describe(answered).event == "the model answers"
+    assert describe(answered).event == "answered by the model"
     assert answered.event.name == "agent"
