@@ -151,7 +151,7 @@ class ConversationalAgent:
             return f"a sentence has at most {LONGEST} characters, not {len(text)}"
         if not text.strip():
             return "there is no text in it"
-        if not (self._stops if self.is_stop(text) else self._pace).take(channel):
+        if not self._pace.take(channel) and not (self._stops.take(channel) and self.is_stop(text)):
             return "too many sentences at once; wait a moment"
         with self._lock:
             if self._waiting >= MOST_WAITING:
