@@ -44,6 +44,7 @@ GLOBALS = {
     ("rai_missions/voice/worker.py", "sys.path"): PROCESS,
     ("rai_missions/embodiment/reading_process.py", "resource.setrlimit"): PROCESS,
     ("rai_missions/embodiment/minilm.py", "os.environ"): f"{READS}; a maker's telemetry has no other switch",
+    ("rai_missions/worlds/perception/__main__.py", "signal.signal"): PROCESS,
     ("rai_missions/agents/runner.py", "signal.signal"): "put back when the agents have stopped",
     ("rai_missions/cli/signals.py", "signal.signal"): "the program's own, and put back when the run ends",
     ("rai_missions/connectors/ros2/connector.py", "atexit.register"): "taken back when it stops",
