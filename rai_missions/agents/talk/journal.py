@@ -67,7 +67,7 @@ class TalkJournal:
         data = self._redaction.json(_bounded(line._asdict()))
         with self._lock:
             self._rows.lines.append(data)
-            self._rows.words.append(f"{data['by']}: {data['text'][:200]}")
+            self._rows.words.append(f"{data['by']}: {cut(data['text'], 200)}")
         self._ask()
 
     def close(self) -> None:
@@ -90,7 +90,7 @@ class TalkJournal:
         rows, self._rows, self._is_asked = self._rows, TalkRows([], [], []), False
         if not rows.talk and not rows.lines:
             return None
-        return " · ".join(rows.words)[:1_000] or "talk", {TALK: rows.talk, LINES: rows.lines}
+        return cut(" · ".join(rows.words), 1_000) or "talk", {TALK: rows.talk, LINES: rows.lines}
 
     def _flush(self) -> None:
         """On the run's thread."""
