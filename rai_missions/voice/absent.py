@@ -8,7 +8,7 @@ from rai_missions.errors import UsageError
 __all__ = ("absent",)
 
 
-def absent(what: str, needs: str, remedy: str = "pip install 'rai-missions[voice]'") -> UsageError:
+def absent(what: str, needs: str, remedy: str = "pip install '.[voice]'") -> UsageError:
     """The error for something that is not installed.
 
     Args:

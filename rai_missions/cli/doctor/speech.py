@@ -21,8 +21,8 @@ LISTENERS: tuple[tuple[SpeechSort, str, Mapping[str, str], str], ...] = (
 WAKE: tuple[SpeechSort, str, Mapping[str, str], str] = ("ear", "ear", {"wake_word": "okay_nabu"}, "wake words")
 VOICES = ("flite", "espeak")
 OPTIONAL = {
-    "piper": "pip install 'rai-missions[voice-piper]' (GPL-3.0-or-later), and name a model",
-    "kokoro": "pip install 'rai-missions[voice-kokoro]' (GPL-3.0-or-later parts), and name its weights",
+    "piper": "pip install '.[voice-piper]' (GPL-3.0-or-later), and name a model",
+    "kokoro": "pip install '.[voice-kokoro]' (GPL-3.0-or-later parts), and name its weights",
 }
 
 

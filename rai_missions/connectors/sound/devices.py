@@ -21,7 +21,7 @@ __all__ = ("DeviceSound", "sound_devices")
 log = logger(__name__)
 WAITING = 100
 """Frames that may wait for those who listen, 3 s; then the oldest is dropped."""
-REMEDY = "pip install 'rai-missions[voice]'; on Debian also: apt-get install libportaudio2"
+REMEDY = "pip install '.[voice]'; on Debian also: apt-get install libportaudio2"
 
 
 class DeviceSound(FrameLoop):

@@ -94,7 +94,7 @@ def numpy() -> Any:
     try:
         import numpy
     except ImportError:
-        raise UsageError("numpy is needed for sound and is not installed; pip install 'rai-missions[voice]'") from None
+        raise UsageError("numpy is needed for sound and is not installed; pip install '.[voice]'") from None
     return numpy
 
 
@@ -103,6 +103,6 @@ def _resampled(samples: Any, ratio: float) -> Any:
         from samplerate import resample
     except ImportError:
         raise UsageError(
-            "samplerate is needed to convert sound to 16 kHz and is not installed; pip install 'rai-missions[voice]'"
+            "samplerate is needed to convert sound to 16 kHz and is not installed; pip install '.[voice]'"
         ) from None
     return resample(samples, ratio, "sinc_medium")

@@ -32,7 +32,7 @@ def read_pdf(_name: str, data: bytes) -> TextDocument:
         ValueError: It is broken, encrypted, too long, or holds no text; or the package that reads it is missing.
     """
     if find_spec("pypdf") is None:
-        raise ValueError("cannot be read without pypdf: pip install 'rai-missions[identity]'")
+        raise ValueError("cannot be read without pypdf: pip install '.[identity]'")
     from pypdf import PdfReader
     from pypdf.errors import PyPdfError
 

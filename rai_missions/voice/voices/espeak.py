@@ -42,7 +42,7 @@ class Espeak:
         try:
             import espeakng_loader as loader
         except ImportError:
-            raise absent("the voice 'espeak'", "espeakng-loader", "pip install 'rai-missions[voice-espeak]'") from None
+            raise absent("the voice 'espeak'", "espeakng-loader", "pip install '.[voice-espeak]'") from None
         self._library = ctypes.CDLL(loader.get_library_path())
         self._sound: list[bytes] = []
         self._callback = Callback(self._take)  # kept: the library calls it

@@ -42,8 +42,7 @@ class Flite:
         program = shutil.which("flite")
         if program is None:
             remedy = (
-                "on Debian: apt-get install flite; without root take the voice 'espeak': "
-                "pip install 'rai-missions[voice-espeak]'"
+                "on Debian: apt-get install flite; without root take the voice 'espeak': pip install '.[voice-espeak]'"
             )
             raise absent("the voice 'flite'", "the program flite", remedy)
         self._program, self._speaker = program, speaker

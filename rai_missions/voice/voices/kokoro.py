@@ -44,7 +44,7 @@ class Kokoro:
         try:
             from kokoro_onnx import Kokoro as Network
         except ImportError:
-            raise absent("the voice 'kokoro'", "kokoro-onnx", "pip install 'rai-missions[voice-kokoro]'") from None
+            raise absent("the voice 'kokoro'", "kokoro-onnx", "pip install '.[voice-kokoro]'") from None
         for name, file in (("model", model), ("voices", voices)):
             if not file.is_file():
                 raise UsageError(f"kokoro needs its weights: give {name}=FILE, not '{file}'")

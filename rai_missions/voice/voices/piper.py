@@ -36,7 +36,7 @@ class Piper:
         try:
             from piper import PiperVoice
         except ImportError:
-            raise absent("the voice 'piper'", "piper-tts", "pip install 'rai-missions[voice-piper]'") from None
+            raise absent("the voice 'piper'", "piper-tts", "pip install '.[voice-piper]'") from None
         if not model.is_file():
             raise UsageError(
                 f"piper needs a voice: give model=FILE.onnx, not '{model}' (python -m piper.download_voices)"
