@@ -65,8 +65,7 @@ class Grammar:
         words = normaliser.words(text)
         if not words or len(words) > MOST_WORDS or max(map(len, words)) > LONGEST_WORD:
             return ()
-        names = (view.robot, spoken(view.robot), view.robot.partition(",")[0])
-        bare = list(once(normaliser.bare(words, names)))
+        bare = list(once(normaliser.bare(words, _called(view.robot))))
         found = self._words(bare, view) or self._words(words, view)
         return found or (self._mended(bare, view) if len(bare) <= MOST_MENDED else ())
 
@@ -204,3 +203,10 @@ def _words_of(view: StatusView) -> Iterator[str]:
     for offer in view.question.options if view.question is not None else ():
         yield from spoken(offer.name).split()
         yield from offer.about.lower().split()
+
+
+def _called(robot: str) -> tuple[str, ...]:
+    """How people address a robot: `tractor1` as `tractor`, too, and `ROSbot XL, simulated` as `ROSbot`."""
+    name = robot.partition(",")[0]
+    first = name.split()[:1]
+    return tuple(dict.fromkeys([robot, spoken(robot), name, *first, *(each.rstrip("0123456789") for each in first)]))

@@ -32,6 +32,15 @@ def test_each_sentence_that_stops_stops(code: str) -> None:
     assert [each for each in STORED["stops"][code] if grammar.senses(each, VIEW) != (STOP,)] == []
 
 
+@pytest.mark.parametrize(
+    ("robot", "sentence"),
+    [("tractor1", "Stop, please, tractor"), ("tractor1", "tractor, stop!"), ("ROSbot XL, simulated", "rosbot stop"),
+     ("ROSbot XL, simulated", "Stop, ROSbot XL")],
+)  # fmt: skip
+def test_a_robot_stops_by_each_name_that_people_call_it(robot: str, sentence: str) -> None:
+    assert ENGLISH.senses(sentence, VIEW._replace(robot=robot)) == (STOP,)
+
+
 @pytest.mark.parametrize("code", languages())
 def test_an_order_inside_other_talk_is_none(code: str) -> None:
     grammar, asked = Grammar(language(code)), Question(1, "s", "operator", "?", (Offer("wait", "wait here"),))
