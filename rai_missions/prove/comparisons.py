@@ -104,9 +104,12 @@ class Comparisons:
             self._constant(effect.set, effect.value)
 
     def _constant(self, path: str, value: Any) -> None:
-        """It can be this by the mission's own doing; what it is compared with can be so too."""
+        """It can be this by the mission's own doing; what it is compared with can be so too, and an item of a list."""
         if path in self.kin:
             self.atoms.setdefault(path, []).append(("==", value))
+        for item in self.items.get(path, ()) if isinstance(value, list) else ():
+            for each in value:
+                self._constant(item, each)
 
     def _learn_raises(self, mission: Mission) -> None:
         """What a raised event brings is compared for the key that it was taken from."""

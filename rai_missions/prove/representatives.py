@@ -7,6 +7,7 @@ Rule: two values that every guard treats alike represent one another; unknown is
 from __future__ import annotations
 
 import math
+from bisect import bisect_left
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from functools import partial
 from itertools import pairwise, product
@@ -14,6 +15,7 @@ from typing import Any
 
 from rai_missions.engine.robot_facts import RobotFacts
 from rai_missions.guards.compare import OPERATORS, truth
+from rai_missions.guards.near import distance
 from rai_missions.image import Image
 from rai_missions.keys import Key
 from rai_missions.mission.mission import Mission
@@ -154,8 +156,16 @@ class Values:
         offsets += [FAR_M] if radii else []
         if self._is_met(path):
             offsets = [0.0]
-        for base, offset in product(bases, offsets):
-            yield {**base, "x": base.get("x", 0.0) + offset} if offset else dict(base)
+        found = [
+            {**base, "x": base.get("x", 0.0) + offset} if offset else dict(base)
+            for base, offset in product(bases, offsets)
+        ]
+        yield from _distinct(found, bases, radii) if self._is_of_written(path) else found
+
+    def _is_of_written(self, path: str) -> bool:
+        """It is compared with poses that the mission writes alone: with constants."""
+        others = self.learned.kin.get(path, {path}) - {path}
+        return bool(others) and all(each in self._keys and self._keys[each].source == "mission" for each in others)
 
     def _is_met(self, path: str) -> bool:
         """It is compared with one pose, which the robot reports: that one can be near it or far, wherever it is."""
@@ -224,6 +234,17 @@ class Values:
         sources = {each: self._keys[each].source for each in kin if each in self._keys}
         others = {source for each, source in sources.items() if each != path}
         return len(sources) == len(kin) and sources.get(path) == "argument" and others == {"robot"}
+
+
+def _distinct(poses: list[Any], others: list[Any], radii: list[float]) -> Iterator[Any]:
+    """Of poses that lie alike to each of others the first."""
+    seen = set[tuple[Any, ...]]()
+    for pose in poses:
+        metres = [distance(pose, other) for other in others]
+        lies = tuple(None if each is None else bisect_left(radii, each) for each in metres)
+        if lies not in seen:
+            seen.add(lies)
+            yield pose
 
 
 def _found_out(atoms: Iterable[tuple[str, Any]], value: Any) -> tuple[Any, ...]:

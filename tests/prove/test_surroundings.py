@@ -167,6 +167,23 @@ def test_a_list_may_be_a_field_of_an_object() -> None:
     assert "invariants" in refuted(proof) and proof.never == ("done",)
 
 
+@pytest.mark.parametrize("by", ["a transition", "its initial value"])
+def test_a_robot_can_be_near_each_pose_of_a_list_that_the_mission_wrote(by: str) -> None:
+    stops = [{"x": 3.0, "y": 1.0, "frame": "map"}, {"x": 7.0, "y": 2.0, "frame": "map"}]
+    near = {"near": ["pose", "stop"], "within_m": 0.5}
+    states = {"there": {"transitions": [{"when": near, "to": "ok"}]}, "ok": {"final": "succeeded"}}
+    going = {"each": "stops", "as": "stop", "initial": "there", "states": states,
+             "transitions": [{"on": "succeeded", "to": "driving"}, {"on": "failed", "to": "aborted"}]}  # fmt: skip
+    first = {"transitions": [{"on": "next", "to": "going", "do": [{"set": "stops", "value": stops}]}]}
+    is_written = by == "a transition"
+    keys: Json = {"stops": {"type": "list", "initial": [] if is_written else stops},
+                  "stop": {"type": "pose", "frame": "map"},
+                  "pose": {"type": "pose", "source": "robot", "max_age_s": 5, "frame": "map"}}  # fmt: skip
+    document = {"first": first, "going": going} if is_written else {"going": going}
+    proof = proof_of({**document, "driving": DRIVING}, keys, events={"next": {}})
+    assert "rules" not in refuted(proof) and proof.never in ((), ("aborted",)), (refuted(proof), proof.never)
+
+
 def test_two_rounds_of_one_list_each_look_at_its_items_in_their_own_way() -> None:
     def going(item: str, word: str, number: int, transitions: list[Json]) -> Json:
         rest = [{"when": {"key": item, "==": word}, "to": f"lost{number}"}, {"on": "next", "to": f"ok{number}"}]
