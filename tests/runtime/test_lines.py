@@ -107,5 +107,5 @@ def test_answerers_that_are_absent_are_one_line_of_the_run_and_none_of_a_questio
         in head.replace("\n", " ")
     )
     assert "agent" not in body and "operator" not in body and "absent" not in body
-    assert body.count(" to rules") == 2 and body.count("accepted") == 2
+    assert body.count(" to the fixed rules") == 2 and body.count("accepted") == 2
     assert sum(step.questions for step in steps) == 2

@@ -42,10 +42,14 @@ def as_text(given: MissionSummary) -> Iterator[str]:
     yield from (fact.text for fact in given.controllers)
 
 
-@pytest.mark.parametrize("path", shipped(), ids=lambda path: path.parent.name)
-def test_the_summary_of_a_shipped_mission_reads_as_it_was_looked_at(path: Any) -> None:
+def _name(path: Path) -> str:
+    return path.parent.name if path.stem == "mission" else f"{path.parent.name}_{path.stem}"
+
+
+@pytest.mark.parametrize("path", shipped(), ids=_name)
+def test_the_summary_of_a_shipped_mission_reads_as_it_was_looked_at(path: Path) -> None:
     text = "\n".join((*as_text(summary(load(path))), ""))
-    compare(STORED / f"{path.parent.name}_summary.txt", text.encode())
+    compare(STORED / f"{_name(path)}_summary.txt", text.encode())
 
 
 @given(missions())
