@@ -13,6 +13,8 @@ from typing import Any
 
 import pytest
 
+from rai_missions.conversation import Settings
+from rai_missions.conversation.settings import MAY
 from rai_missions.engine.step import Step
 from rai_missions.event import Role
 from tests.agents.talk.scenes import HeldOpen, RepliesModel, Talk
@@ -130,12 +132,13 @@ def run_silent(seed: int) -> list[Any]:
 
 
 ROLES: tuple[Role, ...] = ("viewer", "person")
+ASKS = Settings(may={**MAY, "person": frozenset({"ask"})})
+"""No one may order anything, a stop included: with it, a person's "yes" to a model's proposal to stop would count."""
 
 
 def run_talked(seed: int) -> tuple[list[Any], Talk]:
-    """The same run, with three who talk as fast as they can from their own threads; they may order nothing but a stop,
-    which they do not speak."""
-    talk = errand(seed, model=Hostile())
+    """The same run, with three who talk as fast as they can from their own threads, and may order nothing."""
+    talk = errand(seed, model=Hostile(), settings=ASKS)
     over = threading.Event()
 
     def chatter(number: int) -> None:
