@@ -86,8 +86,6 @@ socket.socket = LoopbackSocket  # type: ignore[misc]
 ON_ROS = frozenset({"ros", "domain", "graph", "tried"})
 """Fixtures of the tests that start nodes of ROS 2."""
 SLOW = ("local_model", "sim")
-SPREAD = 0.6
-"""Within so much of the other tests those of ROS 2 are begun, so that none of them is left at the end."""
 
 
 def is_on_ros(item: pytest.Item) -> bool:
@@ -111,31 +109,9 @@ def pytest_collection_finish() -> None:
     gc.freeze()
 
 
-def units(items: list[pytest.Item]) -> list[list[pytest.Item]]:
-    """What one worker runs as a whole, the largest first: the tests of a place that share something, or one test."""
-    places = {path: shared(path) for path in {item.path for item in items}}
-    found: dict[str, list[pytest.Item]] = {}
-    for item in items:
-        found.setdefault(str(places[item.path] or item.nodeid), []).append(item)
-    return sorted(found.values(), key=lambda unit: -len(unit))
-
-
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """What waits for ROS 2 is spread among what computes; both begin with what takes longest.
-
-    Were all that waits in a row, the cores would be idle for minutes.
-    """
-    slow, waiting, computing = list[list[pytest.Item]](), list[list[pytest.Item]](), list[list[pytest.Item]]()
-    for unit in units(items):
-        is_slow = len(unit) > 1 or any(unit[0].get_closest_marker(each) for each in SLOW)
-        (waiting if is_on_ros(unit[0]) else slow if is_slow else computing).append(unit)
-    rest, done = [*slow, *computing], 0
-    many = max(1, round(SPREAD * len(rest) / max(1, len(waiting))))
-    ordered = list[pytest.Item]()
-    for unit in waiting:
-        ordered += [*unit, *(item for each in rest[done : done + many] for item in each)]
-        done += many
-    items[:] = [*ordered, *(item for each in rest[done:] for item in each)]
+    """The slowest first, so that no worker is left with one at the end."""
+    items.sort(key=lambda item: not is_on_ros(item) and not any(item.get_closest_marker(each) for each in SLOW))
 
 
 @pytest.hookimpl(optionalhook=True)
@@ -155,7 +131,6 @@ def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> Any:
                 together[file] = str(shared(root / file) or "")
             return together[file] or nodeid
 
-    config.option.loadscopereorder = False  # the order is that of the items
     return ByFile(config, log)
 
 
