@@ -10,6 +10,7 @@ from collections.abc import Mapping
 from typing import Any, Literal, NamedTuple
 
 from rai_missions.event import Role
+from rai_missions.profile.conversation import OrderName
 
 __all__ = (
     "AskModel", "DropModel", "Mapper", "NoteKind", "Order", "OrderName", "Output", "Priority", "Silence", "Speech",
@@ -20,7 +21,6 @@ Priority = Literal["end", "question", "answer", "chatter"]
 """What is spoken first: the mission's end, then its questions and other reports, answers, the rest."""
 Way = Literal["rules", "model", "unknown"]
 """By which way a text was made: templates, a model, or neither knew an answer."""
-OrderName = Literal["start", "pause", "resume", "cancel", "stop", "answer"]
 Mapper = Literal["grammar", "model"]
 """What read a sentence as an order."""
 

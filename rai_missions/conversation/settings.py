@@ -6,25 +6,20 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Literal, NamedTuple, get_args
 
-from rai_missions.conversation.outputs import OrderName
 from rai_missions.errors import UsageError, suggestion
 from rai_missions.event import Role
+from rai_missions.profile.conversation import GRANTED, ORDERS, OrderName
 
 __all__ = ("MAY", "ORDERS", "ROLES", "LatePolicy", "Permission", "RequestPolicy", "Settings", "permissions")
 
 Permission = Literal["ask"] | OrderName
-ORDERS: tuple[OrderName, ...] = get_args(OrderName)
 ROLES: tuple[Role, ...] = get_args(Role)
 RequestPolicy = Literal["queue", "refuse"]
 """What becomes of a start that is ordered while a mission runs."""
 LatePolicy = Literal["queue", "keep_last", "interrupt"]
 """What becomes of a sentence for the model while the model answers another; rules answer theirs at once."""
 
-MAY: Mapping[Role, frozenset[Permission]] = {
-    "operator": frozenset({"ask", *ORDERS}),
-    "person": frozenset({"ask", "stop"}),
-    "viewer": frozenset({"ask"}),
-}
+MAY: Mapping[Role, frozenset[Permission]] = {role: frozenset({"ask", *GRANTED[role]}) for role in ROLES}
 """What each role may do where the profile grants nothing more."""
 
 

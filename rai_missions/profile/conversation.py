@@ -11,6 +11,7 @@ from typing import Annotated, Literal, get_args
 from pydantic import BeforeValidator, Field, field_validator
 
 from rai_missions.errors import suggestion
+from rai_missions.event import Role
 from rai_missions.model import Bool, MissionModel, Text, fault
 
 __all__ = ("GRANTED", "ORDERS", "ConversationPolicy", "OrderName", "WhileAnswering")
@@ -18,7 +19,7 @@ __all__ = ("GRANTED", "ORDERS", "ConversationPolicy", "OrderName", "WhileAnsweri
 OrderName = Literal["start", "pause", "resume", "cancel", "stop", "answer"]
 ORDERS: tuple[OrderName, ...] = get_args(OrderName)
 """What can be ordered by talk."""
-GRANTED: dict[str, tuple[OrderName, ...]] = {"operator": ORDERS, "viewer": (), "person": ("stop",)}
+GRANTED: dict[Role, tuple[OrderName, ...]] = {"operator": ORDERS, "viewer": (), "person": ("stop",)}
 """Role → what it may order where a profile grants nothing; every role may ask."""
 Orders = Annotated[
     tuple[OrderName, ...], BeforeValidator(lambda given: tuple(given) if isinstance(given, list) else given)
