@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from rai_missions.engine.decision import Question
     from rai_missions.engine.step import Step
     from rai_missions.event import Role
-    from rai_missions.profile import ConversationPolicy
+    from rai_missions.profile import Robot
     from rai_missions.runtime.lifecycle import Status
     from rai_missions.runtime.runner import Result
 
@@ -52,11 +52,12 @@ class TalkSession:
     Args:
         options: Of the command.
         config: What the run is made of.
-        policy: What the profile states of talk; None where it states nothing.
+        profile: The robot's; None where it has none, or is a program.
     """
 
-    def __init__(self, options: RunOptions, config: RunConfig, policy: ConversationPolicy | None) -> None:
-        self._options, self._policy = options, policy
+    def __init__(self, options: RunOptions, config: RunConfig, profile: Robot | None) -> None:
+        self._options, self._policy = options, None if profile is None else profile.conversation
+        policy = self._policy
         self._step, self._status = config.on_step, config.on_status
         self.agent: ConversationalAgent | None = None
         self._doors: list[TalkDoor] = []
@@ -66,7 +67,7 @@ class TalkSession:
         self.config = replace(
             config, on_step=self._stepped, on_status=self._changed, waits=begins_ready,
             operator=None if options.no_operator else HeldOpen(),
-            speed=1.0 if config.speed is None and _is_simulated(config) else config.speed,
+            speed=1.0 if config.speed is None and _is_simulated(profile) else config.speed,
         )  # fmt: skip
         """What the run is to be made of instead: at the wall's speed, since a person takes part."""
 
@@ -150,8 +151,7 @@ class TalkSession:
         if not agent.conclude(END_REPORTED_S) and result is not None:
             warn(f"no one could be reached to report how the mission ended: {result.outcome}: {result.why}")
         agent.stop()
-        if self._voice is not None:
-            self._voice.stop()
+        self.close_voice()
         if self._hri is not None:
             with suppress(MissionError):
                 self._hri.close()
@@ -184,7 +184,7 @@ def talk_of(options: RunOptions, config: RunConfig) -> Iterator[TalkSession | No
         return
     if options.json:
         raise UsageError("--talk does not go with --json: it writes what is talked on standard output")
-    session = TalkSession(options, config, _policy(config))
+    session = TalkSession(options, config, _profile(config))
     try:
         yield session
     finally:
@@ -215,24 +215,18 @@ def talking(session: TalkSession, prepared: PreparedRun, lines: Lines, page: Run
             typing.stop()
 
 
-def _policy(config: RunConfig) -> ConversationPolicy | None:
+def _profile(config: RunConfig) -> Robot | None:
     from rai_missions.profile import Robot, is_program, load_profile
 
     robot = config.robot
     if isinstance(robot, Robot):
-        return robot.conversation
-    if robot is None or is_program(robot) or not isinstance(robot, str):
-        return None
-    return load_profile(robot).conversation
+        return robot
+    return load_profile(robot) if isinstance(robot, str) and not is_program(robot) else None
 
 
-def _is_simulated(config: RunConfig) -> bool:
+def _is_simulated(profile: Robot | None) -> bool:
     """Whether the run has the time of a simulated world."""
-    from rai_missions.profile import is_program, load_profile
-
-    if not isinstance(config.robot, str) or is_program(config.robot):
-        return False
-    connector = load_profile(config.robot).connector
+    connector = profile.connector if profile is not None else {"kind": ""}
     return connector["kind"] == "local" and connector.get("world") is not None
 
 
