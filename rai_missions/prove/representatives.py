@@ -164,15 +164,17 @@ class Values:
 
     def _is_of_written(self, path: str) -> bool:
         """It is compared with poses that the mission writes alone: with constants."""
-        others = self.learned.kin.get(path, {path}) - {path}
-        return bool(others) and all(each in self._keys and self._keys[each].source == "mission" for each in others)
+        return set(self._others(path)) == {"mission"}
 
     def _is_met(self, path: str) -> bool:
         """It is compared with one pose, which the robot reports: that one can be near it or far, wherever it is."""
-        others = self.learned.kin.get(path, {path}) - {path}
-        sources = {self._keys[each].source for each in others if each in self._keys}
         robots = path in self._keys and self._keys[path].source == "robot"
-        return len(others) == 1 and sources == {"robot"} and not robots
+        return self._others(path) == ["robot"] and not robots
+
+    def _others(self, path: str) -> list[str]:
+        """The sources of what it is compared with; empty for what is no key."""
+        others = self.learned.kin.get(path, {path}) - {path}
+        return [self._keys[each].source if each in self._keys else "" for each in others]
 
     def _objects(self, path: str, key: Key | None) -> Iterator[Any]:
         """Each mixture of what its fields can be, as far as anybody looks into them."""
