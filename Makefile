@@ -100,10 +100,9 @@ lock: .venv/.ready-audit ## Choose the versions of requirements/dev.lock again
 	    --no-emit-index-url --upgrade --quiet -o requirements/dev.lock \
 	    --extra sim --extra draw --extra local --extra mqtt --extra record --extra watch --extra browser --extra dev
 
-bench: .venv/.ready-bench ## Measure against the peers
-	@failed=; for each in benchmarks/bench_*.py; do \
-	    echo "== $$each"; $(BIN)/python -m "benchmarks.$$(basename "$$each" .py)" || failed="$$failed $$each"; \
-	done; [ -z "$$failed" ] || { echo "these did not come to their end:$$failed" >&2; exit 1; }
+bench: .venv/.ready-bench ## Measure against the peers, into docs/performance.md: ONLY="chart trees", BASE=COMMIT in turn with it, ROUNDS=3
+	@$(BIN)/python scripts/bench.py $(ONLY) $(if $(BASE),--base $(BASE)) --rounds $(or $(ROUNDS),3) \
+	    --page $(or $(PAGE),docs/performance.md)
 
 docs: .venv/.ready-docs ## Build the site of the documents into out/site; a link that leads nowhere fails
 	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --quiet

@@ -16,6 +16,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any, TypedDict
 
+from benchmarks.figures import figure
 from rai_missions.check import check
 from rai_missions.engine import Chart
 from rai_missions.event import Event
@@ -25,6 +26,8 @@ from rai_missions.mission.mission import Mission
 Json = dict[str, Any]
 Send = Callable[[str], object]
 CASES = ("flat", "guarded", "levels", "regions")
+MOST_US = 0.7
+"""What an event may cost."""
 TARGETS = {
     "flat": ("transitions", 5),
     "guarded": ("transitions", 4),
@@ -311,6 +314,9 @@ def table() -> None:
     peers["XState (node)"] = {case: xstate_us(case) for case in CASES}
     for peer, found in peers.items():
         print(f"{peer:22}" + " ".join(cell(found[case], own[case]) for case in CASES))
+    for case, us in own.items():
+        nearest = min(((found[case], peer) for peer, found in peers.items() if found[case] is not None), default=None)
+        figure(f"an event to a chart: {case}", us, "µs", peer=nearest and (nearest[1], nearest[0] or 0.0), most=MOST_US)
     for case, (peer, times) in TARGETS.items():
         theirs = peers[peer][case]
         if theirs is not None:
@@ -354,6 +360,8 @@ def sizes(path: Path) -> None:
             chart.send(events["a"])
         far = per_event_us(sending(chart, events), ("a",))
         assert not [found for found in findings if found.severity == "error"], findings[:3]
+        if count == 10_000:
+            figure("10,000 states: load, check and compile", ready - began, "s", most=0.6)
         spent = f"{loaded - began:9.2f} {checked - loaded:9.2f} {ready - checked:9.2f}"
         print(f"{count:6} {near:15.2f} {far:19.2f} {spent}")
 

@@ -15,6 +15,7 @@ from typing import Any
 
 from jsonschema import Draft202012Validator
 
+from benchmarks.figures import figure
 from rai_missions.check import check
 from rai_missions.mission.mission import Mission
 from rai_missions.mission.schema import mission_schema
@@ -117,6 +118,7 @@ def main() -> None:
         checked = sum(1 for _ in schema.iter_errors(data))
         peer_s = time.process_time() - begun
         assert not checked, "the chart is no mission by the schema"
+        figure(f"load and check {size:,} states", load_s + check_s, "s", peer=("jsonschema, form alone", peer_s))
         print(
             f"| {states:,} | {peer_s:.2f} | {load_s:.2f} | {check_s:.2f} | {findings} | {faulty_s:.2f} | {faults:,} |"
         )

@@ -15,6 +15,7 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
+from benchmarks.figures import figure
 from rai_missions.engine.decision import Evidence, Offer, Question
 from rai_missions.engine.step import Ask, CancelGoal, Handover, Move, Step
 from rai_missions.event import Event
@@ -60,6 +61,7 @@ def print_times(name: str, spent: list[float]) -> None:
     each = [spent[int(len(spent) * part)] for part in (0.5, 0.99, 0.999)]
     rest = "".join(f"{1e6 * took:>10.0f}" for took in (*each, spent[-1]))
     print(f"{name:<34}{1 / statistics.fmean(spent):>10,.0f}{rest}")
+    figure(f"journal, wall: {name}", 1 / statistics.fmean(spent), "steps/s", larger_is_better=True)
 
 
 def journaled(folder: Path) -> Path:

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """How fast and in how much memory missions are proved: the shipped ones, and charts whose states multiply.
 
-`python benchmarks/bench_prove.py [REGIONS …]`: each number is a chart of so many regions of ten states each, side by
+`python -m benchmarks.bench_prove [REGIONS …]`: each number is a chart of so many regions of ten states each, side by
 side; six of them have a million states. A process each, so that the memory is its own. The peer is SPIN, where it and a
 C compiler are here, on the same counters as bare bytes: no claims, no guards, no timers, and a program made for them.
 """
@@ -18,6 +18,8 @@ import tempfile
 import time
 from pathlib import Path
 from typing import Any
+
+from benchmarks.figures import figure
 
 ROOT = Path(__file__).parents[1]
 DIGITS = 10
@@ -86,17 +88,22 @@ def main() -> None:
         print(json.dumps(measure(sys.argv[2])))
         return
     for what in ["tractor", "rosbot", *(sys.argv[1:] or ["3", "4", "5"])]:
-        ran = subprocess.run([sys.executable, __file__, "--one", what], capture_output=True, text=True, check=True)
+        ran = subprocess.run(
+            [sys.executable, "-m", "benchmarks.bench_prove", "--one", what], capture_output=True, text=True, check=True
+        )
         result = json.loads(ran.stdout)
         pace = result["steps"] / result["cpu_s"]
         print(
             f"{result['what']:<12} {result['verdict']:<9} {result['states']:>9} states {result['steps']:>9} steps"
             f" {result['cpu_s']:>8.2f} s CPU {pace:>8.0f} steps/s {result['memory_mb']:>6.0f} MB"
         )
+        peer = None
         if what.isdigit() and shutil.which("spin") and shutil.which("cc"):
             states, spent = by_spin(int(what))
             ratio = f" {result['cpu_s'] / spent:>8.0f} times quicker" if spent >= 0.01 else ""
+            peer = ("SPIN, bare counters", spent)
             print(f"{'  SPIN':<22} {states:>9} states {'':>15} {spent:>8.2f} s CPU{ratio}")
+        figure(f"prove {result['what']}", result["cpu_s"], "s", peer=peer)
 
 
 if __name__ == "__main__":

@@ -16,6 +16,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+from benchmarks.figures import figure
 from rai_missions.answerers.model.agent import DecisionAgent
 from rai_missions.connectors.local import LocalConnector
 from rai_missions.event import Event
@@ -74,6 +75,8 @@ def posted(post: Callable[[], None], called: threading.Event, at: list[float]) -
 def print_times(name: str, spent: list[float]) -> None:
     median, last = statistics.median(spent), spent[int(len(spent) * 0.99)]
     print(f"{name:<46}{1e3 * median:>10.3f}{1e3 * last:>10.3f}{1e3 * spent[-1]:>10.3f}")
+    figure(f"event to call, wall, median: {name}", 1e3 * median, "ms")
+    figure(f"event to call, wall, 99th of 100: {name}", 1e3 * last, "ms")
 
 
 def runner_latency(name: str, *, thinks: bool, folder: Path | None) -> None:

@@ -15,6 +15,7 @@ from typing import Any, NamedTuple
 
 import py_trees
 
+from benchmarks.figures import figure
 from rai_missions.engine.activities.ticker import TreeState
 from rai_missions.guards.guard import Truth
 from rai_missions.keys import Stamped
@@ -111,6 +112,7 @@ def main() -> None:
     print(f"{'nodes':>6} {'py_trees':>16} {'ours, kept':>16} {'ours, restored':>16}   µs a tick (µs a node and tick)")
     for leaves in SIZES:
         nodes, *each = measure(leaves)
+        figure(f"a tick of a tree of {nodes} nodes, a node", each[1] / nodes, "µs", peer=("py_trees", each[0] / nodes))
         print(f"{nodes:>6} " + " ".join(f"{us:>8.1f} ({us / nodes:4.2f})" for us in each))
 
 

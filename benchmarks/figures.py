@@ -1,0 +1,56 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A figure that a benchmark found, handed to whoever gathers them: `make bench` sets where they go."""
+
+from __future__ import annotations
+
+import json
+import os
+from pathlib import Path
+from typing import NamedTuple
+
+__all__ = ("VARIABLE", "Figure", "figure", "figures_in")
+
+VARIABLE = "RAI_MISSIONS_FIGURES"
+"""The environment's variable that names the file; without it a figure is kept nowhere."""
+
+
+class Figure(NamedTuple):
+    """One measured number, of one run of a benchmark."""
+
+    name: str
+    """What was measured, the same in every round and commit: figures are compared by it."""
+    value: float
+    unit: str
+    """Of `value`, of the peer's value and of the bound."""
+    peer: str = ""
+    """With whom it was measured in the same run; empty: alone."""
+    peer_value: float | None = None
+    most: float | None = None
+    """The bound that it has to stay under; None: there is none."""
+    larger_is_better: bool = False
+    """For rates: the bound is then the least, and a gain is a larger value."""
+
+
+def figure(
+    name: str,
+    value: float,
+    unit: str,
+    *,
+    peer: tuple[str, float] | None = None,
+    most: float | None = None,
+    larger_is_better: bool = False,
+) -> None:
+    """Hand a figure over; no effect where no one gathers."""
+    if not (path := os.environ.get(VARIABLE)):
+        return
+    who, theirs = peer or ("", None)
+    found = Figure(name, value, unit, who, theirs, most, larger_is_better)
+    with Path(path).open("a", encoding="utf-8") as out:
+        out.write(json.dumps(found._asdict()) + "\n")
+
+
+def figures_in(path: Path) -> list[Figure]:
+    """What was handed over, in its order; a file that is not there holds none."""
+    if not path.exists():
+        return []
+    return [Figure(**json.loads(line)) for line in path.read_text(encoding="utf-8").splitlines()]
