@@ -13,6 +13,7 @@ OURS = ("rai_missions", "visualize")
 
 ELSEWHERE = {
     "bad_missions": "missions with faults, each with its message",
+    "benchmarks": "how benchmarks are run, and the page of what they measured",
     "browser": "pages in a real browser",
     "data": "recorded runs and examples that several tests read",
     "drills": "long runs of many parts",
