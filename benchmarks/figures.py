@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A figure that a benchmark found, handed to whoever gathers them: `make bench` sets where they go."""
+"""A figure that a benchmark found, handed to what gathers them: `make bench` names the file."""
 
 from __future__ import annotations
 
