@@ -30,7 +30,6 @@ from pathlib import Path
 
 ROOT = Path(__file__).parents[1]
 WALKS, PAGE = ROOT / "docs/walks.toml", ROOT / "docs/architecture.md"
-RESERVED = "`campaign` is reserved for what is to come."
 
 
 @dataclass(frozen=True)
@@ -278,8 +277,6 @@ def page(walks: tuple[Walk, ...], changes: tuple[Change, ...]) -> str:
         "Imports point down: a package imports what has a lower number. The modules of the root have the number 0.",
         "",
         *wrapped(rooms()),
-        "",
-        RESERVED,
         "",
         "## Where to change what",
         "",

@@ -1,0 +1,10 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Campaigns: which model may decide, with which embodiment, measured on scenes that physics has labelled.
+
+Imports `agents`, `answerers`, `check`, `connectors`, `embodiment`, `engine`, `guards`, `journal`, `mission`, `profile`,
+`runtime`, `states` and `worlds`, and the modules of the root.
+"""
+
+from __future__ import annotations
+
+__all__ = ()

@@ -1,0 +1,170 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The store of a campaign: what was added is there, once, whatever ended the process that added it."""
+
+from __future__ import annotations
+
+import sqlite3
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from rai_missions.campaign.store import (
+    BEST_FIRST,
+    CellRecord,
+    LabelRecord,
+    PictureRecord,
+    QuestionRecord,
+    ResultStore,
+    SceneRecord,
+    graded,
+)
+from rai_missions.errors import UsageError
+
+CELL = CellRecord("k1", "tractor", "s1", 1, "rules", "none", "written", "answered", option="replan", permitted=1)
+OPTIONS = ("replan", "signal", "abort")
+STATUSES = ("answered", "no_answer", "failed")
+labels = st.dictionaries(st.sampled_from(OPTIONS), st.sampled_from(BEST_FIRST))
+
+
+def is_best(option: str, found: dict[str, str]) -> bool:
+    """The oracle: nothing that is better by its word is there."""
+    better = {"completes": set(), "harmless": {"completes"}, "harms": {"completes", "harmless"}}
+    return not better[found[option]] & set(found.values())
+
+
+@given(st.sampled_from(OPTIONS), labels)
+def test_best_is_what_no_other_option_beats(option: str, found: dict[str, str]) -> None:
+    record = graded(CELL._replace(option=option), found)
+    assert record.verdict == found.get(option)
+    assert record.best == (is_best(option, found) if option in found else None)
+    assert graded(record._replace(status="no_answer"), found).verdict is None
+
+
+@given(st.lists(st.tuples(st.sampled_from(OPTIONS), labels, st.sampled_from(STATUSES)), max_size=8))
+def test_the_store_grades_as_one_cell_is_graded(drawn: list[tuple[str, dict[str, str], str]]) -> None:
+    cells = [
+        CELL._replace(cell=f"k{at}", scene=f"s{at}", option=option, status=status)  # type: ignore[arg-type]
+        for at, (option, _, status) in enumerate(drawn)
+    ]
+    found = [LabelRecord(f"s{at}", *each, "{}") for at, (_, few, _) in enumerate(drawn) for each in few.items()]
+    with ResultStore(fresh(), writes=True) as store:
+        store.add([*cells, *found])
+        store.grade()
+        assert list(store.cells()) == [graded(cell, drawn[at][1]) for at, cell in enumerate(cells)]
+
+
+def fresh() -> Path:
+    """A path at which there is nothing yet; of this process alone."""
+    return Path(tempfile.mkdtemp(prefix="rai_campaign_")) / "results.db"
+
+
+def test_what_is_added_is_read_back(tmp_path: Path) -> None:
+    scene = SceneRecord("s1", "orchard", "branch", 7, "tune", '{"seed": 7}')
+    question = QuestionRecord("s1", "none", "What now?", "{}", '["replan"]', '["replan"]')
+    label, picture = LabelRecord("s1", "replan", "harmless", "{}"), PictureRecord("s1", "camera", b"\x89PNG")
+    with ResultStore(tmp_path / "results.db", writes=True) as store:
+        store.add([scene, question, label, picture, CELL])
+        store.set_meta({"code": "abc", "models": ["rules"]})
+    with ResultStore(tmp_path / "results.db") as store:
+        assert list(store.scenes()) == [scene]
+        assert list(store.questions()) == [question]
+        assert list(store.label_records()) == [label]
+        assert store.labels() == {"s1": {"replan": "harmless"}}
+        assert store.pictures("s1") == {"camera": b"\x89PNG"} and store.pictures("s2") == {}
+        assert list(store.cells()) == [CELL]
+        assert store.meta == {"code": "abc", "models": ["rules"]}
+
+
+def test_a_cell_is_there_once_and_its_last_answer_counts(tmp_path: Path) -> None:
+    with ResultStore(tmp_path / "results.db", writes=True) as store:
+        store.add([CELL._replace(status="failed", option="", error="429")])
+        assert store.done() == set() and store.counts() == {"failed": 1}
+        store.add([CELL])
+        assert list(store.cells()) == [CELL] and store.done() == {"k1"}
+
+
+def test_a_transaction_that_fails_leaves_nothing(tmp_path: Path) -> None:
+    with ResultStore(tmp_path / "results.db", writes=True) as store:
+        with pytest.raises(sqlite3.IntegrityError):
+            store.add([CELL, CELL._replace(cell="k2", status="lost")])  # type: ignore[arg-type]
+        assert list(store.cells()) == []
+
+
+def test_one_process_writes_and_others_read(tmp_path: Path) -> None:
+    path = tmp_path / "results.db"
+    with ResultStore(path, writes=True) as store:
+        store.add([CELL])
+        with pytest.raises(UsageError, match="is being written by another campaign"):
+            ResultStore(path, writes=True)
+        with ResultStore(path) as reader:
+            assert list(reader.cells()) == [CELL]
+        store.add([CELL._replace(cell="k2")])
+    with ResultStore(path, writes=True) as store:
+        assert len(list(store.cells())) == 2
+
+
+WRITER = """
+import sys
+from rai_missions.campaign.store import CellRecord, ResultStore
+with ResultStore(sys.argv[1], writes=True) as store:
+    for number in range(10**6):
+        store.add([CellRecord(f"k{number:06}", "m", "s", 1, "rules", "none", "written", "answered")])
+        print(number, flush=True)
+"""
+
+
+def test_what_was_added_survives_a_kill(tmp_path: Path) -> None:
+    path = tmp_path / "results.db"
+    for after in (0, 3, 40):
+        writer = subprocess.Popen([sys.executable, "-c", WRITER, str(path)], stdout=subprocess.PIPE, text=True)
+        assert writer.stdout is not None
+        last = -1
+        while last < after:
+            last = int(writer.stdout.readline())
+        writer.kill()
+        last = max([last, *map(int, writer.stdout.read().split())])
+        writer.wait()
+        writer.stdout.close()
+        with ResultStore(path, writes=True) as store:  # the lock died with its holder
+            keys = [record.cell for record in store.cells()]
+        assert keys == [f"k{number:06}" for number in range(len(keys))]
+        assert len(keys) > last
+
+
+@pytest.mark.parametrize(("content", "fault"), [
+    (b"no database at all, but long enough to be read as one" * 20, "is no store of a campaign"),
+    (None, "no results at"),
+])  # fmt: skip
+def test_what_is_no_store_is_left_as_it_is(tmp_path: Path, content: bytes | None, fault: str) -> None:
+    path = tmp_path / "results.db"
+    if content is not None:
+        path.write_bytes(content)
+        with pytest.raises(UsageError, match=fault):
+            ResultStore(path, writes=True)
+        assert path.read_bytes() == content
+    with pytest.raises(UsageError, match=fault):
+        ResultStore(path)
+
+
+def test_a_database_of_another_program_is_refused(tmp_path: Path) -> None:
+    with sqlite3.connect(tmp_path / "other.db") as other:
+        other.execute("CREATE TABLE cell (cell)")
+    other.close()
+    with pytest.raises(UsageError, match="is no store of a campaign; name another file"):
+        ResultStore(tmp_path / "other.db", writes=True)
+
+
+def test_a_hundred_thousand_cells_are_written_and_read_fast(tmp_path: Path) -> None:
+    cells = [CELL._replace(cell=f"k{at:06}", scene=f"s{at % 500}", raw="x" * 200) for at in range(100_000)]
+    began = time.process_time()
+    with ResultStore(tmp_path / "results.db", writes=True) as store:
+        for at in range(0, len(cells), 1000):
+            store.add(cells[at : at + 1000])
+        assert sum(1 for _ in store.cells()) == len(store.done()) == 100_000
+    assert time.process_time() - began < 5.0
