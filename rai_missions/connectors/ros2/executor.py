@@ -66,6 +66,7 @@ class SingleThreadExecutor(Executor):  # type: ignore[misc]
         self._events: tuple[Waitable, ...] = ()
         self._are_events_due_at = 0.0
         self._wait_set: Any = None
+        self._handles: tuple[tuple[Callable[[Any], object], tuple[Any, ...]], ...] = ()
 
     def wake(self) -> None:
         """Something was made or destroyed, or ROS shuts down."""
@@ -157,17 +158,18 @@ class SingleThreadExecutor(Executor):  # type: ignore[misc]
                 count.num_subscriptions, count.num_guard_conditions, count.num_timers, count.num_clients,
                 count.num_services, count.num_events, self._context.handle,
             )  # fmt: skip
+        self._handles = (
+            (self._wait_set.add_subscription, tuple(each.handle for each in self._subscriptions.values())),
+            (self._wait_set.add_client, tuple(each.handle for each in self._clients.values())),
+            (self._wait_set.add_service, tuple(each.handle for each in self._services.values())),
+        )
 
     def _fill(self, waitables: tuple[Waitable, ...]) -> None:
         """Each wait leaves in the set only those who are ready."""
         wait_set = self._wait_set
         wait_set.clear_entities()
-        for subscription in self._subscriptions.values():
-            wait_set.add_subscription(subscription.handle)
-        for client in self._clients.values():
-            wait_set.add_client(client.handle)
-        for service in self._services.values():
-            wait_set.add_service(service.handle)
+        for add, handles in self._handles:
+            deque(map(add, handles), maxlen=0)
         for guard in (self._guard, self._sigint_gc):
             wait_set.add_guard_condition(guard.handle)
         for waitable in waitables:
