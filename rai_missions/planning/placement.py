@@ -8,29 +8,22 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from itertools import product
 
+from rai_missions.planning.candidates import LEAST_M, aligned, around, from_a_corner, from_the_middle, packed, to_a_side
 from rai_missions.planning.feasibility import FLOOR_M, column_of
-from rai_missions.planning.geometry import Point, gap, overhang, turned
+from rai_missions.planning.geometry import Point, gap, overhang
 from rai_missions.planning.goal import Apart, AtPlace, Goal, Grouped, InContainer, LeftOf, NextTo, OnTop, Predicate
 from rai_missions.planning.relations import columns, holds, inner, reached
 from rai_missions.planning.scene import CONTAINERS, DESK, Scene, Thing
 from rai_missions.planning.tolerances import APART, APART_M, GROUPED, NEXT_TO, WALL_M
 from rai_missions.planning.workspace import Workspace
 
-__all__ = ("LEAST_M", "Arrangement", "Placement", "is_in_the_way")
+__all__ = ("Arrangement", "Placement", "is_in_the_way")
 
-LEAST_M = 0.004
-"""Metres between two footprints, whatever their heights."""
-SLACK_M = 0.0003
-"""What rounding may take from a clearance, metres."""
 SPARE_M = 0.02
 """By how much things are nearer to each other than a relation would allow, for an arm that is not exact."""
 ABOVE_M = 0.005
 """How far the fingers reach below the underside of what they set down, metres."""
-DIRECTIONS = 16
-STEP_IN_M = 0.012
-"""The raster of places in a container."""
 
 Arrangement = dict[str, Thing]
 """Name → the thing where it is."""
@@ -179,7 +172,7 @@ class Placement:
         if carrier.type in CONTAINERS:
             yield from ((each, wanted) for each in self._inside(thing, carrier))
         elif (top := carrier.top + thing.size[2]) <= self.workspace.highest_m:
-            yaw = _aligned(thing.yaw, carrier.yaw)
+            yaw = aligned(thing.yaw, carrier.yaw)
             yield thing.moved(carrier.x, carrier.y, top - thing.size[2] / 2, yaw), wanted
 
     def _inside(self, thing: Thing, container: Thing) -> Iterator[Thing]:
@@ -188,42 +181,12 @@ class Placement:
         if (named := self._named_place(thing.name)) is not None:
             yield thing.moved(*named, z)
             return
-        width, length = (side / 2 for side in inner(container).size[:2])
-        across, along = (math.floor(half / STEP_IN_M) for half in (width, length))
-        raster = [(i * STEP_IN_M, j * STEP_IN_M)
-                  for i, j in product(range(-across, across + 1), range(-along, along + 1))]  # fmt: skip
         if list(self.wanted.values()).count(container.name) == 1:
-            raster.sort(key=lambda point: (round(math.hypot(*point), 6), point))
-        else:
-            yield from self._packed(thing, container, z)
-        for point, quarter in product(raster, (0.0, math.pi / 2)):
-            u, v = turned(point, container.yaw)
-            yield thing.moved(container.x + u, container.y + v, z, container.yaw + quarter)
-
-    def _packed(self, thing: Thing, container: Thing, z: float) -> Iterator[Thing]:
-        """Places in the corners that walls and things in a container leave, lengthwise and across."""
-        halves = [side / 2 for side in inner(container).size[:2]]
-        inside = [self._in_frame(each, container) for name, each in self.final.items()
-                  if self.below[name] == container.name]  # fmt: skip
-        wall = self.clearance if container.top > z + thing.size[2] / 2 else LEAST_M
-        for quarter in (0.0, math.pi / 2):
-            placed = thing.moved(container.x, container.y, z, container.yaw + quarter)
-            own = self._in_frame(placed, container)
-            lines = [
-                sorted({SLACK_M + wall - halves[axis] + own[axis][1]}
-                       | {at[axis][0] + at[axis][1] + self.clearance + SLACK_M + own[axis][1] for at in inside})
-                for axis in (0, 1)
-            ]  # fmt: skip
-            for point in product(lines[0], lines[1]):
-                u, v = turned(point, container.yaw)
-                yield thing.moved(container.x + u, container.y + v, z, container.yaw + quarter)
-
-    def _in_frame(self, thing: Thing, container: Thing) -> list[tuple[float, float]]:
-        """The middle of a thing, and half of its width, along each axis of a container."""
-        corners = [turned((x - container.x, y - container.y), -container.yaw) for x, y in thing.footprint.corners]
-        radius = thing.footprint.radius
-        sides = [(min(each) - radius, max(each) + radius) for each in zip(*corners, strict=True)]
-        return [((low + high) / 2, (high - low) / 2) for low, high in sides]
+            yield from from_the_middle(thing, container, z)
+            return
+        inside = [each for name, each in self.final.items() if self.below[name] == container.name]
+        yield from packed(thing, container, z, inside, self.clearance)
+        yield from from_a_corner(thing, container, z)
 
     def _on_desk(self, thing: Thing) -> Iterator[Thing]:
         """Places on the desk: next to those that are placed, where a relation is to them; else the nearest free."""
@@ -235,10 +198,10 @@ class Placement:
             if isinstance(each, NextTo | Grouped):
                 is_bound = True
                 for partner in partners:
-                    yield from self._around(thing, partner)
+                    yield from around(thing, partner, self.clearance)
             elif isinstance(each, LeftOf) and not self._is_in_line(thing.name):
                 is_bound = is_bound or each.gap_m is not None
-                yield from self._to_a_side(thing, partners[0], each)
+                yield from to_a_side(thing, partners[0], each, self.clearance)
         if not is_bound:
             yield from (thing.moved(*point, level) for point in self._raster(thing))
 
@@ -258,29 +221,6 @@ class Placement:
 
     def _right_of(self, name: str) -> list[str]:
         return [each.left_of[1] for each in self.goal.of_kind(LeftOf) if each.left_of[0] == name]
-
-    def _around(self, thing: Thing, partner: Thing) -> Iterator[Thing]:
-        """Places at one free distance round another, the one on its own side first."""
-        towards = math.atan2(thing.y - partner.y, thing.x - partner.x)
-        away = (math.hypot(*thing.size[:2]) + math.hypot(*partner.size[:2])) / 2
-        for turn in sorted(range(DIRECTIONS), key=lambda each: (min(each, DIRECTIONS - each), each)):
-            angle = towards + turn * 2 * math.pi / DIRECTIONS
-            cos, sin = math.cos(angle), math.sin(angle)
-            distance = away + self.clearance
-            for _ in range(2):
-                there = thing.moved(partner.x + distance * cos, partner.y + distance * sin, thing.size[2] / 2)
-                distance -= gap(there.footprint, partner.footprint) - self.clearance - 0.002
-            yield thing.moved(partner.x + distance * cos, partner.y + distance * sin, thing.size[2] / 2)
-
-    def _to_a_side(self, thing: Thing, partner: Thing, wanted: LeftOf) -> Iterator[Thing]:
-        is_left = wanted.left_of[0] == thing.name
-        own, its = thing.footprint.extent(1), partner.footprint.extent(1)
-        gaps = (0.002, 0.03, 0.06, 0.1, 0.15, 0.2) if wanted.gap_m is None else (wanted.gap_m,)
-        for free, off in product(gaps, (0.0, 0.05, -0.05, 0.1, -0.1, 0.2, -0.2)):
-            room = free + (self.clearance if wanted.gap_m is None else 0.0)
-            y = its[1] + room + (thing.y - own[0]) if is_left else its[0] - room - (own[1] - thing.y)
-            if wanted.gap_m is None or off == 0:
-                yield thing.moved(partner.x + off, y, thing.size[2] / 2)
 
     # -- what is in the way, and what holds ----------------------------------------------------------------------------
 
@@ -407,9 +347,3 @@ class Placement:
             near.extend(found)
             waiting = [each for each in waiting if each not in found]
         return not waiting
-
-
-def _aligned(yaw: float, other: float) -> float:
-    """The angle nearest to the first at which two boxes are parallel."""
-    quarter = math.pi / 2
-    return other + quarter * round((yaw - other) / quarter)

@@ -11,10 +11,11 @@ from collections.abc import Iterator
 from itertools import combinations
 
 from rai_missions.errors import UsageError
+from rai_missions.planning.candidates import LEAST_M
 from rai_missions.planning.feasibility import FLOOR_M, refused_by_rule
 from rai_missions.planning.goal import AtPlace, Goal, Grouped, InContainer, LeftOf, OnTop, Refusal, Swapped
 from rai_missions.planning.ordering import Ordering
-from rai_missions.planning.placement import LEAST_M, Placement
+from rai_missions.planning.placement import Placement
 from rai_missions.planning.plan import Plan, PlannedMove
 from rai_missions.planning.relations import columns, holds, support, without_swaps
 from rai_missions.planning.scene import CONTAINERS, DESK, Scene
