@@ -23,6 +23,7 @@ __all__ = (
     "RawMessage",
     "Reply",
     "Report",
+    "SupportsAdoption",
     "SupportsDiscoveryCount",
     "SupportsPreconnect",
     "SupportsRawMessages",
@@ -142,6 +143,18 @@ class SupportsDiscoveryCount(Protocol):
 
     def offered(self, mode: Mode) -> Mapping[str, int]:
         """Name → how many publish on the topic, or serve the service or action."""
+
+
+@runtime_checkable
+class SupportsAdoption(Protocol):
+    """A connector on which a server can be offered that pursues a goal already, as in the branch of a world."""
+
+    def adopt_goal(self, action: str, goal_id: str) -> Callable[[Report], None]:
+        """Take note of a goal that its server has accepted; `find_goal` finds it.
+
+        Returns:
+            What the server reports to from now on.
+        """
 
 
 @runtime_checkable

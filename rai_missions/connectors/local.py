@@ -158,6 +158,18 @@ class LocalConnector:
             why = f"the server of {action} knows nothing of the goal" if is_served else f"no server offers {action}"
             on_report(Report(goal_id, "lost", {}, why))
 
+    def adopt_goal(self, action: str, goal_id: str) -> Callable[[Report], None]:
+        """Take note of a goal that its server, which is offered here, has accepted; `find_goal` finds it.
+
+        Returns:
+            What the server reports to from now on.
+        """
+        with self._lock:
+            server, calls = self._servers[action]
+            goal = LocalGoal.adopted(goal_id, action, server, calls, ended=self._forget)
+            self._goals[goal_id] = goal
+        return goal.on_report
+
     def cancel_goal(self, goal_id: str) -> None:
         goal = self._goals.get(goal_id)
         if goal is not None:

@@ -46,6 +46,16 @@ class LocalGoal:
         self.end: Report | None = None
         """How it ended."""
 
+    @classmethod
+    def adopted(
+        cls, goal_id: str, action: str, server: ActionServer, calls: SerialQueue,
+        *, ended: Callable[[LocalGoal], None],
+    ) -> LocalGoal:  # fmt: skip
+        """A goal that its server pursues already, and that no one has asked for here yet."""
+        made = cls(goal_id, action, server, calls, _discard, ended=ended)
+        made._is_accepted = True
+        return made
+
     def send(self, goal: Data) -> None:
         self._calls.post(lambda: self._accept(goal))
 

@@ -61,11 +61,16 @@ class Camera:
         self, model: Any, *, width: int = 640, height: int = 480, frame_width: int = 320, frame_height: int = 240
     ) -> None:
         self.width, self.height = width, height
-        self._model = model
+        self.model = model
         self._frame_size = frame_height, frame_width
         self._scratch = mujoco.MjData(model)
         self._bodies = np.append(np.asarray(model.geom_bodyid), -1)
         self._renderers = Renderers(model)
+
+    def twin(self, model: Any) -> Camera:
+        """Another camera with pictures of the same sizes, in another world; it has renderers of its own."""
+        height, width = self._frame_size
+        return Camera(model, width=self.width, height=self.height, frame_width=width, frame_height=height)
 
     def check(self) -> None:
         """Make sure that it can render; a `UsageError` reports what is missing."""
@@ -102,9 +107,9 @@ class Camera:
     def _at(self, moment: Moment, size: tuple[int, int], camera: str) -> Any:
         scratch = self._scratch
         scratch.qpos[:], scratch.mocap_pos[:], scratch.mocap_quat[:] = moment
-        mujoco.mj_kinematics(self._model, scratch)
-        mujoco.mj_comPos(self._model, scratch)
-        mujoco.mj_camlight(self._model, scratch)
+        mujoco.mj_kinematics(self.model, scratch)
+        mujoco.mj_comPos(self.model, scratch)
+        mujoco.mj_camlight(self.model, scratch)
         renderer = self._renderers.of(*size)
         renderer.update_scene(scratch, camera)
         return renderer
@@ -136,7 +141,7 @@ class Camera:
     def _measure(self, moment: Moment, camera: str) -> tuple[Frame, Sight]:
         size = self._frame_size
         frame = Frame(self._depth(moment, size, camera), self._segments(moment, size, camera))
-        number = self._model.camera(camera).id
-        focal = self._frame_size[0] / 2 / math.tan(math.radians(float(self._model.cam_fovy[number])) / 2)
+        number = self.model.camera(camera).id
+        focal = self._frame_size[0] / 2 / math.tan(math.radians(float(self.model.cam_fovy[number])) / 2)
         axes = self._scratch.cam_xmat[number].reshape(3, 3).copy()
         return frame, Sight(self._scratch.cam_xpos[number].copy(), axes, focal)

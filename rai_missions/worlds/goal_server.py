@@ -5,22 +5,30 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Any, ClassVar, Literal, Protocol, runtime_checkable
 
 from rai_missions.connectors.connector import Data, Report
 
-__all__ = ("End", "GoalServer", "Later", "RunningGoal")
+__all__ = ("Client", "End", "GoalServer", "Later", "RunningGoal", "SupportsHeir", "unreported")
 
 FEEDBACK_S = 0.5
 End = Literal["succeeded", "failed", "canceled"]
 Status = Literal["accepted", "rejected", "feedback", End]
 Later = Callable[[Callable[[], None]], None]
 """Does something once the world's step is over and its lock is free."""
+Client = Callable[[Report], None]
+"""Who is notified of a goal."""
+
+
+def unreported(report: Report) -> None:
+    """Takes the reports about a goal whose client is in another world."""
 
 
 @dataclass
 class RunningGoal:
     """The goal being pursued."""
+
+    LEADS_OUT: ClassVar = {"on_report": lambda: unreported}
 
     goal_id: str
     on_report: Callable[[Report], None]
@@ -31,6 +39,14 @@ class RunningGoal:
     is_unwanted: bool = False
     next_feedback: float = 0.0
     arrived_at: float | None = None
+
+
+@runtime_checkable
+class SupportsHeir(Protocol):
+    """A server in the branch of a world, whose goal's client is in the other world."""
+
+    def continue_with(self, client_of: Callable[[str], Client]) -> None:
+        """Report about the goal that is pursued, if there is one without a client, to the client of its id."""
 
 
 class GoalServer:
@@ -44,6 +60,11 @@ class GoalServer:
     def __init__(self, later: Later, at: float) -> None:
         self._later, self.at = later, at
         self.running: RunningGoal | None = None
+
+    def continue_with(self, client_of: Callable[[str], Client]) -> None:
+        """Report about the goal that is pursued, if there is one without a client, to the client of its id."""
+        if self.running is not None and self.running.on_report is unreported:
+            self.running.on_report = client_of(self.running.goal_id)
 
     def _begin(self, running: RunningGoal) -> None:
         self.running = running

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable, Collection, Mapping
-from typing import Any
+from typing import Any, ClassVar
 
 from rai_missions.connectors.connector import ActionServer, Connector, Data, Report, SupportsPreconnect
 
@@ -22,6 +22,8 @@ class Outbox:
         prefix: What the names of topics begin with, such as `/tractor1`; may be empty.
         types: Topics, without the prefix, and the types of their messages.
     """
+
+    LEADS_OUT: ClassVar = {"_connector": lambda: None, "_waiting": list}
 
     def __init__(self, prefix: str, types: Mapping[str, str]) -> None:
         self.lock = threading.RLock()

@@ -6,15 +6,18 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Collection, Iterable, Mapping
 from concurrent.futures import Future
-from typing import Any
+from functools import partial
+from typing import Any, ClassVar, Self
 
 import mujoco
 import numpy as np
 
-from rai_missions.connectors.connector import ActionServer, Answer, Close, Connector, Data
+from rai_missions.connectors.connector import ActionServer, Answer, Close, Connector, Data, SupportsAdoption
 from rai_missions.worlds import messages
 from rai_missions.worlds.battery import Battery
+from rai_missions.worlds.branching import branched
 from rai_missions.worlds.camera import Camera
+from rai_missions.worlds.goal_server import SupportsHeir
 from rai_missions.worlds.publish_queue import Guarded, Outbox
 
 __all__ = ("Simulation",)
@@ -36,6 +39,7 @@ class Simulation:
     period_s = 0.05
     battery: Battery
     """Only where the robot has one."""
+    LEADS_OUT: ClassVar = {"_closes": list}
 
     def __init__(
         self, model: Any, outbox: Outbox, battery: Battery | None, *, camera: bool, start_s: float, timestep_s: float,
@@ -56,6 +60,15 @@ class Simulation:
     def at(self) -> float:
         """What its clock shows, simulated seconds."""
         return round(self._start_s + self._steps * self.period_s, 9)
+
+    def branch(self) -> Self:
+        """Another world where this one is, to the bit, on no connector yet; from any thread, between two steps.
+
+        What happens to either changes nothing in the other. A goal that is pursued is pursued there too; its reports
+        go to the connector on which the branch is opened.
+        """
+        with self._outbox.lock:
+            return branched(self, type(self).__name__.lower())
 
     def close(self) -> None:
         for close in self._closes:
@@ -91,6 +104,8 @@ class Simulation:
             self._closes.append(connector.serve(name, type_name, self._locked(answer)))
         for name, type_name, server in actions:
             self._closes.append(connector.offer(name, type_name, Guarded(server, self._outbox)))
+            if isinstance(server, SupportsHeir) and isinstance(connector, SupportsAdoption):
+                server.continue_with(partial(connector.adopt_goal, name))
 
     def _locked(self, answer: Answer) -> Answer:
         def answered(request: Data) -> Data | Future[Data]:

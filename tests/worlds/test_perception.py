@@ -152,7 +152,7 @@ class Scene:
             self.connector.subscribe(topic, "", partial(_keep, facts))
         self.connector.serve(CLASSIFY[0][0], CLASSIFY[1], self.classify)
         config = FinderConfig(rooms={"kitchen": (0, -5, 9, 5)}, furniture={"table": (1.5, -1, 2.5, 1)})
-        self.closes = ObjectFinder(self.connector, config).open()
+        self.closes = ObjectFinder(config).open(self.connector)
 
     def classify(self, request: Mapping[str, Any]) -> dict[str, Any]:
         self.asked.append(request)

@@ -44,7 +44,7 @@ class Arm:
 
     def actions(self, outbox: Outbox, at: float) -> list[tuple[str, str, ArmServer]]:
         """Name, type and server of each; made once."""
-        self._servers = {
+        self._servers = self._servers or {
             MOVE: MoveArm(self.motion, outbox.add, at),
             PICK: PickAt(self.motion, outbox.add, at),
             PLACE: PlaceAt(self.motion, outbox.add, at),

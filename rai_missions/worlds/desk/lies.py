@@ -5,7 +5,9 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from rai_missions.connectors.connector import ActionServer, Data, Report
+from rai_missions.connectors.connector import Data, Report
+from rai_missions.worlds.desk.actions import ArmServer
+from rai_missions.worlds.goal_server import Client
 
 __all__ = ("LyingServer",)
 
@@ -18,14 +20,20 @@ class LyingServer:
         lies: Asked once for each goal that ends.
     """
 
-    def __init__(self, server: ActionServer, lies: Callable[[], bool]) -> None:
+    def __init__(self, server: ArmServer, lies: Callable[[], bool]) -> None:
         self._server, self._lies = server, lies
 
     def accept(self, goal_id: str, goal: Data, report: Callable[[Report], None]) -> None:
-        self._server.accept(goal_id, goal, lambda true: report(self._reported(true)))
+        self._server.accept(goal_id, goal, self._to(report))
 
     def cancel(self, goal_id: str) -> None:
         self._server.cancel(goal_id)
+
+    def continue_with(self, client_of: Callable[[str], Client]) -> None:
+        self._server.continue_with(lambda goal_id: self._to(client_of(goal_id)))
+
+    def _to(self, report: Client) -> Client:
+        return lambda true: report(self._reported(true))
 
     def _reported(self, true: Report) -> Report:
         if true.status not in ("succeeded", "failed") or not self._lies():

@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from concurrent.futures import Future
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -40,6 +40,8 @@ class ManipulatorMoveTo:
         motion: The arm's.
         later: Answers go out through it.
     """
+
+    LEADS_OUT: ClassVar = {"_pending": lambda: None}
 
     def __init__(self, motion: Motion, later: Later) -> None:
         self._motion, self._later = motion, later

@@ -33,6 +33,7 @@ class Vision:
     def __init__(self, camera: Camera, detector: OpenSetDetector | None, seed: int, now: Callable[[], float]) -> None:
         self._camera = camera
         self.frames = FrameHistory(camera, seed)
+        self._finder = ObjectFinder(interface.FINDER)
         self._served = DetectorServices(self.frames, detector, now) if detector is not None else None
 
     def services(self) -> dict[tuple[str, str], Answer]:
@@ -41,7 +42,7 @@ class Vision:
 
     def open(self, connector: Connector) -> list[Close]:
         """Start the object finder on a connector; what ends it."""
-        return ObjectFinder(connector, interface.FINDER).open()
+        return self._finder.open(connector)
 
     def publish(self, outbox: Outbox, moment: Moment, at: float) -> None:
         """Publish a moment's depth and the lens; the picture itself follows."""

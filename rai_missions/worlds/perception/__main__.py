@@ -63,7 +63,7 @@ def _run(config: FinderConfig) -> int:
     ended = threading.Event()
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, lambda *_: ended.set())
-    closes = ObjectFinder(connector, config).open()
+    closes = ObjectFinder(config).open(connector)
     connector.start()
     sys.stdout.write(f"ready: {config.look_for} starts it, {config.seen} has what it sees\n")
     sys.stdout.flush()

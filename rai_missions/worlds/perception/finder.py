@@ -13,7 +13,7 @@ import threading
 from collections import OrderedDict
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, ClassVar
 
 from rai_missions.connectors.connector import Close, Connector, Message, Reply
 from rai_missions.errors import ConnectorError
@@ -69,12 +69,14 @@ class ObjectFinder:
     """One robot's finder, on a connector.
 
     Args:
-        connector: Where the camera, the detector and the mission are.
         config: The names there.
     """
 
-    def __init__(self, connector: Connector, config: FinderConfig) -> None:
-        self._connector, self._config = connector, config
+    LEADS_OUT: ClassVar = {"_connector": lambda: None}
+
+    def __init__(self, config: FinderConfig) -> None:
+        self._config = config
+        self._connector: Connector | None = None
         self._lock = threading.Lock()
         self._names: tuple[str, ...] = ()
         self._looks, self._asked = Looks(), False
@@ -85,15 +87,15 @@ class ObjectFinder:
         self._depths: Kept = OrderedDict()
         self._is_failing, self._silent_until = False, -math.inf
 
-    def open(self) -> list[Close]:
-        """Subscribe; what ends it all."""
-        config = self._config
+    def open(self, connector: Connector) -> list[Close]:
+        """Subscribe where the camera, the detector and the mission are; what ends it all."""
+        config, self._connector = self._config, connector
         return [
-            self._connector.subscribe(config.pose, config.pose_type, self._on_pose),
-            self._connector.subscribe(config.lens, "sensor_msgs/msg/CameraInfo", self._on_lens),
-            self._connector.subscribe(config.depth, "sensor_msgs/msg/Image", self._on_depth),
-            self._connector.subscribe(config.camera, "sensor_msgs/msg/Image", self._on_picture),
-            self._connector.subscribe(config.look_for, TEXT, self._on_order),
+            connector.subscribe(config.pose, config.pose_type, self._on_pose),
+            connector.subscribe(config.lens, "sensor_msgs/msg/CameraInfo", self._on_lens),
+            connector.subscribe(config.depth, "sensor_msgs/msg/Image", self._on_depth),
+            connector.subscribe(config.camera, "sensor_msgs/msg/Image", self._on_picture),
+            connector.subscribe(config.look_for, TEXT, self._on_order),
         ]
 
     def _on_order(self, message: Message) -> None:
@@ -135,16 +137,17 @@ class ObjectFinder:
 
     def _look(self) -> None:
         """Ask the detector about a picture and a depth of one moment, if there is something to look for."""
+        connector = self._connector
         with self._lock:
             pair = self._pair()
-            if not (self._names and pair and self._pose and self._lens) or self._asked:
+            if connector is None or not (self._names and pair and self._pose and self._lens) or self._asked:
                 return
             (at, picture, depth), pose = pair, self._pose[1]
             if at < self._silent_until:
                 return
             names, lens, self._asked = self._names, self._lens, True
         try:
-            self._connector.call(
+            connector.call(
                 self._config.detector, CLASSIFY[1], request(names, picture), timeout_s=LATE_S,
                 on_reply=lambda reply: self._on_reply(reply, at, names, pose, lens, depth),
             )  # fmt: skip
@@ -217,8 +220,11 @@ class ObjectFinder:
         }  # fmt: skip
 
     def _publish(self, topic: str, fact: Mapping[str, Any]) -> None:
+        connector = self._connector
+        if connector is None:
+            return
         try:
-            self._connector.publish(topic, TEXT, {"data": json.dumps(fact)})
+            connector.publish(topic, TEXT, {"data": json.dumps(fact)})
         except ConnectorError as fault:
             log.warning("%s cannot be published: %s", topic, cut(str(fault), 200))
 
