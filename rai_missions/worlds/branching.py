@@ -129,7 +129,7 @@ def _array(what: Any, path: str, copy_of: Copy) -> Any:
     if what.dtype.hasobject or not isinstance(_owner(what), np.ndarray | bytes):
         raise UsageError(f"the world cannot be branched: {path} is a view of memory that is not its own")
     made = what.copy(order="K")
-    made.flags.writeable = what.flags.writeable
+    made.setflags(write=what.flags.writeable)
     return made
 
 
