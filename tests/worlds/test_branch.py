@@ -25,7 +25,7 @@ EXAMPLES = 6
 
 
 class Client:
-    """Whoever uses a world: what is done at which step, and all that comes back.
+    """A client of a world: what is done at which step, and all that comes back.
 
     Args:
         world: The world.
@@ -125,7 +125,7 @@ def test_a_branch_is_a_replay_from_the_start(seed: int, kind: str, plan: dict[in
 
 
 def continued(origin: Client, plan: dict[int, str], at: int) -> Client:
-    """Whoever uses a branch, and is notified of the goals that are under way in it."""
+    """A client of a branch, which is notified of the goals that are under way in it."""
     branch = Client(origin.world.branch(), plan, TOPICS)
     for step, what in plan.items():
         if step < at and what.startswith("/"):
@@ -222,7 +222,7 @@ def test_a_copy_takes_at_most_50_ms() -> None:
 
 
 def test_pictures_and_detections_of_a_branch_are_those_of_the_world() -> None:
-    """Pixel by pixel, rendered after the worlds have gone on."""
+    """Pixel by pixel, rendered after more steps of both worlds."""
     near = {"kind": "crate", "alley": 0, "along": 0.2}
     world = open_world("orchard", seed=3, alleys=1, length_m=12.0, obstacles=[near], detector={"misclassify": 0.5})
     pictures: list[bytes] = []
