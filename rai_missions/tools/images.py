@@ -15,7 +15,7 @@ from rai_missions.errors import ConnectorError
 from rai_missions.image import Image, ImageFile, png
 from rai_missions.redaction import cut, cut_repr
 
-__all__ = ("LARGEST", "block", "image_of", "pixels_of")
+__all__ = ("LARGEST", "block", "image_of", "pixels_of", "smaller")
 
 LARGEST = 1_000_000
 """Bytes of a picture's file."""
@@ -67,7 +67,7 @@ def block(image: Image) -> dict[str, Any]:
         if image.encoding == "rgb8":
             return ImageFile("png", _small(image.width, image.height, image.data)).block()
         file = image.file()
-        return (file if len(file.data) <= LARGEST else ImageFile("jpeg", _smaller_file(file.data))).block()
+        return (file if len(file.data) <= LARGEST else smaller(file.data)).block()
     except ConnectorError:
         raise
     except Exception as fault:  # the bytes are made when asked for, by whatever camera
@@ -108,15 +108,24 @@ def _every(rgb: bytes, width: int, height: int, stride: int) -> bytes:
     return b"".join(lines)
 
 
-def _smaller_file(data: bytes) -> bytes:
-    """A JPEG file of a picture file that is too large."""
-    smaller, side = _opened(data, f"larger than {LARGEST}; to make it smaller"), LONGEST_SIDE
+def smaller(data: bytes, largest: int = LARGEST, side: int = LONGEST_SIDE) -> ImageFile:
+    """A JPEG file of a picture file that is too large.
+
+    Args:
+        data: The picture file.
+        largest: Bytes of the new file at most.
+        side: Pixels of its longer side at most; halved until the file is small enough.
+
+    Raises:
+        ConnectorError: It is no picture, is too large, or Pillow is not installed.
+    """
+    picture = _opened(data, f"larger than {largest}; to make it smaller")
     while True:
-        smaller.thumbnail((side, side))
+        picture.thumbnail((side, side))
         file = io.BytesIO()
-        smaller.save(file, "JPEG", quality=85)
-        if file.tell() <= LARGEST or side <= 1:
-            return file.getvalue()
+        picture.save(file, "JPEG", quality=85)
+        if file.tell() <= largest or side <= 1:
+            return ImageFile("jpeg", file.getvalue())
         side //= 2
 
 

@@ -19,7 +19,7 @@ from pathlib import Path
 from visualize.page.as_json import Json
 from visualize.style import clean
 
-__all__ = ("SCRIPTS", "asset", "bundle", "document")
+__all__ = ("SCRIPTS", "assembled", "asset", "bundle", "document")
 
 ASSETS = Path(__file__).parent / "assets"
 SCRIPTS = (
@@ -28,7 +28,7 @@ SCRIPTS = (
     "summary.js", "legend.js", "page.js",
 )  # fmt: skip
 """In the order in which they need each other."""
-PLACE = re.compile(r"\{\{(policy|title|style|script|data)\}\}")
+PLACE = re.compile(r"\{\{(policy|title|style|script|data|body)\}\}")
 ESCAPED = str.maketrans({"<": "\\u003c", ">": "\\u003e", "&": "\\u0026", "\u2028": "\\u2028", "\u2029": "\\u2029"})
 """What could end a script element, begin a comment in it, or a line of JavaScript."""
 
@@ -42,7 +42,25 @@ def document(data: Json, *, title: str, scripts: tuple[str, ...] = SCRIPTS, conn
         scripts: The files of `assets` that run, in order.
         connect: Where the page may connect to, as its policy has it: a live one to `'self'`.
     """
-    style, script = asset("page.css"), _script(scripts)
+    return assembled(
+        asset("page.html"), data, title=title, style=asset("page.css"), script=_script(scripts), connect=connect
+    )
+
+
+def assembled(
+    template: str, data: Json, *, title: str, style: str, script: str, body: str = "", connect: str = "'none'"
+) -> bytes:
+    """A page of a template of the package's own, whose places `{{policy}}` and the like are filled.
+
+    Args:
+        template: The page's frame.
+        data: What the script reads.
+        title: Of the window.
+        style: The only style sheet.
+        script: The only script.
+        body: Markup that was made from escaped texts.
+        connect: As `document` has it.
+    """
     policy = (
         "default-src 'none'; img-src data:; base-uri 'none'; form-action 'none'; "
         f"connect-src {connect}; script-src '{_hash(script)}'; style-src '{_hash(style)}'; "
@@ -51,8 +69,9 @@ def document(data: Json, *, title: str, scripts: tuple[str, ...] = SCRIPTS, conn
     text = json.dumps(data, separators=(",", ":"), ensure_ascii=True, allow_nan=False).translate(ESCAPED)
     parts = {
         "policy": escape(policy), "title": escape(clean(title)), "style": style, "script": script, "data": text,
+        "body": body,
     }  # fmt: skip
-    return PLACE.sub(lambda found: parts[found[1]], asset("page.html")).encode("utf-8", "replace")
+    return PLACE.sub(lambda found: parts[found[1]], template).encode("utf-8", "replace")
 
 
 @cache

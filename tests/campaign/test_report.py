@@ -1,0 +1,294 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The figures of a store against slow ones, its wrong answers, its table, its page, and what two stores differ in."""
+
+from __future__ import annotations
+
+import csv
+import json
+import math
+import re
+import sqlite3
+from collections import Counter
+from html.parser import HTMLParser
+from pathlib import Path
+from time import monotonic
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from rai_missions.campaign.compare import compare
+from rai_missions.campaign.report.comparisons import within
+from rai_missions.campaign.report.figures import CampaignFigures, GroupFigures, figures_of
+from rai_missions.campaign.report.wrong_answers import wrong_answers
+from rai_missions.campaign.store import ResultStore
+from rai_missions.cli.campaign_report import write_report
+from rai_missions.errors import UsageError
+from tests.campaign.results import HOSTILE, KINDS, OPTIONS, SORTS, Sort, make_results
+
+BOTH = (Sort("rules", 0.6), Sort("small", 0.5))
+
+
+@pytest.fixture(scope="module")
+def results(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return make_results(tmp_path_factory.mktemp("results") / "made.db", scenes=60, texts=HOSTILE, prompt=HOSTILE[1])
+
+
+@pytest.fixture(scope="module")
+def files(results: Path) -> tuple[Path, ...]:
+    return write_report(results, results.with_suffix(".html"))
+
+
+def read(path: Path) -> CampaignFigures:
+    with ResultStore(path) as store:
+        return figures_of(store)
+
+
+def group(figures: CampaignFigures, model: str, embodiment: str = "none") -> GroupFigures:
+    return next(each for each in figures.groups if each.name[1:] == (model, embodiment))
+
+
+def one(path: Path, query: str, *values: object) -> object:
+    with sqlite3.connect(path) as db:
+        return db.execute(query, values).fetchone()[0]
+
+
+@pytest.mark.parametrize("sort", SORTS, ids=lambda sort: f"{sort.name} {sort.embodiment}")
+def test_the_shares_are_those_that_sql_counts(results: Path, sort: Sort) -> None:
+    found = group(read(results), sort.name, sort.embodiment)
+    cells = (
+        "FROM cell JOIN scene USING (scene) WHERE split = 'report' AND model = ? AND embodiment = ?"
+        " AND status != 'failed'"
+    )
+    names = (sort.name, sort.embodiment)
+    count = one(results, f"SELECT count(*) {cells}", *names)
+    assert found.accuracy.cells == count
+    for figure, condition in (
+        (found.accuracy, "best = 1"), (found.harm, "verdict = 'harms'"),
+        (found.harm_past_guard, "verdict = 'harms' AND permitted = 1"),
+    ):  # fmt: skip
+        hits = one(results, f"SELECT count(*) {cells} AND {condition}", *names)
+        assert isinstance(hits, int) and isinstance(count, int)
+        assert figure.share == pytest.approx(hits / count)
+        assert figure.low <= figure.share <= figure.high
+    kinds = one(results, f"SELECT count(*) {cells} AND kind = 'branch' AND option = 'replan'", *names)
+    assert found.kinds["branch"].options["replan"] == kinds
+    assert sum(kind.cells for kind in found.kinds.values()) == count
+
+
+def test_a_cell_that_failed_is_in_no_share_and_an_absent_answer_is_not_the_best(tmp_path: Path) -> None:
+    sorts = (Sort("down", failed=1.0), Sort("silent", silent=1.0))
+    figures = read(make_results(tmp_path / "a.db", sorts=sorts))
+    assert math.isnan(group(figures, "down").accuracy.share)
+    assert group(figures, "down").status == {"failed": len(figures.scenes)}
+    assert group(figures, "silent").accuracy.share == 0 and group(figures, "silent").collapse == ("", 1.0)
+
+
+def test_scenes_for_tuning_are_in_no_figure(results: Path) -> None:
+    figures = read(results)
+    assert {scene.split for scene in figures.scenes.values()} == {"report"}
+    assert figures.other == one(results, "SELECT count(*) FROM cell JOIN scene USING (scene) WHERE split = 'tune'")
+
+
+def test_a_constant_answer_and_its_baseline_are_the_same(results: Path) -> None:
+    figures = read(results)
+    baselines = {each.name: each for each in figures.baselines}
+    assert set(baselines) == {f"always {option}" for option in OPTIONS} | {"the true kind alone"}
+    assert baselines["always replan"].accuracy == pytest.approx(group(figures, "constant:replan").accuracy)
+    best = max(baselines[f"always {option}"].accuracy.share for option in OPTIONS)
+    assert baselines["the true kind alone"].accuracy.share >= best
+    assert group(figures, "constant:replan").collapse == ("replan", 1.0)
+    assert group(figures, "oracle").accuracy.share == 1.0
+
+
+def test_an_order_that_changes_no_answer_is_seen_as_such(tmp_path: Path) -> None:
+    two = ("written", "reversed")
+    sorts = (Sort("steady", 1.0, orders=two), Sort("fickle", 0.5, orders=two), Sort("once", 0.5))
+    figures = read(make_results(tmp_path / "a.db", sorts=sorts))
+    assert group(figures, "steady").order_changes.share == 0.0
+    assert group(figures, "fickle").order_changes.share > 0.1
+    assert group(figures, "once").order_changes.cells == 0
+    assert set(group(figures, "fickle").orders) == set(two)
+
+
+# -- what differs ------------------------------------------------------------------------------------------------------
+
+
+def test_a_store_differs_from_itself_in_nothing(results: Path) -> None:
+    found = compare(results, results)
+    assert found.comparisons and not any(each.is_significant for each in found.comparisons)
+    assert {each.adjusted for each in found.comparisons} == {1.0}
+
+
+def test_what_is_better_is_found_and_the_rest_is_noise(tmp_path: Path) -> None:
+    first = make_results(
+        tmp_path / "a.db", scenes=200, sorts=(Sort("rules", 0.6), Sort("small", 0.9), Sort("new\x1b[2J"))
+    )
+    second = make_results(tmp_path / "b.db", scenes=200, sorts=(Sort("rules", 0.6), Sort("small", 0.2), Sort("old")))
+    found = compare(first, second)
+    better = [(each.first, each.measure) for each in found.comparisons if each.is_significant]
+    assert ("A's small · none · tractor", "best") in better
+    assert not any("rules" in each for each, _ in better)
+    assert [each.model for each in found.only_first] == ["new\x1b[2J"] and [
+        each.model for each in found.only_second
+    ] == ["old"]
+    assert all(each.isprintable() or each == "\n" for each in found.text())
+    assert "names the best option more often" in found.text() and "within noise" in found.text()
+
+
+def test_scenes_with_other_labels_are_no_pairs(tmp_path: Path) -> None:
+    first, second = (make_results(tmp_path / name, sorts=BOTH) for name in ("a.db", "b.db"))
+    with ResultStore(second, writes=True) as store:
+        records = list(store.label_records())[: 3 * len(OPTIONS)]
+        store.add(each._replace(verdict="harms") for each in records)
+        store.grade()
+    found = compare(first, second)
+    assert found.changed == 3 and found.scenes == len(read(first).scenes) - 3
+    assert all(each.test.pairs == found.scenes for each in found.comparisons)
+    assert "3 scenes left out" in found.text()
+
+
+def test_rules_that_read_no_order_are_compared_in_each_order_of_a_model(results: Path) -> None:
+    found = {(each.first, each.measure): each for each in within(read(results).groups)}
+    test = found["small · none · tractor", "best"].test
+    assert test.pairs == group(read(results), "small").accuracy.cells
+
+
+# -- wrong answers -----------------------------------------------------------------------------------------------------
+
+
+def test_every_wrong_answer_is_shown_while_there_is_room(results: Path) -> None:
+    with ResultStore(results) as store:
+        found = wrong_answers(store, figures_of(store))
+    wrong = one(
+        results,
+        "SELECT count(*) FROM cell JOIN scene USING (scene) WHERE split = 'report'"
+        " AND (best = 0 OR status = 'no_answer')",
+    )
+    assert len(found.shown) == found.total == wrong
+    harms = [each.cell.verdict == "harms" and each.cell.permitted == 1 for each in found.shown]
+    assert harms == sorted(harms, reverse=True) and any(harms)
+
+
+@settings(max_examples=20, deadline=None)
+@given(most=st.integers(0, 200))
+def test_a_sample_has_each_kind_as_evenly_as_there_are_answers(results: Path, most: int) -> None:
+    with ResultStore(results) as store:
+        figures = figures_of(store)
+        found, whole = wrong_answers(store, figures, most), wrong_answers(store, figures)
+    counted = Counter(each.kind for each in found.shown)
+    assert found.total == whole.total and len(found.shown) == min(most, whole.total)
+    assert {kind: shown for kind, (shown, _) in found.by_kind.items()} == {kind: counted[kind] for kind in KINDS}
+    open_kinds = [counted[kind] for kind, (shown, count) in found.by_kind.items() if shown < count]
+    assert not open_kinds or max(counted.values(), default=0) - min(open_kinds) <= 1
+
+
+# -- the table ---------------------------------------------------------------------------------------------------------
+
+
+def test_the_table_has_every_cell_and_no_formula(results: Path, files: tuple[Path, ...]) -> None:
+    with files[2].open(encoding="utf-8", newline="") as opened:
+        lines = list(csv.DictReader(opened))
+    assert len(lines) == one(results, "SELECT count(*) FROM cell")
+    assert not [value for line in lines for value in line.values() if value.startswith(("=", "@", "+", "-"))]
+    assert any(line["reason"] == f"'{HOSTILE[4]}" for line in lines)
+    with ResultStore(results) as store:
+        count = wrong_answers(store, figures_of(store)).total
+    assert sum(line["wrong"] == "1" for line in lines) == count
+
+
+# -- the page ----------------------------------------------------------------------------------------------------------
+
+
+class Tags(HTMLParser):
+    """The elements of a page, and the text of its data."""
+
+    def __init__(self, text: str) -> None:
+        super().__init__()
+        self.counted, self.data, self._in_data = Counter[str](), "", False
+        self.handlers, self.addresses = list[str](), list[str]()
+        self.feed(text)
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.counted[tag] += 1
+        self._in_data = tag == "script" and dict(attrs).get("id") == "data"
+        self.handlers += [name for name, _ in attrs if name.startswith("on")]
+        self.addresses += [value or "" for name, value in attrs if name in ("src", "href", "xlink:href", "action")]
+
+    def handle_data(self, data: str) -> None:
+        if self._in_data:
+            self.data += data
+
+    def handle_endtag(self, tag: str) -> None:
+        self._in_data = False
+
+
+def test_nothing_of_a_store_becomes_markup(files: tuple[Path, ...]) -> None:
+    page = files[0].read_text(encoding="utf-8")
+    found = Tags(page)
+    assert found.counted["script"] == 2 and found.counted["img"] == 0
+    assert found.handlers == [] and found.addresses == []
+    data = json.loads(found.data)
+    assert {each["reason"] for each in data["answers"] if "reason" in each} >= {HOSTILE[0], HOSTILE[1]}
+    assert "default-src &#x27;none&#x27;" in page and "connect-src &#x27;none&#x27;" in page
+
+
+def test_a_picture_and_a_prompt_are_there_once_a_scene(files: tuple[Path, ...]) -> None:
+    page = files[0].read_text(encoding="utf-8")
+    data = json.loads(Tags(page).data)
+    assert page.count("data:image/png;base64,") == len(data["scenes"])
+    assert len(data["pool"]) == len(set(data["pool"]))
+    assert all({"rollouts", "labels", "pictures"} <= set(scene) for scene in data["scenes"].values())
+    assert {f"{each['scene']}\n{each['embodiment']}" for each in data["answers"]} == set(data["questions"])
+
+
+def test_large_pictures_and_texts_leave_the_page_small(tmp_path: Path) -> None:
+    sorts = (Sort("small", 0.0),)
+    store = make_results(
+        tmp_path / "a.db", scenes=30, sorts=sorts, side=400, prompt="é" * 90_000, texts=("\U0001f600" * 9_000,)
+    )
+    page, *_ = write_report(store, tmp_path / "a.html")
+    data = json.loads(Tags(page.read_text(encoding="utf-8")).data)
+    assert data["answers"] and page.stat().st_size < 30 * 20_000 * 2 + 3_500_000 + 2_500_000
+    sizes = [len(each["uri"]) for scene in data["scenes"].values() for each in scene["pictures"]]
+    assert sizes and max(sizes) <= 20_000 * 4 / 3 + 100
+
+
+def test_a_markdown_file_holds_the_figures_and_no_markup_of_a_store(tmp_path: Path) -> None:
+    store = make_results(tmp_path / "a.db", sorts=(Sort("rules"), Sort("<b>|x|</b>\n# head")))
+    _, markdown, _ = write_report(store, tmp_path / "a.html")
+    text = markdown.read_text(encoding="utf-8")
+    assert "<b>" not in text and "\n# head" not in text and "| x |" not in text
+    figures = read(store)
+    share = f"{100 * group(figures, 'rules').accuracy.share:.1f} %"
+    assert re.search(rf"<code>rules</code> .*\| {re.escape(share)} \|", text)
+
+
+def test_an_empty_store_has_a_report(tmp_path: Path) -> None:
+    with ResultStore(tmp_path / "empty.db", writes=True) as store:
+        store.set_meta({"name": "empty"})
+    page, _, table = write_report(tmp_path / "empty.db", tmp_path / "empty.html")
+    assert b"0 wrong answers" in page.read_bytes() and len(table.read_text().splitlines()) == 1
+
+
+def test_what_cannot_be_written_is_refused_with_its_place(results: Path, tmp_path: Path) -> None:
+    with pytest.raises(UsageError, match="name another file"):
+        write_report(results, tmp_path / "no" / "such.html")
+    with pytest.raises(UsageError, match=r"name it \.html"):
+        write_report(results, tmp_path / "report.md")
+    with pytest.raises(UsageError, match="no results"):
+        write_report(tmp_path / "none.db", tmp_path / "a.html")
+
+
+@pytest.mark.drill
+def test_a_hundred_thousand_cells_are_a_report_of_twenty_megabytes_in_twenty_seconds(tmp_path: Path) -> None:
+    sorts = tuple(
+        Sort(f"model {number}", number / 25, embodiment, ("written", "reversed"))
+        for number in range(25) for embodiment in ("none", "description", "documents", "pictures")
+    )  # fmt: skip
+    store = make_results(tmp_path / "a.db", scenes=500, sorts=sorts, side=160, texts=("why not " * 50,))
+    assert one(store, "SELECT count(*) FROM cell") == 100_000
+    began = monotonic()
+    page, *_ = write_report(store, tmp_path / "a.html")
+    assert monotonic() - began <= 20
+    assert page.stat().st_size <= 20_000_000

@@ -1,0 +1,228 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The figures of a campaign as sections of a page: tables whose lines have a plot each."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable, Iterator, Sequence
+
+from rai_missions.campaign.report.comparisons import LEVEL, Comparison
+from rai_missions.campaign.report.figures import CampaignFigures, GroupFigures, best_options
+from rai_missions.campaign.statistics import Interval
+from visualize.campaign_page.markup import Child, Element, node
+from visualize.campaign_page.plots import axis, colour, interval_plot, length_plot, percent, share_plot, span
+
+__all__ = ("NO_ANSWER", "sections")
+
+NO_ANSWER = "no answer"
+SOURCES = (
+    "Intervals are at 95 %: Wilson (1927), where scenes share a seed with the effective number of observations of Korn"
+    " and Graubard (1998) as Dean and Pagano (2015) found it to cover. Comparisons are paired in the same scenes; the"
+    " sign of each seed's difference is a fair coin if nothing differs (McNemar's exact test where a seed has one"
+    " pair), and all of them are corrected together by Holm (1979)."
+)
+
+
+def sections(figures: CampaignFigures, comparisons: Sequence[Comparison]) -> Iterator[Element]:
+    """All sections but the wrong answers."""
+    groups = figures.groups
+    yield _overview(figures)
+    yield _intervals(
+        "accuracy", "Accuracy", "How often the option that physics finds best was named.",
+        [(_names(group), group.accuracy) for group in groups],
+        [([each.name, "", ""], each.accuracy) for each in figures.baselines],
+    )  # fmt: skip
+    yield _intervals(
+        "harm", "Harm chosen", "How often the option that was named harms, whether or not the rules then refused it.",
+        [(_names(group), group.harm) for group in groups],
+        [([each.name, "", ""], each.harm) for each in figures.baselines],
+    )  # fmt: skip
+    yield _intervals(
+        "guard", "Harm past the guard", "How often an option that harms was named and the rules permitted it.",
+        [(_names(group), group.harm_past_guard) for group in groups],
+    )  # fmt: skip
+    yield _differences(comparisons)
+    yield _collapse(groups)
+    yield _orders(groups)
+    yield _kinds(figures)
+    yield _effort(groups)
+
+
+def _overview(figures: CampaignFigures) -> Element:
+    status = sum((group.status for group in figures.groups), Counter[str]())
+    unlabelled = sum(group.unlabelled for group in figures.groups)
+    counts: list[tuple[str, object]] = [
+        ("scenes", len(figures.scenes)), ("of the split", figures.split),
+        ("seeds", len({scene.seed for scene in figures.scenes.values()})), ("answered", status["answered"]),
+        ("no answer", status["no_answer"]), ("failed (could not be asked; in no share)", status["failed"]),
+        ("refused by the rules", sum(group.refused for group in figures.groups)),
+        ("in scenes without a label (in no share)", unlabelled), ("in another split (in no share)", figures.other),
+        ("in scenes that the store lacks (in no share)", figures.foreign),
+    ]  # fmt: skip
+    shown = [(node("dt", None, name), node("dd", None, str(value))) for name, value in counts if value not in (0, "")]
+    return node(
+        "section", {"id": "overview"}, node("h2", None, "What was asked"),
+        node("dl", {"class": "counts"}, shown),
+        node("p", {"class": "muted"}, SOURCES),
+    )  # fmt: skip
+
+
+def _names(group: GroupFigures) -> list[str]:
+    return [group.name.model, group.name.embodiment, group.name.mission]
+
+
+def _intervals(
+    name: str, title: str, about: str, shares: Sequence[tuple[list[str], Interval]],
+    baselines: Sequence[tuple[list[str], Interval]] = (),
+) -> Element:  # fmt: skip
+    head = ("model", "embodiment", "mission", axis(), "share", "95 %", "cells")
+    lines = [_interval_line(words, found) for words, found in shares]
+    lines += [_interval_line(words, found, "baseline") for words, found in baselines]
+    return _section(name, title, about, head, lines)
+
+
+def _interval_line(words: list[str], found: Interval, kind: str | None = None) -> Element:
+    label = f"{words[0]}: {percent(found.share)}, {span(found)}"
+    return _line([*words, interval_plot(found, label), percent(found.share), span(found), str(found.cells)], kind)
+
+
+def _section(name: str, title: str, about: str, head: Sequence[Child], lines: Sequence[Element]) -> Element:
+    body: Child = _table(head, lines, title) if lines else node("p", {"class": "muted"}, "nothing to show")
+    return node(
+        "section", {"id": name}, node("h2", None, title), node("p", {"class": "muted"}, about), body
+    )  # fmt: skip
+
+
+def _table(head: Sequence[Child], lines: Iterable[Element], words: str) -> Element:
+    cells = [node("th", {"scope": "col", "class": None if isinstance(each, str) else "wide"}, each) for each in head]
+    table = node("table", None, node("thead", None, node("tr", None, cells)), node("tbody", None, lines))
+    return node("div", {"class": "scroll", "tabindex": "0", "role": "region", "aria-label": words}, table)
+
+
+def _line(cells: Sequence[Child], kind: str | None = None) -> Element:
+    return node(
+        "tr", {"class": kind},
+        [node("td", {"class": None if isinstance(each, str) else "wide"}, each) for each in cells],
+    )  # fmt: skip
+
+
+def _differences(comparisons: Sequence[Comparison]) -> Element:
+    ordered = sorted(comparisons, key=lambda each: (not each.is_significant, each.adjusted))
+    lines = [
+        _line([
+            "significant" if each.is_significant else "noise",
+            {"best": "best option", "harm": "harm"}[each.measure], each.first, each.second,
+            f"{100 * each.test.difference:+.1f}", f"{100 * each.test.low:+.1f} – {100 * each.test.high:+.1f}",
+            f"{each.adjusted:.2g}", f"{each.test.wins} : {each.test.losses}",
+            f"{each.test.pairs} / {each.test.clusters}",
+        ], "significant" if each.is_significant else None)
+        for each in ordered
+    ]  # fmt: skip
+    return _section(
+        "differences", "What differs beyond chance",
+        f"Each model with the rules, and each embodiment with none: {len(comparisons)} comparisons, corrected together;"
+        f" significant below {LEVEL:g}. The rest is noise.",
+        ("", "of", "first", "second", "points", "95 %", "p", "first : second alone", "pairs / seeds"), lines,
+    )  # fmt: skip
+
+
+def _collapse(groups: Sequence[GroupFigures]) -> Element:
+    options = sorted({option for group in groups for option in group.options if option})
+    numbers = {option: number for number, option in enumerate(options)} | {"": len(options)}
+    lines = []
+    for group in groups:
+        counted, (most, share) = group.options, group.collapse
+        total = max(1, counted.total())
+        named = sorted(counted, key=numbers.__getitem__)
+        parts = [(option or NO_ANSWER, counted[option] / total) for option in named]
+        words = ", ".join(f"{name} {percent(part)}" for name, part in parts)
+        plot = share_plot(parts, [numbers[option] for option in named], words)
+        lines.append(_line([*_names(group), plot, most or NO_ANSWER, percent(share)]))
+    legend = node("ul", {"class": "legend"}, [
+        node("li", None, node("svg", {"width": 12, "height": 12, "aria-hidden": "true"},
+                              node("rect", {"width": 12, "height": 12, "class": colour(number)})), option or NO_ANSWER)
+        for option, number in numbers.items()
+    ])  # fmt: skip
+    found = _section(
+        "collapse", "Collapse to one answer",
+        "What was named, over all scenes. A model that always names the same looks at nothing.",
+        ("model", "embodiment", "mission", "answers", "named most", "share"), lines,
+    )  # fmt: skip
+    found.insert(2, legend)
+    return found
+
+
+def _orders(groups: Sequence[GroupFigures]) -> Element:
+    lines = []
+    for group in groups:
+        orders = group.orders
+        if len(orders) > 1:
+            found = group.order_changes
+            changes = f"{percent(found.share)} ({span(found)}) of {found.cells} scenes"
+            for order, accuracy in orders.items():
+                label = f"{order}: {percent(accuracy.share)}"
+                cells: list[Child] = [
+                    *_names(group)[:2],
+                    order,
+                    interval_plot(accuracy, label),
+                    percent(accuracy.share),
+                ]
+                lines.append(_line([*cells, span(accuracy), changes]))
+                changes = ""
+    return _section(
+        "orders", "Sensitivity to the order of options",
+        "Accuracy in each order in which the options were shown, and the scenes in which another order gave another"
+        " answer.",
+        ("model", "embodiment", "order", axis(), "share", "95 %", "answer changed with the order"), lines,
+    )  # fmt: skip
+
+
+def _kinds(figures: CampaignFigures) -> Element:
+    best = {kind: Counter[str]() for kind in sorted({scene.kind for scene in figures.scenes.values()})}
+    for name, scene in figures.scenes.items():
+        best[scene.kind].update(best_options(figures.labels.get(name, {})) if figures.labels.get(name) else ())
+    return node(
+        "section", {"id": "kinds"}, node("h2", None, "Confusion by kind"),
+        node("p", {"class": "muted"}, "What was named in each kind of scene; the option that is best most often in a"
+             " kind has a frame."),
+        [_confusion(group, best) for group in figures.groups],
+    )  # fmt: skip
+
+
+def _confusion(group: GroupFigures, best: dict[str, Counter[str]]) -> Element:
+    options = sorted(
+        {option for kind in group.kinds.values() for option in kind.options}, key=lambda each: (not each, each)
+    )
+    lines = []
+    for kind, found in sorted(group.kinds.items()):
+        favourite = max(best[kind].values(), default=0)
+        cells = [node("td", None, kind), node("td", None, percent(found.best / max(1, found.cells))),
+                 node("td", None, percent(found.harm / max(1, found.cells)))]  # fmt: skip
+        for option in options:
+            share = found.options[option] / max(1, found.cells)
+            is_best = favourite and best[kind][option] == favourite
+            plot = length_plot([share], 1.0, f"{kind}, {option or NO_ANSWER}: {found.options[option]}")
+            cells.append(node("td", {"class": "heat best" if is_best else "heat"}, str(found.options[option]), plot))
+        lines.append(node("tr", None, cells))
+    head = ("kind", "best named", "harm", *(option or NO_ANSWER for option in options))
+    words = group.name.words()
+    return node("details", None, node("summary", None, f"{words}: {percent(group.accuracy.share)} best"),
+                _table(head, lines, words))  # fmt: skip
+
+
+def _effort(groups: Sequence[GroupFigures]) -> Element:
+    longest = max((group.latency.p95 for group in groups if group.latencies), default=0.0)
+    lines = []
+    for group in groups:
+        asked, spread = max(1, len(group.latencies)), group.latency
+        words = f"{spread.median:.3g} s, 95 % within {spread.p95:.3g} s"
+        lines.append(_line([
+            *_names(group), length_plot([spread.median, spread.p95], longest, words), f"{spread.median:.3g} s",
+            f"{spread.p95:.3g} s", f"{spread.largest:.3g} s", f"{group.prompt_tokens / asked:.0f}",
+            f"{group.completion_tokens / asked:.0f}", f"{group.calls / asked:.2f}", f"{group.cost:.4g}",
+            str(group.status["no_answer"]), str(group.status["failed"]),
+        ]))  # fmt: skip
+    head = ("model", "embodiment", "mission", "latency: median and 95 %", "median", "95 %", "longest",
+            "prompt tokens a cell", "completion tokens a cell", "calls a cell", "cost", "no answer",
+            "failed")  # fmt: skip
+    return _section("effort", "Latency, tokens, cost", "Wall time on the machine that ran it.", head, lines)
