@@ -9,12 +9,16 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 
+from rai_missions.planning.fingers import can_take, crowding
 from rai_missions.planning.placement import Arrangement, is_in_the_way
 from rai_missions.planning.plan import PlannedMove, Pose
 from rai_missions.planning.scene import DESK, Thing
 from rai_missions.planning.workspace import Workspace
 
 __all__ = ("Ordering",)
+
+WIDE_M = (0.085, 0.045)
+"""Free distances around what is put aside, the best first: for a hand with its palm next to it, and for fingers."""
 
 
 class Ordering:
@@ -29,15 +33,17 @@ class Ordering:
         reasons: Name → why it moves, for people.
         workspace: Where a thing may be put aside.
         clearance: Metres that the fingers need.
+        careful: Put aside first what leaves another's fingers no room, as long as that helps; then the arm may push.
     """
 
     def __init__(
         self, present: Arrangement, below: dict[str, str | None], final: Arrangement, carriers: dict[str, str | None],
         *, names: Sequence[str], reasons: dict[str, str], workspace: Workspace, clearance: float,
+        careful: bool = False,
     ) -> None:  # fmt: skip
         self.now, self.below = dict(present), dict(below)
         self.final, self.carriers, self.reasons = final, carriers, reasons
-        self.workspace, self.clearance = workspace, clearance
+        self.workspace, self.clearance, self.careful = workspace, clearance, careful
         self.waiting = [name for name in names if final[name] != present[name]]
         self._aside: set[str] = set()
 
@@ -51,9 +57,12 @@ class Ordering:
                 self.waiting.remove(name)
                 continue
             aside = self._put_aside()
-            if aside is None:
+            if aside is not None:
+                found.append(aside)
+            elif self.careful:
+                self.careful = False
+            else:
                 return None
-            found.append(aside)
         return tuple(found)
 
     def _is_clear(self, name: str) -> bool:
@@ -63,9 +72,18 @@ class Ordering:
     def _is_ready(self, name: str) -> bool:
         """Whether a thing can go where it is to be: it is clear, what will carry it is there, the place is free."""
         carrier = self.carriers[name] or DESK
-        if not self._is_clear(name) or carrier in self.waiting:
+        if not self._is_clear(name) or carrier in self.waiting or not self._is_takeable(name):
             return False
         return not any(True for _ in self._in_its_way(name))
+
+    def _is_takeable(self, name: str) -> bool:
+        """Whether the fingers have room around it, where that counts."""
+        return not self.careful or can_take(self.now[name], self.now.values())
+
+    def _crowding(self, name: str) -> Iterator[str]:
+        """What leaves the fingers no room around a thing that can be taken in no direction."""
+        if not self._is_takeable(name):
+            yield from (other.name for other in crowding(self.now[name], self.now.values()))
 
     def _in_its_way(self, name: str) -> Iterator[str]:
         chain, below = {name}, self.carriers[name]
@@ -88,8 +106,18 @@ class Ordering:
 
     def _put_aside(self) -> PlannedMove | None:
         """Move a clear thing out of the way: the one that most others wait for."""
-        waited_for = [other for name in self.waiting for other in (*self._in_its_way(name), *self._on(name))]
-        clear = [name for name in self.waiting if self._is_clear(name) and name not in self._aside]
+        waited_for = [
+            other
+            for name in self.waiting
+            for other in (*self._in_its_way(name), *self._on(name), *self._crowding(name))
+        ]
+        clear = [
+            name
+            for name in self.waiting
+            if self._is_clear(name) and self._is_takeable(name) and name not in self._aside
+        ]
+        if self.careful:
+            clear = [name for name in clear if name in waited_for]
         for name in sorted(clear, key=lambda each: -waited_for.count(each)):
             spot = self._free_spot(name)
             if spot is not None:
@@ -103,15 +131,17 @@ class Ordering:
         return (upper for upper, below in self.below.items() if below in lower)
 
     def _free_spot(self, name: str) -> Thing | None:
-        """The nearest place that is free now and that no other thing is to have."""
+        """The nearest place that is free now and that no other is to have; with room for the whole hand if any."""
         thing = self.now[name]
         taken = [other for each, other in self.now.items() if each != name]
         taken += [self.final[each] for each in self.waiting if each != name]
         start = (thing.x, thing.y)
-        for point in sorted(self.workspace.raster(), key=lambda each: (round(math.dist(each, start), 6), each)):
-            spot = thing.moved(*point, thing.size[2] / 2)
-            if self.workspace.carries(spot.footprint) and not any(
-                is_in_the_way(spot, other, self.clearance) for other in taken
-            ):
-                return spot
+        points = sorted(self.workspace.raster(), key=lambda each: (round(math.dist(each, start), 6), each))
+        for clearance in (*(each for each in WIDE_M if each > self.clearance), self.clearance):
+            for point in points:
+                spot = thing.moved(*point, thing.size[2] / 2)
+                if self.workspace.carries(spot.footprint) and not any(
+                    is_in_the_way(spot, other, clearance) for other in taken
+                ):
+                    return spot
         return None

@@ -174,7 +174,9 @@ class _Planner:
                     Ordering(
                         self.present, self.below, placement.final, placement.below, names=self._first(placement.order),
                         reasons=self._reasons(placement), workspace=self.workspace, clearance=each,
+                        careful=careful,
                     ).moves()
+                    for careful in (True, False)
                     for each in (clearance, LEAST_M)
                 )  # fmt: skip
                 return next((moves for moves in orders if moves is not None), None)

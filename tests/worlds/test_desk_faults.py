@@ -163,6 +163,45 @@ def test_a_thing_that_was_still_when_it_was_hidden_does_not_lend_its_name() -> N
     assert {one["name"]: one["x"] for one in tracks.things()} == {"red_cube": 0.3, "red_cube_2": 0.6}
 
 
+def test_a_thing_that_fell_unseen_keeps_its_name_once_its_old_place_is_seen_empty() -> None:
+    tracks = Tracks()
+    for _ in range(LEAD):
+        tracks.add([sighting(0.3)], lambda *_: False)
+    for _ in range(LEAD):
+        tracks.add([sighting(0.6)], lambda *_: False)
+    for _ in range(3):
+        tracks.add([sighting(0.6)], lambda *_: True)
+    assert {one["name"]: one["x"] for one in tracks.things()} == {"red_cube": 0.6}
+
+
+@pytest.mark.parametrize("seen_before", [True, False])
+def test_a_thing_that_is_gone_lends_its_name_to_no_two_and_to_none_that_was_there_before(seen_before: bool) -> None:
+    tracks = Tracks()
+    others = [sighting(0.6), sighting(0.9)][: 1 if seen_before else 2]
+    for _ in range(LEAD):
+        tracks.add([sighting(0.3), *(others if seen_before else [])], lambda *_: False)
+    for _ in range(LEAD):
+        tracks.add(others, lambda *_: False)
+    for _ in range(3):
+        tracks.add(others, lambda *_: True)
+    names = {one["name"] for one in tracks.things()}
+    assert names == ({"red_cube_2"} if seen_before else {"red_cube_2", "red_cube_3"})
+
+
+def test_what_comes_to_lie_in_the_middle_of_a_tray_is_not_taken_for_it() -> None:
+    def lying(kind: str, x: float, z: float) -> ClassifiedBody:
+        return ClassifiedBody(ThingClass(kind, ""), SeenBody(1, x, 0.0, z, 0.0, 1.0, 0.0005))
+
+    tracks = Tracks()
+    for _ in range(LEAD):
+        tracks.add([lying("corn", 0.7, 0.022), lying("tray", 0.5, 0.015)], lambda *_: False)
+    for x in (0.65, 0.6, 0.55, 0.5):
+        tracks.add([lying("corn", x, 0.05)], lambda *_: False)
+    for _ in range(4 * LEAD):
+        tracks.add([lying("tray", 0.5, 0.024), lying("corn", 0.5, 0.017)], lambda *_: False)
+    assert {one["name"] for one in tracks.things()} == {"corn", "tray"}
+
+
 def test_what_is_hidden_for_a_look_is_not_taken_for_its_neighbour() -> None:
     tracks = Tracks()
     for _ in range(LEAD):

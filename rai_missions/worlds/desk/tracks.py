@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Things over looks: which sighting is of which thing, what it is called, and whether it lies still.
 
-Rule: a sighting belongs to the nearest thing, whatever class it got in this look; a class counts once its looks lead
+Rule: a sighting belongs to the nearest thing, whatever class it got in this look, and among things in one place to that
+of its class; a class counts once its looks lead
 those of every other class by `LEAD`. With one look in ten wrong, a wrong class leads so far once in 500 000 times
 (gambler's ruin: (0.1 / 0.9) ** LEAD).
 """
@@ -41,13 +42,20 @@ STILL_LOOKS, STILL_M, SIGMAS = 4, 0.002, 4.0
 
 
 class ObjectTrack:
-    """One thing."""
+    """One thing.
 
-    def __init__(self, sighting: ClassifiedBody, number: int) -> None:
+    Args:
+        sighting: The first of it.
+        number: Its own.
+        since: The look that shows it first.
+    """
+
+    def __init__(self, sighting: ClassifiedBody, number: int, since: int) -> None:
         self.number = number
         self.classes: deque[ThingClass] = deque(maxlen=LOOKS)
         self.poses: deque[SeenBody] = deque(maxlen=STILL_LOOKS)
         self.looks = 0
+        self.since = since
         self.seen_through = 0
         self.missed = 0
         self.thing: ThingClass | None = None
@@ -137,11 +145,14 @@ class Tracks:
         for track in self._tracks:
             if track.number not in matched:
                 track.miss(is_seen_through=is_free(*track.probe()))
+        gone = [track for track in self._tracks if track.seen_through >= GONE]
         self._tracks = [track for track in self._tracks if track.seen_through < GONE]
+        for track in gone:
+            self._hand_on_name(track)
         for index, sighting in enumerate(sightings):
             if index not in used:
                 self._made += 1
-                self._tracks.append(ObjectTrack(sighting, self._made))
+                self._tracks.append(ObjectTrack(sighting, self._made, self.looks))
         self._name()
 
     def things(self) -> list[dict[str, Any]]:
@@ -168,6 +179,13 @@ class Tracks:
                 if carried:
                     self._tracks.remove(carried)
                     break
+
+    def _hand_on_name(self, gone: ObjectTrack) -> None:
+        """What left its place unseen is the only thing of its class that appeared since: it keeps the name."""
+        last_seen = self.looks - gone.missed
+        found = [one for one in self._tracks if one.name and one.thing == gone.thing and one.since > last_seen]
+        if gone.name and len(found) == 1:
+            found[0].name = gone.name
 
     def _carried(self, found: ObjectTrack) -> ObjectTrack | None:
         """The thing that this one is: it moved when it was seen last, it is the only such, and of the same class."""
@@ -201,13 +219,15 @@ def _kept(before: SeenBody, now: SeenBody, growth_m: float) -> SeenBody:
 
 
 def _distance(track: ObjectTrack, sighting: ClassifiedBody) -> float:
-    """How far a sighting is from a thing; farther where it is of another class and elsewhere.
+    """How far a sighting is from a thing; farther where it is of another class, and far more elsewhere.
 
-    So a look that takes a thing for another one is still of the thing in that place, and what is hidden for a moment is
-    not taken for its neighbour.
+    So a look that takes a thing for another one is still of the thing in that place, what is hidden for a moment is not
+    taken for its neighbour, and what lies in the middle of a tray is not taken for the tray.
     """
     away = math.dist(track.pose[1:4], sighting.seen[1:4])
-    return away if sighting.thing == (track.thing or track.classes[-1]) or away <= HERE_M else away + OTHER_M
+    if sighting.thing == (track.thing or track.classes[-1]):
+        return away
+    return away + (HERE_M if away <= HERE_M else OTHER_M)
 
 
 def _fact(track: ObjectTrack) -> dict[str, Any]:

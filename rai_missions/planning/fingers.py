@@ -1,0 +1,76 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Whether fingers fit around a thing where it is: boxes of a parallel gripper, seen from above.
+
+Rule: it only orders moves. The arm has the last word, and may push free what a plan takes for crowded.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator
+
+from rai_missions.planning.geometry import Footprint, box, gap
+from rai_missions.planning.scene import BALLS, CONTAINERS, Thing
+
+__all__ = ("can_take", "crowding")
+
+GAP_M = 0.002
+"""Between a finger and a neighbour."""
+OPEN_M = 0.007
+"""Between a finger and the thing, before it closes."""
+TIP_M, TIP_WIDE_M, TIP_DOWN_M = 0.011, 0.019, 0.0195
+"""How thick and how wide a tip is, and how far below the thing's centre it reaches."""
+FINGER_M, FINGER_WIDE_M, FINGER_UP_M = 0.026, 0.023, 0.017
+"""The finger's upper part, and how far above the centre it begins."""
+PALM_M, PALM_WIDE_M, PALM_UP_M = 0.21, 0.065, 0.036
+BELOW_M = 0.006
+"""What reaches no higher than so far above a thing's lowest point is below it."""
+BALL_YAWS = tuple(math.pi * number / 6 for number in range(6))
+
+
+def can_take(thing: Thing, others: Iterable[Thing]) -> bool:
+    """Whether the fingers have room in at least one direction, as a coarse rule.
+
+    Args:
+        thing: Where it is.
+        others: All else, where it is; containers do not count, since things are taken out of them from above.
+    """
+    near = [other for other in others if _counts(thing, other)]
+    return any(not any(_is_blocked(part, near) for part in _hand(thing, yaw)) for yaw in _directions(thing))
+
+
+def crowding(thing: Thing, others: Iterable[Thing]) -> Iterator[Thing]:
+    """The things that leave a thing's fingers no room in some direction."""
+    near = [other for other in others if _counts(thing, other)]
+    for other in near:
+        if any(_is_blocked(part, [other]) for yaw in _directions(thing) for part in _hand(thing, yaw)):
+            yield other
+
+
+def _counts(thing: Thing, other: Thing) -> bool:
+    return other.name != thing.name and other.type not in CONTAINERS and other.top > thing.bottom + BELOW_M
+
+
+def _directions(thing: Thing) -> tuple[float, ...]:
+    """Directions in which the fingers close."""
+    if thing.type in BALLS:
+        return BALL_YAWS
+    across = thing.yaw + math.pi / 2
+    return (across,) if thing.size[0] > 1.5 * thing.size[1] else (thing.yaw, across)
+
+
+def _hand(thing: Thing, yaw: float) -> Iterator[tuple[Footprint, float]]:
+    """The parts of the hand that closes in a direction, each with the height at which it begins."""
+    half = thing.size[1] / 2 + OPEN_M
+    yield box(thing.x, thing.y, (PALM_M, PALM_WIDE_M), yaw), thing.z + PALM_UP_M
+    for side in (-1.0, 1.0):
+        for thick, wide, from_z in ((TIP_M, TIP_WIDE_M, -TIP_DOWN_M), (FINGER_M, FINGER_WIDE_M, FINGER_UP_M)):
+            along = side * (half + thick / 2)
+            yield box(
+                thing.x + math.cos(yaw) * along, thing.y + math.sin(yaw) * along, (thick, wide), yaw
+            ), thing.z + from_z  # fmt: skip
+
+
+def _is_blocked(part: tuple[Footprint, float], others: list[Thing]) -> bool:
+    footprint, from_z = part
+    return any(other.top > from_z and gap(footprint, other.footprint) < GAP_M for other in others)

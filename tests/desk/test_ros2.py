@@ -1,0 +1,90 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The shipped mission over real ROS 2, the arm in another process: what is asked for is built, or refused at once."""
+
+from __future__ import annotations
+
+import importlib.util
+import json
+import math
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from rai_missions.journal import read
+from rai_missions.replay.replay import replay
+from tests.desk.episodes import DESK_MISSIONS
+from tests.desk.test_desk import TWO
+from tests.ros2 import load_quietly, on_ros
+from tests.tractor.ros2_processes import Graph, Process, graph_in
+
+MISSION, PROFILE = str(DESK_MISSIONS / "arrange.json"), str(DESK_MISSIONS / "robot.ros2.json")
+CUBE_M = 0.044
+
+pytestmark = [
+    pytest.mark.drill,
+    pytest.mark.sim,
+    on_ros,
+    pytest.mark.skipif(
+        importlib.util.find_spec("rai_missions_msgs") is None,
+        reason="rai_missions_msgs is not here: make ros-interfaces",
+    ),
+]
+
+
+class Arm(Graph):
+    """The desk and its mission, on a domain of their own."""
+
+    def desk(self) -> Process:
+        scene = json.dumps(TWO["scene"])
+        started = self.start(
+            "world", "desk", "--ros", "--speed", "4", "--no-camera", "--seed", "7", "--option", f"scene={scene}"
+        )
+        started.wait_for("^ready")
+        return started
+
+    def arrange(self, name: str, request: str) -> dict[str, Any]:
+        """Run one request to its end; what was reported."""
+        run = self.start(
+            "run", MISSION, "--robot", PROFILE, "--no-operator", "--json", "--set", f"request={request}",
+            "--journal", str(self.journal(name)),
+        )  # fmt: skip
+        run.ends()
+        reported: dict[str, Any] = json.loads(run.lines.all[-1])
+        return reported
+
+    def journal(self, name: str) -> Path:
+        return self.folder / f"{name}.journal"
+
+    def entered(self, name: str) -> list[str]:
+        with read(self.journal(name)) as record:
+            return [state for step in record.steps() for state in step.entered]
+
+    def last_seen(self, name: str) -> dict[str, dict[str, Any]]:
+        """The things of the last picture that the run used, by name."""
+        with read(self.journal(name)) as record:
+            pictures = [value for step in record.steps() for key, value in step.writes if key == "objects"]
+        return {thing["name"]: thing for thing in pictures[-1]["things"]}
+
+
+@pytest.fixture
+def graph(tmp_path: Path) -> Iterator[Arm]:
+    load_quietly()
+    yield from graph_in(tmp_path, Arm)
+
+
+def test_a_tower_is_refused_or_built_by_an_arm_in_another_process(graph: Arm) -> None:
+    """One desk, two requests: the second begins where the first left it."""
+    world = graph.desk()
+    refused = graph.arrange("refused", "put the red cube inside the blue cube")
+    assert (refused["outcome"], refused["state"]) == ("aborted", "refused"), world.text
+    assert "moving" not in graph.entered("refused")
+    built = graph.arrange("built", "put the red cube on the blue cube")
+    assert (built["outcome"], built["state"]) == ("succeeded", "done"), world.text
+    seen = graph.last_seen("built")
+    red, blue = seen["red_cube"], seen["blue_cube"]
+    assert red["z"] - blue["z"] > CUBE_M / 2
+    assert math.dist((red["x"], red["y"]), (blue["x"], blue["y"])) < 0.01
+    again = replay(graph.journal("built"))
+    assert again.holds, again.difference

@@ -1,0 +1,89 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Room for the fingers: the plan's coarse rule never promises what the arm's own would refuse, and orders the moves."""
+
+from __future__ import annotations
+
+import random
+
+from hypothesis import given
+from hypothesis import strategies as st
+
+from rai_missions.planning import Plan, Thing, planned, without_swaps
+from rai_missions.planning.fingers import can_take, crowding
+from rai_missions.planning.geometry import gap
+from rai_missions.worlds.desk.footprints import SeenThing
+from rai_missions.worlds.desk.grasps import grasps
+from tests.planning.drawn import goal_from
+from tests.planning.oracle import executed
+from tests.planning.scenes import scene, thing
+
+CUBE = 0.044
+FINGERS_M = 0.0443
+"""A finger on the outside of a cube: 12 mm to open, 26 mm thick, 2 mm free, and a little for yaws."""
+
+
+def as_seen(each: Thing) -> SeenThing:
+    return SeenThing(each.name, "cube", each.x, each.y, each.z, each.yaw, each.size)
+
+
+def crowd(rng: random.Random) -> list[Thing]:
+    """Cubes on a desk without overlap, near each other, some of them towers."""
+    found = list[Thing]()
+    while len(found) < 5:
+        one = thing(f"cube_{len(found)}", rng.uniform(0.4, 0.56), rng.uniform(-0.08, 0.08), yaw=rng.uniform(-3, 3))
+        if all((one.x - each.x) ** 2 + (one.y - each.y) ** 2 > 0.063**2 for each in found):
+            found.append(one)
+    tops = [thing(f"top_{each.name}", each.x, each.y, level=CUBE, yaw=each.yaw) for each in found[:2]]
+    return [*found, *tops[: rng.randint(0, 2)]]
+
+
+@given(st.integers(0, 2**32))
+def test_what_a_plan_takes_for_free_the_arm_can_grasp(seed: int) -> None:
+    """An oracle of its own: slabs and all the arm's openings, against footprints and the narrowest opening."""
+    things = crowd(random.Random(seed))
+    for one in things:
+        others = [each for each in things if each is not one]
+        is_graspable = next(grasps(as_seen(one), [as_seen(each) for each in others]), None) is not None
+        assert can_take(one, things) == is_graspable or _is_close(one, others)
+        if not can_take(one, things):
+            assert any(True for _ in crowding(one, things))
+
+
+def _is_close(one: Thing, others: list[Thing]) -> bool:
+    """Whether the answer turns on less than the camera's noise."""
+    return any(can_take(one, [*shifted(others, by)]) != can_take(one, others) for by in (-0.003, 0.003))
+
+
+def shifted(others: list[Thing], by: float) -> list[Thing]:
+    return [each.model_copy(update={"size": (each.size[0] + by, each.size[1] + by, each.size[2])}) for each in others]
+
+
+def test_a_neighbour_that_leaves_no_room_is_put_aside_first() -> None:
+    """Both directions of the fingers are taken: one by what is to come later, one by a thing that stays."""
+    things = [thing("a", 0.5, 0.0), thing("stays", 0.5, 0.052), thing("later", 0.552, 0.0), thing("base", 0.4, -0.3)]
+    goal = goal_from([{"on": ["a", "base"]}, {"on": ["later", "a"]}])
+    plan = planned(goal, scene(*things))
+    assert isinstance(plan, Plan)
+    assert [move.object for move in plan.moves] == ["later", "a", "later"]
+    executed(plan, goal, scene(*things))
+
+
+def test_what_leans_over_another_is_taken_before_it() -> None:
+    """A tower fell: the palm does not fit between what leans and what it leans over."""
+    things = [thing("base", 0.46, -0.34), thing("a", 0.46, -0.29, level=0.01), thing("b", 0.46, -0.24, level=0.03)]
+    goal = goal_from([{"on": ["base", "desk"]}, {"on": ["a", "base"]}, {"on": ["b", "a"]}])
+    plan = planned(goal, scene(*things))
+    assert isinstance(plan, Plan) and plan.moves[0].object == "b"
+
+
+def test_what_is_put_aside_leaves_room_for_the_hand_that_comes_next() -> None:
+    things = [
+        thing("a", 0.4722, 0.1366, yaw=-0.0511), thing("b", 0.3041, -0.3666, yaw=0.1685),
+        thing("apple", 0.436, -0.0054), thing("corn", 0.515, -0.332, yaw=0.2),
+    ]  # fmt: skip
+    goal = without_swaps(goal_from([{"swapped": ["a", "b"]}]), scene(*things))
+    plan = planned(goal, scene(*things))
+    assert isinstance(plan, Plan)
+    aside = things[0].moved(*plan.moves[0].place)
+    arriving = things[1].moved(*plan.moves[1].place)
+    assert gap(aside.footprint, arriving.footprint) > FINGERS_M
