@@ -24,6 +24,9 @@ from rai_missions.states.effects import Call, Drop, Effect, Log, Publish, Raise,
 
 __all__ = ("Act", "act_of")
 
+LARGEST = 2**53
+"""A whole number up to this can be added without a look at the sum: no run adds it so often that a sum is none."""
+
 _new = tuple.__new__
 
 
@@ -100,7 +103,8 @@ def _copy(name: str, source: str, site: Site) -> Act:
 def _add(name: str, key: Key | None, amount: float) -> Act:
     """Adds to a number, which is 0 before it is known; a whole amount leaves an integer whole."""
     amount = int(amount) if key is not None and key.type == "integer" and amount == int(amount) else amount
-    kind = int if isinstance(amount, int) and key is not None and key.type == "integer" else None
+    is_whole = isinstance(amount, int) and abs(amount) <= LARGEST and key is not None and key.type == "integer"
+    kind = int if is_whole else None
 
     def add(program: Program, run: RunState) -> None:
         board = run.board

@@ -49,13 +49,13 @@ class Chart:
 
     Args:
         mission: A mission that `check` finds no fault in.
-        ticker: Who ticks trees (`rai_missions.trees.PyTrees()`); needed only where the mission has one.
+        ticker: Who ticks trees: `rai_missions.trees.PyTrees()` for py_trees itself, which comes to the same.
         terms: What is known of the robot: which actions exclude each other, when a composed one has succeeded.
         named: The predicates that `{"named": …}` guards name.
         surroundings: What a proof leaves open, and where it watches.
 
     Raises:
-        UsageError: The mission has a tree and no ticker was given, or names a predicate that was not.
+        UsageError: The mission names a predicate that was not given.
     """
 
     def __init__(

@@ -15,6 +15,7 @@ from rai_missions.engine.nodes import CompiledGuard, Content, Node
 from rai_missions.engine.robot_facts import RobotFacts
 from rai_missions.engine.surroundings import Surroundings
 from rai_missions.engine.transitions import Graph
+from rai_missions.engine.trees import CompiledTrees
 from rai_missions.errors import UsageError
 from rai_missions.guards.guard import Truth
 from rai_missions.mission.mission import Mission
@@ -31,13 +32,13 @@ class Program:
     Args:
         mission: One that `check` finds no fault in.
         content: How effects, the entry of a list and of a final are compiled.
-        ticker: Who ticks trees; needed only where the mission has one.
+        ticker: Who ticks trees, if not as compiled here.
         facts: What is known of the robot.
         named: The predicates that `{"named": …}` guards name.
         surroundings: What is left open, and who watches.
 
     Raises:
-        UsageError: The mission has a tree and no ticker was given, or names a predicate that was not.
+        UsageError: The mission names a predicate that was not given.
     """
 
     __slots__ = (
@@ -49,7 +50,8 @@ class Program:
         self, mission: Mission, content: Content, ticker: Trees | None = None, *, facts: RobotFacts | None = None,
         named: Named | None = None, surroundings: Surroundings | None = None,
     ) -> None:  # fmt: skip
-        self.mission, self.keys, self.ticker = mission, mission.blackboard, ticker
+        self.mission, self.keys = mission, mission.blackboard
+        self.ticker: Trees = ticker if ticker is not None else CompiledTrees()
         self.facts = facts if facts is not None else RobotFacts()
         self.named: Named = dict(named or {})
         self.surroundings = surroundings if surroundings is not None else Surroundings()
@@ -62,8 +64,6 @@ class Program:
         self.machines: dict[str, Machine | None] = {}
         self.invariants: tuple[tuple[str, CompiledGuard], ...] = tuple(self.graph.invariants.items())
         self.always_held = {memory: test for _, each in self.invariants for memory, test in each.holds.items()}
-        if ticker is None and self.has_trees:
-            raise UsageError("the mission runs a tree; give the chart a ticker: Chart(mission, ticker=PyTrees())")
 
     def machine(self, node: Node) -> Machine | None:
         """The machine of a state's activity; None for a state that runs nothing."""

@@ -111,6 +111,8 @@ class Site:
         self.named: set[str] = set()
         self.states: set[str] = set()
         """The states whose activity it asks for."""
+        self.passing = False
+        """It looks at the event or the answer in hand."""
 
     @property
     def watched(self) -> frozenset[str]:
@@ -326,7 +328,9 @@ class Operand:
         self.passing = self.key if self.key in ("event", "answer") and self.key not in site.keys else ""
         key = None if self.passing else site.keys.get(self.key)
         self.max_age_s = key.max_age_s if key else None
-        if not self.passing:
+        if self.passing:
+            site.passing = True
+        else:
             site.reads.add(self.key)
             if self.max_age_s is not None:
                 site.instants.append(self.goes_stale)

@@ -44,7 +44,7 @@ class Instruments:
         self.turned: set[str] = set()
         """The states of whose tree a loop's round that has taken time has ended in this step."""
         self.begun: dict[str, set[str]] = {}
-        """State → the paths of what has begun in its tree in this step."""
+        """State → the paths of the waits and timeouts that have begun in its tree in this step."""
         self.asked: set[Any] = set()
         """What was asked of the goals in this step that nothing pursues: see `Stores.question`."""
 
@@ -90,9 +90,8 @@ class Instruments:
 
         def counted(*given: Any) -> Any:
             self.ticks += 1
-            ticked = tick(*given)
-            begun = [path for path, call, _ in ticked.trace if call == "initialise"]
-            self.begun.setdefault(machine.owner, set()).update(begun)
+            ticked = tick(*given[:4])  # a proof changes what is known in any way, so that every tick looks at all
+            self.begun.setdefault(machine.owner, set()).update(ticked.waits)
             if any(not each.at_once for each in ticked.rounds):
                 self.turned.add(machine.owner)
             if any(each.at_once for each in ticked.rounds):

@@ -16,6 +16,7 @@ from pydantic import ValidationError
 from rai_missions.engine import Chart
 from rai_missions.engine.activities.ticker import Trees
 from rai_missions.engine.step import Step
+from rai_missions.engine.trees import CompiledTrees
 from rai_missions.errors import DefinitionError, Fault, MissionError
 from rai_missions.event import is_e_stop
 from rai_missions.guards.guard import Truth
@@ -98,13 +99,9 @@ class JournalReplayer:
         return None
 
 
-def default_ticker(mission: Mission) -> Trees | None:
-    """py_trees, for a mission that has a tree."""
-    if not any(state.root() is not None for _, _, state in mission.walk()):
-        return None
-    from rai_missions.trees import PyTrees  # loads py_trees
-
-    return PyTrees()
+def default_ticker(mission: Mission) -> Trees:
+    """Who ticks the trees of a run, unless another is given."""
+    return CompiledTrees()
 
 
 def mission_of(record: Record) -> Mission:

@@ -12,13 +12,12 @@ from typing import Any
 from py_trees.behaviour import Behaviour
 from py_trees.common import OneShotPolicy, ParallelPolicy
 
-from rai_missions.engine.activities.activity import GOALS
-from rai_missions.guards.guard import Guard, Operand, Site, View
+from rai_missions.engine.trees.sites import TreePlace
+from rai_missions.engine.trees.tick import Tick
+from rai_missions.guards.guard import Guard, Site
 from rai_missions.keys import Key
 from rai_missions.states import tree
-from rai_missions.states.effects import filled, references
 from rai_missions.trees import leaves, nodes
-from rai_missions.trees.tick import Tick
 
 __all__ = ("MAKERS", "TreeBuilder")
 
@@ -34,7 +33,7 @@ class TreeBuilder:
     """
 
     def __init__(self, place: str, keys: Mapping[str, Key], state: str, round: Tick) -> None:  # noqa: A002
-        self.place, self.keys, self.state, self.round = place, keys, state, round
+        self.tree, self.keys, self.round = TreePlace(place, keys, state), keys, round
         self.live: dict[str, Any] = {}
         """Path → the behaviour that is there, outer before inner."""
 
@@ -49,7 +48,7 @@ class TreeBuilder:
 
     def site(self, path: str, word: str) -> Site:
         """Where something of a node is compiled."""
-        return Site("/".join(filter(None, (self.place, path, word))), self.keys, self.state)
+        return self.tree.site(path, word)
 
 
 Inside = list[Behaviour]
@@ -85,39 +84,17 @@ def _ask(at: TreeBuilder, node: tree.Decision, path: str, inside: Inside) -> Any
 
 
 def _write(at: TreeBuilder, node: tree.Set, path: str, inside: Inside) -> Any:
-    site, effect, add = at.site(path, "set"), node.effect(), node.add
-    source = node.set if add is not None else effect.source
-    read = Operand(source, site).read if source is not None else lambda view: effect.value
-
-    def value(view: View) -> Any:
-        return read(view) if add is None else _sum(read(view), add)
-
-    write = leaves.WriteBehaviour(node.word)
-    return _with(write, key=node.set, definition=at.keys.get(node.set), adds=add is not None, value=value, site=site)
-
-
-def _sum(value: Any, add: float) -> Any:
-    """A number that stays whole where both are; None where there is none to add to."""
-    if isinstance(value, bool) or not isinstance(value, int | float):
-        return None
-    return value + (int(add) if isinstance(value, int) and add == int(add) else add)
+    site, write, adds = at.site(path, "set"), leaves.WriteBehaviour(node.word), node.add is not None
+    value = at.tree.value(node, site)
+    return _with(write, key=node.set, definition=at.keys.get(node.set), adds=adds, value=value, site=site)
 
 
 def _publish(at: TreeBuilder, node: tree.Publish, path: str, inside: Inside) -> Any:
-    def message(view: View) -> Any:
-        return filled(node.message, view, at.site(path, "message"))
-
-    return _with(leaves.PublishBehaviour(node.word), topic=node.publish, message=message)
+    return _with(leaves.PublishBehaviour(node.word), topic=node.publish, message=at.tree.message(node, path))
 
 
-def _sent(at: TreeBuilder, node: tree.TreeNode, path: str, template: Any, *also: str) -> Any:
-    """An action or call, with what it depends on when it begins; that something of it grows stale begins nothing."""
-    site = at.site(path, node.word)
-    for reference in references(template):
-        Operand(reference, site)
-    site.instants.clear()
-    site.reads.update(also)
-    return _with(leaves.ActivityLeaf(node.word), site=site)
+def _sent(at: TreeBuilder, node: tree.TreeNode, path: str, inside: Inside) -> Any:
+    return _with(leaves.ActivityLeaf(node.word), site=at.tree.sent(node, path))
 
 
 MAKERS: Mapping[type[tree.TreeNode], Maker] = {
@@ -147,8 +124,8 @@ MAKERS: Mapping[type[tree.TreeNode], Maker] = {
     tree.Set: _write,
     tree.Publish: _publish,
     tree.Wait: lambda at, node, path, inside: _with(leaves.WaitBehaviour(node.word), wait_s=node.wait_s),
-    tree.Action: lambda at, node, path, inside: _sent(at, node, path, node.goal, GOALS),
-    tree.Call: lambda at, node, path, inside: _sent(at, node, path, node.request),
+    tree.Action: _sent,
+    tree.Call: _sent,
     tree.Behaviour: lambda at, node, path, inside: leaves.PythonLeaf(node.program()),
 }
 """Kind of node → how its behaviour is made."""

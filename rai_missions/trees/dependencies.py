@@ -8,9 +8,9 @@ from collections.abc import Collection, Iterable, Iterator, Mapping
 from typing import Any, NamedTuple
 
 from rai_missions.engine.activities.ticker import LoopRound
+from rai_missions.engine.trees.tick import TickView
 from rai_missions.guards.guard import Instant, Site
 from rai_missions.trees.nodes import RUNNING, TracedBehaviour
-from rai_missions.trees.tick import TickView
 
 __all__ = ("BehaviourWatch", "TickReads")
 

@@ -14,9 +14,9 @@ from py_trees import composites, decorators
 from py_trees.behaviour import Behaviour
 from py_trees.common import Status
 
+from rai_missions.engine.trees.tick import Tick
 from rai_missions.guards.guard import Site, Test
 from rai_missions.states import tree
-from rai_missions.trees.tick import Tick
 
 __all__ = (
     "PLAIN",

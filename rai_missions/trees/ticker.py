@@ -6,18 +6,19 @@ Rule: the live behaviours are only where a tick is worked out; all that they rem
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from typing import Any
 
 from rai_missions.engine.activities.ticker import Leaf, LoopRound, TickResult, TreeState
+from rai_missions.engine.trees.sites import shifted
+from rai_missions.engine.trees.tick import Tick, TickView
 from rai_missions.guards.guard import View
 from rai_missions.keys import Key
 from rai_missions.states.tree import TreeNode
 from rai_missions.trees.builder import TreeBuilder
 from rai_missions.trees.dependencies import BehaviourWatch, TickReads
-from rai_missions.trees.leaves import ActivityLeaf, AskBehaviour
-from rai_missions.trees.nodes import INVALID, STATUSES, WORDS, TracedBehaviour
-from rai_missions.trees.tick import Tick, TickView
+from rai_missions.trees.leaves import ActivityLeaf, AskBehaviour, WaitBehaviour
+from rai_missions.trees.nodes import INVALID, RUNNING, STATUSES, WORDS, TimeoutBehaviour, TracedBehaviour
 
 __all__ = ("TreeTicker",)
 
@@ -41,6 +42,7 @@ class TreeTicker:
         self.root: Any = builder.build(root)
         self.live: dict[str, TracedBehaviour] = builder.live
         self.activity_leaves = [node for node in self.live.values() if isinstance(node, ActivityLeaf | AskBehaviour)]
+        self.waits = {path for path, node in self.live.items() if isinstance(node, WaitBehaviour | TimeoutBehaviour)}
         self.watch = BehaviourWatch(self.live)
         self.loops = len(self.watch.turns)
         self._shown: TreeState | None = None
@@ -48,7 +50,8 @@ class TreeTicker:
         """What was worked out last, and of which state."""
 
     def tick(
-        self, state: TreeState, view: View, outcomes: Mapping[str, str], late_s: float = 0.0
+        self, state: TreeState, view: View, outcomes: Mapping[str, str], late_s: float = 0.0,
+        changed: Collection[str] | None = None,
     ) -> TickResult:  # fmt: skip
         sight = self._restore(state, view)
         sight.late_s = late_s
@@ -84,12 +87,7 @@ class TreeTicker:
 
     def shift(self, state: TreeState, by_s: float) -> TreeState:
         """The state as it would be had everything happened so much later, in seconds: what a pause makes of it."""
-        nodes = {}
-        for path, memory in state.nodes.items():
-            late = {word: memory[word] + by_s for word in ("until", "began") if word in memory}
-            held = {name: since + by_s for name, since in memory.get("held", {}).items()}
-            nodes[path] = {**memory, **late, **({"held": held} if held else {})}
-        return state._replace(nodes=nodes)
+        return shifted(state, by_s)
 
     def _restore(self, state: TreeState, view: View) -> TickView:
         self._recall(state)
@@ -118,7 +116,9 @@ class TreeTicker:
         self._shown = TreeState(self._memories(sight), leaves)
         started, ended = tuple(done.started), tuple(done.ended)
         writes, published, trace = tuple(done.writes), tuple(done.published), tuple(done.trace)
-        return TickResult(self._shown, status, started, ended, writes, published, trace, begun, rounds)
+        begun_waits = (self.live[path] for path, call, _ in trace if call == "initialise" and path in self.waits)
+        waits = tuple(node.path for node in begun_waits if node.status is RUNNING)
+        return TickResult(self._shown, status, started, ended, writes, published, trace, begun, rounds, waits)
 
     def _memories(self, sight: TickView) -> dict[str, Any]:
         memories: dict[str, Any] = {}

@@ -9,9 +9,9 @@ from __future__ import annotations
 import pytest
 
 from rai_missions.engine import Chart
+from rai_missions.engine.trees import CompiledTrees
 from rai_missions.mission.files import load
 from rai_missions.mission.mission import Mission
-from rai_missions.trees import PyTrees
 from tests.browser.conftest import Open, assert_accessible, until
 from tests.browser.test_chart import NEARER
 from tests.visualize.changed import changed
@@ -54,7 +54,7 @@ VIEW = "(({ level, x, y, scale }) => [level, scale, x, y])(review.chart.viewpoin
 @pytest.fixture
 def run_page() -> bytes:
     """The tractor's mission with a run whose first step does nothing but write."""
-    first = Chart(tractor(), ticker=PyTrees()).write("battery", 0.8, at=0.0)
+    first = Chart(tractor(), ticker=CompiledTrees()).write("battery", 0.8, at=0.0)
     return review(tractor(), runs=[run_of_steps([first, *answered(tractor())])])
 
 

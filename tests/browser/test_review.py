@@ -11,9 +11,9 @@ import pytest
 
 from rai_missions.check import check
 from rai_missions.engine import Chart
+from rai_missions.engine.trees import CompiledTrees
 from rai_missions.mission.files import load
 from rai_missions.mission.mission import Mission
-from rai_missions.trees import PyTrees
 from tests.browser.conftest import Open, until
 from tests.engine.test_goals import mission as stacking
 from tests.strategies import SIGHTS
@@ -194,7 +194,7 @@ def test_coverage_reports_which_rows_were_never_taken_and_is_sorted_by_a_click(j
 
 def test_a_history_which_is_never_active_is_not_among_the_states_never_entered(opened: Open) -> None:
     mission = load(ROOT / "missions/rosbot/mission.json")
-    chart = Chart(mission, ticker=PyTrees())
+    chart = Chart(mission, ticker=CompiledTrees())
     window = opened(review(mission, runs=[run_of_steps([chart.start(0.0)])]))
     window.click("#tab-transitions")
     never = window.evaluate("[...document.querySelectorAll('#transitions li')].map((each) => each.textContent)")

@@ -18,12 +18,12 @@ from pydantic import ValidationError
 from rai_missions.check import check
 from rai_missions.check.finding import document_order
 from rai_missions.engine import Chart
+from rai_missions.engine.trees import CompiledTrees
 from rai_missions.event import Event, Tick
 from rai_missions.guards import Guard, Site, Truth
 from rai_missions.guards.implication import form, implies, never
 from rai_missions.keys import Stamped
 from rai_missions.mission.mission import Mission
-from rai_missions.trees import PyTrees
 from tests.strategies import EVENTS, KEYS, guards, mission_documents, missions
 
 DESIGN: dict[str, Any] = json.loads(
@@ -136,7 +136,7 @@ def happenings(mission: Mission) -> st.SearchStrategy[list[Any]]:
 
 def ran(mission: Mission, happened: list[Any]) -> tuple[set[str], set[str], set[str]]:
     """The transitions taken, the states entered and the states left in a run."""
-    chart = Chart(mission, ticker=PyTrees())
+    chart = Chart(mission, ticker=CompiledTrees())
     steps, now = [chart.start(at=0.0)], 0.0
     starts: list[tuple[int, str]] = []
     for kind, what in happened:

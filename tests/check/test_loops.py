@@ -12,9 +12,9 @@ from hypothesis import strategies as st
 from rai_missions.check import check
 from rai_missions.engine import Chart
 from rai_missions.engine.hold import live
+from rai_missions.engine.trees import CompiledTrees
 from rai_missions.event import Tick
 from rai_missions.mission.mission import Mission
-from rai_missions.trees import PyTrees
 from tests.trees.growing import FACTS, is_true
 from tests.trees.polling import FLAGS, branches
 
@@ -61,7 +61,7 @@ def waits_for(chart: Chart) -> Any:
 def test_what_check_accepts_waits_for_something_wherever_it_rests(tree: Json, loud: bool) -> None:
     mission = mission_of(tree, loud=loud)
     found = faults(mission)
-    chart = Chart(mission, PyTrees())
+    chart = Chart(mission, CompiledTrees())
     step = chart.start(0.0)
     assume(step.outcome is None)
     is_fixed = "'loud'" in str(tree) or "one_shot" in str(tree)  # what that is for good, `check` does not know
@@ -77,7 +77,7 @@ def test_what_check_accepts_waits_for_something_wherever_it_rests(tree: Json, lo
 @given(looping, st.booleans())
 def test_what_waits_for_something_at_its_first_rest_is_not_refused_for_its_root(tree: Json, loud: bool) -> None:
     mission = mission_of(tree, loud=loud)
-    chart = Chart(mission, PyTrees())
+    chart = Chart(mission, CompiledTrees())
     step = chart.start(0.0)
     assume(step.outcome is None and list(faults(mission)) == ["/states/work/tree"])
     keys, *others = waits_for(chart)

@@ -10,9 +10,9 @@ import pytest
 
 from rai_missions.engine import Chart
 from rai_missions.engine.step import CancelGoal
+from rai_missions.engine.trees import CompiledTrees
 from rai_missions.errors import UsageError
 from rai_missions.event import Event, Tick
-from rai_missions.trees import PyTrees
 from tests.rigs.charts import chart, mission, transition
 
 FACT = {"k": {"type": "integer", "source": "robot", "max_age_s": 2}}
@@ -138,7 +138,7 @@ def test_a_long_wait_does_at_each_instant_what_waking_there_does() -> None:
     }
     boards = []
     for instants in ((40.0,), (30.0, 35.0, 40.0)):
-        made = Chart(mission({"a": first, "b": late}, blackboard={"n": {"type": "integer"}}), PyTrees())
+        made = Chart(mission({"a": first, "b": late}, blackboard={"n": {"type": "integer"}}), CompiledTrees())
         made.start(0.0)
         for at in instants:
             made.send(Tick(at))
@@ -148,7 +148,7 @@ def test_a_long_wait_does_at_each_instant_what_waking_there_does() -> None:
 
 def test_what_answers_nothing_does_not_tick_a_tree() -> None:
     tree = {"selector": [{"inverter": {"set": "n", "add": 1}}, {"call": "horn"}]}
-    made = Chart(mission({"a": {"tree": tree}}, blackboard={"n": {"type": "integer"}}), PyTrees())
+    made = Chart(mission({"a": {"tree": tree}}, blackboard={"n": {"type": "integer"}}), CompiledTrees())
     made.start(0.0)
     step = made.send(Event("succeeded", 1.0, {}, "accepted", 99))
     assert step.writes == () and step.why == "stale: nothing that was started as 99 is running"

@@ -12,9 +12,9 @@ from hypothesis import strategies as st
 
 from rai_missions.engine import Chart
 from rai_missions.engine.step import CancelGoal, StartGoal, Step
+from rai_missions.engine.trees import CompiledTrees
 from rai_missions.event import Event, Tick
 from rai_missions.mission.mission import Mission
-from rai_missions.trees import PyTrees
 from tests.oracles.documents import Taste, charts, lineage, scripts
 from tests.rigs.charts import ScriptedRobot
 from tests.strategies import EVENTS, KEYS, OPTIONS, SIGHTS, mission_documents
@@ -65,7 +65,7 @@ def happenings(*, commands: bool = True) -> st.SearchStrategy[list[tuple[Any, ..
 
 
 def ticker() -> Any:
-    return PyTrees()
+    return CompiledTrees()
 
 
 def run(document: Json, script: list[tuple[Any, float]], *, fresh: bool = False) -> tuple[Chart, list[Step]]:

@@ -12,9 +12,9 @@ from hypothesis import strategies as st
 
 from rai_missions.engine import Chart
 from rai_missions.engine.step import Handover, Step
+from rai_missions.engine.trees import CompiledTrees
 from rai_missions.event import Event, Tick
 from rai_missions.mission.mission import Mission
-from rai_missions.trees import PyTrees
 from tests.laws.test_chart import happenings
 from tests.oracles.documents import Taste, charts
 from tests.oracles.documents import scripts as plain_scripts
@@ -55,7 +55,7 @@ class Play:
 
     def __init__(self, document: Json, stop: Event, go: Event) -> None:
         self.chart, self.robot, self.stops = (
-            Chart(Mission.model_validate(document), PyTrees()),
+            Chart(Mission.model_validate(document), CompiledTrees()),
             ScriptedRobot(),
             (stop, go),
         )
@@ -244,7 +244,7 @@ def transitions(document: Json) -> Iterator[tuple[str, str]]:
 
 def leaves_alone_what_is_held(document: Json, script: Script, hands: list[tuple[int, str, str]]) -> None:
     names = dict(transitions(document))
-    chart, robot, at = Chart(Mission.model_validate(document), PyTrees()), ScriptedRobot(), 0.0
+    chart, robot, at = Chart(Mission.model_validate(document), CompiledTrees()), ScriptedRobot(), 0.0
     robot.follow(chart.start(0.0))
     for index, (drawn, wait) in enumerate(script):
         at += wait

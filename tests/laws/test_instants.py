@@ -21,9 +21,9 @@ from rai_missions.engine.state import RunState
 from rai_missions.engine.step import Move, Step
 from rai_missions.engine.stepping import close
 from rai_missions.engine.surroundings import Surroundings
+from rai_missions.engine.trees import CompiledTrees
 from rai_missions.event import Event, Tick
 from rai_missions.mission.mission import Mission
-from rai_missions.trees import PyTrees
 from tests.laws.drawn import GRID_S, Happening, document, happenings, is_far, terms
 from tests.rigs.charts import ScriptedRobot, chart, sent, ticked, transition
 
@@ -99,7 +99,7 @@ def play(
 
 
 def started(made: Json, robot: RobotFacts, kind: type[Recorded]) -> Recorded:
-    return kind(Mission.model_validate(made), PyTrees(), terms=robot, named={"is_far": is_far})
+    return kind(Mission.model_validate(made), CompiledTrees(), terms=robot, named={"is_far": is_far})
 
 
 def remembered(one: Chart) -> Json:
@@ -179,7 +179,7 @@ def test_leaving_a_state_wakes_a_tree_that_asks_for_it() -> None:
         "r1": {"initial": "x1", "states": {"x1": {"transitions": [transition("e", "x2")]}, "x2": {}}},
         "r2": {"initial": "t", "states": {"t": {"tree": tree, "transitions": [transition("failed", "u")]}, "u": {}}},
     }
-    made = Chart(mission_of(regions), PyTrees())
+    made = Chart(mission_of(regions), CompiledTrees())
     made.start(0.0)
     assert "u" in made.send(Event("e", 1.0)).entered
 

@@ -23,10 +23,10 @@ from rai_missions.engine.activities.tree import TreeActivity
 from rai_missions.engine.hold import live as live_activities
 from rai_missions.engine.macrostep import enabled
 from rai_missions.engine.step import CallService, StartGoal, Step
+from rai_missions.engine.trees import CompiledTrees
 from rai_missions.event import Event, Tick
 from rai_missions.mission.mission import Mission
 from rai_missions.states.tree import Decision, Tree
-from rai_missions.trees import PyTrees
 from tests.laws.test_chart import happenings
 from tests.rigs.charts import ScriptedRobot
 from tests.strategies import mission_documents
@@ -83,7 +83,7 @@ def unticked(chart: Chart, name: str, state: TreeActivity, ends: dict[str, str])
     """Whether a tick would make another tree: what runs, and what it counts and remembers."""
     node = chart.program.graph.nodes[name]
     assert isinstance(node.state, Tree)
-    ticker = PyTrees().compile(node.state.tree, f"{node.place}/tree", chart.mission.blackboard, name)
+    ticker = CompiledTrees().compile(node.state.tree, f"{node.place}/tree", chart.mission.blackboard, name)
     ticked = ticker.tick(state.tree, chart.view, {})
     for _ in range(20):
         if any(isinstance(node, Decision) and path in ticked.started for path, node in node.state.tree.paths()):
@@ -118,7 +118,7 @@ class Run:
     """A chart to which things happen, and how its leaves have ended."""
 
     def __init__(self, document: Json) -> None:
-        self.chart = Chart(Mission.model_validate(document), PyTrees())
+        self.chart = Chart(Mission.model_validate(document), CompiledTrees())
         self.owners: dict[int, str] = {}
         self.ends: dict[str, str] = {}
         self.robot = ScriptedRobot()

@@ -12,10 +12,10 @@ from hypothesis import strategies as st
 
 from rai_missions.engine import Chart
 from rai_missions.engine.step import Ask, CallService, StartGoal, Step
+from rai_missions.engine.trees import CompiledTrees
 from rai_missions.event import Event
 from rai_missions.keys import type_error
 from rai_missions.mission.mission import Mission
-from rai_missions.trees import PyTrees
 
 Json = dict[str, Any]
 TYPES = ("string", "number", "integer", "boolean", "object", "list", "pose")
@@ -89,7 +89,7 @@ def known(made: Chart) -> Any:
 @settings(max_examples=25)
 def test_a_key_holds_nothing_but_its_type(door: str, type_name: str, before: Any, value: Any, amount: float) -> None:
     mission = mission_of(door, type_name, amount)
-    made, key = Chart(mission, PyTrees()), mission.blackboard["k"]
+    made, key = Chart(mission, CompiledTrees()), mission.blackboard["k"]
     old = None if type_error(key, before) else before
     made.write("k", before, at=0.0)
     steps = through(door, made, value)
@@ -104,25 +104,25 @@ def test_a_key_holds_nothing_but_its_type(door: str, type_name: str, before: Any
 
 
 def test_what_is_reported_about_a_write_that_does_not_fit() -> None:
-    made = Chart(mission_of("event", "integer", 1), PyTrees())
+    made = Chart(mission_of("event", "integer", 1), CompiledTrees())
     made.write("k", 5, at=0.0)
     assert through("event", made, "seven")[0].notes == ("'k' was not written: 'seven' is not of type 'integer'",)
-    made = Chart(mission_of("add", "integer", 0.5), PyTrees())
+    made = Chart(mission_of("add", "integer", 0.5), CompiledTrees())
     made.write("k", 5, at=0.0)
     assert through("add", made, 0)[0].notes == ("'k' was not written: 5.5 is not of type 'integer'",)
-    made = Chart(mission_of("add", "string", 1), PyTrees())
+    made = Chart(mission_of("add", "string", 1), CompiledTrees())
     made.write("k", "five", at=0.0)
     assert through("add", made, 0)[0].notes == ("'k' was not written: nothing can be added to 'five'",)
 
 
 def test_an_item_that_does_not_fit_ends_its_each_instead_of_a_round_with_the_item_before() -> None:
-    made = Chart(mission_of("each", "integer", 1), PyTrees())
+    made = Chart(mission_of("each", "integer", 1), CompiledTrees())
     step = through("each", made, "seven")[0]
     assert step.entered == ("a", "z")
 
 
 def test_an_answer_that_does_not_fit_its_key_is_refused_as_one_with_other_invalid_parameters() -> None:
-    made = Chart(mission_of("answer", "integer", 1), PyTrees())
+    made = Chart(mission_of("answer", "integer", 1), CompiledTrees())
     (step,) = through("answer", made, "seven")
     assert step.entered == () and step.question is not None
     why = "the parameters of 'go' are not valid: k: 'seven' is not of type 'integer'"

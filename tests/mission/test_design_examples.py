@@ -14,8 +14,8 @@ import visualize
 from rai_missions import Chart, Event, dump, journal, load
 from rai_missions.agents import run
 from rai_missions.check import check
+from rai_missions.engine.trees import CompiledTrees
 from rai_missions.profile import load_profile, missing
-from rai_missions.trees import PyTrees
 
 EXAMPLES = Path(__file__).parent / "examples"
 DATA = Path(__file__).parents[1] / "data"
@@ -43,7 +43,7 @@ def test_the_mission_passes_the_check_and_the_profile_covers_it(example: Path) -
 
 def driving(example: Path) -> Chart:
     """The chart on its way through the alleys, with autonomy in control."""
-    chart = Chart(load(example), ticker=PyTrees())
+    chart = Chart(load(example), ticker=CompiledTrees())
     for key, value in {"alleys_driven": 0, "at_home": True, "battery": 0.8}.items():
         chart.write(key, value, at=0.0)
     chart.start(at=0.0)
@@ -73,7 +73,7 @@ def test_an_anomaly_asks_and_only_an_offered_option_moves_the_mission(example: P
 def test_a_snapshot_continues_as_the_chart_itself(example: Path) -> None:
     chart = driving(example)
     chart.send(Event("anomaly", 3.2, {}))
-    other = Chart.restore(load(example), chart.snapshot(), ticker=PyTrees())
+    other = Chart.restore(load(example), chart.snapshot(), ticker=CompiledTrees())
     acknowledged = Event("agent", 3.3, {}, "control")
     assert chart.send(acknowledged) == other.send(acknowledged)
     assert chart.active == other.active

@@ -9,10 +9,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from rai_missions.engine import Chart
+from rai_missions.engine.trees import CompiledTrees
 from rai_missions.event import Event
 from rai_missions.mission.mission import Mission
 from rai_missions.node.closed_options import ClosedOptions
-from rai_missions.trees import PyTrees
 
 GUARDS: dict[str, Any] = {
     "low": {"key": "n", "<": 3},
@@ -46,7 +46,7 @@ HAPPENS = st.lists(st.tuples(st.floats(0.0, 3.0), st.none() | st.integers(0, 9))
 def test_an_option_is_closed_exactly_where_its_answer_would_be_refused(
     mission: Mission, before: list[tuple[float, int | None]], after: list[tuple[float, int | None]]
 ) -> None:
-    chart, at = Chart(mission, ticker=PyTrees()), 0.0
+    chart, at = Chart(mission, ticker=CompiledTrees()), 0.0
     for wait_s, value in before:
         at += wait_s
         if value is not None:
@@ -59,7 +59,7 @@ def test_an_option_is_closed_exactly_where_its_answer_would_be_refused(
             chart.write("n", value, at)
     closed = ClosedOptions(mission).now([asked], chart.view, at).get(asked.number, {})
     for offer in asked.options:
-        tried = Chart.restore(mission, chart.snapshot(), ticker=PyTrees())
+        tried = Chart.restore(mission, chart.snapshot(), ticker=CompiledTrees())
         step = tried.send(Event("operator", at, {"option": offer.name}, "proposal", asked.number))
         is_refused = any(": refused, " in note for note in step.notes)
         assert is_refused == (offer.name in closed), (offer.name, closed, step.notes)

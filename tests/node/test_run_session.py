@@ -10,11 +10,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from rai_missions.engine import Chart
+from rai_missions.engine.trees import CompiledTrees
 from rai_missions.errors import ConnectorError
 from rai_missions.event import Event
 from rai_missions.node.command import Command, CommandReply
 from rai_missions.node.run_session import RunSession
-from rai_missions.trees import PyTrees
 from tests.node.scenes import mission, robot
 from tests.rigs.runs import ManualClock, Rig, by_hand
 
@@ -26,7 +26,7 @@ class AskingRun:
 
     def __init__(self) -> None:
         self.clock = ManualClock(waits=True)
-        self.chart = Chart(mission(), PyTrees())
+        self.chart = Chart(mission(), CompiledTrees())
         self.runner = by_hand(self.chart, robot=robot({"kind": "local"}), clock=self.clock)
         self.session = RunSession(self.runner, None)
         self.session.step(self.chart.start(0.0))

@@ -11,6 +11,7 @@ import pytest
 
 from rai_missions.engine import Chart
 from rai_missions.engine.step import Ask
+from rai_missions.engine.trees import CompiledTrees
 from rai_missions.event import Event
 from rai_missions.journal import Header, Journal, read
 from rai_missions.mission.files import dump
@@ -18,7 +19,6 @@ from rai_missions.mission.mission import Mission
 from rai_missions.profile import dump_profile
 from rai_missions.replay.open_run import open_run
 from rai_missions.runtime.mailbox import Mailbox
-from rai_missions.trees import PyTrees
 from tests.replay.farm import FARMER, Farm
 from tests.replay.mortal import Fate, live
 from tests.replay.test_kills import Ended, has_ended, holds
@@ -148,9 +148,9 @@ def test_a_tree_looks_again_at_what_became_another_while_the_run_was_dead() -> N
         "states": {"looking": {"tree": looking, "transitions": [{"on": "succeeded", "to": "through"}]},
                    "through": {"final": "canceled"}},
     })  # fmt: skip
-    before = Chart(waiting, ticker=PyTrees())
+    before = Chart(waiting, ticker=CompiledTrees())
     before.write("door", False)
     before.start()
-    after = Chart.restore(waiting, before.snapshot(), ticker=PyTrees())
+    after = Chart.restore(waiting, before.snapshot(), ticker=CompiledTrees())
     step = after.send(Event("take_up", 1.0, {"heard": {"door": (True, 1.0)}}, "command"))
     assert step.entered == ("through",)

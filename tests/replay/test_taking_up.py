@@ -11,6 +11,7 @@ import pytest
 
 from rai_missions.engine import Chart
 from rai_missions.engine.step import Ask
+from rai_missions.engine.trees import CompiledTrees
 from rai_missions.errors import DefinitionError
 from rai_missions.event import Event
 from rai_missions.journal import Header, Journal, read
@@ -19,7 +20,6 @@ from rai_missions.mission.mission import Mission
 from rai_missions.profile import dump_profile
 from rai_missions.replay.migrate import Map, migrate
 from rai_missions.replay.open_run import open_run
-from rai_missions.trees import PyTrees
 from tests.rigs.runs import Rig, mission, robot
 
 LIT = mission({
@@ -35,7 +35,7 @@ STATES: dict[str, Any] = {
 
 def died(path: Path, given: Mission, *events: str) -> Path:
     """The journal of a process that died as soon as these events were written."""
-    chart = Chart(given, PyTrees())
+    chart = Chart(given, CompiledTrees())
     with Journal.create(path, Header(dump(given), dump_profile(robot()))) as journal:
         journal.write(chart.start(), since=0.0)
         for name in events:

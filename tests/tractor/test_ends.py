@@ -10,11 +10,11 @@ import pytest
 
 from rai_missions.engine import Chart
 from rai_missions.engine.step import CallService, SayAloud
+from rai_missions.engine.trees import CompiledTrees
 from rai_missions.event import Event
 from rai_missions.mission.files import load
 from rai_missions.states import Decision, Final, effects
 from rai_missions.states.effects import Call
-from rai_missions.trees import PyTrees
 
 MISSIONS = Path(__file__).parents[2] / "missions"
 CALLS, STOPS = ("a person is called", "call a person"), ("stop here for good", "stopped in")
@@ -40,7 +40,7 @@ def test_an_option_and_its_end_do_what_they_state(name: str) -> None:
 
 
 def test_a_tractor_that_gives_up_halts_and_calls_a_person() -> None:
-    chart = Chart(load(MISSIONS / "tractor" / "mission.json"), PyTrees())
+    chart = Chart(load(MISSIONS / "tractor" / "mission.json"), CompiledTrees())
     facts = {"alleys_driven": 0, "at_home": True, "autonomy_state": "WAITING", "battery": 0.9, "touched_living": False}
     for key, value in facts.items():
         chart.write(key, value, at=0.0)

@@ -143,3 +143,4 @@ moments = st.builds(
     st.integers(0, 3),
 )
 lives = st.lists(moments, min_size=1, max_size=8)
+long_lives = st.lists(moments, min_size=1, max_size=25)

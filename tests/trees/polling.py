@@ -18,10 +18,10 @@ from py_trees.common import Status
 
 from rai_missions.engine import Chart
 from rai_missions.engine.activities.tree import TreeActivity
+from rai_missions.engine.trees import CompiledTrees
 from rai_missions.event import Event, Tick
 from rai_missions.mission.mission import Mission
 from rai_missions.states import tree
-from rai_missions.trees import PyTrees
 from tests.trees.growing import CONVERTERS, FACTS, STATUSES, durations, is_true, parallel
 from tests.trees.oracle import ActionLeaf, Oracle, recorded
 
@@ -307,7 +307,7 @@ class Pair:
     """A chart and polled py_trees that go through the same."""
 
     def __init__(self, drawn: Json, monkeypatch: Any) -> None:
-        self.chart = Chart(mission_of(drawn), PyTrees())
+        self.chart = Chart(mission_of(drawn), CompiledTrees())
         self.polled = Polled(tree.TreeNode.read(drawn), monkeypatch)
         self.half_s, self.has_settled = 0, True
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 
 from rai_missions.engine import Chart
 from rai_missions.engine.step import StartGoal
+from rai_missions.engine.trees import CompiledTrees
 from rai_missions.event import Event, Tick
 from rai_missions.mission.mission import Mission
-from rai_missions.trees import PyTrees
 
 COUNTING = {
     "selector": [
@@ -29,7 +29,7 @@ def ticking() -> Chart:
         "done": {"final": "aborted"},
     }
     data = {"name": "ticking", "initial": "work", "states": states, "blackboard": keys, "events": {"e": {}}}
-    made = Chart(Mission.model_validate(data), PyTrees())
+    made = Chart(Mission.model_validate(data), CompiledTrees())
     made.start(0.0)
     return made
 
@@ -73,7 +73,7 @@ def test_a_leaf_that_waits_for_resources_starts_when_they_are_free() -> None:
         "events": {"e": {}},
         "states": {"go": go, "tree": tree, "end": {"final": "aborted"}},
     }
-    made = Chart(Mission.model_validate(data), PyTrees())
+    made = Chart(Mission.model_validate(data), CompiledTrees())
     number = made.start(0.0).effects[0].number  # type: ignore[union-attr]
     made.send(Event("accepted", 0.0, {}, "accepted", number))
     assert not any(isinstance(effect, StartGoal) for effect in made.send(Event("e", 1.0)).effects)

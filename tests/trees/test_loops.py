@@ -11,10 +11,10 @@ from rai_missions.engine import Chart
 from rai_missions.engine.activities.tree_rounds import MOST_ROUNDS, MOST_WAKES
 from rai_missions.engine.snapshot_json import packed, unpacked
 from rai_missions.engine.step import CallService, PublishMessage, Step
+from rai_missions.engine.trees import CompiledTrees
 from rai_missions.event import Event, Tick
 from rai_missions.journal.codec import decode, encode
 from rai_missions.mission.mission import Mission
-from rai_missions.trees import PyTrees
 
 COUNT = {"set": "n", "add": 1}
 KEYS = {
@@ -39,7 +39,7 @@ def working(tree: Any, **neighbours: Any) -> Chart:
         one, other = {"initial": "work", "states": states}, {"initial": next(iter(neighbours)), "states": neighbours}
         states = {"both": {"parallel": {"one": one, "other": other}}}
     data = {"name": "m", "initial": next(iter(states)), "blackboard": KEYS, "states": states, "events": {"poke": {}}}
-    return Chart(Mission.model_validate(data), PyTrees())
+    return Chart(Mission.model_validate(data), CompiledTrees())
 
 
 def count(chart: Chart) -> int:
@@ -140,7 +140,7 @@ def test_rounds_that_follow_come_before_what_happens_later() -> None:
 def test_a_tree_that_rests_at_its_limit_continues_in_a_restored_chart() -> None:
     chart = working({"repeat": 12, "child": {"repeat": 1000, "child": COUNT}})
     chart.start()
-    restored = Chart.restore(chart.mission, unpacked(packed(chart.snapshot())), PyTrees())
+    restored = Chart.restore(chart.mission, unpacked(packed(chart.snapshot())), CompiledTrees())
     assert restored.send(Tick(0.0)) == chart.send(Tick(0.0))
     assert restored.outcome == "aborted"
 
@@ -158,7 +158,7 @@ def test_a_tree_that_writes_what_it_looks_at_rests_after_a_thousand_times() -> N
 def test_a_step_that_takes_the_short_way_reports_what_rests_too() -> None:
     data = working({"repeat": -1, "child": {"sequence": [COUNT, above(0)]}}).mission.model_dump(by_alias=True)
     data |= {"transitions": [{"on": "poke", "do": [{"log": "poked"}]}]}
-    chart = Chart(Mission.model_validate(data), PyTrees())
+    chart = Chart(Mission.model_validate(data), CompiledTrees())
     chart.start()
     assert chart.send(Event("poke", 1.0)).resting == ("work",)
 

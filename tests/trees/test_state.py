@@ -33,7 +33,7 @@ def compiled(tree: Any) -> Ticker:
 
 def stored(state: TreeState) -> TreeState:
     """As it comes back from a journal."""
-    nodes, leaves = json.loads(json.dumps([state.nodes, state.leaves], allow_nan=False))
+    nodes, leaves = json.loads(json.dumps([dict(state.nodes), state.leaves], allow_nan=False))
     return TreeState(nodes, {path: Leaf(*leaf) for path, leaf in leaves.items()})
 
 

@@ -10,9 +10,9 @@ from typing import Any
 
 from rai_missions.engine import Chart
 from rai_missions.engine.step import Move, Step
+from rai_missions.engine.trees import CompiledTrees
 from rai_missions.event import Event, Tick
 from rai_missions.mission.mission import Mission
-from rai_missions.trees import PyTrees
 
 __all__ = ("ROOT", "document", "hostile", "run", "tractor", "tractor_path")
 
@@ -37,7 +37,7 @@ def hostile() -> Mission:
 
 def run(mission: Mission, events: Sequence[str]) -> list[Step]:
     """The steps of a chart that receives events three seconds apart, and is sent the time in between."""
-    chart = Chart(mission, ticker=PyTrees())
+    chart = Chart(mission, ticker=CompiledTrees())
     steps = [chart.start(at=0.0)]
     for number, name in enumerate(events, start=1):
         for event in (Event(name, 3.0 * number, {}), Tick(3.0 * number + 1)):

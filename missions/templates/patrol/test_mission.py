@@ -9,7 +9,6 @@ from pathlib import Path
 from rai_missions import Chart, load
 from rai_missions.agents import run
 from rai_missions.check import check
-from rai_missions.trees import PyTrees
 
 HERE = Path(__file__).parent
 MISSION = load(HERE / "mission.json")
@@ -26,7 +25,7 @@ def test_it_succeeds_on_the_simulated_robot() -> None:
 
 def test_a_low_battery_leads_home() -> None:
     """A chart moves by what it is given alone: any situation can be tried without a robot."""
-    chart = Chart(MISSION, ticker=PyTrees())
+    chart = Chart(MISSION)
     chart.write("battery", 0.8, at=0.0)
     chart.start(at=0.0)
     assert "going" in chart.active

@@ -9,7 +9,6 @@ from pathlib import Path
 from rai_missions import Chart, Event, load
 from rai_missions.agents import run
 from rai_missions.check import check
-from rai_missions.trees import PyTrees
 
 HERE = Path(__file__).parent
 MISSION = load(HERE / "mission.json")
@@ -26,7 +25,7 @@ def test_it_succeeds_on_the_simulated_robot() -> None:
 
 def test_a_hand_in_the_cell_stops_the_arm() -> None:
     """A chart moves by what it is given alone: any situation can be tried without a robot."""
-    chart = Chart(MISSION, ticker=PyTrees())
+    chart = Chart(MISSION)
     chart.start(at=0.0)  # starts the goal with the number 1
     chart.send(Event("pick", 0.1, {}, "accepted", 1))
     step = chart.send(Event("hand_in_cell", at=0.2))

@@ -9,7 +9,6 @@ from pathlib import Path
 from rai_missions import Chart, Event, Tick, load
 from rai_missions.agents import run
 from rai_missions.check import check
-from rai_missions.trees import PyTrees
 
 HERE = Path(__file__).parent
 MISSION = load(HERE / "mission.py")
@@ -26,7 +25,7 @@ def test_it_succeeds_on_the_simulated_robot() -> None:
 
 def test_a_wet_bed_gets_no_water() -> None:
     """A chart moves by what it is given alone: any situation can be tried without a robot."""
-    chart = Chart(MISSION, ticker=PyTrees())
+    chart = Chart(MISSION)
     chart.start(at=0.0)  # starts the goal with the number 1
     chart.send(Event("go_to", 0.1, {}, "accepted", 1))
     chart.write("at", "herbs", at=0.9)

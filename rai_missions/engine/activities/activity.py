@@ -148,7 +148,7 @@ class Bench(NamedTuple):
     """The JSON pointer of what the machine runs."""
     keys: Mapping[str, Key]
     robot: RobotFacts
-    trees: Trees | None
+    trees: Trees
 
     def site(self, word: str = "") -> Site:
         """Where a guard below the machine's place is compiled."""
@@ -160,9 +160,6 @@ def machine_of(definition: Any, bench: Bench) -> Machine | None:
     """The machine of a state or of a tree's leaf; each kind of the format registers its own. None: it runs nothing.
 
     A state of another package makes its own, by its method `machine`, or runs the tree that its method `made` gives.
-
-    Raises:
-        UsageError: The state runs a tree, and the chart was given nothing that ticks trees.
     """
     return None
 

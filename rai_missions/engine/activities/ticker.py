@@ -7,7 +7,7 @@ with the machines that the states of the same words use, and their outcomes are 
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from typing import Any, Literal, NamedTuple, Protocol
 
 from rai_missions.guards.guard import View
@@ -69,12 +69,15 @@ class TickResult(NamedTuple):
     trace: tuple[tuple[str, str, Status], ...] = ()
     """What was called, in order: (path, `initialise` | `update` | `terminate`, status), as py_trees orders them.
 
-    The status is what the node had before (`initialise`), returns (`update`), or has from now on (`terminate`).
+    The status is what the node had before (`initialise`), returns (`update`), or has from now on (`terminate`). Empty
+    where the ticker does not write it down.
     """
     begun: tuple[str, ...] = ()
     """Paths of the loops' children of which a run has begun in this tick and continues."""
     rounds: tuple[LoopRound, ...] = ()
     """The rounds of loops that have ended."""
+    waits: tuple[str, ...] = ()
+    """Paths of the waits and timeouts that have begun in this tick and run, in order."""
 
 
 class Ticker(Protocol):
@@ -84,7 +87,8 @@ class Ticker(Protocol):
     """How many rounds of loops can end in one tick."""
 
     def tick(
-        self, state: TreeState, view: View, outcomes: Mapping[str, str], late_s: float = 0.0
+        self, state: TreeState, view: View, outcomes: Mapping[str, str], late_s: float = 0.0,
+        changed: Collection[str] | None = None,
     ) -> TickResult:  # fmt: skip
         """Tick once, as py_trees does.
 
@@ -94,6 +98,8 @@ class Ticker(Protocol):
             outcomes: Path of a running leaf → the outcome that its activity has reported since; of a behaviour in
                 Python its last status.
             late_s: How much later than now what is begun is carried out, in seconds; a `timeout` counts from then.
+            changed: All that `reads` of this state names and that is another than at the last tick, by the same words,
+                what the tree has written itself left out; None where that is not known. More does no harm.
         """
 
     def stop(self, state: TreeState, view: View) -> TickResult:

@@ -27,7 +27,6 @@ from rai_missions.engine.activities.ticker import Ticker, TickResult, TreeState
 from rai_missions.engine.activities.tree_rounds import Rounds
 from rai_missions.engine.decision import Question, VerdictNote
 from rai_missions.engine.step import Effect, PublishMessage
-from rai_missions.errors import UsageError
 from rai_missions.event import Event
 from rai_missions.guards.guard import View
 from rai_missions.states.state import State
@@ -279,8 +278,6 @@ def _(state: State, bench: Bench) -> Machine | None:
         made: Machine | None = state.machine(bench)
         return made
     name, place = bench.owner, f"{bench.place}{state.within('')}"
-    if bench.trees is None:
-        raise UsageError(f"state '{name}' runs a tree; give the chart a ticker: Chart(mission, ticker=PyTrees())")
     leaf_machines: dict[str, LeafMachine] = {}
     for path, node in root.paths():
         machine = machine_of(node, bench._replace(owner=f"{name}#{path}", place=f"{place}/{path}".rstrip("/")))

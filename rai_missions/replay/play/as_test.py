@@ -70,8 +70,6 @@ def _head(play: Play, source: PlaySource, to: Path, used: set[str]) -> Iterator[
         )
         if names:
             yield f"from {module} import {', '.join(sorted(names))}"
-    if _has_trees(play):
-        yield "from rai_missions.trees import PyTrees"
     yield ""
     yield f"MISSION = Path(__file__).parent / {_quoted(_relative(source.mission, to))}"
     if source.guards is not None:
@@ -82,8 +80,7 @@ def _head(play: Play, source: PlaySource, to: Path, used: set[str]) -> Iterator[
 
 def _opened(play: Play, source: PlaySource) -> Iterator[str]:
     mission, end = play.mission, play.chart.outcome or "goes_as_played"
-    more = ", PyTrees()" if _has_trees(play) else ""
-    more += ", named=runpy.run_path(str(GUARDS))" if source.guards is not None else ""
+    more = ", named=runpy.run_path(str(GUARDS))" if source.guards is not None else ""
     yield f"def test_{mission.name}_{end}() -> None:"
     yield f"    chart = Chart(load(MISSION){more})"
 
@@ -170,7 +167,3 @@ def _wrapped(start: str, names: list[str]) -> Iterator[str]:
 
 def _relative(path: Path, to: Path) -> str:
     return Path(os.path.relpath(path.resolve(), to.resolve().parent)).as_posix()
-
-
-def _has_trees(play: Play) -> bool:
-    return any(state.root() is not None for _, _, state in play.mission.walk())

@@ -14,10 +14,10 @@ from typing import Any
 
 from rai_missions.engine import Chart
 from rai_missions.engine.step import Step
+from rai_missions.engine.trees import CompiledTrees
 from rai_missions.event import Event
 from rai_missions.mission.mission import Mission
 from rai_missions.runtime.lifecycle import Lifecycle
-from rai_missions.trees import PyTrees
 from visualize.live import LivePage, PageAddress, RunFeed, RunScene
 
 __all__ = ("PATIENCE_S", "Run", "Viewer", "ask", "folded", "until")
@@ -35,7 +35,7 @@ class Run:
     """
 
     def __init__(self, mission: Mission, desk: Any = None, about: Mapping[str, Any] | None = None) -> None:
-        self.chart, self.life, self.steps = Chart(mission, ticker=PyTrees()), Lifecycle(), list[Step]()
+        self.chart, self.life, self.steps = Chart(mission, ticker=CompiledTrees()), Lifecycle(), list[Step]()
         self.mode, self.control = "ready", "autonomy"
         self.closed: dict[int, dict[str, str]] = {}
         self.feed = RunFeed(self.look, lambda: self.chart.at, lambda: self.closed)

@@ -11,9 +11,9 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from rai_missions.engine import Chart
+from rai_missions.engine.trees import CompiledTrees
 from rai_missions.image import Image
 from rai_missions.runtime.lifecycle import Lifecycle
-from rai_missions.trees import PyTrees
 from tests.visualize.live.stage import Run, Viewer, ask, until
 from tests.visualize.live.test_scene import ACTS, play
 from tests.visualize.runs import tractor
@@ -224,7 +224,7 @@ def test_a_viewer_of_a_run_that_is_over_sees_the_one_that_follows_and_nothing_of
     run.send("anomaly")
     run.send("kill", "command", by="operator Ben (page)")
     until(lambda: viewer.sees(outcome="aborted", e_stop_by="operator Ben (page)"), "the first is over")
-    run.chart, run.mode, run.control = Chart(run.mission, ticker=PyTrees()), "ready", "autonomy"
+    run.chart, run.mode, run.control = Chart(run.mission, ticker=CompiledTrees()), "ready", "autonomy"
     run.feed.renew()
     until(lambda: viewer.sees(outcome="", e_stop_by="", mode="ready"), f"{viewer.seen} is the second")
     assert viewer.seen["steps"] == [] and viewer.seen["active"] == []

@@ -11,11 +11,11 @@ from typing import Any
 
 from rai_missions.engine import Chart
 from rai_missions.engine.step import Step
+from rai_missions.engine.trees import CompiledTrees
 from rai_missions.event import Event
 from rai_missions.image import Image
 from rai_missions.journal import Header, Journal
 from rai_missions.mission.mission import Mission
-from rai_missions.trees import PyTrees
 
 __all__ = ("HOSTILE", "answered", "data_of", "folded", "journal_of", "picture_bytes")
 
@@ -60,7 +60,7 @@ def picture_bytes(shade: int) -> bytes:
 
 def answered(mission: Mission) -> list[Step]:
     """A run of the tractor's design in which a question is refused once, answered, and aborted."""
-    chart = Chart(mission, ticker=PyTrees())
+    chart = Chart(mission, ticker=CompiledTrees())
     chart.write("battery", 0.8, at=0.0)
     steps = [chart.start(at=0.0)]
     seen = {"kind": "log", "distance_m": 4.0, "height_m": 0.5, "living": False}

@@ -15,12 +15,12 @@ from hypothesis import strategies as st
 
 from rai_missions.engine import Chart
 from rai_missions.engine.step import Step
+from rai_missions.engine.trees import CompiledTrees
 from rai_missions.event import Event, Tick
 from rai_missions.mission.files import load
 from rai_missions.mission.mission import Mission
 from rai_missions.plain_data import plain
 from rai_missions.states import Final
-from rai_missions.trees import PyTrees
 from tests.strategies import EVENTS, missions
 from tests.visualize.page.reading import answered, data_of, folded, journal_of
 from tests.visualize.runs import ROOT, document, hostile, run, tractor
@@ -66,7 +66,7 @@ def test_a_states_definition_is_what_is_written_of_it_and_not_of_those_inside(mi
 def active_after(
     mission: Mission, events: list[str]
 ) -> tuple[list[Step], list[frozenset[str]], list[dict[str, list[Any]]]]:
-    chart = Chart(mission, ticker=PyTrees())
+    chart = Chart(mission, ticker=CompiledTrees())
     steps, active, boards = [], [], []
     happened = [
         each for number, name in enumerate(events, 1) for each in (Event(name, 3.0 * number), Tick(3.0 * number + 1))
@@ -245,7 +245,7 @@ def test_a_question_has_its_evidence_its_picture_its_answers_and_the_verdicts() 
 
 
 def test_an_option_whose_guard_was_unknown_reports_it() -> None:
-    chart = Chart(tractor(), ticker=PyTrees())
+    chart = Chart(tractor(), ticker=CompiledTrees())
     chart.write("battery", 0.8, at=0.0)
     steps = [chart.start(at=0.0), chart.send(Event("anomaly", 3.0))]
     steps.append(chart.send(Event("agent", 3.0, {"by": "mission"}, "control")))

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 from rai_missions.engine.activities.ticker import Status
@@ -48,7 +48,7 @@ class TickView:
 class Tick:
     """One tick: its sight, the outcomes that leaves have come to, and what is to be done about it.
 
-    Live behaviours hold one `Tick` for good; `begin` makes it that of the next tick.
+    Live nodes of a tree share one `Tick` for good; `begin` makes it that of the next tick.
     """
 
     sight: TickView
@@ -58,10 +58,23 @@ class Tick:
     writes: list[tuple[str, Any]]
     published: list[tuple[str, Mapping[str, Any]]]
     trace: list[tuple[str, str, Status]]
+    """What was called, where that is written down."""
+    touched: list[Any]
+    """The nodes that may remember something else than before."""
+    waits: list[Any]
+    """The waits and timeouts that have begun."""
+    turned: list[tuple[Any, Any, bool]]
+    """Loop, child, and whether the child had begun in this tick: of each run of a loop's child that has ended."""
+    turning: list[Any]
+    """The children of loops of which a run has begun."""
+
+    def __init__(self, on_write: Callable[[str], None] | None = None) -> None:
+        self._on_write = on_write
 
     def begin(self, sight: TickView, outcomes: Mapping[str, str]) -> None:
         self.sight, self.outcomes = sight, dict(outcomes)
         self.started, self.ended, self.writes, self.published, self.trace = {}, {}, [], [], []
+        self.touched, self.waits, self.turned, self.turning = [], [], [], []
 
     def start(self, path: str) -> None:
         """Ask for the start of a leaf's activity; what came of an earlier one no longer counts."""
@@ -80,5 +93,16 @@ class Tick:
         return self.outcomes.pop(path, "")
 
     def write(self, key: str, value: Any) -> None:
+        """Write a key; the rest of the tick sees it."""
         self.writes.append((key, value))
         self.sight.write(key, value)
+        if self._on_write is not None:
+            self._on_write(key)
+
+    def turn(self, loop: Any, child: Any) -> None:
+        """Tick a loop's child, and note what becomes of the run."""
+        begins = child.status != "running"
+        if begins:
+            self.turning.append(child)
+        if child.tick(self) != "running":
+            self.turned.append((loop, child, begins))

@@ -1,0 +1,190 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Sequence, selector and parallel of a compiled tree.
+
+Rule: the order in which children are ticked and stopped, and which child is the current one, are py_trees' own
+(py_trees 2.4, `composites.py`); what is left out is what would change nothing.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from functools import cache
+from typing import Any
+
+from rai_missions.engine.activities.ticker import Status
+from rai_missions.engine.trees.node import FAILURE, INVALID, RUNNING, STATUSES, SUCCESS, CompiledNode
+from rai_missions.engine.trees.tick import Tick
+
+__all__ = ("CompiledComposite", "CompiledSelector", "CompiledSequence")
+
+
+@cache
+def placed(status: Status, current: int) -> Mapping[str, Any]:
+    """What a composite remembers whose current child has a number; composites share it."""
+    return {"status": status, "child": current}
+
+
+class CompiledComposite(CompiledNode):
+    """Children, of which one is the current one.
+
+    Args:
+        children: In the order written.
+        memory: It continues at the child that runs.
+    """
+
+    __slots__ = ("current", "memory_", "top")
+
+    def __init__(self, children: Sequence[Any], *, memory: bool = False) -> None:
+        super().__init__(children)
+        self.memory_ = memory
+        self.current = -1
+        """The number of the current child; -1 for none."""
+        self.top = -1
+        """No child with a higher number is anything but invalid."""
+
+    def stop(self, now: Tick) -> None:
+        self._stop_from(0, now)
+        self.current = -1
+        self.status, self.idle = INVALID, False
+        now.touched.append(self)
+
+    def _stop_from(self, first: int, now: Tick) -> None:
+        """Stop the children from a number on."""
+        children = self.children
+        for number in range(first, self.top + 1):
+            child = children[number]
+            if child.status is not INVALID:
+                child.stop(now)
+        self.top = min(self.top, first - 1)
+
+    def _place(self, status: Status, current: int, now: Tick) -> Status:
+        """Have a status and a current child from now on."""
+        if status is not self.status or current != self.current:
+            self.status, self.current = status, current
+            now.touched.append(self)
+        return status
+
+    def _visit(self, number: int, last: int, passes: Status, now: Tick, *, restarts: bool) -> int:
+        """Tick the children from a number on that are not idle, until one reports what ends the visit.
+
+        Args:
+            number: Of the first.
+            last: Until here the last tick has looked; what comes after may be as it was long ago.
+            passes: The report after which the next one follows.
+            now: The tick.
+            restarts: A child is stopped before it is ticked.
+
+        Returns:
+            The number of the child whose report counts.
+        """
+        children, end = self.children, len(self.children) - 1
+        while True:
+            if number <= last and not self.todo >> number & 1:
+                number = self._next(number, last)
+                if number > last and (last == end or children[last].status is not passes):
+                    return last
+            child = children[number]
+            if child.status is not INVALID:
+                if number > last:
+                    child.doubt()
+                elif restarts:
+                    child.stop(now)
+            status = child.tick(now)
+            if not child.idle:
+                self.todo |= child.bit
+            elif self.todo & child.bit:
+                self.todo &= ~child.bit
+            if status is not passes or number == end:
+                return number
+            number += 1
+
+    def _next(self, number: int, last: int) -> int:
+        """The first child from a number on that is not idle; the one after the last if all are idle until there."""
+        rest = self.todo >> number
+        return min(number + (rest & -rest).bit_length() - 1, last + 1) if rest else last + 1
+
+    def memory(self) -> Mapping[str, Any] | None:
+        if self.current < 0:
+            return super().memory()
+        return placed(self.status, self.current)
+
+    def recall(self, memory: Mapping[str, Any]) -> None:
+        self.status = STATUSES[memory.get("status", INVALID)]
+        self.current = memory.get("child", -1)
+        self.top = len(self.children) - 1
+
+    def _until(self, decides: Status) -> Sequence[Any]:
+        """The child that runs, those before it without memory; of what has ended, those up to the one that decided."""
+        if self.status is RUNNING:
+            return self.children[self.current if self.memory_ else 0 : self.current + 1]
+        if self.status is decides:
+            for number, child in enumerate(self.children):
+                if child.status is decides:
+                    return self.children[: number + 1]
+        return self.children
+
+
+class CompiledSequence(CompiledComposite):
+    """One after the other, until one fails.
+
+    One that has ended stops its children and begins with the first. A child that is idle would come to the same again,
+    so it is neither stopped nor ticked.
+    """
+
+    __slots__ = ()
+
+    def tick(self, now: Tick) -> Status:
+        begins, memory, last = self.status is not RUNNING, self.memory_, self.current
+        number = self._visit(last if memory and not begins else 0, last, SUCCESS, now, restarts=begins)
+        child = self.children[number]
+        status: Status = child.status
+        if self.top > number:
+            self._stop_from(number + 1, now)
+        self.top = number
+        if memory and status is RUNNING:
+            self.idle = child.idle
+        elif memory and not begins:
+            self.doubt()
+        else:
+            self.idle = not self.todo & ((2 << number) - 1)
+        return self._place(status, number, now)
+
+    def ahead(self) -> Sequence[Any]:
+        return self._until(FAILURE)
+
+
+class CompiledSelector(CompiledComposite):
+    """One after the other, until one succeeds or runs.
+
+    One that has ended begins with the first, and stops none; with memory, one that runs stops those that it has passed.
+    """
+
+    __slots__ = ()
+
+    def tick(self, now: Tick) -> Status:
+        begins, memory, last = self.status is not RUNNING, self.memory_, self.current
+        first = 0
+        if memory and not begins:
+            first = last
+            for child in self.children[:last]:
+                if child.status is not INVALID:
+                    child.stop(now)
+        number = self._visit(first, last, FAILURE, now, restarts=False)
+        status: Status = self.children[number].status
+        if status is not FAILURE and self.top > number and number != (0 if begins else last):
+            self._stop_from(number + 1, now)
+        self.top = max(self.top, number)
+        self._settle(status, number, begins=begins, first=first)
+        return self._place(status, number, now)
+
+    def _settle(self, status: Status, number: int, *, begins: bool, first: int) -> None:
+        """Whether it is idle from now on."""
+        if status is RUNNING and self.memory_:
+            self.idle = number == first and self.children[number].idle
+        elif self.memory_ and not begins:
+            self.doubt()
+        else:
+            self.idle = not self.todo & ((2 << number) - 1) and (status is RUNNING or self.top == number)
+
+    def ahead(self) -> Sequence[Any]:
+        return self._until(SUCCESS)

@@ -1,0 +1,284 @@
+# SPDX-License-Identifier: Apache-2.0
+"""One compiled tree: restored from its state, ticked where something can change, and read back.
+
+Rule: the live nodes are only where a tick is worked out; all that they remember is in the `TreeState`.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection, Iterable, Mapping
+from typing import Any, NamedTuple
+
+from rai_missions.engine.activities.ticker import Leaf, LoopRound, TickResult, TreeState
+from rai_missions.engine.trees.build import live_nodes
+from rai_missions.engine.trees.leaves import CompiledActivity
+from rai_missions.engine.trees.memories import PART, NodeMemories, Paths
+from rai_missions.engine.trees.node import INVALID, PLAIN, RUNNING, CompiledNode
+from rai_missions.engine.trees.sites import TreePlace, shifted
+from rai_missions.engine.trees.tick import Tick, TickView
+from rai_missions.guards.guard import Instant, Site, View
+from rai_missions.keys import Key
+from rai_missions.states.tree import TreeNode
+
+__all__ = ("CompiledTicker",)
+
+NOTHING: Mapping[str, Any] = {}
+
+
+class LookedAt(NamedTuple):
+    """What the next tick may look at."""
+
+    watched: frozenset[str]
+    """Keys, and states by their `presence`."""
+    instants: tuple[Instant, ...]
+
+
+class CompiledTicker:
+    """Ticks one tree. Two of them share nothing, and a state may be given to any that was compiled for the same tree.
+
+    Args:
+        root: The tree.
+        place: Its JSON pointer in the mission.
+        keys: The mission's keys.
+        state: The state that runs it.
+    """
+
+    def __init__(self, root: TreeNode, place: str, keys: Mapping[str, Key], state: str) -> None:
+        self.state = state
+        self.nodes = live_nodes(root, TreePlace(place, keys, state))
+        self.root: CompiledNode = self.nodes[0]
+        self.paths = Paths(tuple(node.path for node in self.nodes))
+        sites = [(node, node.site) for node in self.nodes if node.site is not None]
+        self.dependents = _dependents(sites)
+        """Key, or presence of a state → the nodes that look at it."""
+        self.timed = tuple(node for node, site in sites if site.instants)
+        self.holds = {name: test for _, site in sites for name, test in site.holds.items()}
+        self.held_by = tuple(site for _, site in sites if site.holds)
+        self.loops = sum(len(node.children) for node in self.nodes if node.loops)
+        self.round = Tick(self._wake)
+        self.awaited: dict[int, Any] = {}
+        """The leaves that the chart runs, by number."""
+        self.waiting: dict[int, Any] = {}
+        """The nodes that have a deadline, by number."""
+        self.shown = TreeState()
+        """The state in which the nodes are."""
+        self.own_keys = {name for node in self.nodes for name in node.writes}
+        self._written: Collection[str] = ()
+        """What the last tick has written; the mission may have refused it."""
+        self._looked: LookedAt | None = None
+        self._parts: list[list[Any]] = [
+            [None] * len(self.nodes[at : at + PART]) for at in range(0, len(self.nodes), PART)
+        ]
+
+    # -- ticked -------------------------------------------------------------------------------------------------------
+
+    def tick(
+        self, state: TreeState, view: View, outcomes: Mapping[str, str], late_s: float = 0.0,
+        changed: Collection[str] | None = None,
+    ) -> TickResult:  # fmt: skip
+        """Tick once; see `Ticker`."""
+        sight, pending = self._restore(state, view), _pending(state)
+        sight.late_s = late_s
+        if changed is None:
+            self.root.doubt()
+        else:
+            self._wake_all(changed)
+        ends = {**pending, **outcomes} if pending else outcomes
+        for path in ends:
+            self.nodes[self.paths.numbers[path]].wake()
+        for node in self.waiting.values():
+            if sight.at >= node.deadline():
+                node.wake()
+        self.round.begin(sight, ends)
+        if not self.root.idle:
+            self.root.tick(self.round)
+        return self._ticked(state, sight)
+
+    def stop(self, state: TreeState, view: View) -> TickResult:
+        """End whatever runs; see `Ticker`."""
+        sight = self._restore(state, view)
+        self.round.begin(sight, _pending(state))
+        self.root.stop(self.round)
+        return self._ticked(state, sight)
+
+    def _wake(self, key: str) -> None:
+        for node in self.dependents.get(key, ()):
+            node.wake()
+        if not key.startswith("#"):
+            for node in self.dependents.get("*", ()):
+                node.wake()
+
+    def _wake_all(self, changed: Iterable[str]) -> None:
+        for key in changed:
+            self._wake(key)
+        for key in self._written:
+            self._wake(key)
+        for node in self.timed:
+            node.wake()
+
+    # -- remembered ---------------------------------------------------------------------------------------------------
+
+    def _restore(self, state: TreeState, view: View) -> TickView:
+        self._recall(state)
+        root = state.nodes.get("", NOTHING)
+        sight = TickView(view, self.state, root.get("began", view.at), root.get("held", NOTHING))
+        return self._hold(sight) if self.holds else sight
+
+    def _hold(self, sight: TickView) -> TickView:
+        """Note since when the inner guards of `held` have been true, whether the next tick looks at them or not."""
+        held = dict(sight.held)
+        sight.held = held
+        for name, test in self.holds.items():
+            if test(sight) is True:
+                held.setdefault(name, sight.at)
+            else:
+                held.pop(name, None)
+        return sight
+
+    def _recall(self, state: TreeState) -> None:
+        """Be in a state; only what differs from the one before is touched."""
+        if state is self.shown:
+            return
+        self._looked = None
+        if state.nodes is not self.shown.nodes:
+            if isinstance(state.nodes, NodeMemories) and state.nodes.paths is self.paths:
+                self._recall_parts(state.nodes.parts)
+            else:
+                self._recall_all(state.nodes)
+        for path, leaf in state.leaves.items():
+            node: Any = self.nodes[self.paths.numbers[path]]
+            if isinstance(node, CompiledActivity):
+                node.refused = leaf.outcome == "rejected"
+        self.shown, self._written = state, self.own_keys
+
+    def _recall_parts(self, parts: list[list[Any]]) -> None:
+        for at, (part, own) in enumerate(zip(parts, self._parts, strict=True)):
+            if part is own:
+                continue
+            for place, memory in enumerate(part):
+                if memory is not own[place]:
+                    self._recall_node(self.nodes[at * PART + place], memory)
+        self._parts = parts
+        for node in self.timed:
+            node.wake()
+
+    def _recall_all(self, memories: Mapping[str, Any]) -> None:
+        for node in self.nodes:
+            self._recall_node(node, memories.get(node.path))
+        shown = [node.shown for node in self.nodes]
+        self._parts = [shown[at : at + PART] for at in range(0, len(shown), PART)]
+        self.root.doubt()
+
+    def _recall_node(self, node: CompiledNode, memory: Mapping[str, Any] | None) -> None:
+        node.recall(memory if memory is not None else NOTHING)
+        node.shown = memory
+        node.idle = True  # so that all above it are woken as well
+        node.wake()
+        node.todo = -1
+        if node.role:
+            self._note(node)
+
+    def _note(self, node: Any) -> None:
+        """Keep the leaves that the chart runs, and what has a deadline, up to date."""
+        if node.role == "activity":
+            if node.awaited:
+                self.awaited[node.number] = node
+            else:
+                self.awaited.pop(node.number, None)
+        elif node.status is RUNNING:
+            self.waiting[node.number] = node
+        else:
+            self.waiting.pop(node.number, None)
+
+    def _ticked(self, before: TreeState, sight: TickView) -> TickResult:
+        done = self.round
+        if done.writes and self.holds:
+            sight = self._hold(sight)
+        self._written = frozenset(key for key, _ in done.writes)
+        self.shown = self._remembered(before, sight)
+        rounds = tuple(
+            LoopRound(child.path, loop.counted, at_once, loop.status is RUNNING)
+            for loop, child, at_once in done.turned
+        )  # fmt: skip
+        begun = tuple(child.path for child in done.turning if child.status is RUNNING)
+        return TickResult(
+            self.shown, self.root.status, tuple(done.started), tuple(done.ended), tuple(done.writes),
+            tuple(done.published), (), begun, rounds, tuple(node.path for node in done.waits if node.status is RUNNING),
+        )  # fmt: skip
+
+    def _remembered(self, before: TreeState, sight: TickView) -> TreeState:
+        """The state after a tick; it shares with the one before what is the same."""
+        has_run, parts, copied = False, self._parts, set[int]()
+        for node in (*self.round.touched, self.root):
+            if node.role:
+                self._note(node)
+                has_run = has_run or node.role == "activity"
+            memory = node.memory()
+            if node is self.root:
+                memory = _with_began(memory, sight)
+            if memory is node.shown or memory == node.shown:
+                continue
+            node.shown, (at, place) = memory, divmod(node.number, PART)
+            if at not in copied:
+                parts = list(parts) if not copied else parts
+                parts[at] = list(parts[at])
+                copied.add(at)
+            parts[at][place] = memory
+        leaves = before.leaves
+        if has_run or _pending(before):
+            leaves = {self.nodes[number].path: Leaf(self.awaited[number].run) for number in sorted(self.awaited)}
+        if not copied and leaves is before.leaves and isinstance(before.nodes, NodeMemories):
+            return before
+        self._parts, self._looked = parts, None
+        return TreeState(NodeMemories(self.paths, parts), leaves)
+
+    def shift(self, state: TreeState, by_s: float) -> TreeState:
+        """The state as it would be had everything happened so much later; see `Ticker`."""
+        return shifted(state, by_s)
+
+    # -- what comes next ----------------------------------------------------------------------------------------------
+
+    def wake_at(self, state: TreeState, view: View) -> float:
+        """The next deadline of what runs, or instant at which a guard's facts grow old; see `Ticker`."""
+        sight, instants = self._restore(state, view), self._looked_at(state).instants
+        due = [*(node.deadline() for node in self.waiting.values()), *(instant(sight) for instant in instants)]
+        return min((at for at in due if at > sight.at), default=math.inf)
+
+    def reads(self, state: TreeState) -> frozenset[str]:
+        """What wants a tick once it is another; see `Ticker`."""
+        return self._looked_at(state).watched
+
+    def _looked_at(self, state: TreeState) -> LookedAt:
+        self._recall(state)
+        if self._looked is None:
+            watched, instants, rest = set[str](), list[Instant](), [self.root]
+            sites = list(self.held_by)
+            while rest:
+                node = rest.pop()
+                rest += node.ahead()
+                if node.site is not None and not node.site.holds and node.looks:
+                    sites.append(node.site)
+            for site in sites:
+                watched |= site.watched
+                instants += site.instants
+            self._looked = LookedAt(frozenset(watched), tuple(instants))
+        return self._looked
+
+
+def _with_began(memory: Mapping[str, Any] | None, sight: TickView) -> Mapping[str, Any]:
+    """What a root remembers."""
+    held = {"held": dict(sight.held)} if sight.held else {}
+    return {**(memory or PLAIN[INVALID]), "began": sight.began, **held}
+
+
+def _pending(state: TreeState) -> Mapping[str, str]:
+    return {path: leaf.outcome for path, leaf in state.leaves.items() if leaf.outcome} if state.leaves else NOTHING
+
+
+def _dependents(sites: Iterable[tuple[CompiledNode, Site]]) -> Mapping[str, tuple[CompiledNode, ...]]:
+    found: dict[str, list[CompiledNode]] = {}
+    for node, site in sites:
+        for name in site.watched:
+            found.setdefault(name, []).append(node)
+    return {name: tuple(nodes) for name, nodes in found.items()}

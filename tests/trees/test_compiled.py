@@ -1,0 +1,123 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A compiled tree is, node by node, where the same tree on py_trees is; what a tick leaves out changes nothing."""
+
+from __future__ import annotations
+
+import json
+from typing import Any
+
+import pytest
+from hypothesis import HealthCheck, given, settings
+
+from rai_missions.engine.activities.ticker import Ticker, TickResult, TreeState
+from rai_missions.engine.trees import CompiledTrees
+from rai_missions.keys import stale_at
+from rai_missions.states.tree import TreeNode
+from rai_missions.trees import PyTrees
+from tests.trees.growing import Moment, long_lives, often, rich_trees, trees
+from tests.trees.test_state import KEYS, life_of, outcomes, stored, view
+
+
+class Both:
+    """One tree on py_trees and compiled, and what happened last."""
+
+    def __init__(self, tree: Any) -> None:
+        root = TreeNode.read(tree)
+        self.ours = CompiledTrees().compile(root, "/states/s/tree", KEYS, "s")
+        self.theirs: Ticker = PyTrees().compile(root, "/states/s/tree", KEYS, "s")
+        self.state, self.their_state, self.last = TreeState(), TreeState(), view(0.0, Moment({}, (), 0))
+
+    def tick(self, at: float, moment: Moment) -> tuple[TickResult, TickResult]:
+        now = view(at, moment)
+        ends = outcomes(self.their_state, moment)
+        ours = self.ours.tick(self.state, now, ends, 0.0, self.changed(now))
+        theirs = self.theirs.tick(self.their_state, now, ends)
+        self.state, self.their_state, self.last = ours.state, theirs.state, now
+        return ours, theirs
+
+    def changed(self, now: Any) -> set[str]:
+        """As little as the contract of `Ticker.tick` allows."""
+
+        def known(board: Any, key: str) -> Any:
+            return board[key].value if key in board and now.at < stale_at(KEYS.get(key), board[key]) else None
+
+        every = {key for key in KEYS if known(self.last.board, key) != known(now.board, key)}
+        return every & self.ours.reads(self.state)
+
+
+def comparable(ticked: TickResult) -> Any:
+    """What a tick did, but for what was called within it."""
+    return ticked._replace(trace=(), state=TreeState(dict(ticked.state.nodes), dict(ticked.state.leaves)))
+
+
+def as_py_trees(tree: Any, life: list[Moment]) -> None:
+    both, at = Both(tree), 0.0
+    for moment in life:
+        at += moment.later_s
+        ours, theirs = both.tick(at, moment)
+        assert comparable(ours) == comparable(theirs)
+        assert both.ours.reads(ours.state) == both.theirs.reads(theirs.state)
+        assert both.ours.wake_at(ours.state, both.last) == both.theirs.wake_at(theirs.state, both.last)
+    ours, theirs = (ticker.stop(state, both.last) for ticker, state in (
+        (both.ours, both.state), (both.theirs, both.their_state)))  # fmt: skip
+    assert comparable(ours) == comparable(theirs)
+
+
+@often
+@given(trees, long_lives)
+def test_a_compiled_tree_is_where_py_trees_is(tree: Any, life: list[Moment]) -> None:
+    as_py_trees(tree, life)
+
+
+@often
+@given(rich_trees, long_lives)
+def test_so_is_one_with_all_that_a_mission_can_write(tree: Any, life: list[Moment]) -> None:
+    as_py_trees(tree, life)
+
+
+@pytest.mark.drill
+@pytest.mark.timeout(14_400)
+@pytest.mark.parametrize("grown", [trees, rich_trees], ids=["plain", "rich"])
+def test_so_it_is_for_many_trees(grown: Any) -> None:
+    @settings(max_examples=50_000, deadline=None, suppress_health_check=list(HealthCheck))
+    @given(grown, long_lives)
+    def law(tree: Any, life: list[Moment]) -> None:
+        as_py_trees(tree, life)
+
+    law()
+
+
+def compiled(tree: Any) -> Ticker:
+    return CompiledTrees().compile(TreeNode.read(tree), "/states/s/tree", KEYS, "s")
+
+
+@often
+@given(rich_trees, long_lives)
+def test_a_restored_tree_has_the_same_future(tree: Any, life: list[Moment]) -> None:
+    for state, now, ended, ticked in life_of(compiled(tree), life):
+        assert compiled(tree).tick(stored(state), now, ended) == ticked
+
+
+@often
+@given(rich_trees, long_lives)
+def test_a_state_can_be_ticked_again_whatever_was_ticked_in_between(tree: Any, life: list[Moment]) -> None:
+    ticker = compiled(tree)
+    every = list(life_of(ticker, life))
+    stored_before = [json.dumps(dict(ticked.state.nodes)) for *_, ticked in every]
+    for state, now, ended, ticked in every[::2] + every[1::2]:
+        assert ticker.tick(state, now, ended) == ticked
+    assert [json.dumps(dict(ticked.state.nodes)) for *_, ticked in every] == stored_before
+
+
+@often
+@given(rich_trees, long_lives)
+def test_from_a_state_of_before_a_tick_visits_what_has_changed_since(tree: Any, life: list[Moment]) -> None:
+    """Two runs on one ticker in turn, each with what has changed in it alone."""
+    alone, first, second, at = Both(tree), Both(tree), Both(tree), 0.0
+    second.ours = first.ours
+    for moment, other in zip(life, reversed(life), strict=True):
+        at += moment.later_s
+        expected, _ = alone.tick(at, moment)
+        found, _ = first.tick(at, moment)
+        second.tick(at, other)
+        assert comparable(found) == comparable(expected)
