@@ -36,6 +36,8 @@ class Resumption(NamedTuple):
     """The run's identity."""
     fresh: bool = False
     """The surroundings know of nothing that was done: a simulated world that begins again."""
+    exact: bool = False
+    """The surroundings are where the run is, as the branch of its world is: nothing need be received again."""
     arguments: Mapping[str, Any] = {}
     """Those that it was made with; where it had not begun, they are written again."""
     waits: bool = False

@@ -72,6 +72,7 @@ class EffectExecutor:
         answerers: Mapping[str, Answerer], scheduler: Scheduler, control: Control, note: Callable[[str], None],
     ) -> None:  # fmt: skip
         self._robot, self._connector, self._answerers = robot, connector, answerers
+        self.run = run
         self._scheduler, self._control = scheduler, control
         self.rivalry = Rivalry(robot, connector, scheduler.wake)
         self._goals = Goals(run, robot, connector, on_event=self._event)

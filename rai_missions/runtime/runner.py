@@ -211,7 +211,7 @@ class Runner(RunCommands):
         if self._mailbox.urgent:
             resumed.under.stop()
         resume_effects(resumed, self._executor, self._writer)
-        if self._chart.outcome is None:
+        if self._chart.outcome is None and not resumed.exact:
             self._resync()
         self._executor.ask_again(resumed.under, self._chart.questions)
 

@@ -107,6 +107,15 @@ class RunView:
         """All that the chart remembers, as values that later steps do not change; on the run's own thread."""
         return self._chart.snapshot()
 
+    def branch(self) -> Chart:
+        """The chart again, where it is: what is done to it changes nothing in the run; on the run's own thread."""
+        return self._chart.branch()
+
+    @property
+    def run(self) -> str:
+        """The run's identity."""
+        return self._executor.run
+
     def source(self, key: str) -> SourceState:
         """What is known of the readings of a robot key's source."""
         return self._executor.source(key)

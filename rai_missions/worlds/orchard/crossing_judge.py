@@ -17,7 +17,7 @@ import numpy as np
 
 from rai_missions.worlds.orchard.tractor import TAIL_M, Tractor, TractorPose
 
-__all__ = ("Crossing", "Judge", "Outcome")
+__all__ = ("STRUCK_N", "TILTED_DEG", "Crossing", "Judge", "Outcome")
 
 Outcome = Literal["open", "passed", "failed", "left"]
 PUSHED_M, TILTED_DEG, STRUCK_N, STUCK_S = 1.0, 18.0, 25_000.0, 6.0

@@ -21,7 +21,7 @@ from rai_missions.worlds.orchard import interface, scene
 from rai_missions.worlds.orchard.actions import Cross, NavigateToPose
 from rai_missions.worlds.orchard.alley_counter import AlleyCounter
 from rai_missions.worlds.orchard.autonomy import Autonomy
-from rai_missions.worlds.orchard.crossing_judge import Judge
+from rai_missions.worlds.orchard.crossing_judge import STRUCK_N, TILTED_DEG, Judge
 from rai_missions.worlds.orchard.detector import Detector, Errors
 from rai_missions.worlds.orchard.layout import Layout
 from rai_missions.worlds.orchard.obstacles import Walker, place
@@ -253,3 +253,21 @@ class Orchard(Simulation):
             if math.dist((walker.x, walker.y), pose[:2]) < AUDIBLE_M:
                 walker.signal(pose.x)
         return messages.trigger(True, "Flashing triggered.")
+
+    def harm(self) -> str:
+        """What took harm so far, as the judge measured it; empty: nothing. For judges and tests alone."""
+        if self.judge.touched:
+            return "touched something alive"
+        crossing = self.judge.crossing
+        if crossing is None or crossing.outcome != "failed":
+            return ""
+        tilted = max(crossing.pitch_deg, crossing.roll_deg) > TILTED_DEG
+        return crossing.why if tilted or crossing.chassis_n > STRUCK_N else ""
+
+    def measures(self) -> dict[str, Any]:
+        """Forces (N), angles and ways (m) of the last crossing; empty without one. For judges and tests alone."""
+        return self.judge.crossing.facts() if self.judge.crossing is not None else {}
+
+    def work_done(self) -> float:
+        """How much of the alleys was driven, 0 to 1. For judges and tests alone."""
+        return sum(self.counter.share(alley) for alley in range(self.layout.alleys)) / self.layout.alleys

@@ -1,0 +1,292 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What comes of an option: rolled out on a branch of the world, by the mission itself, and judged by physics.
+
+Rule: the run and its world are left as they are. What took harm is what the world's judge measured; nothing that the
+mission or a detector takes for true labels an option.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Mapping
+from typing import Any, Literal, NamedTuple, Protocol, runtime_checkable
+
+from rai_missions.answerers.rules import RulesAnswerer
+from rai_missions.connectors.local import LocalConnector
+from rai_missions.engine import Chart
+from rai_missions.engine.decision import Answerer, Question
+from rai_missions.engine.step import StartGoal, Step
+from rai_missions.errors import UsageError
+from rai_missions.event import Event
+from rai_missions.journal.in_flight import InFlight
+from rai_missions.mission.files import dump
+from rai_missions.mission.mission import Mission
+from rai_missions.profile import Robot
+from rai_missions.replay.rebuild import default_ticker
+from rai_missions.replay.resume import Resumption
+from rai_missions.runtime.clock import SimulatedClock
+from rai_missions.runtime.run_options import RunObserver
+from rai_missions.runtime.runner import Runner
+
+__all__ = ("Branchable", "Ending", "OpenDecision", "Rollout", "RolloutVerdict", "rollout", "rollouts", "rules_of")
+
+RolloutVerdict = Literal["completes", "harmless", "harms"]
+"""`completes`: the mission succeeded and no one had to decide again; `harms`: the judge of the world found harm;
+`harmless`: neither."""
+Ending = Literal["mission", "harm", "question", "time"]
+"""What ended a rollout: the mission's end, harm, another question that `later` does not answer, or its time."""
+BEST_FIRST: tuple[RolloutVerdict, ...] = ("completes", "harmless", "harms")
+LONGEST_S = 180.0
+
+
+@runtime_checkable
+class Branchable(Protocol):
+    """A world that can be copied, and whose judge measures harm."""
+
+    period_s: float
+
+    @property
+    def at(self) -> float: ...
+
+    def open(self, connector: Any) -> None: ...
+
+    def step(self) -> None: ...
+
+    def close(self) -> None: ...
+
+    def branch(self) -> Any:
+        """Another world where this one is, to the bit."""
+
+    def harm(self) -> str:
+        """What took harm so far, in words; empty: nothing."""
+
+    def measures(self) -> Mapping[str, Any]:
+        """Forces and contacts, as plain data."""
+
+    def work_done(self) -> float:
+        """How much of its work is done, 0 to 1."""
+
+
+class OpenDecision(NamedTuple):
+    """A run of which a decision is open, and the world in which it is."""
+
+    world: Branchable
+    chart: Chart
+    """Where the run is; the question is open."""
+    robot: Robot
+    run: str = ""
+    """The run's identity, by which its goals are found; needed where one is under way."""
+    state: str = ""
+    """Which decision, where several are open; empty: the oldest."""
+
+    @property
+    def question(self) -> Question:
+        """What is asked.
+
+        Raises:
+            UsageError: Nothing is, or not by this state.
+        """
+        found = [each for each in self.chart.questions if self.state in ("", each.state)]
+        if not found:
+            raise UsageError(f"no decision is open{f' in {self.state!r}' if self.state else ''}: there is no option")
+        return found[0]
+
+
+class Rollout(NamedTuple):
+    """What came of one option."""
+
+    option: str
+    verdict: RolloutVerdict
+    ending: Ending
+    offered: bool
+    """The mission offered it; else it was tried as if its guard held."""
+    outcome: str
+    """How the mission ended; empty where it did not."""
+    why: str
+    """What harm there was, or the rule that ended the mission."""
+    states: tuple[str, ...]
+    """The active states at its end."""
+    seconds: float
+    """Simulated, from the answer on."""
+    work: float
+    """How much more of the work was done, 0 to 1."""
+    measures: Mapping[str, Any]
+    """Forces (N), angles (degrees) and ways (m), as the judge of the world has them."""
+
+    def data(self) -> dict[str, Any]:
+        """As JSON has it."""
+        return {**self._asdict(), "states": list(self.states), "measures": dict(self.measures)}
+
+    @property
+    def rank(self) -> tuple[float, ...]:
+        """The better, the smaller: by verdict, then by work a second, then by time."""
+        return BEST_FIRST.index(self.verdict), -self.work / max(self.seconds, 1.0), self.seconds
+
+
+def rollouts(
+    decision: OpenDecision, options: tuple[str, ...] = (), *, later: Mapping[str, Answerer] | None = None,
+    longest_s: float = LONGEST_S,
+) -> dict[str, Rollout]:  # fmt: skip
+    """What comes of each option.
+
+    Args:
+        decision: Where they are open; it stays as it is.
+        options: Their names, offered or not; by default those that are offered.
+        later: Who answers later questions, by the names in `ask`; a question that none answers ends the rollout.
+        longest_s: Simulated seconds of each.
+    """
+    names = options or tuple(offer.name for offer in decision.question.options)
+    return {name: rollout(decision, name, later=later, longest_s=longest_s) for name in names}
+
+
+def rollout(
+    decision: OpenDecision, option: str, *, later: Mapping[str, Answerer] | None = None, longest_s: float = LONGEST_S,
+) -> Rollout:  # fmt: skip
+    """What comes of one option, on a branch of the world, until the mission ends, harm is done, or someone is asked.
+
+    Args:
+        decision: Where it is open; it stays as it is.
+        option: Its name, offered or not. One that is not is tried as if its guard held, with no parameters.
+        later: As for `rollouts`.
+        longest_s: Simulated seconds that it may take.
+
+    Raises:
+        UsageError: There is no such option, or the world cannot be branched.
+    """
+    offered = option in {offer.name for offer in decision.question.options}
+    chart, question = _ready(decision, option, offered=offered)
+    watch = Watch(decision.world.branch(), longest_s, answers_more=bool(later))
+    try:
+        runner = Runner(
+            chart.mission, robot=decision.robot, connector=watch.connector, answerers=later,
+            clock=SimulatedClock(watch), begin=_continued(chart, decision.run),
+            observer=RunObserver(on_step=watch.follow),
+        )  # fmt: skip
+        watch.end_run = lambda: runner.kill("the rollout is over")
+        runner.answer(question.number, option, by=question.asked)
+        result = runner.run()
+        return watch.rollout(option, offered=offered, outcome=result.outcome, why=result.why, states=result.state)
+    finally:
+        watch.world.close()
+
+
+class Watch:
+    """The branch of a rollout, as its clock steps it: it ends the run when there is something to report.
+
+    Args:
+        world: The branch.
+        longest_s: Simulated seconds that the rollout may take.
+        answers_more: Later questions are answered.
+    """
+
+    def __init__(self, world: Branchable, longest_s: float, *, answers_more: bool) -> None:
+        self.world, self.period_s = world, world.period_s
+        self.connector = LocalConnector(now=lambda: world.at)
+        world.open(self.connector)
+        self.connector.start()
+        self.end_run: Callable[[], None] = lambda: None
+        self._began, self._until, self._answers_more = world.at, world.at + longest_s, answers_more
+        self._known, self._work = world.harm(), world.work_done()
+        self._ending: Ending = "mission"
+        self._over: Rollout | None = None
+        self._states: tuple[str, ...] = ()
+
+    @property
+    def at(self) -> float:
+        return self.world.at
+
+    def step(self) -> None:
+        """Go one period on, and look for harm."""
+        self.world.step()
+        if self._over is None and self._new_harm():
+            self._end("harm")
+        elif self._over is None and self.world.at >= self._until:
+            self._end("time")
+
+    def follow(self, step: Step) -> None:
+        """Take note of a step of the run."""
+        if step.question is not None and not self._answers_more and self._over is None:
+            self._end("question")
+
+    def _new_harm(self) -> str:
+        harm = self.world.harm()
+        return harm if harm != self._known else ""
+
+    def _end(self, ending: Ending) -> None:
+        self._ending = ending
+        self._over = self._found(outcome="", why=self._new_harm())
+        self.end_run()
+
+    def _found(self, *, outcome: str, why: str) -> Rollout:
+        harm = self._new_harm()
+        verdict: RolloutVerdict = "harms" if harm else "completes" if outcome == "succeeded" else "harmless"
+        return Rollout(
+            "", verdict, self._ending, True, outcome, harm or why, (), round(self.world.at - self._began, 3),
+            round(self.world.work_done() - self._work, 6), dict(self.world.measures()),
+        )  # fmt: skip
+
+    def rollout(self, option: str, *, offered: bool, outcome: str, why: str, states: tuple[str, ...]) -> Rollout:
+        """What came of it, once the run has ended."""
+        found = self._over if self._over is not None else self._found(outcome=outcome, why=why)
+        return found._replace(option=option, offered=offered, states=states)
+
+
+def rules_of(robot: Robot, mission: Mission) -> dict[str, Answerer]:
+    """The rules of a profile, as who answers later questions."""
+    rows = {state: [(rule.when, rule.answer) for rule in rules] for state, rules in robot.rules.items()}
+    return {"rules": RulesAnswerer(rows, keys=mission.blackboard)} if rows else {}
+
+
+def _ready(decision: OpenDecision, option: str, *, offered: bool) -> tuple[Chart, Question]:
+    """A chart of its own whose open question offers the option."""
+    question = decision.question
+    if offered:
+        return decision.chart.branch(), question
+    chart = _unguarded(decision.chart, question.state, option)
+    chart.send(
+        Event(question.asked, chart.at, {"failed": "asked again, with every option"}, "proposal", question.number)
+    )
+    again = [each for each in chart.questions if each.owner == question.owner]
+    if not again or option not in {offer.name for offer in again[0].options}:
+        raise UsageError(f"'{option}' cannot be tried in '{question.state}'")
+    return chart, again[0]
+
+
+def _unguarded(chart: Chart, state: str, option: str) -> Chart:
+    """The run in the same mission without the guards of a decision's options, and with an attempt more."""
+    written = json.loads(dump(chart.mission))
+    spec = _spec_of(written, state)
+    if spec is None or option not in spec["options"]:
+        known = ", ".join(spec["options"]) if spec is not None else "none"
+        raise UsageError(f"'{state}' has no option '{option}'; there are: {known}")
+    for each in spec["options"].values():
+        each.pop("when", None)
+    spec["attempts"] = 100
+    mission = Mission.model_validate(written)
+    return Chart.restore(
+        mission, chart.snapshot(), default_ticker(mission), terms=chart.terms, named=chart.program.named
+    )
+
+
+def _spec_of(written: Any, state: str) -> dict[str, Any] | None:
+    """The decision of a state, in a mission as JSON."""
+    states = written.get("states", {}) if isinstance(written, dict) else {}
+    for name, each in states.items():
+        if name == state and "decision" in each:
+            found: dict[str, Any] = each["decision"]
+            return found
+        if (inside := _spec_of(each, state)) is not None:
+            return inside
+    return None
+
+
+def _continued(chart: Chart, run: str) -> Resumption:
+    """The run as it is, with the goals that it has under way."""
+    under = InFlight()
+    for goal in chart.state.goals.values():
+        under.open[goal.number] = StartGoal(goal.number, goal.owner, goal.action, {})
+        if goal.phase != "sent":
+            under.accepted.add(goal.number)
+        if goal.phase == "canceling":
+            under.canceled.add(goal.number)
+    return Resumption(chart, under, None, chart.at, 0, run, exact=True)
