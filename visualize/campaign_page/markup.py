@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Markup as a tree of elements: whatever a store holds can only become a text or an attribute's value.
+"""Markup as a tree of values: whatever a store holds can only become a text or an attribute's value.
 
 Rule: no text is put together with markup by hand; the standard library writes the tree and escapes.
 """
@@ -7,42 +7,49 @@ Rule: no text is put together with markup by hand; the standard library writes t
 from __future__ import annotations
 
 from collections.abc import Iterable
-from xml.etree.ElementTree import Element, tostring
+from typing import NamedTuple
+from xml.etree.ElementTree import TreeBuilder, tostring
 
 from visualize.style import clean
 
-__all__ = ("Child", "Element", "node", "written")
-
-Child = Element | str | None | Iterable["Child"]
+__all__ = ("Child", "Markup", "node", "written")
 
 
-def node(tag: str, attributes: dict[str, object] | None = None, *children: Child) -> Element:
+class Markup(NamedTuple):
+    """An element."""
+
+    tag: str
+    attributes: dict[str, str]
+    children: tuple[Child, ...]
+
+
+Child = Markup | str | None | Iterable["Child"]
+
+
+def node(tag: str, attributes: dict[str, object] | None = None, *children: Child) -> Markup:
     """An element. Attributes that are None or False are left out, True is an empty one."""
-    made = Element(tag)
-    for name, value in (attributes or {}).items():
-        if value is not None and value is not False:
-            made.set(name, "" if value is True else clean(str(value)))
-    _fill(made, children)
-    return made
+    kept = {name: value for name, value in (attributes or {}).items() if value is not None and value is not False}
+    return Markup(tag, {name: "" if value is True else str(value) for name, value in kept.items()}, children)
 
 
-def written(nodes: Iterable[Element]) -> str:
+def written(nodes: Iterable[Markup]) -> str:
     """As HTML."""
-    return "\n".join(tostring(each, encoding="unicode", method="html") for each in nodes)
+    return "\n".join(map(_written, nodes))
 
 
-def _fill(parent: Element, children: Iterable[Child]) -> None:
-    for child in children:
-        if isinstance(child, Element):
-            parent.append(child)
-        elif isinstance(child, str):
-            _text(parent, clean(child))
-        elif child is not None:
-            _fill(parent, child)
+def _written(given: Markup) -> str:
+    builder = TreeBuilder()
+    _build(builder, given)
+    return tostring(builder.close(), encoding="unicode", method="html")
 
 
-def _text(parent: Element, text: str) -> None:
-    if len(parent):
-        parent[-1].tail = (parent[-1].tail or "") + text
-    else:
-        parent.text = (parent.text or "") + text
+def _build(builder: TreeBuilder, given: Child) -> None:
+    if isinstance(given, Markup):
+        builder.start(given.tag, {name: clean(value) for name, value in given.attributes.items()})
+        _build(builder, given.children)
+        builder.end(given.tag)
+    elif isinstance(given, str):
+        builder.data(clean(given))
+    elif given is not None:
+        for child in given:
+            _build(builder, child)

@@ -17,7 +17,7 @@ from rai_missions.campaign.report.scene_pictures import ScenePicture
 from rai_missions.campaign.report.wrong_answers import WrongAnswers
 from rai_missions.redaction import cut
 from visualize.campaign_page.answers import answers_data
-from visualize.campaign_page.markup import Element, node, written
+from visualize.campaign_page.markup import Markup, node, written
 from visualize.campaign_page.sections import sections
 from visualize.page.html import assembled, asset, bundle
 
@@ -51,7 +51,7 @@ def report_page(
     )  # fmt: skip
 
 
-def _answers(wrong: WrongAnswers) -> Iterator[Element]:
+def _answers(wrong: WrongAnswers) -> Iterator[Markup]:
     left_out = [
         f"{kind}: {shown} of {count}" for kind, (shown, count) in wrong.by_kind.items() if shown < count
     ]  # fmt: skip
@@ -67,7 +67,7 @@ def _answers(wrong: WrongAnswers) -> Iterator[Element]:
     )  # fmt: skip
 
 
-def _notes(meta: Mapping[str, Any]) -> Element:
+def _notes(meta: Mapping[str, Any]) -> Markup:
     lines = [
         (node("dt", None, cut(key, 200)), node("dd", None, node("code", None, cut(json.dumps(value), META))))
         for key, value in sorted(meta.items())

@@ -11,7 +11,7 @@ import math
 from collections.abc import Sequence
 
 from rai_missions.campaign.statistics import Interval
-from visualize.campaign_page.markup import Element, node
+from visualize.campaign_page.markup import Markup, node
 
 __all__ = ("COLOURS", "axis", "colour", "interval_plot", "length_plot", "percent", "share_plot", "span")
 
@@ -34,7 +34,7 @@ def span(found: Interval) -> str:
     return "–" if math.isnan(found.share) else f"{100 * found.low:.1f} – {100 * found.high:.1f}"
 
 
-def interval_plot(found: Interval, words: str) -> Element:
+def interval_plot(found: Interval, words: str) -> Markup:
     """A dot at the share and a line from the interval's one end to the other, between 0 and 1."""
     if math.isnan(found.share):
         return _plot(words, [])
@@ -43,7 +43,7 @@ def interval_plot(found: Interval, words: str) -> Element:
     return _plot(words, [*_grid(), node("line", {**line}), node("circle", {**dot})])
 
 
-def axis() -> Element:
+def axis() -> Markup:
     """The scale above interval plots."""
     marks = [
         node("text", {"x": _at(mark / 100), "y": 12, "text-anchor": "middle", "class": "mark"}, str(mark))
@@ -56,7 +56,7 @@ def axis() -> Element:
     return node("svg", {"class": "plot axis", "height": 16, "aria-hidden": "true"}, ends, marks)
 
 
-def share_plot(shares: Sequence[tuple[str, float]], colours: Sequence[int], words: str) -> Element:
+def share_plot(shares: Sequence[tuple[str, float]], colours: Sequence[int], words: str) -> Markup:
     """Parts of a whole next to each other; each names itself when it is pointed at."""
     parts, left = [], 0.0
     for (name, share), number in zip(shares, colours, strict=True):
@@ -67,7 +67,7 @@ def share_plot(shares: Sequence[tuple[str, float]], colours: Sequence[int], word
     return _plot(words, parts)
 
 
-def length_plot(values: Sequence[float], longest: float, words: str) -> Element:
+def length_plot(values: Sequence[float], longest: float, words: str) -> Markup:
     """Bars over each other, the shorter in front: the median before the 95th percentile."""
     bars = []
     for number, value in enumerate(sorted(values, reverse=True)):
@@ -82,11 +82,11 @@ def colour(number: int) -> str:
     return f"c{number % COLOURS}"
 
 
-def _plot(words: str, parts: Sequence[Element]) -> Element:
+def _plot(words: str, parts: Sequence[Markup]) -> Markup:
     return node("svg", {"class": "plot", "height": HIGH, "role": "img", "aria-label": words}, parts)
 
 
-def _grid() -> list[Element]:
+def _grid() -> list[Markup]:
     return [
         node("line", {"x1": _at(mark / 100), "x2": _at(mark / 100), "y1": 0, "y2": HIGH, "class": "grid"})
         for mark in GRID

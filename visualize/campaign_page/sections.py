@@ -9,7 +9,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from rai_missions.campaign.report.comparisons import LEVEL, Comparison
 from rai_missions.campaign.report.figures import CampaignFigures, GroupFigures, best_options
 from rai_missions.campaign.statistics import Interval
-from visualize.campaign_page.markup import Child, Element, node
+from visualize.campaign_page.markup import Child, Markup, node
 from visualize.campaign_page.plots import axis, colour, interval_plot, length_plot, percent, share_plot, span
 
 __all__ = ("NO_ANSWER", "sections")
@@ -22,8 +22,10 @@ SOURCES = (
     " pair), and all of them are corrected together by Holm (1979)."
 )
 
+SCALE = (node("span", {"class": "away"}, "interval"), axis())
 
-def sections(figures: CampaignFigures, comparisons: Sequence[Comparison]) -> Iterator[Element]:
+
+def sections(figures: CampaignFigures, comparisons: Sequence[Comparison]) -> Iterator[Markup]:
     """All sections but the wrong answers."""
     groups = figures.groups
     yield _overview(figures)
@@ -48,7 +50,7 @@ def sections(figures: CampaignFigures, comparisons: Sequence[Comparison]) -> Ite
     yield _effort(groups)
 
 
-def _overview(figures: CampaignFigures) -> Element:
+def _overview(figures: CampaignFigures) -> Markup:
     status = sum((group.status for group in figures.groups), Counter[str]())
     unlabelled = sum(group.unlabelled for group in figures.groups)
     counts: list[tuple[str, object]] = [
@@ -74,39 +76,41 @@ def _names(group: GroupFigures) -> list[str]:
 def _intervals(
     name: str, title: str, about: str, shares: Sequence[tuple[list[str], Interval]],
     baselines: Sequence[tuple[list[str], Interval]] = (),
-) -> Element:  # fmt: skip
-    head = ("model", "embodiment", "mission", axis(), "share", "95 %", "cells")
+) -> Markup:  # fmt: skip
+    head = ("model", "embodiment", "mission", SCALE, "share", "95 %", "cells")
     lines = [_interval_line(words, found) for words, found in shares]
     lines += [_interval_line(words, found, "baseline") for words, found in baselines]
     return _section(name, title, about, head, lines)
 
 
-def _interval_line(words: list[str], found: Interval, kind: str | None = None) -> Element:
+def _interval_line(words: list[str], found: Interval, kind: str | None = None) -> Markup:
     label = f"{words[0]}: {percent(found.share)}, {span(found)}"
     return _line([*words, interval_plot(found, label), percent(found.share), span(found), str(found.cells)], kind)
 
 
-def _section(name: str, title: str, about: str, head: Sequence[Child], lines: Sequence[Element]) -> Element:
+def _section(
+    name: str, title: str, about: str, head: Sequence[Child], lines: Sequence[Markup], legend: Child = None
+) -> Markup:
     body: Child = _table(head, lines, title) if lines else node("p", {"class": "muted"}, "nothing to show")
     return node(
-        "section", {"id": name}, node("h2", None, title), node("p", {"class": "muted"}, about), body
+        "section", {"id": name}, node("h2", None, title), node("p", {"class": "muted"}, about), legend, body
     )  # fmt: skip
 
 
-def _table(head: Sequence[Child], lines: Iterable[Element], words: str) -> Element:
+def _table(head: Sequence[Child], lines: Iterable[Markup], words: str) -> Markup:
     cells = [node("th", {"scope": "col", "class": None if isinstance(each, str) else "wide"}, each) for each in head]
     table = node("table", None, node("thead", None, node("tr", None, cells)), node("tbody", None, lines))
     return node("div", {"class": "scroll", "tabindex": "0", "role": "region", "aria-label": words}, table)
 
 
-def _line(cells: Sequence[Child], kind: str | None = None) -> Element:
+def _line(cells: Sequence[Child], kind: str | None = None) -> Markup:
     return node(
         "tr", {"class": kind},
         [node("td", {"class": None if isinstance(each, str) else "wide"}, each) for each in cells],
     )  # fmt: skip
 
 
-def _differences(comparisons: Sequence[Comparison]) -> Element:
+def _differences(comparisons: Sequence[Comparison]) -> Markup:
     ordered = sorted(comparisons, key=lambda each: (not each.is_significant, each.adjusted))
     lines = [
         _line([
@@ -122,11 +126,11 @@ def _differences(comparisons: Sequence[Comparison]) -> Element:
         "differences", "What differs beyond chance",
         f"Each model with the rules, and each embodiment with none: {len(comparisons)} comparisons, corrected together;"
         f" significant below {LEVEL:g}. The rest is noise.",
-        ("", "of", "first", "second", "points", "95 %", "p", "first : second alone", "pairs / seeds"), lines,
+        ("finding", "of", "first", "second", "points", "95 %", "p", "first : second alone", "pairs / seeds"), lines,
     )  # fmt: skip
 
 
-def _collapse(groups: Sequence[GroupFigures]) -> Element:
+def _collapse(groups: Sequence[GroupFigures]) -> Markup:
     options = sorted({option for group in groups for option in group.options if option})
     numbers = {option: number for number, option in enumerate(options)} | {"": len(options)}
     lines = []
@@ -143,16 +147,14 @@ def _collapse(groups: Sequence[GroupFigures]) -> Element:
                               node("rect", {"width": 12, "height": 12, "class": colour(number)})), option or NO_ANSWER)
         for option, number in numbers.items()
     ])  # fmt: skip
-    found = _section(
+    return _section(
         "collapse", "Collapse to one answer",
         "What was named, over all scenes. A model that always names the same looks at nothing.",
-        ("model", "embodiment", "mission", "answers", "named most", "share"), lines,
+        ("model", "embodiment", "mission", "answers", "named most", "share"), lines, legend,
     )  # fmt: skip
-    found.insert(2, legend)
-    return found
 
 
-def _orders(groups: Sequence[GroupFigures]) -> Element:
+def _orders(groups: Sequence[GroupFigures]) -> Markup:
     lines = []
     for group in groups:
         orders = group.orders
@@ -173,11 +175,11 @@ def _orders(groups: Sequence[GroupFigures]) -> Element:
         "orders", "Sensitivity to the order of options",
         "Accuracy in each order in which the options were shown, and the scenes in which another order gave another"
         " answer.",
-        ("model", "embodiment", "order", axis(), "share", "95 %", "answer changed with the order"), lines,
+        ("model", "embodiment", "order", SCALE, "share", "95 %", "answer changed with the order"), lines,
     )  # fmt: skip
 
 
-def _kinds(figures: CampaignFigures) -> Element:
+def _kinds(figures: CampaignFigures) -> Markup:
     best = {kind: Counter[str]() for kind in sorted({scene.kind for scene in figures.scenes.values()})}
     for name, scene in figures.scenes.items():
         best[scene.kind].update(best_options(figures.labels.get(name, {})) if figures.labels.get(name) else ())
@@ -189,7 +191,7 @@ def _kinds(figures: CampaignFigures) -> Element:
     )  # fmt: skip
 
 
-def _confusion(group: GroupFigures, best: dict[str, Counter[str]]) -> Element:
+def _confusion(group: GroupFigures, best: dict[str, Counter[str]]) -> Markup:
     options = sorted(
         {option for kind in group.kinds.values() for option in kind.options}, key=lambda each: (not each, each)
     )
@@ -210,7 +212,7 @@ def _confusion(group: GroupFigures, best: dict[str, Counter[str]]) -> Element:
                 _table(head, lines, words))  # fmt: skip
 
 
-def _effort(groups: Sequence[GroupFigures]) -> Element:
+def _effort(groups: Sequence[GroupFigures]) -> Markup:
     longest = max((group.latency.p95 for group in groups if group.latencies), default=0.0)
     lines = []
     for group in groups:
