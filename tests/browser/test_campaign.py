@@ -44,7 +44,7 @@ def test_nothing_of_a_store_runs_and_its_words_are_text(window: Any) -> None:
     assert window.locator("#report img:not([src^='data:image/png;base64,'])").count() == 0
 
 
-def test_filters_leave_what_they_name_and_the_count_says_so(window: Any) -> None:
+def test_filters_leave_what_they_name_and_the_count_follows(window: Any) -> None:
     whole = window.inner_text("#found")
     window.select_option("#filter-model", f"={HOSTILE[0]}")
     window.select_option("#filter-kind", "=branch")

@@ -84,6 +84,22 @@ def test_a_cell_that_failed_is_in_no_share_and_an_absent_answer_is_not_the_best(
     assert group(figures, "silent").accuracy.share == 0 and group(figures, "silent").collapse == ("", 1.0)
 
 
+def test_an_option_that_was_never_offered_is_a_wrong_answer(tmp_path: Path) -> None:
+    path = make_results(tmp_path / "a.db", sorts=(Sort("bold", 1.0), Sort("calm", 1.0)))
+    with ResultStore(path, writes=True) as store:
+        cells = [each for each in store.cells() if each.model == "bold"]
+        store.add(each._replace(option="set_state", permitted=0, verdict=None, best=None) for each in cells)
+        permitted = [each for each in store.cells() if each.model == "calm"]
+        store.add(each._replace(option="beyond", permitted=1, verdict=None, best=None) for each in permitted)
+    with ResultStore(path) as store:
+        figures = figures_of(store)
+        wrong = wrong_answers(store, figures)
+    bold, calm = group(figures, "bold"), group(figures, "calm")
+    assert (bold.accuracy.share, bold.harm.share, bold.unlabelled) == (0.0, 0.0, 0)
+    assert bold.collapse == ("set_state", 1.0) and wrong.total == len(figures.scenes)
+    assert math.isnan(calm.accuracy.share) and calm.unlabelled == len(figures.scenes)
+
+
 def test_scenes_for_tuning_are_in_no_figure(results: Path) -> None:
     figures = read(results)
     assert {scene.split for scene in figures.scenes.values()} == {"report"}

@@ -27,6 +27,7 @@ __all__ = (
     "baselines_of",
     "best_options",
     "figures_of",
+    "is_unlabelled",
 )  # fmt: skip
 
 REPORTED = "report"
@@ -91,7 +92,7 @@ class GroupFigures:
     status: Counter[str] = field(default_factory=Counter)
     """All cells of the split, by status."""
     unlabelled: int = 0
-    """Cells in scenes for which physics has reported nothing; in none of the shares."""
+    """Cells for whose option physics has reported nothing, though the rules permit it; in none of the shares."""
     refused: int = 0
     """Answers that the mission's rules do not permit."""
     kinds: dict[str, KindFigures] = field(default_factory=lambda: defaultdict(KindFigures))
@@ -213,7 +214,7 @@ def _count(group: GroupFigures, cell: CellRecord, kind: str, labels: Mapping[str
     group.calls += cell.calls
     group.cost += cell.cost
     group.refused += cell.status == "answered" and cell.permitted == 0
-    if not labels or (cell.status == "answered" and cell.verdict is None):
+    if not labels or is_unlabelled(cell):
         group.unlabelled += 1
         return
     option = cell.option if cell.status == "answered" else ""
@@ -250,6 +251,11 @@ def baselines_of(scenes: Mapping[str, SceneRecord], labels: Mapping[str, Mapping
         )
         for name, named in answers.items()
     )
+
+
+def is_unlabelled(cell: CellRecord) -> bool:
+    """Whether physics has reported nothing of an answer that the rules permit; what was never offered is wrong."""
+    return cell.status == "answered" and cell.verdict is None and cell.permitted == 1
 
 
 def best_options(labels: Mapping[str, str]) -> frozenset[str]:

@@ -11,7 +11,7 @@ from collections import Counter, defaultdict
 from collections.abc import Mapping
 from typing import Any, NamedTuple
 
-from rai_missions.campaign.report.figures import CampaignFigures, best_options
+from rai_missions.campaign.report.figures import CampaignFigures, best_options, is_unlabelled
 from rai_missions.campaign.store import CellRecord, QuestionRecord, ResultStore
 
 __all__ = ("MOST", "WrongAnswer", "WrongAnswers", "is_wrong", "read_json", "wrong_answers")
@@ -48,7 +48,7 @@ def is_wrong(cell: CellRecord, figures: CampaignFigures) -> bool:
     """Whether a cell counts as a wrong answer: of the split, labelled, and not the best; a failed one is none."""
     if cell.status == "failed" or cell.scene not in figures.scenes or not figures.labels.get(cell.scene):
         return False
-    return cell.best == 0 if cell.status == "answered" else True
+    return cell.best != 1 and not is_unlabelled(cell)
 
 
 def wrong_answers(store: ResultStore, figures: CampaignFigures, most: int = MOST) -> WrongAnswers:

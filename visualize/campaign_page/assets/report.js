@@ -19,6 +19,7 @@ let limit = AT_ONCE;
 /** What came of an answer, in words. */
 function outcome(each) {
   if (each.status === "no_answer") return NO_ANSWER;
+  if (!each.verdict) return "not offered, refused by the rules";
   if (each.verdict === "harms") return each.refused ? "harms, refused by the rules" : "harms, permitted by the rules";
   return each.refused ? `${each.verdict}, refused by the rules` : each.verdict;
 }
