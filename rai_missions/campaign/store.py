@@ -223,6 +223,11 @@ class ResultStore:
         with self._transaction():
             self._db.executemany("INSERT OR REPLACE INTO meta VALUES (?, ?)", rows)
 
+    def drop(self, keys: Iterable[str]) -> None:
+        """Take cells out by their keys."""
+        with self._transaction():
+            self._db.executemany("DELETE FROM cell WHERE cell = ?", ((key,) for key in keys))
+
     def grade(self) -> None:
         """Work out `verdict` and `best` of every cell again, from the labels."""
         with self._transaction():
@@ -273,6 +278,15 @@ class ResultStore:
     def done(self) -> set[str]:
         """The keys of the cells that need not be asked again: answered, or the model gave no answer."""
         return {key for (key,) in self._db.execute("SELECT cell FROM cell WHERE status != 'failed'")}
+
+    def keys(self) -> dict[str, list[str]]:
+        """Key → mission, scene, model, embodiment and order of options, of every cell."""
+        columns = "cell, mission, scene, model, embodiment, option_order"
+        return {key: names for key, *names in self._db.execute(f"SELECT {columns} FROM cell")}
+
+    def shown(self) -> set[tuple[str, str]]:
+        """Scene and embodiment of every question that is here."""
+        return set(self._db.execute("SELECT scene, embodiment FROM question"))
 
     def counts(self) -> dict[str, int]:
         """Status → how many cells have it."""

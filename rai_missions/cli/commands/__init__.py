@@ -3,8 +3,8 @@
 
 Rule: a file here is a command, and a command is a file here; a word of Python ends in `_` there, as in `try_`.
 
-Imports `agents`, `check`, `connectors`, `embodiment`, `journal`, `mission`, `profile`, `prove`, `recording`,
-`replay`, `visualize` and `voice`, and the modules of the root.
+Imports `agents`, `campaign`, `check`, `connectors`, `embodiment`, `journal`, `mission`, `profile`, `prove`,
+`recording`, `replay`, `visualize` and `voice`, and the modules of the root.
 """
 
 from __future__ import annotations

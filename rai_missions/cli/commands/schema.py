@@ -11,8 +11,8 @@ __all__ = ("schema",)
 
 
 @command()
-def schema(of: Annotated[Literal["mission", "robot", "map"], Argument()] = "mission") -> int:
-    """Print the JSON Schema of missions, robot profiles or migration maps.
+def schema(of: Annotated[Literal["mission", "robot", "map", "campaign"], Argument()] = "mission") -> int:
+    """Print the JSON Schema of missions, robot profiles, migration maps or campaigns.
 
     An editor that knows the schema completes names and marks faults while you write.
 
@@ -36,6 +36,10 @@ def _schema(of: str) -> Any:
         from rai_missions.profile.schema import robot_schema
 
         return robot_schema()
+    if of == "campaign":
+        from rai_missions.campaign.file import campaign_schema
+
+        return campaign_schema()
     if of == "map":
         from rai_missions.replay.migrate import map_schema
 

@@ -1,0 +1,165 @@
+# SPDX-License-Identifier: Apache-2.0
+"""One cell: the question of its scene, as its embodiment and order of options show it, asked and judged.
+
+Rule: the verdict is the mission's. The answer goes as an event into a branch of the chart that asks, and what that
+step makes of it is what a run would make of it at that instant.
+"""
+
+from __future__ import annotations
+
+import json
+import threading
+import time
+from collections.abc import Callable, Mapping
+from typing import NamedTuple
+
+from rai_missions.campaign.budget import CallPace
+from rai_missions.campaign.cells import Cell, ordered
+from rai_missions.campaign.embodiments import Embodied
+from rai_missions.campaign.file import CampaignFile, PriceEntry
+from rai_missions.campaign.models import CampaignModels, CellReply, is_chat, provider_of
+from rai_missions.campaign.questions import AskedScene
+from rai_missions.campaign.store import CellRecord, QuestionRecord, graded
+from rai_missions.engine.decision import Evidence, Question, Verdict
+from rai_missions.event import Event
+from rai_missions.redaction import cut
+
+__all__ = ("Asking", "question_record", "shown_question")
+
+MILLION = 1_000_000
+LONGEST = 20_000
+"""Characters of a raw answer that are kept."""
+FREE = PriceEntry()
+
+
+def shown_question(question: Question, body: Embodied, order: str) -> Question:
+    """A question with its options in an order, and with what the documents of an embodiment state on it."""
+    names = ordered([each.name for each in question.options], order)
+    offers = {each.name: each for each in question.options}
+    quotes = tuple(Evidence("documents", quote, 0.0, True) for quote in body.documents)
+    return question._replace(
+        options=tuple(offers[name] for name in names), evidence=question.evidence + quotes
+    ).apart()  # fmt: skip
+
+
+def question_record(asked: AskedScene, embodiment: str, body: Embodied) -> QuestionRecord:
+    """What a model is asked in a scene under an embodiment, for the report."""
+    from rai_missions.answerers.model.prompt import messages_of
+
+    question = shown_question(asked.question, body, "written")
+    messages = messages_of(question, body.identity, mode="json_schema", images=body.pictures)
+    options = [each.name for each in question.options]
+    permitted = [name for name in options if _judged(asked, CellReply({"option": name})).accepted]
+    return QuestionRecord(
+        asked.scene.scene, embodiment, "\n\n".join(each.text for each in messages),
+        json.dumps(asked.facts), json.dumps(options), json.dumps(permitted),
+    )  # fmt: skip
+
+
+class Asking(NamedTuple):
+    """How cells are asked in a worker."""
+
+    file: CampaignFile
+    models: CampaignModels
+    paces: Mapping[str, CallPace]
+    """Provider → how fast this worker may ask it."""
+    bodies: Mapping[str, Embodied]
+    """Embodiment → what it shows."""
+    is_over: threading.Event
+    """Set when no further call may be begun."""
+    recorded: Callable[[Cell], str | None] | None = None
+    """Instead of asking: the raw answer of a cell in an earlier campaign, or None where it has none."""
+
+    def ask(self, key: str, cell: Cell, asked: AskedScene, labels: Mapping[str, str]) -> CellRecord | None:
+        """The record of one cell; None where no call may be begun any more.
+
+        Args:
+            key: Its name in the store.
+            cell: Which.
+            asked: Its scene.
+            labels: Option → verdict of physics in the scene.
+        """
+        question = shown_question(asked.question, self.bodies[cell.embodiment], cell.option_order)
+        if self.file.answer_s is not None:
+            question = question._replace(until=question.at + self.file.answer_s)
+        used, latency_s = Usage(), 0.0
+        reply: CellReply | None = None
+        for attempt in range(1 + (self.file.retries if is_chat(cell.model, self.file) else 0)):
+            if self._waits(cell.model, 2.0 ** (attempt - 1) if attempt else 0.0):
+                return None
+            began = time.perf_counter()
+            reply = self._reply(cell, question, asked, labels)
+            latency_s, one = time.perf_counter() - began, Usage.of(reply)
+            self._note(cell.model, one)
+            used = Usage(*map(sum, zip(used, one, strict=True)))
+            if not reply.raised:
+                break
+        assert reply is not None
+        record = _record(key, cell, reply, asked)
+        price = self.file.prices.get(cell.model, FREE)
+        cost = (used.tokens_in * price.prompt + used.tokens_out * price.completion) / MILLION
+        return graded(
+            record._replace(
+                prompt_tokens=used.tokens_in, completion_tokens=used.tokens_out, calls=used.calls,
+                latency_s=round(latency_s, 6), cost=cost,
+            ), labels,
+        )  # fmt: skip
+
+    def _reply(self, cell: Cell, question: Question, asked: AskedScene, labels: Mapping[str, str]) -> CellReply:
+        if self.recorded is not None:
+            raw = self.recorded(cell)
+            return CellReply({"absent": "no answer is recorded"}) if raw is None else CellReply(**json.loads(raw))
+        return self.models.ask(
+            cell.model, question, asked.chart.view, scene=asked.scene, labels=labels,
+            embodiment=(cell.embodiment, self.bodies[cell.embodiment]),
+        )  # fmt: skip
+
+    def _waits(self, model: str, at_least_s: float) -> bool:
+        """Wait as long as the rate of a provider demands; whether the campaign is over by then."""
+        pace = self.paces.get(provider_of(model))
+        delay_s = max(at_least_s, pace.delay_s(time.monotonic()) if pace is not None else 0.0)
+        return self.is_over.wait(delay_s) if delay_s > 0 else self.is_over.is_set()
+
+    def _note(self, model: str, used: Usage) -> None:
+        if (pace := self.paces.get(provider_of(model))) is not None:
+            pace.spend(time.monotonic(), max(1, used.calls), used.tokens_in + used.tokens_out)
+
+
+class Usage(NamedTuple):
+    """What was used for an answer."""
+
+    calls: int = 0
+    tokens_in: int = 0
+    tokens_out: int = 0
+
+    @classmethod
+    def of(cls, reply: CellReply) -> Usage:
+        """As the answer reports it."""
+        usage = reply.answer.get("usage")
+        found = usage if isinstance(usage, Mapping) else {}
+        return cls(*(each if isinstance(each := found.get(name), int) else 0 for name in cls._fields))
+
+
+def _record(key: str, cell: Cell, reply: CellReply, asked: AskedScene) -> CellRecord:
+    """The answer, judged by the mission."""
+    answer = reply.answer
+    record = CellRecord(key, *cell, status="failed", raw=cut(json.dumps(reply._asdict(), default=str), LONGEST))
+    option = answer.get("option")
+    if isinstance(option, str):
+        verdict = _judged(asked, reply)
+        why = answer.get("why", "")
+        return record._replace(
+            status="answered", option=cut(option, 100), permitted=int(verdict.accepted),
+            reason=cut(why, LONGEST) if isinstance(why, str) else "", error="" if verdict.accepted else verdict.why,
+        )  # fmt: skip
+    error = str(answer.get("absent", answer.get("failed", "no answer")))
+    failed = bool(reply.raised) or "absent" in answer
+    return record._replace(status="failed" if failed else "no_answer", error=cut(error, LONGEST))
+
+
+def _judged(asked: AskedScene, reply: CellReply) -> Verdict:
+    """What the mission makes of an answer at the instant at which it asked."""
+    chart, question = asked.chart.branch(), asked.question
+    step = chart.send(Event(question.asked, chart.at, dict(reply.answer), "proposal", question.number))
+    assert step.verdict is not None
+    return step.verdict

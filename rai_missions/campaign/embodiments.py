@@ -1,0 +1,59 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Embodiments: what a model is shown of the robot that it decides for, each more than the one before.
+
+Source: the paper "RAI: Flexible Agent Framework for Embodied AI", section on the tractor, compares such prompts.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from typing import NamedTuple
+
+from rai_missions.embodiment import Identity
+from rai_missions.errors import UsageError, suggestion
+from rai_missions.redaction import shown
+
+__all__ = ("EMBODIMENTS", "Embodied", "embodied")
+
+EMBODIMENTS = ("none", "description", "documents", "pictures")
+"""Nothing; who it is; what its build and its documents state on the question; its picture and the camera's as well."""
+
+
+class Embodied(NamedTuple):
+    """A robot as a question shows it."""
+
+    identity: Identity | None = None
+    """Description, build and portrait, as far as they are shown."""
+    documents: tuple[str, ...] = ()
+    """Quotations from its documents, each with its source."""
+    pictures: bool = False
+    """Whether the pictures of the question are shown."""
+
+
+def embodied(name: str, identity_folder: Path | None, about: str = "") -> Embodied:
+    """The embodiment of that name.
+
+    Args:
+        name: One of `EMBODIMENTS`.
+        identity_folder: The robot's.
+        about: The question on which its documents are searched.
+
+    Raises:
+        UsageError: No such embodiment, or the robot has no identity and the embodiment needs one.
+        DefinitionError: The folder cannot be read.
+    """
+    if name not in EMBODIMENTS:
+        raise UsageError(f"no embodiment {shown(name)}{suggestion(name, EMBODIMENTS)}")
+    if name == "none":
+        return Embodied()
+    if identity_folder is None:
+        raise UsageError(f"the embodiment '{name}' shows the robot's identity, and its profile names none")
+    identity = Identity.read(identity_folder)
+    if name == "description":
+        return Embodied(replace(identity, images=(), body=None))
+    passages = identity.recall(about).passages if about else ()
+    quotes = tuple(f"{each.source}: {each.text}" for each in passages)
+    if name == "documents":
+        return Embodied(replace(identity, images=()), quotes)
+    return Embodied(identity, quotes, pictures=True)

@@ -1,0 +1,251 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Who is asked in a cell: rules, a constant, the oracle, a script or a model, each through its own answerer.
+
+Rule: an answerer is asked as a run asks it. What a model's provider raised is known by its type, never by its words.
+"""
+
+from __future__ import annotations
+
+import json
+import queue
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import ExitStack
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
+
+from rai_missions.answerers.rules import RulesAnswerer
+from rai_missions.answerers.script import ScriptAnswerer
+from rai_missions.campaign.cells import digest
+from rai_missions.campaign.file import ANY_KIND, CONSTANT, CampaignFile
+from rai_missions.campaign.store import BEST_FIRST, SceneRecord
+from rai_missions.engine.decision import Answerer, Question
+from rai_missions.guards.guard import View
+from rai_missions.profile import Robot
+
+if TYPE_CHECKING:
+    from rai_missions.answerers.model.agent import DecisionAgent
+    from rai_missions.answerers.model.chat import Abilities, Chat, Conversation
+    from rai_missions.answerers.model.output_modes import AnswerForm, Mode
+    from rai_missions.answerers.model.parse_reply import ModelReply
+    from rai_missions.answerers.model.pending import Pending
+    from rai_missions.campaign.embodiments import Embodied
+    from rai_missions.keys import Key
+
+__all__ = ("CampaignModels", "CellReply", "is_chat", "model_digest", "provider_of")
+
+T = TypeVar("T")
+
+PATIENCE_S = 10.0
+"""How much longer than its question's time an answer is waited for; a `DecisionAgent` gives up long before."""
+MEMORY_GIB = 4.0
+"""What the process of a model may be resident in; a file of weights that is larger gets more."""
+
+
+class CellReply(NamedTuple):
+    """What came of a question."""
+
+    answer: Mapping[str, Any]
+    """As `Answerer.ask` has it; `failed` where nothing came."""
+    raised: str = ""
+    """The type of what kept the model from being asked; empty where it was."""
+    texts: tuple[str, ...] = ()
+    """What the model wrote, as it came."""
+
+
+def is_chat(model: str, file: CampaignFile) -> bool:
+    """Whether a name is that of a chat model, which costs and may be limited."""
+    return model not in ("rules", "oracle") and not model.startswith(CONSTANT) and model not in file.scripts
+
+
+def provider_of(model: str) -> str:
+    """The part of a model's name to which a rate applies."""
+    return model.partition(":")[0]
+
+
+def model_digest(model: str, file: CampaignFile, robot: Robot, labels: Mapping[str, str]) -> str:
+    """Of what an answerer's answers depend on beyond its name.
+
+    Args:
+        model: Its name.
+        file: Has the scripts.
+        robot: Has the rules.
+        labels: Of the scene, for the oracle: option → verdict.
+    """
+    if model == "rules":
+        return digest({name: [each.written() for each in rules] for name, rules in robot.rules.items()})
+    if model == "oracle":
+        return digest(dict(labels))
+    if model.startswith("local:"):
+        path = Path(model.removeprefix("local:")).expanduser()
+        return digest([path.name, path.stat().st_size if path.is_file() else 0])
+    return digest(file.scripts.get(model, {}))
+
+
+class CampaignModels:
+    """The answerers of one worker; a context manager, which ends the processes of models.
+
+    Args:
+        file: Names the models, and has the scripts.
+        robot: Has the rules.
+        keys: The mission's keys.
+        open_chat: From a model's name to the model; left out: a process of its own, as `run --model` has it.
+    """
+
+    def __init__(
+        self, file: CampaignFile, robot: Robot, keys: Mapping[str, Key], *,
+        open_chat: Callable[[str], Chat] | None = None,
+    ) -> None:  # fmt: skip
+        self._file, self._keys = file, keys
+        self._rules = {state: [(rule.when, rule.answer) for rule in rules] for state, rules in robot.rules.items()}
+        self._open_chat = open_chat or _chat_process
+        self._chats: dict[str, WatchedChat] = {}
+        self._agents: dict[tuple[str, str], DecisionAgent] = {}
+        self._closing = ExitStack()
+
+    def __enter__(self) -> CampaignModels:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._closing.close()
+
+    def ask(
+        self, model: str, question: Question, view: View, *, scene: SceneRecord, labels: Mapping[str, str],
+        embodiment: tuple[str, Embodied],
+    ) -> CellReply:  # fmt: skip
+        """Put a question to a model and wait for the answer.
+
+        Args:
+            model: Its name in the campaign.
+            question: As the answerer is to see it.
+            view: What is known of the run, for rules.
+            scene: Where it is asked, for scripts.
+            labels: Option → verdict in the scene, for the oracle.
+            embodiment: The name of the embodiment, and what it shows.
+
+        Raises:
+            UsageError: The model cannot be opened, as far as that is known without asking it.
+        """
+        if not is_chat(model, self._file):
+            return CellReply(_at_once(self._answerer(model, question, view, scene, labels), question))
+        chat, agent = self._agent(model, embodiment)
+        chat.forget()
+        answers: queue.SimpleQueue[Mapping[str, Any]] = queue.SimpleQueue()
+        agent.ask(question, answers.put)
+        try:
+            answer = answers.get(timeout=max(0.0, question.until - question.at) + PATIENCE_S)
+        except queue.Empty:
+            agent.withdraw(question.number)
+            answer = {"failed": "no answer"}
+        return CellReply(answer, "" if "option" in answer else chat.raised, tuple(chat.texts))
+
+    def _answerer(
+        self, model: str, question: Question, view: View, scene: SceneRecord, labels: Mapping[str, str]
+    ) -> Answerer:
+        if model == "rules":
+            return RulesAnswerer(self._rules, keys=self._keys, view=view)
+        if model == "oracle":
+            return ScriptAnswerer({question.state: _best(question, labels)})
+        if model.startswith(CONSTANT):
+            return ScriptAnswerer({question.state: [model.removeprefix(CONSTANT)]})
+        script = self._file.scripts[model]
+        line: Any = script.get(scene.kind, script.get(ANY_KIND, {"absent": f"no line for '{scene.kind}'"}))
+        return ScriptAnswerer({question.state: [line]})
+
+    def _agent(self, model: str, embodiment: tuple[str, Embodied]) -> tuple[WatchedChat, DecisionAgent]:
+        from rai_missions.answerers.model.agent import DecisionAgent
+
+        name, body = embodiment
+        if model not in self._chats:
+            chat = WatchedChat(self._open_chat(model))
+            chat.open()
+            self._closing.callback(chat.close)
+            self._chats[model] = chat
+        chat = self._chats[model]
+        if (model, name) not in self._agents:
+            agent = DecisionAgent(chat, body.identity, images="yes" if body.pictures else "no")
+            self._closing.callback(agent.stop)
+            self._agents[model, name] = agent
+        return chat, self._agents[model, name]
+
+
+def _at_once(answerer: Answerer, question: Question) -> Mapping[str, Any]:
+    """The answer of one that answers before it returns."""
+    answers: list[Mapping[str, Any]] = []
+    answerer.ask(question, answers.append)
+    return answers[0] if answers else {"failed": "no answer"}
+
+
+def _best(question: Question, labels: Mapping[str, str]) -> Sequence[str]:
+    """An offered option that is best by its label; of several, the first as the mission has them."""
+    known = [each.name for each in question.options if each.name in labels]
+    return sorted(known, key=lambda option: BEST_FIRST.index(labels[option]))[:1]
+
+
+def _chat_process(model: str) -> Chat:
+    """A model that is named, in a process of its own."""
+    from rai_missions.answerers.model.process.model import ModelProcess
+    from rai_missions.answerers.model.providers import check_model
+
+    check_model(model, memory_gib=MEMORY_GIB)
+    return ModelProcess(model, memory_gib=MEMORY_GIB)
+
+
+class WatchedChat:
+    """A chat model that notes what it was shown, what it wrote and what kept it from being asked.
+
+    Args:
+        chat: The model.
+    """
+
+    def __init__(self, chat: Chat) -> None:
+        self._chat = chat
+        self.raised = ""
+        """The type of what was raised last; empty after a reply."""
+        self.texts: list[str] = []
+
+    def forget(self) -> None:
+        """Begin the notes again, for another question."""
+        self.raised, self.texts = "", []
+
+    @property
+    def name(self) -> str:
+        return self._chat.name
+
+    def open(self) -> None:
+        self._chat.open()
+
+    def close(self) -> None:
+        self._chat.close()
+
+    def abilities(self, pending: Pending) -> Abilities:
+        return self.noting(lambda: self._chat.abilities(pending))
+
+    def converse(self, mode: Mode, form: AnswerForm, pending: Pending) -> Conversation:
+        return WatchedConversation(self, self.noting(lambda: self._chat.converse(mode, form, pending)))
+
+    def noting(self, do: Callable[[], T]) -> T:
+        """Do something, and note the type of what it raises, where the model was not asked because of it."""
+        from rai_missions.answerers.model.chat import Absent, Ended, Raised
+
+        try:
+            return do()
+        except Raised as raised:
+            self.raised = raised.kind
+            raise
+        except (Absent, Ended) as gone:
+            self.raised = type(gone).__name__
+            raise
+
+
+class WatchedConversation:
+    """One question put to a `WatchedChat`."""
+
+    def __init__(self, chat: WatchedChat, conversation: Conversation) -> None:
+        self._chat, self._conversation = chat, conversation
+
+    def ask(self, messages: Sequence[Any]) -> ModelReply | None:
+        reply = self._chat.noting(lambda: self._conversation.ask(messages))
+        self._chat.raised = ""
+        if reply is not None:
+            self._chat.texts.append(reply.text or json.dumps(list(reply.calls), default=str))
+        return reply

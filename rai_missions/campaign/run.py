@@ -1,0 +1,228 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A campaign from its file to its store: what is missing is asked, as far as the budget goes.
+
+Rule: one process writes. A record counts once it is committed; whatever ends a campaign, the next run asks the rest.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator, Mapping
+from datetime import timedelta
+from typing import NamedTuple
+
+from rai_missions.campaign.budget import Spending
+from rai_missions.campaign.cells import Cell, cells_of, code_digest, digest
+from rai_missions.campaign.file import LoadedCampaign
+from rai_missions.campaign.models import is_chat, model_digest
+from rai_missions.campaign.pool import LocalPool, TaskPool
+from rai_missions.campaign.store import CellRecord, ResultStore, SceneRecord
+from rai_missions.campaign.tasks import SceneTask, TaskRecord, WorkSettings
+from rai_missions.errors import UsageError
+
+__all__ = ("CampaignPlan", "CampaignResult", "Progress", "plan_of", "run_campaign")
+
+COMMIT_S, COMMIT_RECORDS = 0.5, 200
+"""What came is committed after so long, or when there is so much of it."""
+
+
+class Progress(NamedTuple):
+    """How far a campaign is."""
+
+    done: int
+    """Cells with a record, earlier runs included."""
+    total: int
+    rate: float
+    """Cells a second, in this run."""
+    left_s: float | None
+    """Seconds until all are done, at this rate; None before the first cell."""
+    money: float
+
+    def words(self, currency: str) -> str:
+        """In a line."""
+        left = "" if self.left_s is None else f", {timedelta(seconds=round(self.left_s))} left"
+        cost = f", {self.money:.2f} {currency}" if self.money else ""
+        return f"{self.done} of {self.total} cells, {self.rate:.1f} cells/s{left}{cost}"
+
+
+class CampaignResult(NamedTuple):
+    """How a campaign's run ended."""
+
+    counts: Mapping[str, int]
+    """Status → cells."""
+    missing: int
+    """Cells without a record."""
+    stopped: str
+    """Which part of the budget is spent; empty where it was not."""
+    seconds: float
+
+
+class CampaignPlan(NamedTuple):
+    """What a campaign consists of."""
+
+    scenes: tuple[SceneRecord, ...]
+    cells: Mapping[str, Cell]
+    """Key → cell, in the order in which they are asked."""
+    labels: Mapping[str, Mapping[str, str]]
+    """Scene → option → verdict of physics."""
+
+    def tasks(self, done: set[str], shown: set[tuple[str, str]]) -> Iterator[SceneTask]:
+        """What is left to do, a scene at a time.
+
+        Args:
+            done: Keys of cells that have their record.
+            shown: Scene and embodiment of the questions that are stored.
+        """
+        left: dict[str, list[tuple[str, Cell]]] = {}
+        for key, cell in self.cells.items():
+            if key not in done:
+                left.setdefault(cell.scene, []).append((key, cell))
+        for scene in self.scenes:
+            if cells := left.get(scene.scene):
+                shows = any((scene.scene, cell.embodiment) not in shown for _, cell in cells)
+                yield SceneTask(scene, tuple(cells), self.labels.get(scene.scene, {}), shows)
+
+
+def plan_of(loaded: LoadedCampaign, labels: Mapping[str, Mapping[str, str]]) -> CampaignPlan:
+    """Every cell of a campaign under its key.
+
+    Args:
+        loaded: The campaign.
+        labels: What is known of its scenes.
+    """
+    file, robot = loaded.file, loaded.subject.robot
+    scenes = tuple(file.scenes.scenes())
+    digests = {each.scene: digest([each.world, each.spec, each.seed]) for each in scenes}
+    common = {"mission": loaded.digest, "code": code_digest()}
+    models = {model: model_digest(model, file, robot, {}) for model in file.models if model != "oracle"}
+    cells: dict[str, Cell] = {}
+    names = [(each.scene, each.seed) for each in scenes]
+    for cell in cells_of(loaded.subject.mission.name, names, file.models, file.embodiments, file.orders):
+        found = models.get(cell.model) or model_digest(cell.model, file, robot, labels.get(cell.scene, {}))
+        cells[cell.key({**common, "scene": digests[cell.scene], "model": found})] = cell
+    return CampaignPlan(scenes, cells, labels)
+
+
+def run_campaign(
+    loaded: LoadedCampaign, store: ResultStore, settings: WorkSettings, *,
+    open_pool: Callable[[WorkSettings], TaskPool] = LocalPool,
+    on_progress: Callable[[Progress], None] = lambda progress: None,
+) -> CampaignResult:  # fmt: skip
+    """Ask what is missing in a store, until all is asked or the budget is spent.
+
+    Args:
+        loaded: The campaign.
+        store: Open to write.
+        settings: What the workers know.
+        open_pool: Who does it.
+        on_progress: Receives how far it is, about twice a second.
+
+    Raises:
+        UsageError: The store is of another campaign or version, a model cannot be opened, or a worker cannot begin.
+    """
+    began = time.monotonic()
+    if not settings.recorded:
+        _check_models(loaded)
+    _begin(loaded, store)
+    plan = plan_of(loaded, store.labels())
+    _drop_outdated(plan, store)
+    done = store.done()
+    spending = Spending(loaded.file.budget, (each for each in store.cells() if each.status != "failed"))
+    intake = Intake(store, spending, on_progress, len(done), len(plan.cells))
+    stopped = spending.spent(0.0)
+    tasks = [] if stopped else list(plan.tasks(done, store.shown()))
+    pool = open_pool(settings)
+    try:
+        for record in pool.results(tasks):
+            intake.take(record)
+            if not stopped and (stopped := spending.spent(time.monotonic() - began)):
+                pool.stop()
+    finally:
+        intake.commit()
+        pool.close()
+    missing = len(plan.cells.keys() - store.keys().keys())
+    return CampaignResult(store.counts(), missing, stopped if missing else "", time.monotonic() - began)
+
+
+class Intake:
+    """What comes from a pool, on its way into the store.
+
+    Args:
+        store: Where it goes.
+        spending: Counts what it cost.
+        on_progress: Receives how far it is.
+        done: Cells that have their record.
+        total: Cells of the campaign.
+    """
+
+    def __init__(
+        self, store: ResultStore, spending: Spending, on_progress: Callable[[Progress], None], done: int, total: int
+    ) -> None:
+        self._store, self._spending, self._on_progress = store, spending, on_progress
+        self._before, self._new, self._total = done, 0, total
+        self._began = self._committed = time.monotonic()
+        self._held: list[TaskRecord] = []
+
+    def take(self, record: TaskRecord | None) -> None:
+        """A record, or None where only time has passed."""
+        if record is not None:
+            self._held.append(record)
+        if isinstance(record, CellRecord):
+            self._new += 1
+            self._spending.add(record)
+        if len(self._held) >= COMMIT_RECORDS or time.monotonic() - self._committed > COMMIT_S:
+            self.commit()
+
+    def commit(self) -> None:
+        """Have the store hold what came until now."""
+        if self._held:
+            self._store.add(self._held)
+            self._held.clear()
+        self._committed = time.monotonic()
+        self._on_progress(self.progress)
+
+    @property
+    def progress(self) -> Progress:
+        """How far it is."""
+        done, seconds = self._before + self._new, time.monotonic() - self._began
+        rate = self._new / seconds if seconds > 0 else 0.0
+        return Progress(done, self._total, rate, (self._total - done) / rate if rate else None, self._spending.money)
+
+
+def _check_models(loaded: LoadedCampaign) -> None:
+    """See whether the models that are named can be opened, as far as that is known without opening them."""
+    chats = [model for model in loaded.file.models if is_chat(model, loaded.file)]
+    if chats:
+        from rai_missions.answerers.model.providers import check_model
+        from rai_missions.campaign.models import MEMORY_GIB
+
+        for model in chats:
+            check_model(model, memory_gib=MEMORY_GIB)
+
+
+def _begin(loaded: LoadedCampaign, store: ResultStore) -> None:
+    """Note what the store is of; one that holds another campaign is left as it is.
+
+    Raises:
+        UsageError: It holds another campaign's cells, or those of another version of this code.
+    """
+    now = {"name": loaded.file.name, "campaign": loaded.file.name, "mission": loaded.digest, "code": code_digest()}
+    before = store.meta
+    for word, what in (
+        ("campaign", "campaign"),
+        ("mission", "mission or profile"),
+        ("code", "version of this program"),
+    ):
+        if word in before and before[word] != now[word]:
+            raise UsageError(
+                f"{store.path} holds the answers of another {what}; name another store, and reuse the answers with"
+                f" --replay-answers {store.path}"
+            )
+    store.set_meta({**now, "file": loaded.file.written(), "currency": loaded.file.currency})
+    store.add(loaded.file.scenes.scenes())
+
+
+def _drop_outdated(plan: CampaignPlan, store: ResultStore) -> None:
+    """Take out cells that have the names of one of the plan and another key: their scene, script or label changed."""
+    names = {(each[0], each[1], *each[3:]) for each in plan.cells.values()}
+    store.drop(key for key, each in store.keys().items() if key not in plan.cells and tuple(each) in names)

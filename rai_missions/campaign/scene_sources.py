@@ -1,0 +1,68 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Where the scenes of a campaign come from: written in its file, seeds of a world, or drawn by the generator."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from typing import Annotated, Any, Literal
+
+from pydantic import BeforeValidator, Field, model_validator
+
+from rai_missions.campaign.store import SceneRecord
+from rai_missions.model import Integer, Json, MissionModel, Text, fault
+
+__all__ = ("GivenScene", "ScenesEntry")
+
+
+def _listed(given: Any) -> Any:
+    return tuple(given) if isinstance(given, list) else given
+
+
+Split = Literal["tune", "report"]
+
+
+class GivenScene(MissionModel):
+    """A scene as it is written in a campaign file."""
+
+    scene: Text
+    kind: Text
+    """What it shows, for tables: of scenes of one kind a confusion is reported together."""
+    seed: Integer
+    split: Split = "report"
+    options: dict[Text, Json] = Field(default_factory=dict)
+    """What the world is built from, over the options of all scenes."""
+
+
+class ScenesEntry(MissionModel):
+    """The scenes of a campaign: exactly one of `given` and `seeds`."""
+
+    world: Text = "orchard"
+    given: Annotated[tuple[GivenScene, ...], BeforeValidator(_listed)] = ()
+    seeds: Annotated[tuple[Integer, ...], BeforeValidator(_listed)] = ()
+    """A scene each: the world that the seed alone decides."""
+    split: Split = "report"
+    """Of the scenes by `seeds`."""
+    options: dict[Text, Json] = Field(default_factory=dict)
+    """What every scene's world is built from."""
+
+    @model_validator(mode="after")
+    def _is_one_source(self) -> ScenesEntry:
+        if bool(self.given) + bool(self.seeds) != 1:
+            raise fault("scenes", "scenes are written under 'given' or named by 'seeds': give exactly one of them")
+        names = [each.scene for each in self.scenes()]
+        if len(set(names)) < len(names):
+            twice = next(name for name in names if names.count(name) > 1)
+            raise fault("scenes", f"the scene '{twice}' is there more than once; give each a name of its own")
+        return self
+
+    def scenes(self) -> Iterator[SceneRecord]:
+        """The scenes, in the order written."""
+        for each in self.given:
+            yield self._made(each.scene, each.kind, each.seed, each.split, {**self.options, **each.options})
+        for seed in self.seeds:
+            yield self._made(f"{self.world}_{seed}", self.world, seed, self.split, self.options)
+
+    def _made(self, scene: str, kind: str, seed: int, split: str, options: Any) -> SceneRecord:
+        spec = json.dumps({"world": self.world, "options": options}, sort_keys=True)
+        return SceneRecord(scene, self.world, kind, seed, split, spec)

@@ -1,0 +1,131 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The work of a campaign, a scene at a time: its question, and the cells that are asked in it.
+
+Rule: what a task yields depends on the task and the campaign alone, whichever pool has it done.
+"""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Iterator, Mapping
+from contextlib import ExitStack
+from pathlib import Path
+from typing import NamedTuple
+
+from rai_missions.campaign.asking import Asking, question_record
+from rai_missions.campaign.budget import CallPace
+from rai_missions.campaign.cells import Cell
+from rai_missions.campaign.embodiments import embodied
+from rai_missions.campaign.file import load_campaign
+from rai_missions.campaign.models import CampaignModels
+from rai_missions.campaign.questions import AskedScene, NoQuestion, ask_in
+from rai_missions.campaign.store import CellRecord, PictureRecord, QuestionRecord, ResultStore, SceneRecord
+from rai_missions.errors import MissionError
+from rai_missions.redaction import cut, first_line
+
+__all__ = ("SceneTask", "TaskRecord", "WorkSettings", "Workplace")
+
+TaskRecord = QuestionRecord | PictureRecord | CellRecord
+SMALL = 9
+"""zlib's level for pictures in the store: each is written once."""
+
+
+class SceneTask(NamedTuple):
+    """What is to be asked in one scene."""
+
+    scene: SceneRecord
+    cells: tuple[tuple[str, Cell], ...]
+    """Key and cell."""
+    labels: Mapping[str, str]
+    """Option → verdict of physics."""
+    shows: bool = True
+    """Whether its questions and pictures are wanted, too."""
+
+    def without(self, keys: set[str]) -> SceneTask:
+        """The same task without the cells that are done."""
+        return self._replace(cells=tuple(each for each in self.cells if each[0] not in keys))
+
+
+class WorkSettings(NamedTuple):
+    """What every worker of a campaign knows."""
+
+    campaign: str
+    """The campaign's file."""
+    models: tuple[str, ...] = ()
+    """Instead of those of the file, if there are any."""
+    workers: int = 1
+    """How many share the rates of the providers."""
+    recorded: str = ""
+    """A store whose answers are used instead of asking; empty: models are asked."""
+
+
+class Workplace:
+    """One worker's campaign: its mission and its open models; a context manager.
+
+    Args:
+        settings: What every worker knows.
+        is_over: Set from another thread when no further call may be begun.
+
+    Raises:
+        DefinitionError: The campaign's file is at fault.
+        UsageError: Something named is not there.
+    """
+
+    def __init__(self, settings: WorkSettings, is_over: threading.Event | None = None) -> None:
+        loaded = load_campaign(settings.campaign, models=settings.models)
+        file, subject = loaded.file, loaded.subject
+        self._subject, self.is_over = subject, is_over or threading.Event()
+        self._closing = ExitStack()
+        models = self._closing.enter_context(CampaignModels(file, subject.robot, subject.mission.blackboard))
+        bodies = {name: embodied(name, subject.identity, subject.text) for name in file.embodiments}
+        paces = {name: CallPace(rate, settings.workers) for name, rate in file.rates.items()}
+        recorded = _recorded(Path(settings.recorded)).get if settings.recorded else None
+        self._asking = Asking(file, models, paces, bodies, self.is_over, recorded)
+
+    def __enter__(self) -> Workplace:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._closing.close()
+
+    def work(self, task: SceneTask) -> Iterator[TaskRecord]:
+        """Ask what a task wants, and yield each record as soon as there is it."""
+        if not task.cells or self.is_over.is_set():
+            return
+        try:
+            asked = ask_in(task.scene, self._subject)
+        except NoQuestion as none:
+            yield from _failed(task, str(none))
+            return
+        except Exception as error:  # noqa: BLE001 - one scene that cannot be built ends no campaign
+            what = str(error) if isinstance(error, MissionError) else f"{type(error).__name__}: {first_line(error)}"
+            yield from _failed(task, f"the scene cannot be run: {what}")
+            return
+        if task.shows:
+            yield from self._shown(asked, task)
+        for key, cell in task.cells:
+            record = self._asking.ask(key, cell, asked, task.labels)
+            if record is None:
+                return
+            yield record
+
+    def _shown(self, asked: AskedScene, task: SceneTask) -> Iterator[TaskRecord]:
+        for name, body in self._asking.bodies.items():
+            yield question_record(asked, name, body)
+        for name, image in asked.pictures.items():
+            file = image.file(level=SMALL)
+            if file.kind == "png":
+                yield PictureRecord(task.scene.scene, name, file.data)
+
+
+def _failed(task: SceneTask, error: str) -> Iterator[CellRecord]:
+    for key, cell in task.cells:
+        yield CellRecord(key, *cell, status="failed", error=cut(error, 1000))
+
+
+def _recorded(path: Path) -> Mapping[Cell, str]:
+    """The raw answers in a store, by their cells; of one that failed, none."""
+    with ResultStore(path) as store:
+        return {
+            Cell(*each[1:7]): each.raw for each in store.cells() if each.status != "failed" and each.raw
+        }  # fmt: skip

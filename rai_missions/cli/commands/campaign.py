@@ -1,0 +1,159 @@
+# SPDX-License-Identifier: Apache-2.0
+"""`rai-missions campaign`."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Annotated, Literal, NamedTuple
+
+from rai_missions.cli.command import Argument, command
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from rai_missions.campaign.file import LoadedCampaign
+    from rai_missions.campaign.pool import TaskPool
+    from rai_missions.campaign.run import CampaignResult, Progress
+    from rai_missions.campaign.tasks import WorkSettings
+
+__all__ = ("CampaignOptions", "campaign")
+
+
+class CampaignOptions(NamedTuple):
+    """What a campaign takes.
+
+    Args:
+        deed: run: ask what is missing in the store; check: read the file and all that it names, and count the cells;
+            report: write the report of a store; compare: what is better in one of two stores, and what is noise.
+        file: For run and check the campaign's file; for report and compare a store.
+        other: For compare: the other store.
+        store: Where the results are. Without it: the name of the campaign with .db, in the working directory.
+        jobs: How many workers. Without it: one a core.
+        ray: Have Ray do the work, on the cluster at this address; without an address on this machine.
+        model: Instead of those of the file: rules, oracle, constant:OPTION, PROVIDER:NAME or local; may be repeated.
+        replay_answers: Judge the answers in this store again; no model is asked.
+        report: Where the report goes, an HTML file, with .md and .csv next to it. For report, without it: the store's
+            name with .html.
+    """
+
+    deed: Annotated[Literal["run", "check", "report", "compare"], Argument(is_positional=True)]
+    file: Annotated[str, Argument("FILE", is_positional=True, files=("*.json", "*.db"))]
+    other: Annotated[str | None, Argument("RESULTS", is_positional=True, files=("*.db",))] = None
+    store: Annotated[str | None, Argument("RESULTS", files=("*.db",))] = None
+    jobs: Annotated[int | None, Argument("N")] = None
+    ray: Annotated[str | None, Argument("ADDRESS", bare="")] = None
+    model: tuple[Annotated[str, Argument("MODEL")], ...] = ()
+    replay_answers: Annotated[str | None, Argument("RESULTS", files=("*.db",))] = None
+    report: Annotated[str | None, Argument("REPORT", files=("*.html",))] = None
+
+
+@command()
+def campaign(options: CampaignOptions) -> int:
+    """Measure which model may decide: a mission's own question, put to models in many simulated scenes.
+
+    Each answer is judged by the mission's rules. What was answered is in one SQLite file: a campaign that was stopped
+    or killed asks the rest when the same command is given again.
+
+    Exit status:
+        0 every cell was asked, 1 cells failed or the budget was spent, 2 the input is at fault
+
+    Example:
+        rai-missions campaign run campaigns/quick.json --store quick.db --report quick.html
+    """
+    from rai_missions.errors import UsageError
+
+    if (options.deed == "compare") != (options.other is not None):
+        raise UsageError("compare needs two stores: rai-missions campaign compare A.db B.db; other deeds take one file")
+    if options.deed == "compare":
+        from rai_missions.campaign.compare import compare
+
+        print(compare(options.file, str(options.other)).text())
+        return 0
+    if options.deed == "report":
+        return _report(options.file, options.report)
+    return _check(options) if options.deed == "check" else _run(options)
+
+
+def _report(store: str, page: str | None) -> int:
+    from pathlib import Path
+
+    from rai_missions.cli.campaign_report import write_report
+
+    for path in write_report(store, page or Path(store).with_suffix(".html")):
+        print(path)
+    return 0
+
+
+def _check(options: CampaignOptions) -> int:
+    from rai_missions.campaign.run import plan_of
+
+    loaded = _loaded(options)
+    plan, file = plan_of(loaded, {}), loaded.file
+    print(
+        f"{file.name}: {len(plan.cells)} cells: {len(plan.scenes)} scenes × {len(file.models)} models"
+        f" × {len(file.embodiments)} embodiments × {len(file.orders)} orders of options"
+    )
+    return 0
+
+
+def _loaded(options: CampaignOptions) -> LoadedCampaign:
+    from rai_missions.campaign.file import load_campaign
+
+    return load_campaign(options.file, models=options.model)
+
+
+def _run(options: CampaignOptions) -> int:
+    from pathlib import Path
+
+    from rai_missions.campaign.run import run_campaign
+    from rai_missions.campaign.store import ResultStore
+    from rai_missions.cli.long_work import LongWork
+
+    loaded, settings, open_pool = _loaded(options), _settings(options), _pool(options)
+    path = Path(options.store or f"{loaded.file.name}.db")
+    shown = ["the campaign begins"]
+
+    def note(progress: Progress) -> None:
+        shown[0] = progress.words(loaded.file.currency)
+
+    with ResultStore(path, writes=True) as store, LongWork(lambda: shown[0]):
+        result = run_campaign(loaded, store, settings, open_pool=open_pool, on_progress=note)
+    print(_words(result, path))
+    if options.report is not None:
+        _report(str(path), options.report)
+    return 1 if result.missing or result.counts.get("failed") else 0
+
+
+def _settings(options: CampaignOptions) -> WorkSettings:
+    """What the workers know."""
+    from pathlib import Path
+
+    from rai_missions.campaign.pool import usable_cores
+    from rai_missions.campaign.tasks import WorkSettings
+    from rai_missions.errors import UsageError
+
+    if options.jobs is not None and options.jobs < 1:
+        raise UsageError(f"--jobs is how many workers there are, 1 or more, not {options.jobs}")
+    recorded = str(Path(options.replay_answers).resolve()) if options.replay_answers else ""
+    return WorkSettings(str(Path(options.file).resolve()), options.model, options.jobs or usable_cores(), recorded)
+
+
+def _pool(options: CampaignOptions) -> Callable[[WorkSettings], TaskPool]:
+    """Who does the work."""
+    from functools import partial
+
+    if options.ray is not None:
+        from rai_missions.campaign.ray_pool import RayPool
+
+        return partial(RayPool, address=options.ray)
+    from rai_missions.campaign.pool import LocalPool
+
+    return LocalPool
+
+
+def _words(result: CampaignResult, path: object) -> str:
+    counts = result.counts
+    parts = [f"{counts.get('answered', 0)} cells answered", f"{counts.get('no_answer', 0)} without an answer"]
+    parts += [f"{failed} failed"] if (failed := counts.get("failed", 0)) else []
+    parts += [f"{result.missing} not asked"] if result.missing else []
+    why = f"; {result.stopped}" if result.stopped else ""
+    return f"{', '.join(parts)}, in {result.seconds:.1f} s{why}; results: {path}"

@@ -1,0 +1,87 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Campaign files: what is refused, and in which words."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import jsonschema
+import pytest
+
+from rai_missions.campaign.file import campaign_schema, load_campaign
+from rai_missions.errors import DefinitionError, UsageError
+from rai_missions.mission.json_reader import read_json
+from tests.campaign.choosing import campaign_data, write_campaign
+
+SHIPPED = sorted((Path(__file__).parents[2] / "campaigns").glob("*.json"))
+
+
+def faults(tmp_path: Path, words: dict[str, Any]) -> str:
+    with pytest.raises(DefinitionError) as caught:
+        load_campaign(write_campaign(tmp_path, campaign_data() | words))
+    return "\n".join(map(str, caught.value.faults))
+
+
+@pytest.mark.parametrize(("words", "fault"), [
+    ({"decision": "chosing"}, "/decision: 'chosing' is no decision of the mission; did you mean 'choosing'?"),
+    ({"decision": "ended"}, "/decision: 'ended' is no decision of the mission; name a decision"),
+    ({"models": ["rules", "constant:leave"], "scripts": {}},
+     "/models/1: no option 'leave'; there is: left, right, wait"),
+    ({"models": ["rulez"], "scripts": {}}, "/models/0: 'rulez' names no model: rules, oracle, constant:OPTION, local, a"
+     " script, or PROVIDER:NAME; did you mean 'rules'?"),
+    ({"models": ["rules", "rules"], "scripts": {}}, "'models' names 'rules' more than once; keep one"),
+    ({"embodiments": ["soul"]}, "no embodiment 'soul'"),
+    ({"orders": ["sorted"]}, "/orders/0: no such choice: 'sorted'"),
+    ({"prices": {"openai:gpt": {"prompt": 1}}}, "'prices' is about 'openai:gpt', which 'models' has not"),
+    ({"scripts": {"teller": {"*": 3}}}, "/scripts/teller/*: an answer is an option's name or an object, not 3"),
+    ({"budget": {"calls": 0}}, "/budget/calls"),
+    ({"color": 1}, "/color: a campaignfile has no 'color'"),
+])  # fmt: skip
+def test_a_fault_is_named_with_its_place(tmp_path: Path, words: dict[str, Any], fault: str) -> None:
+    assert fault in faults(tmp_path, words)
+
+
+@pytest.mark.parametrize(("scenes", "fault"), [
+    ({}, "give exactly one of them"),
+    ({"seeds": [1], "given": [{"scene": "a", "kind": "b", "seed": 1}]}, "give exactly one of them"),
+    ({"seeds": [1, 1]}, "the scene 'orchard_1' is there more than once"),
+])  # fmt: skip
+def test_scenes_have_one_source_and_names_of_their_own(tmp_path: Path, scenes: dict[str, Any], fault: str) -> None:
+    assert fault in faults(tmp_path, {"scenes": scenes})
+
+
+def test_a_file_that_is_not_there_is_named(tmp_path: Path) -> None:
+    with pytest.raises(UsageError, match="there is no file"):
+        load_campaign(tmp_path / "none.json")
+    with pytest.raises(UsageError, match=r"there is no file .*nowhere\.json"):
+        load_campaign(write_campaign(tmp_path, campaign_data(mission="nowhere.json")))
+
+
+def test_other_models_replace_those_of_the_file_with_all_that_is_about_them(tmp_path: Path) -> None:
+    path = write_campaign(tmp_path, campaign_data(prices={"rules": {"prompt": 1}}))
+    loaded = load_campaign(path, models=["oracle", "rules"])
+    assert loaded.file.models == ("oracle", "rules")
+    assert loaded.file.prices.keys() == {"rules"} and loaded.file.scripts == {}
+    assert loaded.digest == load_campaign(path).digest  # the same questions
+
+
+def test_the_schema_takes_what_the_models_take(tmp_path: Path) -> None:
+    schema = campaign_schema()
+    jsonschema.Draft202012Validator.check_schema(schema)
+    jsonschema.validate(campaign_data(budget={"money": 2.5}, rates={"openai": {"calls_per_minute": 60}}), schema)
+    wrongs: list[dict[str, Any]] = [{"budget": {"calls": 0}}, {"color": 1}, {"orders": []}]
+    for wrong in wrongs:
+        with pytest.raises(jsonschema.ValidationError):
+            jsonschema.validate(campaign_data(**wrong), schema)
+
+
+@pytest.mark.parametrize("path", SHIPPED, ids=lambda path: path.name)
+def test_every_shipped_campaign_is_without_fault(path: Path) -> None:
+    loaded = load_campaign(path)
+    jsonschema.validate(read_json(path), campaign_schema())
+    assert list(loaded.file.scenes.scenes())
+
+
+def test_campaigns_are_shipped() -> None:
+    assert {path.name for path in SHIPPED} >= {"quick.json", "tractor.json"}

@@ -1,0 +1,306 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Campaigns from file to store: every cell once, whatever dies on the way."""
+
+from __future__ import annotations
+
+import os
+import random
+import signal
+import subprocess
+import sys
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from rai_missions.campaign.file import load_campaign
+from rai_missions.campaign.pool import LocalPool
+from rai_missions.campaign.run import CampaignResult, Progress, plan_of, run_campaign
+from rai_missions.campaign.store import CellRecord, ResultStore
+from rai_missions.campaign.tasks import SceneTask, TaskRecord, Workplace, WorkSettings
+from rai_missions.errors import UsageError
+from tests.campaign.choosing import campaign_data, labels, table, write_campaign
+
+pytestmark = pytest.mark.sim
+
+
+class SerialPool:
+    """A pool without processes: the oracle of the others. It may be stopped by a test after some cells."""
+
+    def __init__(self, settings: WorkSettings) -> None:
+        self._place = Workplace(settings)
+
+    def results(self, tasks: Iterable[SceneTask]) -> Iterator[TaskRecord | None]:
+        for task in tasks:
+            yield from self._place.work(task)
+        yield None
+
+    def stop(self) -> None:
+        self._place.is_over.set()
+
+    def close(self) -> None:
+        self._place.__exit__()
+
+
+def ran(path: Path, store: Path, open_pool: Any = SerialPool, **words: Any) -> CampaignResult:
+    """A run of a campaign into a store."""
+    recorded, workers = str(words.pop("recorded", "")), words.pop("workers", 1)
+    loaded, settings = load_campaign(path), WorkSettings(str(path), (), workers, recorded)
+    with ResultStore(store, writes=True) as opened:
+        return run_campaign(loaded, opened, settings, open_pool=open_pool, **words)
+
+
+def cells_in(store: Path) -> list[CellRecord]:
+    with ResultStore(store) as opened:
+        return table(opened.cells())
+
+
+def test_every_cell_has_its_answer_and_its_verdict(tmp_path: Path) -> None:
+    path, store = write_campaign(tmp_path, campaign_data()), tmp_path / "results.db"
+    with ResultStore(store, writes=True) as opened:
+        opened.add(labels(["s0", "s1"]))
+    result = ran(path, store)
+    assert result.counts == {"answered": 12} and result.missing == 0 and not result.stopped
+    found = {(cell.scene, cell.model): cell for cell in cells_in(store) if cell.option_order == "reversed"}
+    assert {key: (cell.option, cell.verdict, cell.best, cell.permitted) for key, cell in found.items()} == {
+        ("s0", "rules"): ("left", "completes", 1, 1), ("s1", "rules"): ("left", "completes", 1, 1),
+        ("s0", "constant:wait"): ("wait", "harmless", 0, 1), ("s1", "constant:wait"): ("wait", "harmless", 0, 1),
+        ("s0", "teller"): ("left", "completes", 1, 1), ("s1", "teller"): ("right", "harms", 0, 1),
+    }  # fmt: skip
+    with ResultStore(store) as opened:
+        (question, *_), scenes = opened.questions(), list(opened.scenes())
+    assert (question.options, question.permitted) == ('["left", "right", "wait"]',) * 2
+    assert "Which way?" in question.prompt and "- right: to the right" in question.prompt
+    assert [scene.kind for scene in scenes] == ["even", "odd"]
+
+
+def test_what_the_rules_do_not_offer_is_refused_and_a_silent_script_gives_no_answer(tmp_path: Path) -> None:
+    scripts = {"deep": {"*": "right"}, "mute": {"*": None}, "liar": {"*": {"option": "fly", "why": "I can"}}}
+    data = campaign_data(1, models=[*scripts, "oracle"], scripts=scripts, arguments={"depth": 7}, orders=["written"])
+    ran(write_campaign(tmp_path, data), tmp_path / "results.db")
+    found = {cell.model: cell for cell in cells_in(tmp_path / "results.db")}
+    assert (found["deep"].status, found["deep"].permitted) == ("answered", 0)
+    assert found["deep"].error == "'right' was not offered; offered: left, wait"
+    assert (found["liar"].permitted, found["liar"].reason) == (0, "I can")
+    assert (found["mute"].status, found["mute"].permitted) == ("no_answer", None)
+    assert found["oracle"].status == "failed"  # the scene has no labels
+
+
+def test_a_pool_of_processes_gives_the_table_of_one_process(tmp_path: Path) -> None:
+    path = write_campaign(tmp_path, campaign_data(3))
+    ran(path, tmp_path / "serial.db")
+    ran(path, tmp_path / "pool.db", LocalPool, workers=2)
+    assert cells_in(tmp_path / "pool.db") == cells_in(tmp_path / "serial.db")
+    with ResultStore(tmp_path / "pool.db") as pool, ResultStore(tmp_path / "serial.db") as serial:
+        assert list(pool.questions()) == list(serial.questions())
+
+
+def test_a_campaign_continues_with_what_is_missing(tmp_path: Path) -> None:
+    path, store = write_campaign(tmp_path, campaign_data(2)), tmp_path / "results.db"
+    ran(path, tmp_path / "whole.db")
+    ran(path, store)
+    with ResultStore(store, writes=True) as opened:
+        keys = sorted(opened.done())
+        opened.drop(keys[:5])
+        opened.add([next(opened.cells())._replace(status="failed", option="", error="gone")])
+    asked: list[Progress] = []
+    ran(path, store, on_progress=asked.append)
+    assert asked[0].total == 12 and asked[-1].done == 12
+    assert cells_in(store) == cells_in(tmp_path / "whole.db")
+
+
+def test_nothing_is_asked_where_nothing_is_missing(tmp_path: Path) -> None:
+    path, store = write_campaign(tmp_path, campaign_data(1)), tmp_path / "results.db"
+    ran(path, store)
+    result = ran(path, store, lambda settings: RefusingPool())
+    assert result.counts == {"answered": 6}
+
+
+class RefusingPool:
+    """Has nothing to do."""
+
+    def results(self, tasks: Iterable[SceneTask]) -> Iterator[TaskRecord | None]:
+        assert list(tasks) == []
+        yield None
+
+    def stop(self) -> None: ...
+
+    def close(self) -> None: ...
+
+
+def test_a_changed_script_is_asked_again_and_the_rest_is_kept(tmp_path: Path) -> None:
+    store = tmp_path / "results.db"
+    ran(write_campaign(tmp_path, campaign_data(1)), store)
+    before = cells_in(store)
+    ran(write_campaign(tmp_path, campaign_data(1, scripts={"teller": {"*": "wait"}})), store)
+    after = cells_in(store)
+    assert len(after) == len(before) == 6
+    assert [cell for cell in after if cell.model != "teller"] == [cell for cell in before if cell.model != "teller"]
+    assert {cell.option for cell in after if cell.model == "teller"} == {"wait"}
+
+
+def test_a_store_of_another_mission_is_left_as_it_is(tmp_path: Path) -> None:
+    store = tmp_path / "results.db"
+    ran(write_campaign(tmp_path, campaign_data(1)), store)
+    other = write_campaign(tmp_path, campaign_data(1, arguments={"depth": 2}))
+    with pytest.raises(UsageError, match="holds the answers of another mission or profile; name another store"):
+        ran(other, store)
+    assert len(cells_in(store)) == 6
+
+
+def test_recorded_answers_are_judged_again_without_asking(tmp_path: Path) -> None:
+    path, store = write_campaign(tmp_path, campaign_data(2)), tmp_path / "results.db"
+    ran(path, store)
+    ran(path, tmp_path / "again.db", recorded=store)
+    assert cells_in(tmp_path / "again.db") == cells_in(store)
+    deep = write_campaign(tmp_path, campaign_data(2, arguments={"depth": 7}))  # now `right` is not offered
+    ran(deep, tmp_path / "deep.db", recorded=store)
+    refused = [(cell.model, cell.scene) for cell in cells_in(tmp_path / "deep.db") if not cell.permitted]
+    assert refused == [("teller", "s1")] * 2
+    more = write_campaign(tmp_path, campaign_data(3))
+    result = ran(more, tmp_path / "more.db", recorded=store)
+    assert result.counts == {"answered": 12, "failed": 6}
+
+
+USED = {"option": "left", "usage": {"calls": 1, "tokens_in": 100, "tokens_out": 20}}
+
+
+@pytest.mark.parametrize(("budget", "words", "calls"), [
+    ({"calls": 2}, "the budget of 2 calls is spent", 2),
+    ({"tokens": 300}, "the budget of 300 tokens is spent", 3),
+    ({"money": 0.5}, "the budget of 0.5 money is spent", 1),
+    ({"seconds": 1e-9}, "the budget of 1e-09 seconds is spent", 0),
+])  # fmt: skip
+def test_a_spent_budget_stops_cleanly_and_the_next_run_asks_the_rest(
+    tmp_path: Path, budget: dict[str, Any], words: str, calls: int
+) -> None:
+    store, given = tmp_path / "results.db", {"scripts": {"teller": {"*": USED}}}
+    prices = {"teller": {"prompt": 4000, "completion": 5000}}  # 0.5 a call
+    result = ran(write_campaign(tmp_path, campaign_data(2, budget=budget, prices=prices, **given)), store)
+    assert result.stopped == words and 0 < result.missing <= 12
+    assert sum(result.counts.values()) + result.missing == 12
+    assert sum(cell.calls for cell in cells_in(store)) == calls
+    again = ran(write_campaign(tmp_path, campaign_data(2, budget=budget, **given)), store) if calls else None
+    assert again is None or again.missing == result.missing  # what the store holds counts
+    assert ran(write_campaign(tmp_path, campaign_data(2, **given)), store).missing == 0
+
+
+def test_a_scene_that_cannot_be_built_fails_alone(tmp_path: Path) -> None:
+    data = campaign_data(2)
+    data["scenes"]["given"][1]["options"] = {"obstacles": ["dragon"]}
+    result = ran(write_campaign(tmp_path, data), tmp_path / "results.db")
+    assert result.counts == {"answered": 6, "failed": 6}
+    failed = [cell for cell in cells_in(tmp_path / "results.db") if cell.status == "failed"]
+    assert {cell.scene for cell in failed} == {"s1"} and "no kind 'dragon'" in failed[0].error
+
+
+# -- what dies ---------------------------------------------------------------------------------------------------------
+
+
+class KillingPool(LocalPool):
+    """Kills one of its own workers after each of some records."""
+
+    def __init__(self, settings: WorkSettings, kills: set[int], chance: random.Random) -> None:
+        super().__init__(settings)
+        self._kills, self._chance, self.killed = kills, chance, 0
+
+    def results(self, tasks: Iterable[SceneTask]) -> Iterator[TaskRecord | None]:
+        count = 0
+        for record in super().results(tasks):
+            count += isinstance(record, CellRecord)
+            while count in self._kills and self.pids:
+                self._kills.discard(count)
+                os.kill(self._chance.choice(self.pids), signal.SIGKILL)
+                self.killed += 1
+            yield record
+
+
+def killed_workers(tmp_path: Path, scenes: int, kills: int) -> None:
+    chance = random.Random(7)
+    path = write_campaign(tmp_path, campaign_data(scenes))
+    ran(path, tmp_path / "whole.db")
+    total = 6 * scenes
+    pools: list[KillingPool] = []
+
+    def open_pool(settings: WorkSettings) -> KillingPool:
+        pools.append(KillingPool(settings, set(chance.sample(range(1, total - 6), kills)), chance))
+        return pools[-1]
+
+    ran(path, tmp_path / "killed.db", open_pool, workers=2)
+    assert pools[0].killed == kills
+    assert cells_in(tmp_path / "killed.db") == cells_in(tmp_path / "whole.db")
+
+
+def killed_whole(tmp_path: Path, scenes: int, kills: int) -> None:
+    """Kill the whole campaign whenever it has stored some more cells, until it is done."""
+    chance, store = random.Random(7), tmp_path / "killed.db"
+    path = write_campaign(tmp_path, campaign_data(scenes))
+    ran(path, tmp_path / "whole.db")
+    command = [sys.executable, "-m", "rai_missions.cli.main", "campaign", "run", str(path), "--store", str(store)]
+    for kill in range(kills):
+        process = subprocess.Popen([*command, "--jobs", "2"], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        wanted = (6 * scenes - 6) * (kill + chance.random()) / kills
+        while counted(store) < wanted and not ended(process):
+            pass
+        process.kill()
+        process.wait()
+    assert subprocess.run([*command, "--jobs", "2"], capture_output=True, check=False).returncode == 0
+    assert cells_in(store) == cells_in(tmp_path / "whole.db")
+
+
+def ended(process: subprocess.Popen[bytes]) -> bool:
+    """Whether a process ends within a moment."""
+    try:
+        process.wait(0.05)
+    except subprocess.TimeoutExpired:
+        return False
+    return True
+
+
+def counted(store: Path) -> int:
+    """Cells in a store that may be in the making."""
+    try:
+        with ResultStore(store) as opened:
+            return sum(opened.counts().values())
+    except UsageError:
+        return 0
+
+
+def test_workers_that_are_killed_lose_no_cell_and_double_none(tmp_path: Path) -> None:
+    killed_workers(tmp_path, scenes=3, kills=2)
+
+
+def test_a_campaign_that_is_killed_continues(tmp_path: Path) -> None:
+    killed_whole(tmp_path, scenes=3, kills=1)
+
+
+@pytest.mark.drill
+def test_ray_gives_the_table_of_one_process(tmp_path: Path) -> None:
+    pytest.importorskip("ray", reason="the extra `ray`")
+    path = write_campaign(tmp_path, campaign_data(3))
+    ran(path, tmp_path / "serial.db")
+    store = ["--store", str(tmp_path / "ray.db")]
+    command = [sys.executable, "-m", "rai_missions.cli.main", "campaign", "run", str(path), *store, "--ray"]
+    assert subprocess.run([*command, "--jobs", "2"], capture_output=True, check=False).returncode == 0
+    assert cells_in(tmp_path / "ray.db") == cells_in(tmp_path / "serial.db")
+
+
+@pytest.mark.drill
+@pytest.mark.timeout(1800)
+def test_ten_kills_of_workers_lose_no_cell(tmp_path: Path) -> None:
+    killed_workers(tmp_path, scenes=12, kills=10)
+
+
+@pytest.mark.drill
+@pytest.mark.timeout(1800)
+def test_ten_kills_of_the_whole_lose_no_cell(tmp_path: Path) -> None:
+    killed_whole(tmp_path, scenes=24, kills=10)
+
+
+def test_a_plan_names_each_cell_once(tmp_path: Path) -> None:
+    loaded = load_campaign(write_campaign(tmp_path, campaign_data(4)))
+    plan = plan_of(loaded, {})
+    assert len(plan.cells) == len(set(plan.cells.values())) == 24
+    with_labels = plan_of(loaded, {"s0": {"left": "harms"}})
+    assert plan.cells.keys() == with_labels.cells.keys()  # no oracle is asked
