@@ -159,7 +159,7 @@ class Chart:
         if not transitions:
             return self._short(event, (), tuple(looked))
         leap = config.leaps.get((tuple(transitions), name))
-        if leap is None or not leap.plain or not leap.shifts.isdisjoint(state.listening):
+        if leap is None or not leap.plain or not state.listening.isdisjoint(leap.shifts):
             return make_step(self.program, state, event)
         state.config = config = leap.config
         state.active = config.active

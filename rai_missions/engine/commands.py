@@ -106,6 +106,7 @@ def _resume(program: Program, state: RunState) -> None:
         draft.starting += [nodes[name]] if name not in state.running else []
     queue, state.queue, state.suspended = state.queue, (), ()
     draft.due |= frozenset(state.running)  # each may have read what has changed since
+    draft.unseen |= draft.due
     ask_back(program, state)
     complete(program, state, None)
     for event in queue:
@@ -143,7 +144,7 @@ def _continue(program: Program, state: RunState) -> None:
     elif state.mode != "ready" and state.outcome is None:
         _ask_again(program, state)
         _begin_new(program, state)
-        state.draft.due = frozenset(state.running)  # each may have read what is not known any more
+        state.draft.due = state.draft.unseen = frozenset(state.running)  # what was read may not be known any more
         poll(program, state)
         complete(program, state, None)
 

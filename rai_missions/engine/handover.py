@@ -131,6 +131,7 @@ def _thaw(program: Program, state: RunState, controls: frozenset[str]) -> None:
         return
     state.draft.starting += [nodes[name] for name in free]
     state.draft.due |= {name for name in state.running if nodes[name].control in controls}
+    state.draft.unseen |= state.draft.due
     ask_back(program, state)
 
 

@@ -4,14 +4,16 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from collections.abc import Set as AbstractSet
 from typing import Any
 
 from rai_missions.engine.activities import goal_ledger
-from rai_missions.engine.activities.activity import GOALS, NO_KEYS, Outcome, Turn, concerns
-from rai_missions.engine.activities.tree import limit_of
+from rai_missions.engine.activities.activity import GOALS, NO_KEYS, Outcome, Turn
+from rai_missions.engine.activities.tree import TreeActivity, limit_of
 from rai_missions.engine.activities.tree_rounds import Rounds
 from rai_missions.engine.blackboard import write_key
 from rai_missions.engine.hold import awake, drop_reports, holder_of, is_held, live
+from rai_missions.engine.listening import Listening
 from rai_missions.engine.nodes import Node
 from rai_missions.engine.program import Program
 from rai_missions.engine.state import RunState, Trigger
@@ -172,19 +174,21 @@ def poll(program: Program, state: RunState) -> bool:
     keys = frozenset(key for key, _ in draft.written[draft.polled :]).union(changed, draft.news)
     due, draft.due, draft.polled, draft.goal_ended = draft.due, NO_KEYS, len(draft.written), False
     news, draft.news, draft.presence_changes = draft.news, {}, set()
-    return bool(state.running) and _informed(program, state, keys, due, changed, news)
+    unseen, draft.unseen = draft.unseen, NO_KEYS
+    return bool(state.running) and _informed(program, state, keys, due, changed, news, unseen)
 
 
 def _informed(
     program: Program, state: RunState, keys: frozenset[str], due: frozenset[str], changed: frozenset[str] | set[str],
-    news: Mapping[str, str],
+    news: Mapping[str, str], unseen: frozenset[str],
 ) -> bool:  # fmt: skip
     has_acted = False
     for name, machine, activity in awake(program, state):
-        if not (name in due or concerns(machine.reads(activity), keys)):
+        if not (name in due or machine.listens(activity, keys)):
             continue
         of_others = changed | {key for key, by in news.items() if by != name}
-        tick = Event("tick", state.at, {"keys": keys, "news": frozenset(of_others)}, "tick")
+        data = {"keys": keys, "news": frozenset(of_others), "unseen": name in unseen}
+        tick = Event("tick", state.at, data, "tick")
         turn = machine.receive(activity, tick, Host(program, state))
         if turn is not None:
             _turn(program, state, name, turn)
@@ -219,11 +223,14 @@ def unfinished(program: Program, state: RunState) -> frozenset[str]:
     return frozenset(name for name, activity in state.running.items() if limit_of(activity) == "rounds")
 
 
-def reads(program: Program, state: RunState) -> frozenset[str]:
+def reads(program: Program, state: RunState) -> AbstractSet[str]:
     """What may change something now when it changes: keys, and states that an activity asks for."""
-    found = state.config.reads | program.graph.invariant_reads
+    found, trees = state.config.reads | program.graph.invariant_reads, []
     for _, machine, activity in live(program, state):
-        found |= machine.reads(activity)
+        if isinstance(activity, TreeActivity):
+            trees.append((machine, activity))
+        else:
+            found |= machine.reads(activity)
     if state.settling or state.final is not None:
         found |= frozenset({"*"})
-    return found
+    return Listening(found, tuple(trees)) if trees else found

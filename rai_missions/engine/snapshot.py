@@ -7,6 +7,7 @@ Rule: which fields there are, and under which words, is read from `state.TABLE`.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Set as AbstractSet
 from typing import Any, NamedTuple
 
 from rai_missions.engine.activities.goal_ledger import Goal
@@ -31,6 +32,10 @@ def _as_it_is(program: Program, value: Any) -> Any:
     return dict(value) if isinstance(value, dict) else value
 
 
+def _as_known(program: Program, value: Any) -> Any:
+    return frozenset(value) if isinstance(value, AbstractSet) else value
+
+
 def _names(program: Program, config: Configuration) -> tuple[str, ...]:
     return tuple(node.name for node in config.atomic)
 
@@ -52,6 +57,7 @@ def _memory_in(program: Program, memory: Mapping[str, Iterable[str]]) -> dict[in
 FORMS: Mapping[Holds, Form] = {
     "configuration": Form(_names, _configuration),
     "memory": Form(_memory_out, _memory_in),
+    "passing": Form(_as_known, _as_known),
     "state": Form(
         lambda program, node: node.name if node is not None else None,
         lambda program, name: program.graph.nodes[name] if name else None,

@@ -11,6 +11,7 @@ from __future__ import annotations
 import math
 from collections import deque
 from collections.abc import Callable, Mapping
+from collections.abc import Set as AbstractSet
 from dataclasses import dataclass, field, fields
 from operator import attrgetter
 from typing import Any, Literal, NamedTuple, get_args
@@ -150,6 +151,8 @@ class StepDraft:
     """Something that the run remembers has changed, other than the blackboard."""
     due: frozenset[str] = frozenset()
     """The states whose activities asked to be woken at this instant."""
+    unseen: frozenset[str] = frozenset()
+    """Those of them that may have missed what has changed: while they were paused, or held, or not here."""
     goal_ended: bool = False
     """A goal has ended or was given up since the activities looked."""
     macrosteps: int = 0
@@ -240,7 +243,7 @@ class RunState:
     """The earliest instant at which time alone can change something."""
     quick: bool = slot(False, "passing", "_quick")
     """The next event may take the short way."""
-    listening: frozenset[str] = slot(frozenset(), "passing", "_listening")
+    listening: AbstractSet[str] = slot(frozenset(), "passing", "_listening")
     """What may change something now when it changes: keys, and states that an activity asks for."""
     # -- not remembered
     active: frozenset[str] = frozenset()

@@ -9,12 +9,16 @@ from typing import Any
 import pytest
 from hypothesis import HealthCheck, given, settings
 
+from rai_missions.engine import Chart
 from rai_missions.engine.activities.ticker import Ticker, TickResult, TreeState
 from rai_missions.engine.trees import CompiledTrees
+from rai_missions.event import Event, Tick
 from rai_missions.keys import stale_at
 from rai_missions.states.tree import TreeNode
 from rai_missions.trees import PyTrees
 from tests.trees.growing import Moment, long_lives, often, rich_trees, trees
+from tests.trees.polling import lives as happenings
+from tests.trees.polling import mission_of, polled_trees
 from tests.trees.test_state import KEYS, life_of, outcomes, stored, view
 
 
@@ -121,3 +125,28 @@ def test_from_a_state_of_before_a_tick_visits_what_has_changed_since(tree: Any, 
         found, _ = first.tick(at, moment)
         second.tick(at, other)
         assert comparable(found) == comparable(expected)
+
+
+def charts_alike(drawn: Any, life: list[Any]) -> None:
+    """A chart whose trees are compiled makes the steps of one whose trees are on py_trees."""
+    mission = mission_of(drawn)
+    ours, theirs, half_s = Chart(mission), Chart(mission, PyTrees()), 0
+    assert ours.start(0.0) == theirs.start(0.0)
+    for each in life:
+        half_s += each.later
+        at, running = half_s / 2, ours.state.running.get("work")
+        assert ours.send(Tick(at)) == theirs.send(Tick(at))
+        if each.fact is not None:
+            assert ours.write(*each.fact, at) == theirs.write(*each.fact, at)
+        elif running is not None and running.leaves:
+            number, end = each.ends
+            leaf = running.leaves[sorted(running.leaves)[number % len(running.leaves)]]
+            ended = Event(end, at, {}, "result", leaf.state.number)
+            assert ours.send(ended) == theirs.send(ended)
+        assert ours.snapshot() == theirs.snapshot()
+
+
+@often
+@given(polled_trees, happenings)
+def test_a_chart_makes_the_same_steps_on_both(drawn: Any, life: list[Any]) -> None:
+    charts_alike(drawn, life)

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from functools import singledispatch
 from typing import TYPE_CHECKING, Any, NamedTuple, Protocol, TypeVar
 
@@ -113,7 +113,7 @@ class Machine(ABC):
 
         A `tick`: an instant has come for which `wake_at` asked, or the `keys` in its data were written;
         those of them that have another value now are its `news`. Among both are `GOALS`, and states that have become
-        active or inactive, each by its `presence`.
+        active or inactive, each by its `presence`. With `unseen`, more may have changed since it looked last.
         """
 
     def leave(self, state: Any, host: ActivityHost) -> Turn:
@@ -127,6 +127,10 @@ class Machine(ABC):
     def reads(self, state: Any) -> frozenset[str]:
         """What it wants to be notified of: changes of keys, of states (`presence`), of goals (`GOALS`)."""
         return NO_KEYS
+
+    def listens(self, state: Any, names: Collection[str]) -> bool:
+        """Whether it wants to be notified of one of these."""
+        return concerns(self.reads(state), names)
 
     @abstractmethod
     def awaits(self, state: Any) -> frozenset[int]:

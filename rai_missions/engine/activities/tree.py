@@ -8,7 +8,7 @@ reason that `Rounds` has room for; without room it rests, and never fails for it
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from typing import Any, Literal, NamedTuple
 
 from rai_missions.engine.activities.action import GoalActivity
@@ -18,7 +18,6 @@ from rai_missions.engine.activities.activity import (
     Machine,
     Outcome,
     Turn,
-    concerns,
     machine_of,
     remembered,
 )
@@ -97,6 +96,8 @@ class _TurnDraft:
         self.has_written = False
         self.news: set[str] = set()
         """Keys to which the tree has given another value since its last tick began."""
+        self.changed: set[str] | None = set()
+        """All else that is another than at the last tick; None where some of it may have been missed."""
 
     def write(self, host: ActivityHost, writes: Iterable[tuple[str, Any]], owner: str) -> None:
         for key, value in writes:
@@ -126,6 +127,10 @@ class TreeMachine(Machine):
 
     def receive(self, state: TreeActivity, event: Event, host: ActivityHost) -> Turn | None:
         draft, concerned = _TurnDraft(state), False
+        if state.limit or (event.kind == "tick" and event.data.get("unseen")):
+            draft.changed = None
+        elif event.kind == "tick":
+            draft.changed = set(event.data["news"])
         for path, leaf in state.leaves.items():
             turn = self._leaf(path, leaf, event, host)
             if turn is not None:
@@ -135,8 +140,8 @@ class TreeMachine(Machine):
             turn = self._rest(draft, host)
         elif draft.outcomes or self._is_due(state, event, host):
             turn = self._tick(draft, host)
-        elif event.kind == "tick" and concerns(reads := self.ticker.reads(state.tree), event.data["keys"]):
-            if concerns(reads, event.data["news"]):
+        elif event.kind == "tick" and self.ticker.listens(state.tree, event.data["keys"]):
+            if self.ticker.listens(state.tree, event.data["news"]):
                 turn = self._look(draft, host)
             else:  # the same value, and it grows stale later
                 draft.wake = self.ticker.wake_at(draft.tree, host.view)
@@ -187,9 +192,11 @@ class TreeMachine(Machine):
         """Tick, and at once again while there is a reason, and room for it."""
         draft.limit = ""
         while True:
+            changed = draft.changed | draft.news if draft.changed is not None else None
             draft.news.clear()
-            ticked = self.ticker.tick(draft.tree, host.view, draft.outcomes, host.begins_at - host.view.at)
-            draft.outcomes = {}
+            late_s = host.begins_at - host.view.at
+            ticked = self.ticker.tick(draft.tree, host.view, draft.outcomes, late_s, changed)
+            draft.outcomes, draft.changed = {}, set()
             self._apply(draft, ticked, host)
             if ticked.status in ("success", "failure"):
                 self._end(draft, draft.leaves, host)
@@ -208,7 +215,7 @@ class TreeMachine(Machine):
             return not draft.limit
         if draft.outcomes:
             has_room = rounds.leaf_ended()
-        elif draft.news and concerns(self.ticker.reads(draft.tree), frozenset(draft.news)):
+        elif draft.news and self.ticker.listens(draft.tree, draft.news):
             has_room = rounds.wrote()
         else:
             return False
@@ -254,6 +261,11 @@ class TreeMachine(Machine):
     def reads(self, state: TreeActivity) -> frozenset[str]:
         each = (self.leaf_machines[path].machine.reads(leaf.state) for path, leaf in state.leaves.items())
         return self.ticker.reads(state.tree).union(*each)
+
+    def listens(self, state: TreeActivity, names: Collection[str]) -> bool:
+        return self.ticker.listens(state.tree, names) or any(
+            self.leaf_machines[path].machine.listens(leaf.state, names) for path, leaf in state.leaves.items()
+        )
 
     def awaits(self, state: TreeActivity) -> frozenset[int]:
         each = (self.leaf_machines[path].machine.awaits(leaf.state) for path, leaf in state.leaves.items())

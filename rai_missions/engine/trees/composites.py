@@ -113,15 +113,11 @@ class CompiledComposite(CompiledNode):
         self.current = memory.get("child", -1)
         self.top = len(self.children) - 1
 
-    def _until(self, decides: Status) -> Sequence[Any]:
+    def sees(self, child: Any) -> bool:
         """The child that runs, those before it without memory; of what has ended, those up to the one that decided."""
-        if self.status is RUNNING:
-            return self.children[self.current if self.memory_ else 0 : self.current + 1]
-        if self.status is decides:
-            for number, child in enumerate(self.children):
-                if child.status is decides:
-                    return self.children[: number + 1]
-        return self.children
+        if self.status is RUNNING and self.memory_:
+            return bool(child.place == self.current)
+        return child.place <= self.current or self.status is INVALID
 
 
 class CompiledSequence(CompiledComposite):
@@ -148,9 +144,6 @@ class CompiledSequence(CompiledComposite):
         else:
             self.idle = not self.todo & ((2 << number) - 1)
         return self._place(status, number, now)
-
-    def ahead(self) -> Sequence[Any]:
-        return self._until(FAILURE)
 
 
 class CompiledSelector(CompiledComposite):
@@ -185,6 +178,3 @@ class CompiledSelector(CompiledComposite):
             self.doubt()
         else:
             self.idle = not self.todo & ((2 << number) - 1) and (status is RUNNING or self.top == number)
-
-    def ahead(self) -> Sequence[Any]:
-        return self._until(SUCCESS)

@@ -219,9 +219,8 @@ class CompiledEternalGuard(CompiledNode):
         super().recall(memory)
         self.is_open = False
 
-    def ahead(self) -> Sequence[Any]:
-        is_shut = self.status is FAILURE and self.child.status is not FAILURE
-        return () if is_shut else self.children
+    def sees(self, child: Any) -> bool:
+        return self.status is not FAILURE or child.status is FAILURE
 
 
 class CompiledOneShot(CompiledNode):
@@ -258,8 +257,8 @@ class CompiledOneShot(CompiledNode):
         super().recall(memory)
         self.end = STATUSES[memory["end"]] if "end" in memory else None
 
-    def ahead(self) -> Sequence[Any]:
-        return self.children if self.end is None else ()
+    def sees(self, child: Any) -> bool:
+        return self.end is None
 
 
 class CompiledReport(CompiledNode):

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping
 from typing import Any
 
 from rai_missions.engine.activities.ticker import Status
@@ -274,8 +274,5 @@ class CompiledDecision(CompiledNode):
         super().recall(memory)
         self.run, self.option = memory.get("run", 0), memory.get("option", "")
 
-    def ahead(self) -> Sequence[Any]:
-        if self.status is not RUNNING:
-            return self.children
-        subtree = self.subtrees.get(self.option)
-        return () if subtree is None else (subtree,)
+    def sees(self, child: Any) -> bool:
+        return self.status is not RUNNING or child is self.subtrees.get(self.option)

@@ -31,7 +31,8 @@ PLAIN: Mapping[str, Mapping[str, Any]] = {status: {"status": status} for status 
 class CompiledNode:
     """A node of one tree, with all that it remembers while it is live."""
 
-    __slots__ = ("bit", "children", "idle", "number", "parent", "path", "shown", "site", "status", "todo")
+    __slots__ = ("bit", "children", "idle", "number", "parent", "path", "place", "shown", "site",
+                 "status", "todo")  # fmt: skip
 
     loops = False
     """Each run of its child is a round."""
@@ -56,8 +57,10 @@ class CompiledNode:
         """What it depends on, where it looks at anything."""
         self.shown: Mapping[str, Any] | None = None
         """What it remembers in the state that the ticker has shown last."""
+        self.place = 0
+        """Its number among its parent's children."""
         for place, child in enumerate(children):
-            child.parent, child.bit = self, 1 << place
+            child.parent, child.place, child.bit = self, place, 1 << place
 
     def tick(self, now: Tick) -> Status:
         """Tick it, and all below it that is not idle."""
@@ -109,9 +112,18 @@ class CompiledNode:
 
     # -- what the next tick may look at
 
-    def ahead(self) -> Sequence[Any]:
-        """The children at which the next tick may look, if nothing but facts and time change."""
-        return self.children
+    def sees(self, child: Any) -> bool:
+        """Whether the next tick of it may look at a child, if nothing but facts and time change."""
+        return True
+
+    def is_seen(self) -> bool:
+        """Whether the next tick of the tree may look at it."""
+        node, parent = self, self.parent
+        while parent is not None:
+            if not parent.sees(node):
+                return False
+            node, parent = parent, parent.parent
+        return True
 
     @property
     def looks(self) -> bool:

@@ -92,7 +92,5 @@ class CompiledParallel(CompiledComposite):
         self.top = len(self.children) - 1
         super().stop(now)
 
-    def ahead(self) -> Sequence[Any]:
-        if self.status is not RUNNING or not self.synchronise:
-            return self.children
-        return [child for child in self.children if child.status is not SUCCESS]
+    def sees(self, child: Any) -> bool:
+        return self.status is not RUNNING or not self.synchronise or child.status is not SUCCESS

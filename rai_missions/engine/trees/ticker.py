@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Collection, Iterable, Mapping
-from typing import Any, NamedTuple
+from typing import Any
 
 from rai_missions.engine.activities.ticker import Leaf, LoopRound, TickResult, TreeState
 from rai_missions.engine.trees.build import live_nodes
@@ -17,21 +17,13 @@ from rai_missions.engine.trees.memories import PART, NodeMemories, Paths
 from rai_missions.engine.trees.node import INVALID, PLAIN, RUNNING, CompiledNode
 from rai_missions.engine.trees.sites import TreePlace, shifted
 from rai_missions.engine.trees.tick import Tick, TickView
-from rai_missions.guards.guard import Instant, Site, View
+from rai_missions.guards.guard import Site, View, concerns
 from rai_missions.keys import Key
 from rai_missions.states.tree import TreeNode
 
 __all__ = ("CompiledTicker",)
 
 NOTHING: Mapping[str, Any] = {}
-
-
-class LookedAt(NamedTuple):
-    """What the next tick may look at."""
-
-    watched: frozenset[str]
-    """Keys, and states by their `presence`."""
-    instants: tuple[Instant, ...]
 
 
 class CompiledTicker:
@@ -47,14 +39,15 @@ class CompiledTicker:
     def __init__(self, root: TreeNode, place: str, keys: Mapping[str, Key], state: str) -> None:
         self.state = state
         self.nodes = live_nodes(root, TreePlace(place, keys, state))
-        self.root: CompiledNode = self.nodes[0]
+        self.root: Any = self.nodes[0]
         self.paths = Paths(tuple(node.path for node in self.nodes))
         sites = [(node, node.site) for node in self.nodes if node.site is not None]
         self.dependents = _dependents(sites)
         """Key, or presence of a state → the nodes that look at it."""
-        self.timed = tuple(node for node, site in sites if site.instants)
+        self.timed: tuple[Any, ...] = tuple(node for node, site in sites if site.instants)
         self.holds = {name: test for _, site in sites for name, test in site.holds.items()}
-        self.held_by = tuple(site for _, site in sites if site.holds)
+        self.held_by = frozenset[str]().union(*(site.watched for _, site in sites if site.holds))
+        """What the guards change by whose duration is counted, whether the next tick looks at them or not."""
         self.loops = sum(len(node.children) for node in self.nodes if node.loops)
         self.round = Tick(self._wake)
         self.awaited: dict[int, Any] = {}
@@ -66,7 +59,6 @@ class CompiledTicker:
         self.own_keys = {name for node in self.nodes for name in node.writes}
         self._written: Collection[str] = ()
         """What the last tick has written; the mission may have refused it."""
-        self._looked: LookedAt | None = None
         self._parts: list[list[Any]] = [
             [None] * len(self.nodes[at : at + PART]) for at in range(0, len(self.nodes), PART)
         ]
@@ -140,7 +132,6 @@ class CompiledTicker:
         """Be in a state; only what differs from the one before is touched."""
         if state is self.shown:
             return
-        self._looked = None
         if state.nodes is not self.shown.nodes:
             if isinstance(state.nodes, NodeMemories) and state.nodes.paths is self.paths:
                 self._recall_parts(state.nodes.parts)
@@ -230,7 +221,7 @@ class CompiledTicker:
             leaves = {self.nodes[number].path: Leaf(self.awaited[number].run) for number in sorted(self.awaited)}
         if not copied and leaves is before.leaves and isinstance(before.nodes, NodeMemories):
             return before
-        self._parts, self._looked = parts, None
+        self._parts = parts
         return TreeState(NodeMemories(self.paths, parts), leaves)
 
     def shift(self, state: TreeState, by_s: float) -> TreeState:
@@ -241,29 +232,38 @@ class CompiledTicker:
 
     def wake_at(self, state: TreeState, view: View) -> float:
         """The next deadline of what runs, or instant at which a guard's facts grow old; see `Ticker`."""
-        sight, instants = self._restore(state, view), self._looked_at(state).instants
-        due = [*(node.deadline() for node in self.waiting.values()), *(instant(sight) for instant in instants)]
-        return min((at for at in due if at > sight.at), default=math.inf)
+        sight = self._restore(state, view)
+        soonest, now = math.inf, sight.at
+        for node in self.waiting.values():
+            if now < (due := node.deadline()) < soonest:
+                soonest = due
+        for node in self.timed:
+            if node.site.holds or (node.looks and node.is_seen()):
+                for instant in node.site.instants:
+                    if now < (due := instant(sight)) < soonest:
+                        soonest = due
+        return soonest
 
     def reads(self, state: TreeState) -> frozenset[str]:
         """What wants a tick once it is another; see `Ticker`."""
-        return self._looked_at(state).watched
-
-    def _looked_at(self, state: TreeState) -> LookedAt:
         self._recall(state)
-        if self._looked is None:
-            watched, instants, rest = set[str](), list[Instant](), [self.root]
-            sites = list(self.held_by)
-            while rest:
-                node = rest.pop()
-                rest += node.ahead()
-                if node.site is not None and not node.site.holds and node.looks:
-                    sites.append(node.site)
-            for site in sites:
-                watched |= site.watched
-                instants += site.instants
-            self._looked = LookedAt(frozenset(watched), tuple(instants))
-        return self._looked
+        seen, rest = set(self.held_by), [self.root]
+        while rest:
+            node = rest.pop()
+            rest += [child for child in node.children if node.sees(child)]
+            if node.site is not None and node.looks:
+                seen |= node.site.watched
+        return frozenset(seen)
+
+    def listens(self, state: TreeState, names: Collection[str]) -> bool:
+        """Whether a change of one of these wants a tick; see `Ticker`."""
+        self._recall(state)
+        if self.held_by and concerns(self.held_by, names):
+            return True
+        looking = [node for name in names for node in self.dependents.get(name, ())]
+        if "*" in self.dependents and any(not name.startswith("#") for name in names):
+            looking += self.dependents["*"]
+        return any(node.looks and node.is_seen() for node in looking)
 
 
 def _with_began(memory: Mapping[str, Any] | None, sight: TickView) -> Mapping[str, Any]:
