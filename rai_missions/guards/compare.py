@@ -182,6 +182,8 @@ def _in_words(value: Any) -> str:
 
 def _plain(key: str, apply: Callable[[Any, Any], Any], value: Any, *, equality: bool) -> Test:
     """The common case made short: a whole key that never goes stale, against a value."""
+    if value.__class__ is bool and apply is operator.eq:
+        return _is_flag(key, value)
     number = isinstance(value, int | float) and not isinstance(value, bool)
 
     def test(view: View) -> Truth:
@@ -192,6 +194,19 @@ def _plain(key: str, apply: Callable[[Any, Any], Any], value: Any, *, equality: 
         if number and (left.__class__ is int or left.__class__ is float):
             return apply(left, value)  # type: ignore[no-any-return]
         return truth(apply, left, value, equality=equality)
+
+    return test
+
+
+def _is_flag(key: str, value: bool) -> Test:
+    """The same for a key that is a boolean, and nothing else."""
+
+    def test(view: View) -> Truth:
+        entry = view.board.get(key)
+        if entry is None:
+            return None
+        left = entry[0]
+        return left is value if left is True or left is False else None
 
     return test
 

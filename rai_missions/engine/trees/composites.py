@@ -87,7 +87,7 @@ class CompiledComposite(CompiledNode):
             if child.status is not INVALID:
                 if number > last:
                     child.doubt()
-                elif restarts:
+                elif restarts and not child.renews:
                     child.stop(now)
             status = child.tick(now)
             if not child.idle:
@@ -153,6 +153,7 @@ class CompiledSelector(CompiledComposite):
     """
 
     __slots__ = ()
+    renews = False
 
     def tick(self, now: Tick) -> Status:
         begins, memory, last = self.status is not RUNNING, self.memory_, self.current

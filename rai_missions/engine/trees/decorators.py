@@ -51,6 +51,11 @@ class CompiledConverter(CompiledNode):
         self.child = child
         self.reports = {status: reports.get(status, status) for status in STATUSES.values()}
 
+    @property
+    def renews(self) -> bool:  # type: ignore[override]
+        """As its child does."""
+        return bool(self.child.renews)
+
     def tick(self, now: Tick) -> Status:
         child = self.child
         status = self.reports[child.status if child.idle else child.tick(now)]
@@ -189,6 +194,7 @@ class CompiledEternalGuard(CompiledNode):
     """
 
     __slots__ = ("child", "is_open", "steady", "test")
+    renews = False
 
     def __init__(self, child: Any, test: Test, site: Site, *, steady: bool) -> None:
         super().__init__((child,))
@@ -232,6 +238,7 @@ class CompiledOneShot(CompiledNode):
     """
 
     __slots__ = ("child", "end", "ends")
+    renews = False
 
     def __init__(self, child: Any, ends: Sequence[Status]) -> None:
         super().__init__((child,))
@@ -270,6 +277,7 @@ class CompiledReport(CompiledNode):
     """
 
     __slots__ = ("child", "key")
+    renews = False
 
     def __init__(self, child: Any, key: str) -> None:
         super().__init__((child,))

@@ -38,6 +38,8 @@ class CompiledNode:
     """Each run of its child is a round."""
     counted = False
     """The rounds of the loop have a number."""
+    renews = True
+    """A tick after its end comes to the same as a stop and then a tick."""
     writes: tuple[str, ...] = ()
     """The keys that a tick of it may write."""
     role: Literal["", "activity", "waits"] = ""

@@ -70,15 +70,17 @@ class CompiledTicker:
         changed: Collection[str] | None = None,
     ) -> TickResult:  # fmt: skip
         """Tick once; see `Ticker`."""
-        sight, pending = self._restore(state, view), _pending(state)
+        sight, ends = self._restore(state, view), outcomes
         sight.late_s = late_s
         if changed is None:
-            self.root.doubt()
+            self._doubt_all()
         else:
             self._wake_all(changed)
-        ends = {**pending, **outcomes} if pending else outcomes
-        for path in ends:
-            self.nodes[self.paths.numbers[path]].wake()
+        if state.leaves:
+            pending = _pending(state)
+            ends = {**pending, **outcomes} if pending else outcomes
+            for path in ends:
+                self.nodes[self.paths.numbers[path]].wake()
         for node in self.waiting.values():
             if sight.at >= node.deadline():
                 node.wake()
@@ -101,6 +103,11 @@ class CompiledTicker:
             for node in self.dependents.get("*", ()):
                 node.wake()
 
+    def _doubt_all(self) -> None:
+        for node in self.nodes:
+            node.idle = False
+            node.todo = -1
+
     def _wake_all(self, changed: Iterable[str]) -> None:
         for key in changed:
             self._wake(key)
@@ -113,7 +120,7 @@ class CompiledTicker:
 
     def _restore(self, state: TreeState, view: View) -> TickView:
         self._recall(state)
-        root = state.nodes.get("", NOTHING)
+        root = self.root.shown or NOTHING
         sight = TickView(view, self.state, root.get("began", view.at), root.get("held", NOTHING))
         return self._hold(sight) if self.holds else sight
 
@@ -159,7 +166,7 @@ class CompiledTicker:
             self._recall_node(node, memories.get(node.path))
         shown = [node.shown for node in self.nodes]
         self._parts = [shown[at : at + PART] for at in range(0, len(shown), PART)]
-        self.root.doubt()
+        self._doubt_all()
 
     def _recall_node(self, node: CompiledNode, memory: Mapping[str, Any] | None) -> None:
         node.recall(memory if memory is not None else NOTHING)
@@ -186,22 +193,28 @@ class CompiledTicker:
         done = self.round
         if done.writes and self.holds:
             sight = self._hold(sight)
-        self._written = frozenset(key for key, _ in done.writes)
+        self._written = [key for key, _ in done.writes]
         self.shown = self._remembered(before, sight)
-        rounds = tuple(
-            LoopRound(child.path, loop.counted, at_once, loop.status is RUNNING)
-            for loop, child, at_once in done.turned
-        )  # fmt: skip
-        begun = tuple(child.path for child in done.turning if child.status is RUNNING)
+        begun: tuple[str, ...] = ()
+        rounds: tuple[LoopRound, ...] = ()
+        if done.turned or done.turning:
+            rounds = tuple([
+                LoopRound(child.path, loop.counted, at_once, loop.status is RUNNING)
+                for loop, child, at_once in done.turned
+            ])  # fmt: skip
+            begun = tuple([child.path for child in done.turning if child.status is RUNNING])
+        waits = tuple([node.path for node in done.waits if node.status is RUNNING]) if done.waits else ()
         return TickResult(
             self.shown, self.root.status, tuple(done.started), tuple(done.ended), tuple(done.writes),
-            tuple(done.published), (), begun, rounds, tuple(node.path for node in done.waits if node.status is RUNNING),
+            tuple(done.published), (), begun, rounds, waits,
         )  # fmt: skip
 
     def _remembered(self, before: TreeState, sight: TickView) -> TreeState:
         """The state after a tick; it shares with the one before what is the same."""
-        has_run, parts, copied = False, self._parts, set[int]()
-        for node in (*self.round.touched, self.root):
+        has_run, parts, copied, touched = False, self._parts, set[int](), self.round.touched
+        if self.holds or self.root.shown is None:
+            touched.append(self.root)
+        for node in touched:
             if node.role:
                 self._note(node)
                 has_run = has_run or node.role == "activity"
@@ -217,7 +230,7 @@ class CompiledTicker:
                 copied.add(at)
             parts[at][place] = memory
         leaves = before.leaves
-        if has_run or _pending(before):
+        if has_run or (before.leaves and _pending(before)):
             leaves = {self.nodes[number].path: Leaf(self.awaited[number].run) for number in sorted(self.awaited)}
         if not copied and leaves is before.leaves and isinstance(before.nodes, NodeMemories):
             return before
