@@ -20,6 +20,8 @@ __all__ = ("Read",)
 class Read(State, word="read"):
     """Reads a request by the grammar, in the step in which it begins; nothing is asked, nothing moves.
 
+    Where `into` holds a reading with candidates, the text may also be an answer to its question: `the second`.
+
     Outcomes: `succeeded`, there is a goal; `unclear`, there is a question to the person; `refused`, with a reason;
     `rejected`, the request or what is seen is unknown.
     """

@@ -34,12 +34,14 @@ class ComputingMachine(Machine):
         given: The paths of what it is worked out from.
         into: The key that it is written to.
         compute: A pure function of their values.
+        follows: Whether it also takes what was written last, or None, as its last value.
     """
 
     def __init__(
-        self, owner: str, site: Site, given: Sequence[str], into: str, compute: Callable[..., Computed]
-    ) -> None:
-        self.owner, self.site, self.into, self.compute = owner, site, into, compute
+        self, owner: str, site: Site, given: Sequence[str], into: str, compute: Callable[..., Computed], *,
+        follows: bool = False,
+    ) -> None:  # fmt: skip
+        self.owner, self.site, self.into, self.compute, self.follows = owner, site, into, compute, follows
         self.given = [(path, Operand(path, site)) for path in given]
 
     def computing(self, compute: Callable[..., Computed]) -> ComputingMachine:
@@ -50,7 +52,11 @@ class ComputingMachine(Machine):
         known = [(path, operand.read(host.view)) for path, operand in self.given]
         if unknown := [path for path, value in known if value is None]:
             return Turn(None, outcome=Outcome("rejected", why=f"unknown: {', '.join(unknown)}"))
-        outcome, value, why = self.compute(*(value for _, value in known))
+        values = [value for _, value in known]
+        if self.follows:
+            last = host.view.board.get(self.into)
+            values.append(None if last is None else last.value)
+        outcome, value, why = self.compute(*values)
         return Turn(None, outcome=Outcome(outcome, why=why), writes=((self.into, dict(value)),))
 
     def receive(self, state: Any, event: Event, host: ActivityHost) -> Turn | None:

@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The machine of a reading: the grammar, once."""
+"""The machine of a reading: the grammar, once; after a question that offered goals, first as the answer to it."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 from rai_missions.engine.activities.activity import Bench, machine_of
@@ -14,11 +15,12 @@ from rai_missions.states.read import Read
 __all__ = ()
 
 
-def _read(request: Any, seen: Any) -> Computed:
-    from rai_missions.planning.reading import read_request  # a grammar with its languages
+def _read(request: Any, seen: Any, last: Any) -> Computed:
+    from rai_missions.planning.reading import read_answer  # a grammar with its languages
 
+    offered = last.get("candidates") if isinstance(last, Mapping) else None
     try:
-        value = read_request(str(request), read_scene(seen))
+        value = read_answer(str(request), offered or (), read_scene(seen))
     except DefinitionError:
         about = "what is seen cannot be read"
         value = {"goal": None, "question": "", "candidates": [], "reason": "unreadable", "about": about}
@@ -29,4 +31,4 @@ def _read(request: Any, seen: Any) -> Computed:
 @machine_of.register(Read)
 def _(definition: Read, bench: Bench) -> ComputingMachine:
     given = (definition.read_, definition.over)
-    return ComputingMachine(bench.owner, bench.site(), given, definition.into, _read)
+    return ComputingMachine(bench.owner, bench.site(), given, definition.into, _read, follows=True)

@@ -3,19 +3,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
+from typing import Any
 
-from rai_missions.planning.goal import Goal
+from rai_missions.errors import DefinitionError
+from rai_missions.planning.goal import Goal, read_goal
 from rai_missions.planning.reading.lexicon import Vocabulary, lexicon, lexicons
 from rai_missions.planning.reading.noun_phrases import Cursor, noun_phrases
 from rai_missions.planning.reading.phrases import Unread
-from rai_missions.planning.reading.read import reading_of
+from rai_missions.planning.reading.read import read_request, reading_of
 from rai_missions.planning.reading.symbols import LONGEST_REQUEST, symbols, words_of
 from rai_missions.planning.reading.things import Things
 from rai_missions.planning.scene import Scene
 from rai_missions.planning.text.numbers import ordinal
 
-__all__ = ("chosen",)
+__all__ = ("chosen", "read_answer")
 
 AROUND = (",", ".", "put", "with", "and")
 
@@ -39,6 +41,30 @@ def chosen(answer: str, candidates: Sequence[Goal], scene: Scene) -> Goal | None
             return found
     goal = reading_of(answer, scene).goal
     return goal if goal in candidates else None
+
+
+def read_answer(text: str, offered: Iterable[Any], scene: Scene) -> dict[str, Any]:
+    """What a text asks for, as `read_request` has it: the goal of the last question that it chooses, else its own.
+
+    Args:
+        text: In free words.
+        offered: The goals of the last question as plain data, in its order; what is no goal is left out.
+        scene: What is seen.
+    """
+    goal = chosen(text, [*_goals(offered)], scene)
+    if goal is None:
+        return read_request(text, scene)
+    return {"goal": goal.written(), "question": "", "candidates": [], "reason": "", "about": ""}
+
+
+def _goals(offered: Iterable[Any]) -> Iterable[Goal]:
+    for each in offered:
+        try:
+            goal = read_goal(each)
+        except DefinitionError:
+            continue
+        if isinstance(goal, Goal):
+            yield goal
 
 
 def _in_language(answer: str, candidates: Sequence[Goal], scene: Scene, words: Vocabulary) -> Goal | None:

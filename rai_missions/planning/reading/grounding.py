@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Whether a goal is grounded in a request: a word of it means each thing of the goal, and it has each of its numbers.
+"""Whether a goal is grounded in a request: words of it mean each thing and each relation, and it has each number.
 
 Rule: it holds for a goal of any author, a model included, and over any text; what cannot be matched is not said.
 """
@@ -12,6 +12,7 @@ from dataclasses import dataclass, field
 
 from rai_missions.planning.goal import AtPlace, Goal, LeftOf
 from rai_missions.planning.reading.lexicon import Vocabulary, lexicon, lexicons
+from rai_missions.planning.reading.said_relations import relations_in
 from rai_missions.planning.reading.symbols import Quantity, Symbol, symbols
 from rai_missions.planning.scene import CONTAINERS, Scene
 
@@ -26,7 +27,7 @@ EVERY = frozenset({"everything", "rest"})
 
 
 def is_said(goal: Goal, request: str, scene: Scene | None = None) -> bool:
-    """Whether each thing and each number of the goal is in the request.
+    """Whether each thing, each number and each relation of the goal is in the request.
 
     Args:
         goal: Of any author.
@@ -38,7 +39,7 @@ def is_said(goal: Goal, request: str, scene: Scene | None = None) -> bool:
 
 
 def unsaid(goal: Goal, request: str, scene: Scene | None = None) -> tuple[str, ...]:
-    """The names of things, and the numbers, of a goal that no word of the request means.
+    """The names of things, the numbers, and the words of relations of a goal that no word of the request means.
 
     Args:
         goal: Of any author.
@@ -52,7 +53,9 @@ def unsaid(goal: Goal, request: str, scene: Scene | None = None) -> tuple[str, .
         for name, number in _numbers(goal)
         if not any(each.has_number(number) or _is_exchanged(name, goal, each, scene) for each in evidence)
     ]
-    return (*names, *(f"{number:g}" for number in numbers))
+    words = dict.fromkeys(each.word for each in goal.all)
+    relations = [word for word in words if not any(word in each.relations for each in evidence)]
+    return (*names, *(f"{number:g}" for number in numbers), *relations)
 
 
 @dataclass(slots=True)
@@ -68,6 +71,8 @@ class _Evidence:
     is_every: bool = False
     """Whether everything that can be moved is meant, or another thing."""
     numbers: list[Quantity] = field(default_factory=list)
+    relations: frozenset[str] = frozenset()
+    """The words of the predicates that may be meant."""
     is_right: bool = False
     is_swap: bool = False
 
@@ -79,6 +84,7 @@ class _Evidence:
         for at, symbol in enumerate(found):
             made._add(symbol, at, found)
         made._add_towers(found)
+        made.relations = relations_in(found)
         return made
 
     def _add(self, symbol: Symbol, at: int, found: Sequence[Symbol]) -> None:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a request says of a goal: each thing by a word, each number in its unit; nothing else is said."""
+"""What a request says of a goal: each thing and relation by a word, each number in its unit; nothing else is said."""
 
 from __future__ import annotations
 
@@ -37,10 +37,18 @@ AT = {"at": "red_cube", "x": 0.5, "y": -0.1}
         ("red cube left of the blue cube", {"left_of": ["red_cube", "blue_cube"], "gap_m": 0.05}, ("0.05",)),
         ("stell den roten Würfel auf den blauen", {"on": ["red_cube", "blue_cube"]}, ()),
         ("stell den roten Würfel auf den blauen", {"on": ["red_cube", "green_cube"]}, ("green_cube",)),
-        ("", {"on": ["red_cube", "blue_cube"]}, ("red_cube", "blue_cube")),
+        ("put the red cube next to the blue one", {"on": ["red_cube", "blue_cube"]}, ("on",)),
+        ("put the red cube on the blue one", {"next_to": ["red_cube", "blue_cube"]}, ("next_to",)),
+        ("put the red cube on the blue one", {"apart": ["red_cube", "blue_cube"]}, ("apart",)),
+        ("do not put the red cube on the blue one", {"on": ["red_cube", "blue_cube"]}, ("on",)),
+        ("what about the red cube and the blue cube?", {"grouped": ["red_cube", "blue_cube"]}, ("grouped",)),
+        ("the apple and the tray", {"in": ["apple", "tray"]}, ("in",)),
+        ("the red cube left of the blue cube", {"left_of": ["red_cube", "blue_cube"]}, ()),
+        ("den roten Würfel neben den blauen", {"on": ["red_cube", "blue_cube"]}, ("on",)),
+        ("", {"on": ["red_cube", "blue_cube"]}, ("red_cube", "blue_cube", "on")),
     ],
 )  # fmt: skip
-def test_each_thing_and_number_needs_a_word(request_: str, predicate: Any, missing: tuple[str, ...]) -> None:
+def test_each_thing_number_and_relation_needs_a_word(request_: str, predicate: Any, missing: tuple[str, ...]) -> None:
     assert unsaid(goal(predicate), request_, SCENES["full"]) == missing
     if "other" not in request_:
         assert unsaid(goal(predicate), request_) == missing

@@ -1,0 +1,50 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Which relations the words of a request may mean: `on` needs a word of putting on or of a tower.
+
+Rule: words of a relation are evidence for its predicates, whatever stands between; a negation takes all evidence away.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+
+from rai_missions.planning.reading.symbols import Symbol
+from rai_missions.planning.scene import CONTAINERS
+
+__all__ = ("relations_in",)
+
+EXCHANGE = frozenset({"on", "in", "at", "swapped"})
+"""What a swap is rewritten to."""
+KINDS: Mapping[str, frozenset[str]] = {
+    "stack": frozenset({"on"}), "upward": frozenset({"on"}), "level": frozenset({"on"}), "swap": EXCHANGE,
+    "group": frozenset({"grouped"}), "sort": frozenset({"grouped", "apart"}), "by": frozenset({"grouped", "apart"}),
+    "apart": frozenset({"apart"}), "left_to_right": frozenset({"left_of"}), "side": frozenset({"at", "left_of"}),
+    "axis": frozenset({"at"}), "place": frozenset({"at"}), "(": frozenset({"at"}), "away": frozenset({"in"}),
+}  # fmt: skip
+"""Kinds of symbols → the predicates that they may mean."""
+VALUES: Mapping[str, frozenset[str]] = {
+    "on": frozenset({"on", "in"}), "in": frozenset({"in"}), "to": frozenset({"in", "at", "on"}),
+    "off": frozenset({"on"}),
+    "left_of": frozenset({"left_of"}), "right_of": frozenset({"left_of"}), "next_to": frozenset({"next_to"}),
+    "apart": frozenset({"apart"}), "place_of": EXCHANGE, "swap": EXCHANGE, "stack": frozenset({"on"}),
+    "group": frozenset({"grouped"}),
+}  # fmt: skip
+"""Values of `relation` and `each_other` → the predicates that they may mean; on a tray is in it."""
+
+
+def relations_in(found: Iterable[Symbol]) -> frozenset[str]:
+    """The words of the predicates that a text may mean.
+
+    Args:
+        found: The symbols of the text.
+    """
+    said = frozenset[str]()
+    for at, symbol in enumerate(found):
+        if at == 0 and symbol.kind == "noun" and symbol.value.types <= CONTAINERS:
+            said |= {"in"}  # `bin the tomato`
+        if symbol.kind == "no":
+            return frozenset()
+        said |= KINDS.get(symbol.kind, frozenset())
+        if symbol.kind in ("relation", "each_other"):
+            said |= VALUES.get(symbol.value, frozenset())
+    return said
