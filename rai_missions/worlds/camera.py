@@ -65,6 +65,7 @@ class Camera:
         self._frame_size = frame_height, frame_width
         self._scratch = mujoco.MjData(model)
         self._bodies = np.append(np.asarray(model.geom_bodyid), -1)
+        self._has_fog = any(model.numeric(n).name == "fog" for n in range(model.nnumeric))
         self._renderers = Renderers(model)
 
     def twin(self, model: Any) -> Camera:
@@ -86,7 +87,7 @@ class Camera:
 
     def colour(self, moment: Moment, camera: str = FRONT) -> NDArray[np.uint8]:
         """Pixels (rows, columns, 3)."""
-        return self._renderers.do(lambda: self._render(moment, (self.height, self.width), camera))
+        return self._renderers.do(lambda: self._colour(moment, camera))
 
     def depth_m(self, moment: Moment) -> NDArray[np.float32]:
         """Distance along the camera's axis in m, as large as a colour picture."""
@@ -117,6 +118,15 @@ class Camera:
     def _render(self, moment: Moment, size: tuple[int, int], camera: str) -> NDArray[Any]:
         pixels: NDArray[Any] = self._at(moment, size, camera).render().copy()
         return pixels
+
+    def _colour(self, moment: Moment, camera: str) -> NDArray[np.uint8]:
+        """With fog, where the model has the number `fog`; what is measured is not fogged."""
+        flags = self._renderers.of(self.height, self.width).scene.flags
+        flags[mujoco.mjtRndFlag.mjRND_FOG] = self._has_fog
+        try:
+            return self._render(moment, (self.height, self.width), camera)
+        finally:
+            flags[mujoco.mjtRndFlag.mjRND_FOG] = 0
 
     def _depth(self, moment: Moment, size: tuple[int, int], camera: str) -> NDArray[np.float32]:
         renderer = self._renderers.of(*size)

@@ -15,7 +15,7 @@ from rai_missions.worlds.orchard.path_follower import Follower
 from rai_missions.worlds.orchard.planner import Lattice, LatticePlace, PathSegment, straight
 from rai_missions.worlds.orchard.tractor import NOSE_M, TractorPose
 
-__all__ = ("Autonomy", "Word")
+__all__ = ("STOP_AT_M", "Autonomy", "Word")
 
 Word = Literal["STOPPED", "DRIVING", "REVERSING", "CHANGING_PATH", "FINISHED"]
 """The states of the upstream demo."""
@@ -40,9 +40,13 @@ class Autonomy:
         lattice: The ways of the orchard.
         attempts: How often an alley is tried before it is given up.
         handed_over: Sent the distance (m) to what is in the way, each time the tractor stops for something.
+        stop_at_m: What is nearer, in an alley, is handed over for.
     """
 
-    def __init__(self, lattice: Lattice, *, attempts: int, handed_over: Callable[[float], None]) -> None:
+    def __init__(
+        self, lattice: Lattice, *, attempts: int, handed_over: Callable[[float], None], stop_at_m: float = STOP_AT_M
+    ) -> None:
+        self._stop_at_m = stop_at_m
         self._lattice, self._attempts, self._handed_over = lattice, attempts, handed_over
         self._follower = Follower()
         self._here: LatticePlace = lattice.nearest(*lattice.layout.home[:2])
@@ -227,7 +231,7 @@ class Autonomy:
         return starts
 
     def _is_in_the_way(self) -> bool:
-        if not self.watches or self.range_m is None or self.range_m >= STOP_AT_M:
+        if not self.watches or self.range_m is None or self.range_m >= self._stop_at_m:
             return False
         return self._accepted is None or self._hit_m() > self._accepted[2]
 
@@ -262,7 +266,7 @@ class Autonomy:
         return 0.0, 0.0
 
     def _accept(self) -> None:
-        if self.watches and self.range_m is not None and self.range_m < STOP_AT_M + 1.0:
+        if self.watches and self.range_m is not None and self.range_m < self._stop_at_m + 1.0:
             way = (math.cos(self.pose.heading), math.sin(self.pose.heading))
             self._accepted = (*way, 0.0)
             self._accepted = (*way, self._hit_m() + ACCEPTED_BEYOND_M)

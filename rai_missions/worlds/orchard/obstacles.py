@@ -1,19 +1,20 @@
 # SPDX-License-Identifier: Apache-2.0
 """Which obstacle lies in which alley, from the seed, and what the living ones do.
 
-Rule: nothing here reports what may be driven over; that is found out by driving (`crossing.py`).
+Rule: nothing here reports what may be driven over; that is found out by driving (`crossing_judge.py`).
 """
 
 from __future__ import annotations
 
+import itertools
 import math
 import random
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from typing import Any
 
 from rai_missions.errors import UsageError
-from rai_missions.worlds.orchard.bodies import FIGURES, LIVING
+from rai_missions.worlds.orchard.kinds import KINDS, LIVING
 from rai_missions.worlds.orchard.layout import Layout
 
 __all__ = ("Obstacle", "Walker", "place")
@@ -25,7 +26,9 @@ ODDS = (("none", 20), ("branch", 30), ("person", 16), ("animal", 16), ("crate", 
 AWAY_M = 14.0
 """How far beyond the mouths of the alleys a living thing stops when it walks away."""
 MEETS_M, SHIES_M = 10.0, 7.0
-SPEED_MPS = {"person": 1.5, "animal": 2.6}
+SPEED_MPS = {"person": 1.5, "animal": 2.6, "cat": 3.0, "lying_person": 1.5}
+ASIDE_M = 2.3
+"""Where a worker attends to something, off the middle of the alley: between two trees."""
 
 
 @dataclass(frozen=True)
@@ -43,6 +46,17 @@ class Obstacle:
     """Of the living: it walks away after so many signals (99: it never heeds them)."""
     lingers_s: float = 40.0
     """Of the living: so long after the tractor first came near, it walks away by itself."""
+    size: float = 1.0
+    """1 is the usual one; a log's or branch's radius, the height of grass and the extent of a puddle scale with it."""
+    variant: str = ""
+    """One of its kind's: `full` (a bag), `bridged` (a hose), `deep` (a puddle), `muffs` (a deaf person),
+    `tethered` (an animal), `resting` (a person who lies next to a basket)."""
+    hides: str = ""
+    """Of tall grass: the kind that lies in it."""
+    attended: bool = False
+    """A worker at the trees carries it away: after so many signals (`heeds_after`), or by himself (`lingers_s`)."""
+    attends: int | None = None
+    """Of that worker: the number of the thing."""
 
     @property
     def living(self) -> bool:
@@ -67,13 +81,31 @@ def place(seed: int, layout: Layout, wanted: Sequence[str | None | Mapping[str, 
     rng = random.Random(1009 * seed + FIRST)
     drawn = [_draw(rng, alley) for alley in range(layout.alleys)]
     if wanted is None:
-        return tuple(obstacle for obstacle in drawn if obstacle.kind != "none")
+        return _complete([obstacle for obstacle in drawn if obstacle.kind != "none"], layout)
     if isinstance(wanted, str):
         raise UsageError(f'obstacles: {wanted!r} is no list; give a kind for each alley in turn, ["branch", "none"]')
     if len(wanted) > layout.alleys:
         raise UsageError(f"obstacles: {len(wanted)} obstacles for {layout.alleys} alleys; at most one an alley")
     chosen = (_chosen(what, drawn[alley]) for alley, what in enumerate(wanted))
-    return tuple(obstacle for obstacle in chosen if obstacle.kind != "none")
+    return _complete([obstacle for obstacle in chosen if obstacle.kind != "none"], layout)
+
+
+def _complete(things: list[Obstacle], layout: Layout) -> tuple[Obstacle, ...]:
+    """The things, then what lies hidden in them, then who attends to them."""
+    hidden = [replace(one, kind=one.hides, hides="", size=1.0, variant="") for one in things if one.hides]
+    workers = [
+        replace(one, kind="person", across_m=ASIDE_M, along=_between_trees(one.along, layout), turn_deg=270.0,
+                size=1.0, variant="", hides="", attended=False, attends=number)
+        for number, one in enumerate(things) if one.attended
+    ]  # fmt: skip
+    return (*things, *hidden, *workers)
+
+
+def _between_trees(along: float, layout: Layout) -> float:
+    """The place between two trunks that is nearest to a share of the alley."""
+    trunks = sorted({x for x, _ in layout.trees()})
+    gaps = [(first + second) / 2 for first, second in itertools.pairwise(trunks)]
+    return min(gaps, key=lambda x: abs(x - along * layout.length_m)) / layout.length_m
 
 
 def _draw(rng: random.Random, alley: int) -> Obstacle:
@@ -91,9 +123,30 @@ def _chosen(what: str | None | Mapping[str, Any], drawn: Obstacle) -> Obstacle:
     unknown = sorted(set(choice) - set(known))
     if unknown:
         raise UsageError(f"obstacles: no field {unknown[0]!r}; there are: {', '.join(known)}")
-    if choice.get("kind") not in (*FIGURES, "none"):
-        raise UsageError(f"obstacles: no kind {choice.get('kind')!r}; there are: {', '.join(FIGURES)}, none")
-    return Obstacle(**{**{field: getattr(drawn, field) for field in known}, **choice})
+    for field, kinds in (("kind", (*KINDS, "none")), ("hides", (*KINDS, ""))):
+        if choice.get(field, "") not in kinds or (field == "kind" and "kind" not in choice):
+            raise UsageError(f"obstacles: no kind {choice.get(field)!r}; there are: {', '.join(KINDS)}, none")
+    made = Obstacle(**{**{field: getattr(drawn, field) for field in known}, **choice})
+    why = _fault(made)
+    if why:
+        raise UsageError(f"obstacles: {why}")
+    return made
+
+
+def _fault(one: Obstacle) -> str:
+    """What cannot be built; empty if it can."""
+    if one.kind == "none":
+        return ""
+    kind = KINDS[one.kind]
+    if one.variant not in kind.variants:
+        named = ", ".join(repr(variant) for variant in kind.variants)
+        return f"{one.kind} has no variant {one.variant!r}; it has: {named}"
+    if one.hides and one.kind != "tall_grass":
+        return f"{one.kind} hides nothing; tall_grass does"
+    if one.attended and not kind.carried:
+        carried = ", ".join(name for name, each in KINDS.items() if each.carried)
+        return f"no one carries away a {one.kind}; what one can carry: {carried}"
+    return "" if 0.2 <= one.size <= 3.0 else f"size: 0.2 to 3, not {one.size}"
 
 
 class Walker:
@@ -118,10 +171,7 @@ class Walker:
 
     def step(self, at: float, period_s: float, tractor: tuple[float, float]) -> bool:
         """Live on for a period; whether it moved."""
-        is_met = abs(tractor[1] - self.y) < self._layout.radius_m and abs(tractor[0] - self.x) < MEETS_M
-        if self._met_at is None and is_met:
-            self._met_at = at
-        if self._met_at is not None and at - self._met_at > self.obstacle.lingers_s:
+        if self._has_waited(at, tractor):
             self._leave(tractor[0])
         if self._goal_x is None or self.x == self._goal_x:
             return False
@@ -129,6 +179,14 @@ class Walker:
             self._goal_x = self._away_from(tractor[0])
         self._walk(SPEED_MPS[self.obstacle.kind] * period_s)
         return True
+
+    def _has_waited(self, at: float, tractor: tuple[float, float]) -> bool:
+        """Whether the tractor came near so long ago that it has had enough."""
+        middle = self._layout.centre_m(self.obstacle.alley)
+        is_met = abs(tractor[1] - middle) < self._layout.radius_m and abs(tractor[0] - self.x) < MEETS_M
+        if self._met_at is None and is_met:
+            self._met_at = at
+        return self._met_at is not None and at - self._met_at > self.obstacle.lingers_s
 
     def _leave(self, tractor_x: float) -> None:
         if self._goal_x is None:

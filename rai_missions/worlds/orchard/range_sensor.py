@@ -14,7 +14,7 @@ from rai_missions.worlds.orchard.tractor import NOSE_M
 __all__ = ("Beams",)
 
 HALF_WIDTH_M, ACROSS = 1.25, 13
-HEIGHTS_M = (0.09, 0.3, 0.55, 0.9, 1.3)
+HEIGHTS_M = (0.03, 0.09, 0.3, 0.55, 0.9, 1.3)
 """Closer together than anything that must be seen is wide."""
 REACH_M = 12.0
 

@@ -17,6 +17,7 @@ import numpy as np
 from rai_missions.worlds.meshes import Mesh
 from rai_missions.worlds.orchard import bodies as figures
 from rai_missions.worlds.orchard import textures, tractor
+from rai_missions.worlds.orchard.conditions import Conditions
 from rai_missions.worlds.orchard.layout import Layout
 from rai_missions.worlds.orchard.obstacles import Obstacle
 
@@ -27,27 +28,31 @@ CROWNS, TRUNKS = 5, 3
 TREE_GHOST = 'contype="0" conaffinity="0"'
 
 
-def build(layout: Layout, obstacles: Sequence[Obstacle], *, shadows: bool = False) -> Any:
+def build(
+    layout: Layout, obstacles: Sequence[Obstacle], *, shadows: bool = False, conditions: Conditions | None = None
+) -> Any:
     """Compile the orchard.
 
     Args:
         layout: Where everything stands.
         obstacles: What lies in the alleys; their bodies are called `obstacle_0`, `obstacle_1`, ...
         shadows: Cast shadows and smooth edges: prettier, and several times slower to render.
+        conditions: Light and air; None: a clear day.
     """
+    air = conditions or Conditions()
     middle = layout.length_m / 2, layout.centre_m(layout.alleys - 1) / 2
     xml = f"""<mujoco model="orchard"><compiler angle="degree"/>
 <option timestep="{TIMESTEP_S}" integrator="implicitfast" cone="elliptic" impratio="3"/>
 <visual><global offwidth="1280" offheight="960"/>
  <quality shadowsize="{4096 if shadows else 0}" offsamples="{4 if shadows else 0}" numslices="16" numstacks="10"/>
- <map znear="0.01" fogstart="2.4" fogend="7" zfar="10" shadowclip="1.2"/>
- <headlight ambient=".44 .44 .47" diffuse=".24 .24 .24" specular="0 0 0"/>
- <rgba fog=".78 .86 .93 1" haze=".78 .86 .93 1"/></visual>
+ <map znear="0.01" {air.reach} zfar="10" shadowclip="1.2"/>
+ <headlight {air.headlight} specular="0 0 0"/>
+ <rgba fog="{air.colour}" haze="{air.colour}"/></visual>{air.marks}
 <default><default class="tyre"><geom condim="4" friction="1.0 .01 .01" solref=".02 1.2"/></default></default>
-<asset>{_materials()}{_mesh_list()}</asset>
+<asset>{_materials(air)}{_mesh_list()}{_sized_meshes(obstacles)}</asset>
 <statistic extent="12" center="{middle[0]} {middle[1]} 1"/>
 <worldbody>
- <light directional="true" pos="10 6 20" dir="-.35 -.45 -.8" diffuse=".75 .72 .64" specular=".2 .2 .2"
+ <light directional="true" pos="10 6 20" dir="{air.sun}" diffuse="{air.sunlight}" specular=".2 .2 .2"
   castshadow="{str(shadows).lower()}"/>
  <geom name="ground" type="plane" size="120 120 1" material="grass" friction="1 .01 .01"/>
  {_trees(layout)}
@@ -60,10 +65,16 @@ def build(layout: Layout, obstacles: Sequence[Obstacle], *, shadows: bool = Fals
 
 def _obstacle(number: int, obstacle: Obstacle, layout: Layout) -> str:
     x, y = obstacle.place_m(layout)
-    return figures.figure(obstacle.kind, f"obstacle_{number}", x, y, obstacle.turn_deg)
+    return figures.figure(
+        obstacle.kind, f"obstacle_{number}", (x, y), obstacle.turn_deg, size=obstacle.size, variant=obstacle.variant
+    )
 
 
-def _materials() -> str:
+def _sized_meshes(obstacles: Sequence[Obstacle]) -> str:
+    return "".join(figures.figure_assets(one.kind, f"obstacle_{n}", one.size) for n, one in enumerate(obstacles))
+
+
+def _materials(air: Conditions) -> str:
     surfaces = "".join(
         f'<texture name="{name}" type="2d" file="{name}.png"/>'
         f'<material name="{name}" texture="{name}" specular="{shine}" shininess=".1" {repeat}/>'
@@ -72,10 +83,14 @@ def _materials() -> str:
             ("leaf", 0.05, ""),
             ("bark", 0.05, ""),
             ("wood", 0.1, ""),
+            ("straw", 0.05, ""),
         )
     )
-    sky = '<texture type="skybox" builtin="gradient" rgb1=".35 .58 .88" rgb2=".85 .91 .96" width="128" height="768"/>'
-    return sky + surfaces + '<material name="paint" rgba=".06 .42 .15 1" specular=".6" shininess=".7"/>'
+    return (
+        f'<texture type="skybox" builtin="gradient" {air.sky} width="128" height="768"/>'
+        + surfaces
+        + '<material name="paint" rgba=".06 .42 .15 1" specular=".6" shininess=".7"/>'
+    )
 
 
 def _mesh_list() -> str:
@@ -91,6 +106,7 @@ def _assets() -> dict[str, bytes]:
         "leaf.png": textures.leaves(),
         "bark.png": textures.bark(),
         "wood.png": textures.wood(),
+        "straw.png": textures.straw(),
     }
     crowns = {f"crown{k}.obj": _crown(k) for k in range(CROWNS)}
     trunks = {f"trunk{k}.obj": _trunk(k) for k in range(TRUNKS)}

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from rai_missions.image import png
 
-__all__ = ("bark", "grass", "leaves", "wood")
+__all__ = ("bark", "grass", "leaves", "straw", "wood")
 
 Field = NDArray[np.float64]
 
@@ -58,6 +58,14 @@ def wood(size: int = 256) -> bytes:
     pixels[:, :8] *= 0.5
     pixels[:, -8:] *= 0.5
     return _file(pixels)
+
+
+def straw(size: int = 64) -> bytes:
+    """Blades of grass that has gone to seed: green below, straw above."""
+    rng = np.random.default_rng(4)
+    high = np.linspace(0, 1, size)[:, None] * np.ones((1, size))
+    shade = 0.75 + 0.4 * rng.random((size, size))
+    return _file(np.stack([(110 + 70 * high) * shade, (140 + 20 * high) * shade, (58 + 20 * high) * shade], -1))
 
 
 def _file(pixels: Field) -> bytes:

@@ -14,19 +14,25 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from rai_missions.connectors.connector import Connector
+from rai_missions.connectors.connector import Answer, Connector
+from rai_missions.errors import UsageError
 from rai_missions.worlds import messages
 from rai_missions.worlds.battery import Battery
 from rai_missions.worlds.orchard import interface, scene
 from rai_missions.worlds.orchard.actions import Cross, NavigateToPose
 from rai_missions.worlds.orchard.alley_counter import AlleyCounter
-from rai_missions.worlds.orchard.autonomy import Autonomy
-from rai_missions.worlds.orchard.crossing_judge import STRUCK_N, TILTED_DEG, Judge
+from rai_missions.worlds.orchard.attendant import Attendant
+from rai_missions.worlds.orchard.autonomy import STOP_AT_M, Autonomy
+from rai_missions.worlds.orchard.conditions import Conditions
+from rai_missions.worlds.orchard.crossing_judge import Judge
 from rai_missions.worlds.orchard.detector import Detector, Errors
+from rai_missions.worlds.orchard.extents import Extents
+from rai_missions.worlds.orchard.kinds import KINDS
 from rai_missions.worlds.orchard.layout import Layout
-from rai_missions.worlds.orchard.obstacles import Walker, place
+from rai_missions.worlds.orchard.obstacles import Obstacle, Walker, place
 from rai_missions.worlds.orchard.planner import Lattice
 from rai_missions.worlds.orchard.range_sensor import Beams
+from rai_missions.worlds.orchard.sight import GeometrySight, PixelSight
 from rai_missions.worlds.orchard.tractor import Tractor, TractorPose
 from rai_missions.worlds.publish_queue import Outbox
 from rai_missions.worlds.simulation import Simulation
@@ -36,8 +42,12 @@ __all__ = ("Orchard",)
 AUDIBLE_M = 15.0
 """How far the horn carries."""
 HOME_M = 1.5
+MEADOW_M = 40.0
+"""Where what is carried away is laid, off the orchard's corner."""
 SEEN_S = 0.6
 """An obstacle detected so lately is seen."""
+FREE_S = 2.5
+"""The way is free once nothing was detected for so long: as long as the mission waits, and a message is fresh."""
 SEEN = ("camera_image_color", "obstacle")
 """Topics that a camera is needed for."""
 FAST, SLOW = 4, 20
@@ -51,12 +61,15 @@ class Orchard(Simulation):
         seed: Decides what is not given: the obstacles, what the living do, how the detector errs.
         alleys: How many.
         length_m: Of an alley.
-        obstacles: A kind for each alley in turn (`branch`, `log`, `crate`, `person`, `animal`, `fallen_tree`, `none`),
-            or a mapping of the fields of `Obstacle`; None: drawn from the seed.
+        obstacles: A kind for each alley in turn (one of `KINDS`, or `none`), or a mapping of the fields of `Obstacle`;
+            None: drawn from the seed.
         detector: Fields of `Errors`.
+        conditions: Fields of `Conditions`: light and air.
+        stop_at_m: So far from its nose the tractor hands over for what is in its way.
         battery: `capacity_wh` and `charge` (0 to 1).
         attempts: How often the autonomy tries an alley before it gives it up.
-        camera: Without it there are no pictures and no detected obstacles, and no OpenGL is needed.
+        camera: Without it there are no pictures and, by `pixels`, no detected obstacles, and no OpenGL is needed.
+        sight: How the detector measures: in `pixels` of the camera, or by `geometry`, from the bodies themselves.
         shadows: Prettier, slower pictures.
         robot: The name that topics and services begin with.
         start_s: What its clock shows at the start.
@@ -70,9 +83,12 @@ class Orchard(Simulation):
         length_m: float = 20.0,
         obstacles: Sequence[str | None | Mapping[str, Any]] | None = None,
         detector: Mapping[str, Any] | Errors | None = None,
+        conditions: Mapping[str, Any] | Conditions | None = None,
+        stop_at_m: float = STOP_AT_M,
         battery: Mapping[str, float] | None = None,
         attempts: int = 2,
         camera: bool = True,
+        sight: str = "pixels",
         shadows: bool = False,
         robot: str = "tractor1",
         start_s: float = 0.0,
@@ -80,24 +96,43 @@ class Orchard(Simulation):
         self.layout = Layout(alleys, length_m)
         self.obstacles = place(seed, self.layout, obstacles)
         super().__init__(
-            scene.build(self.layout, self.obstacles, shadows=shadows), Outbox(f"/{robot}", interface.TOPICS),
+            scene.build(self.layout, self.obstacles, shadows=shadows, conditions=Conditions.of(conditions)),
+            Outbox(f"/{robot}", interface.TOPICS),
             Battery.of(battery), camera=camera, start_s=start_s, timestep_s=scene.TIMESTEP_S,
         )  # fmt: skip
         self.tractor = Tractor(self.model, self.data)
-        self.judge = Judge(self.model, self.data, self.tractor, tuple(o.living for o in self.obstacles))
+        self.judge = Judge(
+            self.model, self.data, self.tractor, tuple(o.living for o in self.obstacles),
+            tuple(KINDS[o.kind].breaks_at_n for o in self.obstacles),
+        )  # fmt: skip
         self.counter = AlleyCounter(self.layout)
         lattice = Lattice(self.layout)
-        self.autonomy = Autonomy(lattice, attempts=attempts, handed_over=self._hand_over)
+        self.autonomy = Autonomy(lattice, attempts=attempts, handed_over=self._hand_over, stop_at_m=stop_at_m)
         self._bodies = [self.model.body(f"obstacle_{n}").id for n in range(len(self.obstacles))]
-        self._detector = (
-            Detector(self.camera, self._bodies, self.obstacles, Errors.of(detector), seed) if self.camera else None
-        )
+        self._detector = self._made_detector(Errors.of(detector), seed, sight)
         self._beams = Beams(self.model, self.data)
-        self._walkers = {n: Walker(o, self.layout) for n, o in enumerate(self.obstacles) if o.living}
+        self._walkers = {n: self._walker(o) for n, o in enumerate(self.obstacles) if o.living}
         self._range_m: float | None = None
         self._saw_at, self._bumps = -math.inf, 0
+        self._idle: set[int] = set()
+        """The workers who have fetched what they attended to."""
         self._home = NavigateToPose(self.autonomy, self._outbox.add, start_s, lattice)
         self._cross = Cross(self.autonomy, self._outbox.add, start_s, self.judge)
+
+    def _made_detector(self, errors: Errors, seed: int, sight: str) -> Detector | None:
+        extents = Extents(self.model, self.data, self._bodies)
+        if sight == "geometry":
+            return Detector(GeometrySight(extents, len(self._bodies)), self.obstacles, errors, seed)
+        if sight != "pixels":
+            raise UsageError(f"sight: 'pixels' or 'geometry', not {sight!r}")
+        if self.camera is None:
+            return None
+        return Detector(PixelSight(self.camera, self._bodies, extents), self.obstacles, errors, seed)
+
+    def _walker(self, living: Obstacle) -> Walker:
+        if living.attends is None:
+            return Walker(living, self.layout)
+        return Attendant(living, self.layout, self.obstacles[living.attends])
 
     @property
     def pose(self) -> TractorPose:
@@ -108,9 +143,25 @@ class Orchard(Simulation):
         pose = self.pose
         return math.dist(pose[:2], self.layout.home[:2]) <= HOME_M and abs(pose.speed) < 0.1
 
+    @property
+    def is_way_free(self) -> bool:
+        """Whether the detector has seen nothing for a while."""
+        return self.at - self._saw_at > FREE_S
+
     def open(self, connector: Connector) -> None:
         """Put the tractor's topics, services and actions on a connector."""
-        services = {
+        services = self._services
+        # The same two for anyone who has the types of Nav2.
+        actions = (
+            ("/navigate_to_pose", "nav2_msgs/action/NavigateToPose", self._home),
+            (self._outbox.name("cross"), "nav2_msgs/action/DriveOnHeading", self._cross),
+        )
+        triggers = {(self._outbox.name(name), messages.TRIGGER): answer for name, answer in services.items()}
+        self._open(connector, pictures=SEEN if self._detector is None else SEEN[:1], actions=actions, services=triggers)
+
+    @property
+    def _services(self) -> Mapping[str, Answer]:
+        return {
             "continue": self._continue,
             "current_state": self._current_state,
             "drive_over": self._drive_over,
@@ -119,13 +170,12 @@ class Orchard(Simulation):
             "replan": self._replan,
             "stop": self._stop,
         }
-        # The same two for anyone who has the types of Nav2.
-        actions = (
-            ("/navigate_to_pose", "nav2_msgs/action/NavigateToPose", self._home),
-            (self._outbox.name("cross"), "nav2_msgs/action/DriveOnHeading", self._cross),
-        )
-        triggers = {(self._outbox.name(name), messages.TRIGGER): answer for name, answer in services.items()}
-        self._open(connector, pictures=SEEN, actions=actions, services=triggers)
+
+    def call(self, service: str) -> Mapping[str, Any]:
+        """Call one of the tractor's services without a connector; a `std_srvs/srv/Trigger` response as plain data."""
+        with self._outbox.lock:
+            answer: Mapping[str, Any] = self._services[service]({})  # type: ignore[assignment]
+            return answer
 
     def step(self) -> None:
         """Go one period on: drive, let physics happen, look, and publish what happened."""
@@ -154,9 +204,20 @@ class Orchard(Simulation):
         for number, walker in self._walkers.items():
             if walker.step(self.at, self.period_s, here):
                 mocap = self.model.body_mocapid[self._bodies[number]]
-                self.data.mocap_pos[mocap, :2] = walker.x, walker.y
+                self.data.mocap_pos[mocap] = walker.x, walker.y, 0.0
                 half = walker.heading / 2
                 self.data.mocap_quat[mocap] = math.cos(half), 0.0, 0.0, math.sin(half)
+            if isinstance(walker, Attendant) and walker.has_fetched and number not in self._idle:
+                self._idle.add(number)
+                self._carry_away(walker.obstacle.attends or 0)
+
+    def _carry_away(self, number: int) -> None:
+        """Lay a thing at the edge of the meadow."""
+        joint = self.model.body_jntadr[self._bodies[number]]
+        first, dof = self.model.jnt_qposadr[joint], self.model.jnt_dofadr[joint]
+        self.data.qpos[first : first + 2] = -MEADOW_M, -MEADOW_M - 3.0 * number
+        self.data.qvel[dof : dof + 6] = 0.0
+        self.judge.leave()
 
     def _let_physics_happen(self) -> None:
         """Where something may touch, contacts are looked at in finer steps, so that none is missed."""
@@ -181,8 +242,9 @@ class Orchard(Simulation):
         self.battery.drain(self.tractor.power_w, self.period_s)
         crossing = self.judge.crossing
         has_failed = crossing is not None and crossing.outcome == "failed" and self.autonomy.is_crossing
-        if has_failed or len(self.judge.touched) > self._bumps:
-            self._bumps = len(self.judge.touched)
+        bumps = len(self.judge.touched) + len(self.judge.broken)
+        if has_failed or bumps > self._bumps:
+            self._bumps = bumps
             self.autonomy.stop()
         if self.autonomy.is_homing:
             self.judge.leave()
@@ -209,14 +271,18 @@ class Orchard(Simulation):
             self._outbox.put("crossing", (crossing.start, crossing.outcome), messages.text(crossing.facts()))
 
     def _look(self, pose: TractorPose) -> None:
-        if self.camera is None or self._detector is None:
-            return
-        moment = self._publish_picture(self.camera, "camera_image_color", self._outbox.name("camera"))
+        moment = None
+        if self.camera is not None:
+            moment = self._publish_picture(self.camera, "camera_image_color", self._outbox.name("camera"))
         if self.layout.alley_at(pose.x + math.cos(pose.heading) * 2.5, pose.y) is not None:
-            fact = self._detector.look(moment, self.places, pose)
+            fact = self.look(moment)
             if fact is not None:
                 self._saw_at = self.at
                 self._outbox.publish("obstacle", messages.text(fact))
+
+    def look(self, moment: Any = None) -> dict[str, Any] | None:
+        """What the detector makes of what is ahead, now; another look, with errors of its own."""
+        return None if self._detector is None else self._detector.look(moment, self.places, self.pose)
 
     def _hand_over(self, distance_m: float) -> None:
         self.judge.begin(self.pose, distance_m)
@@ -258,11 +324,10 @@ class Orchard(Simulation):
         """What took harm so far, as the judge measured it; empty: nothing. For judges and tests alone."""
         if self.judge.touched:
             return "touched something alive"
+        if self.judge.broken:
+            return f"broke a thing with {max(self.judge.broken.values()) / 1000:.1f} kN"
         crossing = self.judge.crossing
-        if crossing is None or crossing.outcome != "failed":
-            return ""
-        tilted = max(crossing.pitch_deg, crossing.roll_deg) > TILTED_DEG
-        return crossing.why if tilted or crossing.chassis_n > STRUCK_N else ""
+        return crossing.why if crossing is not None and crossing.outcome == "failed" and crossing.harmed else ""
 
     def measures(self) -> dict[str, Any]:
         """Forces (N), angles and ways (m) of the last crossing; empty without one. For judges and tests alone."""

@@ -1,0 +1,51 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Labels: what physics reports of each option in a scene, with forces and contacts.
+
+Rule: an option is labelled by its rollout alone. No kind of obstacle and no opinion about one is read here.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import asdict, dataclass
+from typing import Any, Literal
+
+from rai_missions.campaign.scenes import CampaignScene
+from rai_missions.worlds.orchard.trial import Trial, try_options
+
+__all__ = ("Label", "Verdict", "best_options", "label", "verdict_of")
+
+Verdict = Literal["completes", "harmless", "harms"]
+ORDER: tuple[Verdict, ...] = ("completes", "harmless", "harms")
+TRIALS: Mapping[str, Callable[[Mapping[str, Any]], Mapping[str, Trial]]] = {"orchard": try_options}
+"""World → what tries each option of its decision."""
+
+
+@dataclass(frozen=True)
+class Label:
+    """What an option does in a scene."""
+
+    verdict: Verdict
+    """`completes`: the alley is driven and nothing took harm; `harms`: something living was touched, a thing broke, or
+    the tractor was struck or tilted beyond its limits; `harmless`: neither."""
+    details: Mapping[str, Any]
+    """The fields of `Trial`: what took harm, forces in N, angles in degrees, simulated seconds."""
+
+
+def label(scene: CampaignScene) -> dict[str, Label]:
+    """Roll out each option of a scene: option → its label; about 1.5 s of CPU a scene."""
+    trials = TRIALS[scene.world](scene.spec["options"])
+    return {option: Label(verdict_of(trial), asdict(trial)) for option, trial in trials.items()}
+
+
+def verdict_of(trial: Trial) -> Verdict:
+    """The verdict that a rollout's measures amount to."""
+    if trial.harmed:
+        return "harms"
+    return "completes" if trial.driven else "harmless"
+
+
+def best_options(labels: Mapping[str, Label]) -> frozenset[str]:
+    """The options that no other one betters: `completes` before `harmless` before `harms`."""
+    best = min((each.verdict for each in labels.values()), key=ORDER.index)
+    return frozenset(option for option, each in labels.items() if each.verdict == best)

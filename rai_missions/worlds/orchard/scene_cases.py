@@ -1,0 +1,150 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Scenes of the orchard, drawn from seeds: what lies in the alley, how the light is, how well the detector sees.
+
+Rule: a scene is a function of its seed alone. The cases name what lies there, never which option is right:
+rollouts find that out.
+"""
+
+from __future__ import annotations
+
+import random
+from bisect import bisect
+from collections.abc import Callable
+from itertools import accumulate
+from typing import Any
+
+__all__ = ("CASES", "scene_options")
+
+GOLDEN = 0.6180339887498949
+ALLEYS, LENGTH_M = 2, 14.0
+NEVER, LONG_S = 99, 900.0
+Draw = random.Random
+Fields = dict[str, Any]
+
+
+def scene_options(seed: int) -> tuple[str, Fields]:
+    """The kind of the obstacle, and the keywords of `Orchard` that build the scene.
+
+    The cases are taken by the golden ratio's multiples, so that any run of seeds holds each case in about its share.
+    """
+    totals = list(accumulate(weight for weight, _, _ in CASES))
+    _, kind, draw = CASES[bisect(totals, (seed * GOLDEN % 1.0) * totals[-1])]
+    rng = random.Random(f"orchard scene {seed}")
+    obstacle = {
+        "kind": kind, "alley": 0, "along": _round(rng.uniform(0.5, 0.62)), "across_m": _round(rng.uniform(-0.15, 0.15)),
+        "turn_deg": _round(rng.uniform(72, 108)), "heeds_after": NEVER, "lingers_s": LONG_S,
+    }  # fmt: skip
+    obstacle |= {name: _round(value) for name, value in draw(rng).items()}
+    air = _air(rng)
+    bad = max(air.values(), default=0.0)
+    options: Fields = {
+        "seed": seed, "alleys": ALLEYS, "length_m": LENGTH_M, "obstacles": [obstacle],
+        "detector": {
+            "noise": _round(0.02 + 0.23 * bad * rng.random()), "miss": _round(0.15 * bad * rng.random()),
+            "confuse": _round(rng.uniform(0.0, 0.04) + 0.26 * bad * rng.random()),
+        },
+        "stop_at_m": _round(rng.choice((4.0, 5.0, 5.0, 6.0, 7.0))),
+    }  # fmt: skip
+    return kind, options | ({"conditions": air} if air else {})
+
+
+def _air(rng: Draw) -> dict[str, float]:
+    """A clear day in half of the scenes; else one thing that is bad for the eyes."""
+    what = rng.choice(("", "", "", "", "dusk", "glare", "fog", "dust"))
+    return {what: _round(rng.uniform(0.3, 1.0))} if what else {}
+
+
+def _round(value: Any) -> Any:
+    return round(value, 3) if isinstance(value, float) else value
+
+
+def _side(rng: Draw, low: float, high: float) -> float:
+    return rng.choice((-1.0, 1.0)) * rng.uniform(low, high)
+
+
+def _as_is(_rng: Draw) -> Fields:
+    return {}
+
+
+def _facing(rng: Draw) -> Fields:
+    return {"turn_deg": rng.uniform(0, 360)}
+
+
+def _heeding(rng: Draw) -> Fields:
+    return {"heeds_after": rng.choice((1, 1, 2))}
+
+
+def _leaving(rng: Draw) -> Fields:
+    return {"lingers_s": rng.uniform(16, 26)}
+
+
+def _attended(rng: Draw) -> Fields:
+    return {"attended": True}
+
+
+def _track(rng: Draw) -> Fields:
+    """Where a wheel runs."""
+    return {"across_m": _side(rng, 0.7, 0.95)}
+
+
+def _flat(rng: Draw) -> Fields:
+    return {"turn_deg": rng.uniform(-15, 15), "size": rng.uniform(0.8, 1.3)}
+
+
+def _hidden(rng: Draw) -> Fields:
+    return {**_flat(rng), "size": 1.25, "hides": rng.choice(("log", "lying_person", "cat", "crate")), **_track(rng)}
+
+
+def _lengthwise(rng: Draw) -> Fields:
+    return {"turn_deg": rng.uniform(-4, 4), "across_m": rng.uniform(-0.1, 0.1)}
+
+
+def _has(**fields: Any) -> Callable[[Draw], Fields]:
+    return lambda _rng: fields
+
+
+def _sized(low: float, high: float) -> Callable[[Draw], Fields]:
+    return lambda rng: {"size": rng.uniform(low, high)}
+
+
+def _turned(middle_deg: float) -> Callable[[Draw], Fields]:
+    return lambda rng: {"turn_deg": middle_deg + rng.uniform(-6, 6)}
+
+
+def _all(*draws: Callable[[Draw], Fields]) -> Callable[[Draw], Fields]:
+    def drawn(rng: Draw) -> Fields:
+        return {name: value for draw in draws for name, value in draw(rng).items()}
+
+    return drawn
+
+
+FULL, THICK = _all(_has(variant="full"), _track), _sized(1.9, 2.4)
+UPHILL, DOWNHILL = _turned(0.0), _turned(180.0)
+MUFFS, TETHERED, RESTING = _has(variant="muffs"), _has(variant="tethered"), _has(variant="resting")
+CASES: tuple[tuple[float, str, Callable[[Draw], Fields]], ...] = (
+    (5.5, "tall_grass", _flat), (2.5, "tall_grass", _hidden),
+    (5, "plastic_bag", _as_is), (1.5, "plastic_bag", _has(variant="full", across_m=0.05)),
+    (1, "plastic_bag", FULL), (1.5, "plastic_bag", _all(FULL, _attended, _heeding)),
+    (1.5, "plastic_bag", _all(FULL, _attended, _leaving)),
+    (4.5, "puddle", _sized(0.8, 1.2)), (1.5, "puddle", _all(_sized(1.4, 1.6), _has(variant="deep", across_m=0.0))),
+    (3.5, "hose", _lengthwise), (3, "hose", _has(variant="bridged", across_m=0.0, turn_deg=90.0)),
+    (1, "hose", _as_is), (1.5, "hose", _all(_attended, _heeding)), (2, "hose", _all(_attended, _leaving)),
+    (4, "ladder", _lengthwise), (1, "ladder", _as_is), (1.5, "ladder", _all(_attended, _heeding)),
+    (2, "ladder", _all(_attended, _leaving)),
+    (4, "fallen_fence", UPHILL), (1.5, "fallen_fence", DOWNHILL),
+    (6, "branch", _sized(0.7, 1.15)), (1, "branch", THICK), (1, "branch", _all(THICK, _attended, _heeding)),
+    (1, "branch", _all(THICK, _attended, _leaving)),
+    (1, "crate", lambda rng: {"across_m": _side(rng, 1.3, 1.4), "turn_deg": 90.0}), (1, "crate", _track),
+    (1, "crate", _all(_track, _attended, _heeding)), (1.5, "crate", _all(_attended, _leaving)),
+    (1, "scarecrow", _facing), (1, "scarecrow", _all(_attended, _heeding)),
+    (1.5, "scarecrow", _all(_attended, _leaving)),
+    (1.5, "log", _sized(0.8, 1.2)), (1, "fallen_tree", _as_is),
+    (5, "person", _all(_facing, _heeding)), (5, "person", _all(_facing, MUFFS, _leaving)),
+    (0.5, "person", _all(_facing, MUFFS)),
+    (4, "animal", _all(_facing, _heeding)), (4, "animal", _all(_facing, _leaving)),
+    (0.5, "animal", _all(_facing, TETHERED)),
+    (3, "cat", _all(_track, _facing, _heeding)), (3, "cat", _all(_track, _facing, _leaving)),
+    (0.8, "lying_person", _as_is), (2, "lying_person", _all(RESTING, _heeding)),
+    (1, "lying_person", _all(RESTING, _leaving)),
+)  # fmt: skip
+"""Weight, kind, and what is drawn for it."""
