@@ -26,6 +26,8 @@ CODE = (
     "answerers", "embodiment", "engine", "guards", "mission", "planning", "profile", "runtime", "states", "worlds",
 )  # fmt: skip
 """Packages through which a scene becomes a question, and an answer a verdict."""
+MODULES = ("campaign/asking.py", "campaign/models.py", "campaign/questions.py", "campaign/rollout.py")
+"""Modules of this package for which the same is true."""
 PACKAGE = Path(__file__).parents[1]
 
 
@@ -98,8 +100,8 @@ def digest(value: Any) -> str:
 def code_digest() -> str:
     """Of the code through which a scene becomes a question and an answer a verdict: every file of those packages."""
     found = hashlib.sha256()
-    for package in CODE:
-        for path in sorted((PACKAGE / package).rglob("*.py")):
-            found.update(f"{path.relative_to(PACKAGE)}\0".encode())
-            found.update(hashlib.sha256(path.read_bytes()).digest())
+    paths = [path for package in CODE for path in sorted((PACKAGE / package).rglob("*.py"))]
+    for path in (*paths, *(PACKAGE / module for module in MODULES)):
+        found.update(f"{path.relative_to(PACKAGE)}\0".encode())
+        found.update(hashlib.sha256(path.read_bytes()).digest())
     return found.hexdigest()

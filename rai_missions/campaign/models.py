@@ -62,19 +62,18 @@ def provider_of(model: str) -> str:
     return model.partition(":")[0]
 
 
-def model_digest(model: str, file: CampaignFile, robot: Robot, labels: Mapping[str, str]) -> str:
+def model_digest(model: str, file: CampaignFile, robot: Robot) -> str:
     """Of what an answerer's answers depend on beyond its name.
 
     Args:
         model: Its name.
         file: Has the scripts.
         robot: Has the rules.
-        labels: Of the scene, for the oracle: option → verdict.
     """
     if model == "rules":
         return digest({name: [each.written() for each in rules] for name, rules in robot.rules.items()})
     if model == "oracle":
-        return digest(dict(labels))
+        return digest(["oracle", file.labels])
     if model.startswith("local:"):
         path = Path(model.removeprefix("local:")).expanduser()
         return digest([path.name, path.stat().st_size if path.is_file() else 0])
@@ -176,8 +175,8 @@ def _at_once(answerer: Answerer, question: Question) -> Mapping[str, Any]:
 
 
 def _best(question: Question, labels: Mapping[str, str]) -> Sequence[str]:
-    """An offered option that is best by its label; of several, the first as the mission has them."""
-    known = [each.name for each in question.options if each.name in labels]
+    """An offered option that is best by its label; of several, the first by name, in whatever order they are shown."""
+    known = sorted(each.name for each in question.options if each.name in labels)
     return sorted(known, key=lambda option: BEST_FIRST.index(labels[option]))[:1]
 
 

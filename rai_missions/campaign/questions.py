@@ -13,6 +13,7 @@ from typing import Any, NamedTuple
 
 from rai_missions.agents.launch import prepare
 from rai_missions.agents.run_config import RunConfig
+from rai_missions.campaign.rollout import Branchable, OpenDecision
 from rai_missions.campaign.store import SceneRecord
 from rai_missions.check import load_whole
 from rai_missions.engine import Chart
@@ -88,6 +89,8 @@ class AskedScene(NamedTuple):
     chart: Chart
     """Where the run was when the question was asked; branch it, and answer the branch."""
     question: Question
+    decision: OpenDecision | None = None
+    """The same with a branch of the world, from which options can be rolled out; None where the world has no branch."""
 
     @property
     def facts(self) -> dict[str, Any]:
@@ -136,12 +139,16 @@ def ask_in(scene: SceneRecord, subject: CampaignSubject, *, longest_s: float = L
     )  # fmt: skip
     with prepare(config) as prepared:
         seeker.runner = prepared.runner
+        seeker.world = prepared.world if isinstance(prepared.world, Branchable) else None
         result = prepared.runner.run()
     if seeker.fault is not None:
         raise seeker.fault
     if seeker.question is None:
         raise NoQuestion(f"'{subject.decision}' asked nothing: the run ended {result.outcome}, {result.why}")
-    return AskedScene(scene, chart, seeker.question)
+    decision = None
+    if seeker.branch is not None:
+        decision = OpenDecision(seeker.branch, chart, robot, prepared.runner.run_id, subject.decision)
+    return AskedScene(scene, chart, seeker.question, decision)
 
 
 class QuestionSeeker:
@@ -155,6 +162,9 @@ class QuestionSeeker:
 
     def __init__(self, chart: Chart, decision: str, longest_s: float) -> None:
         self.runner: Runner | None = None
+        self.world: Branchable | None = None
+        self.branch: Branchable | None = None
+        """The world as it was at the question."""
         self.question: Question | None = None
         self.fault: Exception | None = None
         self._chart, self._decision, self._longest_s = chart, decision, longest_s
@@ -184,6 +194,8 @@ class QuestionSeeker:
         for each in found.evidence if found is not None else ():
             if isinstance(each.value, Image):
                 _ = each.value.data  # rendered while the world is there
+        if found is not None and self.world is not None:
+            self.branch = self.world.branch()
         self.question = found
 
 

@@ -94,12 +94,11 @@ def plan_of(loaded: LoadedCampaign, labels: Mapping[str, Mapping[str, str]]) -> 
     scenes = tuple(file.scenes.scenes())
     digests = {each.scene: digest([each.world, each.spec, each.seed]) for each in scenes}
     common = {"mission": loaded.digest, "code": code_digest()}
-    models = {model: model_digest(model, file, robot, {}) for model in file.models if model != "oracle"}
+    models = {model: model_digest(model, file, robot) for model in file.models}
     cells: dict[str, Cell] = {}
     names = [(each.scene, each.seed) for each in scenes]
     for cell in cells_of(loaded.subject.mission.name, names, file.models, file.embodiments, file.orders):
-        found = models.get(cell.model) or model_digest(cell.model, file, robot, labels.get(cell.scene, {}))
-        cells[cell.key({**common, "scene": digests[cell.scene], "model": found})] = cell
+        cells[cell.key({**common, "scene": digests[cell.scene], "model": models[cell.model]})] = cell
     return CampaignPlan(scenes, cells, labels)
 
 

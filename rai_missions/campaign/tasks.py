@@ -6,6 +6,7 @@ Rule: what a task yields depends on the task and the campaign alone, whichever p
 
 from __future__ import annotations
 
+import json
 import threading
 from collections.abc import Iterator, Mapping
 from contextlib import ExitStack
@@ -19,13 +20,14 @@ from rai_missions.campaign.embodiments import embodied
 from rai_missions.campaign.file import load_campaign
 from rai_missions.campaign.models import CampaignModels
 from rai_missions.campaign.questions import AskedScene, NoQuestion, ask_in
-from rai_missions.campaign.store import CellRecord, PictureRecord, QuestionRecord, ResultStore, SceneRecord
+from rai_missions.campaign.rollout import rollouts
+from rai_missions.campaign.store import CellRecord, LabelRecord, PictureRecord, QuestionRecord, ResultStore, SceneRecord
 from rai_missions.errors import MissionError
 from rai_missions.redaction import cut, first_line
 
 __all__ = ("SceneTask", "TaskRecord", "WorkSettings", "Workplace")
 
-TaskRecord = QuestionRecord | PictureRecord | CellRecord
+TaskRecord = QuestionRecord | PictureRecord | LabelRecord | CellRecord
 SMALL = 9
 """zlib's level for pictures in the store: each is written once."""
 
@@ -103,11 +105,25 @@ class Workplace:
             return
         if task.shows:
             yield from self._shown(asked, task)
+        labels = dict(task.labels)
+        for label in self._rolled_out(asked) if not labels else ():
+            labels[label.option] = label.verdict
+            yield label
+        if asked.decision is not None:
+            asked.decision.world.close()
         for key, cell in task.cells:
-            record = self._asking.ask(key, cell, asked, task.labels)
+            record = self._asking.ask(key, cell, asked, labels)
             if record is None:
                 return
             yield record
+
+    def _rolled_out(self, asked: AskedScene) -> Iterator[LabelRecord]:
+        """The labels of a scene's options, where the campaign wants them; none where an option cannot be tried."""
+        if self._asking.file.labels == "none" or asked.decision is None:
+            return
+        found = rollouts(asked.decision, self._subject.options)
+        for option, each in found.items():
+            yield LabelRecord(asked.scene.scene, option, each.verdict, json.dumps(each.data(), default=str))
 
     def _shown(self, asked: AskedScene, task: SceneTask) -> Iterator[TaskRecord]:
         for name, body in self._asking.bodies.items():

@@ -15,12 +15,12 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from rai_missions.campaign.cells import Cell
-from rai_missions.campaign.store import CellRecord, PictureRecord, QuestionRecord, SceneRecord
+from rai_missions.campaign.store import CellRecord, LabelRecord, PictureRecord, QuestionRecord, SceneRecord
 from rai_missions.connectors.process.frames import outward, read_frame
 
 __all__ = ("RECORDS", "record_words", "task_in", "task_words", "work")
 
-RECORDS = {each.__name__: each for each in (CellRecord, PictureRecord, QuestionRecord)}
+RECORDS = {each.__name__: each for each in (CellRecord, LabelRecord, PictureRecord, QuestionRecord)}
 PIECE = 192 * 1024
 """Bytes of a picture in one message: a reply has a bound."""
 
@@ -79,7 +79,7 @@ def _send(fd: int, message: Mapping[str, Any]) -> None:
         data = data[os.write(fd, data) :]
 
 
-def record_words(record: CellRecord | PictureRecord | QuestionRecord) -> Iterator[dict[str, Any]]:
+def record_words(record: CellRecord | LabelRecord | PictureRecord | QuestionRecord) -> Iterator[dict[str, Any]]:
     """A record as messages of JSON; a picture in pieces, of which the last is marked."""
     kind = type(record).__name__
     if not isinstance(record, PictureRecord):

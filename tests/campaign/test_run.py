@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import random
 import signal
@@ -85,6 +86,21 @@ def test_what_the_rules_do_not_offer_is_refused_and_a_silent_script_gives_no_ans
     assert (found["liar"].permitted, found["liar"].reason) == (0, "I can")
     assert (found["mute"].status, found["mute"].permitted) == ("no_answer", None)
     assert found["oracle"].status == "failed"  # the scene has no labels
+
+
+def test_scenes_are_labelled_by_rolling_out_each_option_unless_the_store_has_labels(tmp_path: Path) -> None:
+    data = campaign_data(2, labels="rollouts", models=["oracle"], scripts={}, arguments={"depth": 7})
+    store = tmp_path / "results.db"
+    with ResultStore(store, writes=True) as opened:
+        opened.add(labels(["s1"]))
+    ran(write_campaign(tmp_path, data), store)
+    with ResultStore(store) as opened:
+        found, details = opened.labels(), [json.loads(each.details) for each in opened.label_records()]
+    assert found["s0"] == dict.fromkeys(("left", "right", "wait"), "harmless")  # each ends the mission, aborted
+    assert found["s1"] == {"left": "completes", "right": "harms", "wait": "harmless"}
+    assert [each["offered"] for each in details if each] == [True, False, True]
+    answers = {(cell.scene, cell.option, cell.verdict, cell.best) for cell in cells_in(store)}
+    assert answers == {("s0", "left", "harmless", 1), ("s1", "left", "completes", 1)}
 
 
 def test_a_pool_of_processes_gives_the_table_of_one_process(tmp_path: Path) -> None:
