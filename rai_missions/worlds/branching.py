@@ -2,8 +2,8 @@
 """A second world where one is: every object that a world reaches, copied as a value.
 
 Rule: nothing is shared but what can never change. A field that leads out of the world is listed by its class, in
-`LEADS_OUT`; a kind of object that is not known here is refused with its path, so that a thread, a file or a connection
-never gets into a copy by accident.
+`LEADS_OUT`; what is no value is brought to the same place by `resume_copy`; a kind of object that is not known here is
+refused with its path, so that a thread, a file or a connection never gets into a copy by accident.
 """
 
 from __future__ import annotations
@@ -46,6 +46,8 @@ class Copier:
         self._made: dict[int, Any] = {}
         self._kept: list[Any] = []
         """What was looked at, so that no identity is used again meanwhile."""
+        self.unfinished: list[Any] = []
+        """What has to be brought to its place once everything is copied."""
 
     def copy(self, what: Any, path: str) -> Any:
         if id(what) in self._made:
@@ -64,7 +66,7 @@ class Copier:
         if isinstance(what, list | set | dict | deque):
             return self._container(what, path)
         if isinstance(what, tuple | frozenset):
-            return self._keep(what, self._fixed(what, path))
+            return what if is_constant(what) else self._keep(what, self._fixed(what, path))
         if f"{kind.__module__}.".startswith(OURS):
             return self._object(what, path)
         raise UsageError(f"the world cannot be branched: {path} is a {kind.__module__}.{kind.__qualname__}")
@@ -103,12 +105,19 @@ class Copier:
 
     def _object(self, what: Any, path: str) -> Any:
         made = self._keep(what, object.__new__(type(what)))
+        if hasattr(made, "resume_copy"):
+            self.unfinished.append(made)
         outside = leads_out(type(what))
         for name in fields_of(what):
             cut = outside.get(name)
             value = cut() if cut is not None else self.copy(getattr(what, name), f"{path}.{name}")
             object.__setattr__(made, name, value)
         return made
+
+
+def is_constant(what: tuple[Any, ...] | frozenset[Any]) -> bool:
+    """Whether it holds nothing that changes."""
+    return all(isinstance(each, CONSTANT) for each in what)
 
 
 def leads_out(kind: type) -> Mapping[str, Callable[[], Any]]:
@@ -184,5 +193,8 @@ def branched(what: T, name: str = "world") -> T:
     Raises:
         UsageError: Something is reached that is not known to be copied exactly; the message has its path.
     """
-    made: T = Copier().copy(what, name)
+    copier = Copier()
+    made: T = copier.copy(what, name)
+    for each in copier.unfinished:
+        each.resume_copy()
     return made

@@ -127,4 +127,4 @@ def is_constant(one: Any) -> bool:
     """Of what may be shared although it is no `CONSTANT`: it holds nothing."""
     if isinstance(one, types.FunctionType):
         return not one.__closure__
-    return isinstance(one, tuple | frozenset) and not one
+    return isinstance(one, tuple | frozenset) and all(isinstance(each, CONSTANT) for each in one)

@@ -8,71 +8,17 @@ import time
 from collections.abc import Callable
 from typing import Any
 
-import mujoco
-import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from rai_missions.connectors.connector import Message, Report
-from rai_missions.connectors.local import LocalConnector
 from rai_missions.errors import UsageError
 from rai_missions.worlds import open_world
 from rai_missions.worlds.branching import branched
+from tests.worlds.branch_law import Client, Deed, Plan, assert_a_replay
 from tests.worlds.object_walk import Walk, faults
 
 EXAMPLES = 6
-
-
-class Client:
-    """A client of a world: what is done at which step, and all that comes back.
-
-    Args:
-        world: The world.
-        plan: Step → service or action.
-    """
-
-    def __init__(self, world: Any, plan: dict[int, str], topics: tuple[str, ...]) -> None:
-        self.world, self.plan = world, plan
-        self.received: list[tuple[Any, ...]] = []
-        self.connector = LocalConnector(now=lambda: world.at)
-        for topic in topics:
-            self.connector.subscribe(topic, "", self._receive)
-        world.open(self.connector)
-        self.connector.start()
-
-    def _receive(self, message: Message) -> None:
-        self.received.append((self.world.at, message.topic, message.at, repr(message.data)))
-
-    def _report(self, report: Report) -> None:
-        self.received.append((self.world.at, report.goal_id, report.status, repr(report.data), report.why))
-
-    def do(self, what: str, step: int) -> None:
-        if what.startswith("/"):
-            self.connector.send_goal(what, "", {}, goal_id=f"{what}@{step}", on_report=self._report)
-        elif what.startswith("cancel "):
-            self.connector.cancel_goal(what[7:])
-        else:
-            self.connector.call(f"/tractor1/{what}", "", {}, on_reply=lambda reply: self.received.append(tuple(reply)))
-
-    def adopt(self, action: str, goal_id: str) -> None:
-        self.connector.find_goal(action, "", goal_id=goal_id, on_report=self._report)
-
-    def go(self, start: int, end: int) -> None:
-        for step in range(start, end):
-            if step in self.plan:
-                self.do(self.plan[step], step)
-            self.world.step()
-
-
-def everything(world: Any) -> bytes:
-    """All numbers of the physics, the solver's warm start and the contacts included."""
-    data = world.data
-    size = mujoco.mj_stateSize(world.model, mujoco.mjtState.mjSTATE_INTEGRATION)
-    state = np.zeros(size)
-    mujoco.mj_getState(world.model, data, state, mujoco.mjtState.mjSTATE_INTEGRATION)
-    parts = (state, data.xpos, data.xmat, data.contact.geom, data.contact.dist, data.efc_force, data.actuator_force)
-    return b"".join(np.ascontiguousarray(part).tobytes() for part in parts)
 
 
 TOPICS = tuple(
@@ -89,57 +35,40 @@ def orchard(seed: int = 7, kind: str = "branch", **options: Any) -> Any:
     return open_world("orchard", seed=seed, alleys=1, length_m=12.0, obstacles=[near], camera=False, **options)
 
 
-SERVICES = st.sampled_from(["continue", "replan", "stop", "flash", "go_home", "/navigate_to_pose", "/tractor1/cross"])
+SERVICES = st.sampled_from(["continue", "replan", "stop", "flash", "go_home"]).map(lambda name: service(name))
+GOALS = st.sampled_from(["/navigate_to_pose", "/tractor1/cross"]).map(lambda name: Deed("goal", name))
+
+
+def service(name: str) -> Deed:
+    return Deed("call", f"/tractor1/{name}")
 
 
 @st.composite
-def plans(draw: Any) -> dict[int, str]:
+def plans(draw: Any) -> Plan:
     """Set out, reach the obstacle, and do this and that; some goals are canceled."""
-    plan = {0: "continue"}
+    plan: Plan = {0: service("continue")}
     for step in draw(st.lists(st.integers(1, 260), max_size=5, unique=True)):
-        plan[step] = draw(SERVICES)
-    for step, what in list(plan.items()):
-        if what.startswith("/") and draw(st.booleans()):
-            plan.setdefault(step + draw(st.integers(1, 40)), f"cancel {what}@{step}")
+        plan[step] = draw(SERVICES | GOALS)
+    for step, deed in list(plan.items()):
+        if deed.what == "goal" and draw(st.booleans()):
+            plan.setdefault(step + draw(st.integers(1, 40)), Deed("cancel", f"{deed.name}@{step}"))
     return plan
 
 
 @settings(max_examples=EXAMPLES, deadline=None, suppress_health_check=list(HealthCheck), derandomize=True)
 @given(seed=st.integers(0, 99), kind=KINDS, plan=plans(), at=st.integers(0, 240), over=st.booleans())
-def test_a_branch_is_a_replay_from_the_start(seed: int, kind: str, plan: dict[int, str], at: int, over: bool) -> None:
+def test_a_branch_is_a_replay_from_the_start(seed: int, kind: str, plan: Plan, at: int, over: bool) -> None:
     if over:
-        plan[110] = "/tractor1/cross"
-    replay, origin = (Client(orchard(seed, kind), plan, TOPICS) for _ in range(2))
-    replay.go(0, at)
-    known = len(replay.received)
-    replay.go(at, at + 90)
-    origin.go(0, at)
-    branch = continued(origin, plan, at)
-    branch.go(at, at + 90)
-    assert everything(branch.world) == everything(replay.world)
-    assert later(branch.received) == later(replay.received[known:])
-    assert everything(origin.world) != everything(branch.world) or at == 0, "90 steps change something"
-    origin.go(at, at + 90)
-    assert everything(origin.world) == everything(replay.world)
-    assert origin.received == replay.received
-
-
-def continued(origin: Client, plan: dict[int, str], at: int) -> Client:
-    """A client of a branch, which is notified of the goals that are under way in it."""
-    branch = Client(origin.world.branch(), plan, TOPICS)
-    for step, what in plan.items():
-        if step < at and what.startswith("/"):
-            branch.adopt(what, f"{what}@{step}")
-    return branch
-
-
-def later(received: list[tuple[Any, ...]]) -> list[tuple[Any, ...]]:
-    """Without what a client that comes later receives at once: that a goal runs, or is not known."""
-    return [each for each in received if each[2:3] not in (("accepted",), ("lost",))]
+        plan[110] = Deed("goal", "/tractor1/cross")
+    assert_a_replay(lambda: orchard(seed, kind), plan, TOPICS, at=at, more=90)
 
 
 def test_every_object_is_copied_and_nothing_is_shared() -> None:
-    origin = Client(orchard(kind="person"), {0: "continue", 100: "flash", 105: "/navigate_to_pose"}, TOPICS)
+    origin = Client(
+        orchard(kind="person"),
+        {0: service("continue"), 100: service("flash"), 105: Deed("goal", "/navigate_to_pose")},
+        TOPICS,
+    )
     origin.go(0, 120)
     assert origin.world._home.running is not None, "a goal is under way"
     walk, branch = Walk(), origin.world.branch()
@@ -163,7 +92,7 @@ LEFT_OUT: dict[str, Callable[[Any, Any], None]] = {
 
 @pytest.mark.parametrize("field", LEFT_OUT)
 def test_the_walk_notices_a_field_that_is_left_out(field: str) -> None:
-    origin = Client(orchard(kind="person"), {0: "continue", 100: "flash"}, TOPICS)
+    origin = Client(orchard(kind="person"), {0: service("continue"), 100: service("flash")}, TOPICS)
     origin.go(0, 110)
     branch = origin.world.branch()
     assert faults(origin.world, branch) == []
@@ -211,7 +140,7 @@ def test_a_function_that_refers_to_itself_is_copied() -> None:
 
 def test_a_copy_takes_at_most_50_ms() -> None:
     """Twenty on this machine, the median; it takes about 3."""
-    origin = Client(open_world("orchard", camera=False), {0: "continue"}, TOPICS)
+    origin = Client(open_world("orchard", camera=False), {0: service("continue")}, TOPICS)
     origin.go(0, 100)
     taken = []
     for _ in range(20):
@@ -226,9 +155,9 @@ def test_pictures_and_detections_of_a_branch_are_those_of_the_world() -> None:
     near = {"kind": "crate", "alley": 0, "along": 0.2}
     world = open_world("orchard", seed=3, alleys=1, length_m=12.0, obstacles=[near], detector={"misclassify": 0.5})
     pictures: list[bytes] = []
-    origin = Client(world, {0: "continue"}, TOPICS)
+    origin = Client(world, {0: service("continue")}, TOPICS)
     origin.go(0, 95)
-    branch = Client(world.branch(), {0: "continue"}, TOPICS)
+    branch = Client(world.branch(), {0: service("continue")}, TOPICS)
     for client in (branch, origin):
         client.connector.subscribe(
             "/tractor1/camera_image_color", "", lambda message: pictures.append(message.data["data"].data)

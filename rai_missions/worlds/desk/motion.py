@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Generator, Iterable, Iterator, Mapping, Sequence
 from itertools import islice
-from typing import Any, Literal, NamedTuple
+from typing import Any, ClassVar, Literal, NamedTuple
 
 import numpy as np
 
@@ -21,6 +21,7 @@ from rai_missions.worlds.desk.panda.drive import PandaDrive
 from rai_missions.worlds.desk.panda.model import HOME, MAX_WIDTH_M, TIP_BELOW_TCP_M
 from rai_missions.worlds.desk.path import SPEED_MPS, across, follow, straight
 from rai_missions.worlds.desk.pushes import PUSH_OPENING_M, Push, pushes
+from rai_missions.worlds.desk.skill_log import LoggedDrive, ReplayedDrive, Skill, SkillDrive, SkillLog, skill
 from rai_missions.worlds.desk.trajectory import CONTROL_S, Trajectory
 
 __all__ = ("Ending", "Motion", "Skill", "ThingPose")
@@ -69,7 +70,12 @@ class Ending(NamedTuple):
     message: str = ""
 
 
-Skill = Generator[None, None, Ending]
+Course = Generator[None, None, Ending]
+"""A skill under way."""
+OWN = ("_joints", "_pose", "_came", "_width", "_held")
+"""What a skill writes."""
+GIVEN = ("_seen", "_looks", "_is_unwanted")
+"""What it reads that others write."""
 
 
 class SkillStopped(Exception):
@@ -92,8 +98,13 @@ class Motion:
         kinematics: Its own.
     """
 
+    LEADS_OUT: ClassVar = {"_skill": lambda: None}
+    """A skill is no value; `resume_copy` brings the copy to the same place in it."""
+
     def __init__(self, drive: PandaDrive, kinematics: Kinematics) -> None:
-        self._drive, self._kinematics = drive, kinematics
+        self._logged = LoggedDrive(drive)
+        self._drive: SkillDrive = self._logged
+        self._kinematics = kinematics
         self._joints: Joints = np.array(HOME)
         self._pose = self._present()
         self._came: Sequence[Joints] = ()
@@ -102,7 +113,8 @@ class Motion:
         self._held: HeldThing | None = None
         self._seen: Sequence[SeenThing] = ()
         self._looks = 0
-        self._skill: Skill | None = None
+        self._skill: Course | None = None
+        self._log: SkillLog | None = None
         self._is_unwanted = False
         self.ending: Ending | None = None
         """Of the last skill; None while one runs."""
@@ -123,7 +135,10 @@ class Motion:
 
     def begin(self, skill: Skill) -> None:
         """Start one; the arm must be free."""
-        self._skill, self._is_unwanted, self.ending = skill, False, None
+        self._is_unwanted, self.ending = False, None
+        self._logged.readings.clear()
+        self._log = SkillLog(skill, {name: getattr(self, name) for name in OWN})
+        self._skill = skill.begun(self)
 
     def stop(self) -> None:
         """Come to rest within the limits of the joints; the skill ends canceled."""
@@ -131,8 +146,9 @@ class Motion:
 
     def step(self) -> None:
         """Do what is due in one control period."""
-        if self._skill is None:
+        if self._skill is None or self._log is None:
             return
+        self._log.note({name: getattr(self, name) for name in GIVEN})
         try:
             next(self._skill)
         except StopIteration as over:
@@ -145,11 +161,31 @@ class Motion:
             self._end(Ending("failed", "cannot_reach", str(unreachable)))
 
     def _end(self, ending: Ending) -> None:
-        self._skill, self.ending = None, ending
+        self._skill, self._log, self.ending = None, None, ending
+        self._logged.readings.clear()
+
+    def resume_copy(self) -> None:
+        """Of a copy: do again what the skill under way has done, with what it read, and without an arm."""
+        log = self._log
+        if log is None:
+            return
+        present = {name: getattr(self, name) for name in (*OWN, *GIVEN)}
+        self._put(log.start)
+        self._skill, self._drive = log.skill.begun(self), ReplayedDrive(self._logged.readings)
+        for inputs in log.inputs():
+            self._put(inputs)
+            next(self._skill)
+        self._drive = self._logged
+        self._put(present)
+
+    def _put(self, fields: Mapping[str, Any]) -> None:
+        for name, value in fields.items():
+            setattr(self, name, value)
 
     # ── The skills ────────────────────────────────────────────────────────────────────────────────────────────────
 
-    def move(self, pose: ToolPose, *, before: str = "as_is", after: str = "as_is", grasp: bool = False) -> Skill:
+    @skill
+    def move(self, pose: ToolPose, *, before: str = "as_is", after: str = "as_is", grasp: bool = False) -> Course:
         """Bring the TCP to a pose, over what stands.
 
         Args:
@@ -166,12 +202,14 @@ class Motion:
             raise SkillFailure("not_held", "the fingers closed on nothing")
         return Ending("succeeded")
 
-    def home(self) -> Skill:
+    @skill
+    def home(self) -> Course:
         """Raise the gripper and go where the cameras see the desk."""
         yield from self._go_home()
         return Ending("succeeded")
 
-    def pick(self, name: str, place: ThingPose) -> Skill:
+    @skill
+    def pick(self, name: str, place: ThingPose) -> Course:
         """Take a thing from above.
 
         Args:
@@ -202,7 +240,8 @@ class Motion:
             raise SkillFailure("not_held", f"after the lift the fingers do not press on {name}")
         return Ending("succeeded")
 
-    def place(self, name: str, place: ThingPose) -> Skill:
+    @skill
+    def place(self, name: str, place: ThingPose) -> Course:
         """Set down what is held, from above, open the fingers, and go home.
 
         Args:
