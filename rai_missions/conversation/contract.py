@@ -13,6 +13,7 @@ from rai_missions.conversation.dialogue import Dialogue
 from rai_missions.conversation.inputs import ModelText, OrderEnd, SpeechEnd, Utterance
 from rai_missions.conversation.outputs import AskModel, DropModel, Order, Output, Silence, Speech, TalkNote
 from rai_missions.conversation.settings import Settings, permissions
+from rai_missions.conversation.start_phrases import StartPhrase
 from rai_missions.conversation.view import Happening, KeyView, MissionView, ProgressView, StatusView
 from rai_missions.engine.decision import Offer, Question
 from rai_missions.errors import UsageError, suggestion
@@ -35,8 +36,9 @@ class PlayedTurn(NamedTuple):
 
 
 def settings_from(data: Mapping[str, Any]) -> Settings:
-    """The settings of a conversation's file."""
+    """The settings of a conversation's file; `phrases` as in a profile."""
     fields: dict[str, Any] = {name: value for name, value in data.items() if name != "may"}
+    fields["phrases"] = tuple(StartPhrase(phrase, given) for phrase, given in data.get("phrases", {}).items())
     return Settings(**fields)._replace(may=permissions(data.get("may", {})))
 
 

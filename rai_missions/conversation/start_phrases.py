@@ -1,11 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
 """Sentences of a robot's own that start a mission: `find the cup` for `start with task find and object cup`.
 
+A text that is given may quote the sentence: `stack {rest}` gives the request `stack {rest}`, with the same words.
 Rule: a sentence of this kind is a start like any other: read back, confirmed, and judged.
 """
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
 
@@ -15,7 +17,9 @@ from rai_missions.conversation.phrases import Phrases
 from rai_missions.conversation.senses import Sense
 from rai_missions.conversation.view import KeyView, MissionView
 
-__all__ = ("StartPhrase", "StartPhrases")
+__all__ = ("StartPhrase", "StartPhrases", "arguments_of")
+
+QUOTED = re.compile(r"\{(\w+)\}")
 
 Names = Mapping[str, Mapping[str, Any]]
 
@@ -26,7 +30,7 @@ class StartPhrase(NamedTuple):
     phrase: str
     """As in a language's file; `{key}` is the value of an argument."""
     arguments: Mapping[str, Any] = {}
-    """The arguments that it gives without words for them."""
+    """The arguments that it gives without words for them; in a text `{name}` is what the sentence has there."""
 
 
 class CompiledPhrase(NamedTuple):
@@ -36,6 +40,21 @@ class CompiledPhrase(NamedTuple):
     given: StartPhrase
     keys: frozenset[str]
     """Every argument that it gives."""
+
+
+def arguments_of(slots: frozenset[str], given: Mapping[str, Any]) -> frozenset[str]:
+    """Every argument that a phrase gives: its own, and its slots but for those that a text quotes.
+
+    Args:
+        slots: Of the phrase.
+        given: Argument → value.
+    """
+    quoted = {name for value in given.values() if isinstance(value, str) for name in QUOTED.findall(value)}
+    return (slots - quoted) | given.keys()
+
+
+def _filled(value: Any, slots: Mapping[str, str]) -> Any:
+    return QUOTED.sub(lambda found: slots.get(found[1], ""), value).strip() if isinstance(value, str) else value
 
 
 class StartPhrases:
@@ -57,7 +76,7 @@ class StartPhrases:
 
     def _compiled(self, given: StartPhrase) -> CompiledPhrase:
         phrases = Phrases([given.phrase], self._language.data["parts"])
-        return CompiledPhrase(phrases, given, phrases.slots | given.arguments.keys())
+        return CompiledPhrase(phrases, given, arguments_of(phrases.slots, given.arguments))
 
     def senses(self, words: Sequence[str], missions: Sequence[MissionView]) -> Iterator[Sense]:
         """The starts that the words are; of several phrases that fit, the one that names the most."""
@@ -74,10 +93,11 @@ class StartPhrases:
         self, mission: MissionView, slots: Mapping[str, str], given: Mapping[str, Any], keys: Mapping[str, KeyView]
     ) -> Sense:
         try:
-            named = {name: self._value(words.split(), keys[name]) for name, words in slots.items()}
+            named = {name: self._value(words.split(), keys[name]) for name, words in slots.items() if name in keys}
         except BadValue as error:
             return Sense("fault", "start", fault=str(error))
-        return Sense("order", "start", mission=mission.name, arguments={**given, **named})
+        texts = {name: _filled(value, slots) for name, value in given.items()}
+        return Sense("order", "start", mission=mission.name, arguments={**texts, **named})
 
     def _value(self, words: Sequence[str], key: KeyView) -> Any:
         """The value that words are for a key, without the article before them."""

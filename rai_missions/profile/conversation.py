@@ -45,8 +45,9 @@ class ConversationPolicy(MissionModel):
     """Whether `run --talk` begins the mission, or waits for the order to start it, again after each end."""
     phrases: dict[Text, dict[Name, Json]] = Field(default_factory=dict)
     """What may be uttered for a start with arguments → the arguments that it gives without words for them. In a phrase
-    `(a|b)` is one of several, `[a]` may be left out, and `{key}` is the value of that argument. A phrase counts in each
-    mission that takes all of its arguments."""
+    `(a|b)` is one of several, `[a]` may be left out, and `{key}` is the value of that argument. A text given may quote
+    the sentence: `{"stack {rest}": {"request": "stack {rest}"}}`. A phrase counts in each mission that takes all of its
+    arguments."""
     names: dict[Name, dict[Text, Json]] = Field(default_factory=dict)
     """Argument → the words for each of its values in a phrase, where it has no other values."""
     results: Keys = ()

@@ -9,7 +9,7 @@ from rai_missions.conversation import Settings, permissions
 from rai_missions.conversation.language import language, languages
 from rai_missions.conversation.phrases import Phrases
 from rai_missions.conversation.settings import LatePolicy
-from rai_missions.conversation.start_phrases import StartPhrase
+from rai_missions.conversation.start_phrases import StartPhrase, arguments_of
 from rai_missions.errors import Fault, UsageError, pointer, suggestion
 from rai_missions.mission.mission import Mission
 from rai_missions.profile import ConversationPolicy, Robot
@@ -51,10 +51,11 @@ def conversation_faults(robot: Robot, mission: Mission | None = None) -> tuple[F
     for phrase, arguments in policy.phrases.items():
         place = pointer(("conversation", "phrases", phrase))
         try:
-            gives = Phrases([phrase], language(policy.language).data["parts"]).slots | arguments.keys()
+            slots = Phrases([phrase], language(policy.language).data["parts"]).slots
         except UsageError as error:
             found.append(Fault(place, str(error)))
             continue
+        gives = arguments_of(slots, arguments)
         if takes & gives:
             known = ", ".join(sorted(takes))
             sentence = "the mission takes no argument '{}'; it takes: " + known
