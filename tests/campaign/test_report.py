@@ -97,6 +97,7 @@ def test_an_option_that_was_never_offered_is_a_wrong_answer(tmp_path: Path) -> N
     bold, calm = group(figures, "bold"), group(figures, "calm")
     assert (bold.accuracy.share, bold.harm.share, bold.unlabelled) == (0.0, 0.0, 0)
     assert bold.collapse == ("set_state", 1.0) and wrong.total == len(figures.scenes)
+    assert calm.collapse == ("beyond", 1.0)
     assert math.isnan(calm.accuracy.share) and calm.unlabelled == len(figures.scenes)
 
 
