@@ -34,6 +34,9 @@ SWITCHES = frozenset(
 PROCESS = "the process was started for this alone, and ends with it"
 READS = "a library reads nothing but the variables of the process, once, when it begins"
 GLOBALS = {
+    ("rai_missions/campaign/ray_pool.py", "os.environ"): PROCESS,
+    ("rai_missions/campaign/worker.py", "os.environ"): PROCESS,
+    ("rai_missions/campaign/worker.py", "sys.path"): PROCESS,
     ("rai_missions/answerers/model/gguf_process.py", "os.environ"): PROCESS,
     ("rai_missions/answerers/model/process/worker.py", "os.environ"): PROCESS,
     ("rai_missions/answerers/model/process/worker.py", "sys.path"): PROCESS,

@@ -2,7 +2,7 @@
 """Campaigns: which model may decide, with which embodiment, measured on scenes that physics has labelled.
 
 Imports `agents`, `answerers`, `check`, `connectors`, `embodiment`, `engine`, `guards`, `journal`, `mission`, `profile`,
-`runtime`, `states`, `tools` and `worlds`, and the modules of the root.
+`replay`, `runtime`, `states`, `tools` and `worlds`, and the modules of the root.
 """
 
 from __future__ import annotations
