@@ -55,14 +55,17 @@ class Camera:
         model: The compiled world.
         width, height: Pixels of a colour picture.
         frame_width, frame_height: Pixels of what the detector measures in.
+        is_checked: It is known that pictures can be rendered here.
     """
 
     def __init__(
-        self, model: Any, *, width: int = 640, height: int = 480, frame_width: int = 320, frame_height: int = 240
-    ) -> None:
+        self, model: Any, *, width: int = 640, height: int = 480, frame_width: int = 320, frame_height: int = 240,
+        is_checked: bool = False,
+    ) -> None:  # fmt: skip
         self.width, self.height = width, height
         self.model = model
         self._frame_size = frame_height, frame_width
+        self._is_checked = is_checked
         self._scratch = mujoco.MjData(model)
         self._bodies = np.append(np.asarray(model.geom_bodyid), -1)
         self._has_fog = any(model.numeric(n).name == "fog" for n in range(model.nnumeric))
@@ -71,11 +74,21 @@ class Camera:
     def twin(self, model: Any) -> Camera:
         """Another camera with pictures of the same sizes, in another world; it has renderers of its own."""
         height, width = self._frame_size
-        return Camera(model, width=self.width, height=self.height, frame_width=width, frame_height=height)
+        return Camera(
+            model, width=self.width, height=self.height, frame_width=width, frame_height=height,
+            is_checked=self._is_checked,
+        )  # fmt: skip
 
     def check(self) -> None:
-        """Make sure that it can render; a `UsageError` reports what is missing."""
-        self._renderers.do(lambda: self._renderers.of(*self._frame_size))
+        """Make sure that it can render, once; a `UsageError` reports what is missing."""
+        if not self._is_checked:
+            self._renderers.do(lambda: self._renderers.of(*self._frame_size))
+            self._is_checked = True
+
+    @property
+    def has_rendered(self) -> bool:
+        """It holds renderers: it was checked, or something was looked at."""
+        return self._renderers.are_made
 
     def moment(self, data: Any) -> Moment:
         """Keep the present moment, to be rendered later or never."""

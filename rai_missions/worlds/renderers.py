@@ -36,6 +36,10 @@ class Renderers:
         self._worker = Worker("camera", at_end=partial(_free, self._made))
         self._lock = threading.Lock()
 
+    @property
+    def are_made(self) -> bool:
+        return bool(self._made)
+
     def do(self, work: Callable[[], T]) -> T:
         """Have work done on the thread; its result, or what it raised."""
         with self._lock:

@@ -48,7 +48,7 @@ class Simulation:
         self.model, self.data = model, mujoco.MjData(model)
         if battery is not None:
             self.battery = battery
-        size = {"frame_width": 640, "frame_height": 480} if aligned else {}
+        size: dict[str, Any] = {"frame_width": 640, "frame_height": 480} if aligned else {}
         self.camera = Camera(model, **size) if camera else None
         self.substeps = round(self.period_s / timestep_s)
         self._outbox = outbox

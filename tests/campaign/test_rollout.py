@@ -13,6 +13,7 @@ from rai_missions.agents.launch import PreparedRun, prepare
 from rai_missions.agents.run_config import RunConfig
 from rai_missions.campaign.oracle import OracleAnswerer
 from rai_missions.campaign.rollout import OpenDecision, Rollout, rollout, rollouts, rules_of
+from rai_missions.connectors.local import LocalConnector
 from rai_missions.engine.decision import Question
 from rai_missions.engine.step import Step
 from rai_missions.errors import UsageError
@@ -28,6 +29,7 @@ def robot(kind: str, **options: Any) -> Robot:
     """The tractor in an orchard of one short alley with one obstacle."""
     obstacle = {"kind": kind, "alley": 0, "along": 0.3, "heeds_after": 1}
     world = {"kind": "local", "world": "orchard", "seed": 7, "alleys": 1, "length_m": 12.0, "obstacles": [obstacle]}
+    world["sight"] = "geometry"
     return Robot.model_validate(
         {**load_profile(TRACTOR / "robot.sim.json").written(), "connector": world | options, "rules": {}}
     )
@@ -120,6 +122,25 @@ def test_options_that_lead_to_another_question_and_options_that_are_not_offered(
     assert not tried["drive_over"].offered, "a crate is higher than the mission permits"
     assert tried["drive_over"].seconds > 1 and tried["drive_over"].measures["contact_n"] > 0
     assert (tried["abort"].verdict, tried["abort"].outcome) == ("harmless", "aborted")
+
+
+def test_nothing_is_rendered_for_a_rollout_and_the_verdict_is_that_of_a_rendered_one() -> None:
+    found: list[Rollout] = []
+    cameras: list[Any] = []
+
+    def look(decision: OpenDecision) -> None:
+        found.extend(rollout(decision, "drive_over", renders=renders) for renders in (False, True))
+        branch = decision.world.branch()
+        branch.look_by_geometry()
+        branch.open(LocalConnector(now=lambda: branch.at))
+        for _ in range(30):
+            branch.step()
+        cameras.append(branch.camera)
+
+    run(Agent("abort", look), robot("branch", sight="pixels"))
+    assert [each.verdict for each in found] == ["completes", "completes"]
+    assert found[0].seconds == pytest.approx(found[1].seconds, abs=0.5)
+    assert not cameras[0].has_rendered
 
 
 @pytest.mark.drill

@@ -110,6 +110,10 @@ class Detector:
         self._random = random.Random(f"detector {seed}")
         self._looks: dict[int, ObstacleLooks] = {}
 
+    def look_by(self, sight: ObstacleSight) -> None:
+        """Measure in another way from now on; what was made of earlier looks stays."""
+        self._sight = sight
+
     def look(self, moment: Moment | None, places: NDArray[np.float64], pose: TractorPose) -> dict[str, Any] | None:
         """The nearest obstacle in the tractor's way, as it seems; None: the way looks free.
 

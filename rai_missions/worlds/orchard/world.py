@@ -129,6 +129,12 @@ class Orchard(Simulation):
             return None
         return Detector(PixelSight(self.camera, self._bodies, extents), self.obstacles, errors, seed)
 
+    def look_by_geometry(self) -> None:
+        """Have the detector measure from the bodies from now on: nothing is rendered until a picture is looked at."""
+        if self._detector is not None:
+            extents = Extents(self.model, self.data, self._bodies)
+            self._detector.look_by(GeometrySight(extents, len(self._bodies)))
+
     def _walker(self, living: Obstacle) -> Walker:
         if living.attends is None:
             return Walker(living, self.layout)
