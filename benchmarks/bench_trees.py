@@ -1,13 +1,14 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a tick of a behaviour tree costs, next to plain py_trees: `python -m benchmarks.bench_trees`.
+"""What trees cost, next to plain py_trees: `python -m benchmarks.bench_trees`.
 
-The same trees in both: a sequence of checks and an action that runs, and selectors in which a high branch fails at each
-tick. py_trees' checks read a Python dict; its own blackboard would add 1.7 µs each. Ours restores the tree from its
-state, ticks it and reads it back; `kept` is a state that the ticker saw last, `restored` is another.
+First a tick in which every node that py_trees visits is visited, a node: nothing is known of what has changed. Checks
+of py_trees read a Python dict; its own blackboard would add 1.7 µs each. Then a whole step of a chart: one guard of
+many is written, which changes its branch; on py_trees the same chart looks at the whole tree.
 """
 
 from __future__ import annotations
 
+import itertools
 import statistics
 import time
 from collections.abc import Callable, Mapping
@@ -16,14 +17,15 @@ from typing import Any, NamedTuple
 import py_trees
 
 from benchmarks.figures import figure
+from rai_missions.engine import Chart
 from rai_missions.engine.activities.ticker import TreeState
+from rai_missions.engine.trees import CompiledTrees
 from rai_missions.guards.guard import Truth
 from rai_missions.keys import Stamped
+from rai_missions.mission.mission import Mission
 from rai_missions.states.tree import TreeNode
 from rai_missions.trees import PyTrees
 
-SIZES = (4, 16, 64)
-"""Leaves."""
 TICKS, ROUNDS = 300, 7
 Status = py_trees.common.Status
 
@@ -41,14 +43,60 @@ class View(NamedTuple):
         return None
 
 
-def tree(leaves: int) -> dict[str, Any]:
-    """Selectors of a guarded branch and the next one, four leaves each; at the end an action that runs."""
-    inner: dict[str, Any] = {"action": "work"}
-    for _ in range(leaves // 4):
-        ready = [{"check": {"key": "ready", "==": True}} for _ in range(2)]
-        guarded = {"sequence": [{"check": {"key": "alarm", "==": True}}, {"action": "stop"}]}
-        inner = {"selector": [guarded, {"sequence": [*ready, inner], "memory": False}]}
-    return inner
+def is_true(key: str) -> dict[str, Any]:
+    return {"check": {"key": key, "==": True}}
+
+
+def in_a_row() -> dict[str, Any]:
+    """A sequence of ten: nine checks, and an action that runs."""
+    return {"sequence": [*(is_true("ready") for _ in range(9)), {"action": "work"}], "memory": False}
+
+
+def guarded() -> dict[str, Any]:
+    """A selector of guarded branches, 50 nodes; all guards are false, and the last child runs."""
+    branches = [{"sequence": [is_true("alarm"), {"action": "stop"}]} for _ in range(16)]
+    return {"selector": [*branches, {"action": "work"}]}
+
+
+def bushy(depth: int = 3) -> dict[str, Any]:
+    """Sequences of ten in sequences of ten, 1,111 nodes; all checks are true."""
+    return is_true("ready") if not depth else {"sequence": [bushy(depth - 1) for _ in range(10)], "memory": False}
+
+
+TREES = {"sequence of 10": in_a_row(), "50 guarded": guarded(), "1,111 nodes": {"success_is_running": bushy()}}
+
+
+def branch(number: int) -> dict[str, Any]:
+    """A branch with a guard of its own, and one for all that is false: a guard that becomes true starts nothing."""
+    return {"sequence": [is_true(f"g{number}"), is_true("on"), {"action": "work"}]}
+
+
+def nested(depth: int, width: int, numbers: Any) -> dict[str, Any]:
+    """Selectors in selectors of such branches."""
+    if not depth:
+        return branch(next(numbers))
+    return {"selector": [nested(depth - 1, width, numbers) for _ in range(width)]}
+
+
+def stepping(tree: dict[str, Any], keys: int, trees: Any = None) -> Callable[[], object]:
+    """A chart that runs a tree, and writes the guard in its middle at each step."""
+    names = [*(f"g{number}" for number in range(keys)), "on"]
+    states = {"w": {"tree": {"selector": [tree, {"action": "rest"}]}, "transitions": [{"on": "succeeded", "to": "e"}]}}
+    board = {name: {"type": "boolean", "source": "robot"} for name in names}
+    chart = Chart(Mission.model_validate({
+        "name": "m", "initial": "w", "blackboard": board, "states": {**states, "e": {"final": "failed"}}
+    }), trees)  # fmt: skip
+    for name in names:
+        chart.write(name, False, at=0.0)
+    chart.start(0.0)
+    value = False
+
+    def step() -> None:
+        nonlocal value
+        value = not value
+        chart.write(f"g{keys // 2}", value, chart.at + 0.001)
+
+    return step
 
 
 class Check(py_trees.behaviour.Behaviour):
@@ -71,49 +119,57 @@ def grown(node: Any, facts: dict[str, bool]) -> py_trees.behaviour.Behaviour:
         return Check(facts, node.check.key)
     if node.word == "action":
         return Action("action")
+    if node.word == "success_is_running":
+        return py_trees.decorators.SuccessIsRunning(node.word, grown(node.child, facts))
     kind = py_trees.composites.Sequence if node.word == "sequence" else py_trees.composites.Selector
     return kind(node.word, node.memory, [grown(child, facts) for _, child in node.branches()])
 
 
-def cpu_us(tick: Callable[[], object]) -> float:
+def cpu_us(tick: Callable[[], object], ticks: int = TICKS) -> float:
     """CPU time of one tick in microseconds, the median of some rounds."""
     tick()
     rounds = []
     for _ in range(ROUNDS):
         start = time.process_time()
-        for _ in range(TICKS):
+        for _ in range(ticks):
             tick()
-        rounds.append((time.process_time() - start) / TICKS * 1e6)
+        rounds.append((time.process_time() - start) / ticks * 1e6)
     return statistics.median(rounds)
 
 
-def measure(leaves: int) -> tuple[int, float, float, float]:
-    """Nodes, and µs a tick: py_trees, ours kept, ours restored."""
-    root = TreeNode.read(tree(leaves))
-    live = grown(root, {"ready": True, "alarm": False})
-    ticker = PyTrees().compile(root, "/tree", {}, "s")
-    view = View(0.0, {"ready": Stamped(True, 0.0), "alarm": Stamped(False, 0.0)})
+def measure(tree: dict[str, Any]) -> tuple[int, float, float]:
+    """Nodes that py_trees visits, and µs a tick: py_trees, compiled."""
+    root, facts = TreeNode.read(tree), {"ready": True, "alarm": False}
+    live = grown(root, facts)
+    live.tick_once()
+    visited = sum(1 for _ in live.tick())
+    ticker = CompiledTrees().compile(root, "/tree", {}, "s")
+    view = View(0.0, {key: Stamped(value, 0.0) for key, value in facts.items()})
     state = ticker.tick(TreeState(), view, {}).state
 
     def kept() -> None:
         nonlocal state
         state = ticker.tick(state, view, {}).state
 
-    other = TreeState(dict(state.nodes), state.leaves)
-    return (
-        sum(1 for _ in root.paths()),
-        cpu_us(live.tick_once),
-        cpu_us(kept),
-        cpu_us(lambda: ticker.tick(other, view, {})),
-    )
+    return visited, cpu_us(live.tick_once), cpu_us(kept)
 
 
 def main() -> None:
-    print(f"{'nodes':>6} {'py_trees':>16} {'ours, kept':>16} {'ours, restored':>16}   µs a tick (µs a node and tick)")
-    for leaves in SIZES:
-        nodes, *each = measure(leaves)
-        figure(f"a tick of a tree of {nodes} nodes, a node", each[1] / nodes, "µs", peer=("py_trees", each[0] / nodes))
-        print(f"{nodes:>6} " + " ".join(f"{us:>8.1f} ({us / nodes:4.2f})" for us in each))
+    print(f"{'tree':>16} {'visited':>8} {'py_trees':>16} {'compiled':>16}   µs a tick (µs a visited node)")
+    for name, tree in TREES.items():
+        nodes, theirs, ours = measure(tree)
+        figure(f"a visited node, {name}", ours / nodes, "µs", peer=("py_trees", theirs / nodes))
+        print(f"{name:>16} {nodes:>8} " + " ".join(f"{us:>8.1f} ({us / nodes:5.2f})" for us in (theirs, ours)))
+    print(f"{'step of a chart':>16} {'nodes':>8} {'py_trees':>16} {'compiled':>16}   µs a step")
+    for name, keys, tree in (
+        ("50 guards", 50, {"selector": [branch(number) for number in range(50)]}),
+        ("2,401 guards", 7**4, nested(4, 7, itertools.count())),
+    ):
+        nodes = sum(1 for _ in TreeNode.read(tree).paths())
+        ours = cpu_us(stepping(tree, keys))
+        theirs = cpu_us(stepping(tree, keys, PyTrees()), 30 if keys == 50 else 1)
+        figure(f"a step that changes one guard of {keys}", ours, "µs", peer=("on py_trees", theirs))
+        print(f"{name:>16} {nodes:>8} {theirs:>16.1f} {ours:>16.1f}")
 
 
 if __name__ == "__main__":

@@ -79,21 +79,23 @@ class CompiledComposite(CompiledNode):
         """
         children, end = self.children, len(self.children) - 1
         while True:
-            if number <= last and not self.todo >> number & 1:
-                number = self._next(number, last)
-                if number > last and (last == end or children[last].status is not passes):
-                    return last
-            child = children[number]
-            if child.status is not INVALID:
-                if number > last:
-                    child.doubt()
-                elif restarts and not child.renews:
+            if number <= last:
+                if not self.todo & children[number].bit:
+                    number = self._next(number, last)
+                    if number > last and (last == end or children[last].status is not passes):
+                        return last
+                child = children[number]
+                if restarts and not child.renews and child.status is not INVALID:
                     child.stop(now)
+            else:
+                child = children[number]
+                if child.status is not INVALID:
+                    child.doubt()
             status = child.tick(now)
             if not child.idle:
                 self.todo |= child.bit
             elif self.todo & child.bit:
-                self.todo &= ~child.bit
+                self.todo ^= child.bit
             if status is not passes or number == end:
                 return number
             number += 1

@@ -58,6 +58,8 @@ class CompiledTicker:
         """The state in which the nodes are."""
         self.own_keys = {name for node in self.nodes for name in node.writes}
         self._written: Collection[str] = ()
+        self._calm: tuple[TreeState | None, float] = (None, 0.0)
+        """A state, and until when no guard that is looked at in it changes by time alone."""
         """What the last tick has written; the mission may have refused it."""
         self._parts: list[list[Any]] = [
             [None] * len(self.nodes[at : at + PART]) for at in range(0, len(self.nodes), PART)
@@ -75,7 +77,7 @@ class CompiledTicker:
         if changed is None:
             self._doubt_all()
         else:
-            self._wake_all(changed)
+            self._wake_all(changed, sight.at)
         if state.leaves:
             pending = _pending(state)
             ends = {**pending, **outcomes} if pending else outcomes
@@ -108,13 +110,15 @@ class CompiledTicker:
             node.idle = False
             node.todo = -1
 
-    def _wake_all(self, changed: Iterable[str]) -> None:
+    def _wake_all(self, changed: Iterable[str], at: float) -> None:
         for key in changed:
             self._wake(key)
         for key in self._written:
             self._wake(key)
-        for node in self.timed:
-            node.wake()
+        state, due = self._calm
+        if state is not self.shown or at >= due:
+            for node in self.timed:
+                node.wake()
 
     # -- remembered ---------------------------------------------------------------------------------------------------
 
@@ -250,12 +254,13 @@ class CompiledTicker:
         for node in self.waiting.values():
             if now < (due := node.deadline()) < soonest:
                 soonest = due
+        next_due = math.inf
         for node in self.timed:
-            if node.site.holds or (node.looks and node.is_seen()):
-                for instant in node.site.instants:
-                    if now < (due := instant(sight)) < soonest:
-                        soonest = due
-        return soonest
+            for instant in node.site.instants:
+                if now < (due := instant(sight)) < next_due and (node.site.holds or (node.looks and node.is_seen())):
+                    next_due = due
+        self._calm = (state, next_due)
+        return min(soonest, next_due)
 
     def reads(self, state: TreeState) -> frozenset[str]:
         """What wants a tick once it is another; see `Ticker`."""
