@@ -5,7 +5,7 @@
 SHELL := /bin/bash
 .SHELLFLAGS := -euo pipefail -c
 .DEFAULT_GOAL := help
-.PHONY: help setup run talk desk fmt check test wheel compiled middleware ros-interfaces ros-package oracles fresh drill repeat mutate fuzz audit lock bench docs pictures weights clean
+.PHONY: help setup run talk desk campaign fmt check test wheel compiled middleware ros-interfaces ros-package oracles fresh drill repeat mutate fuzz audit lock bench docs pictures weights clean
 
 BIN := .venv/bin
 comma := ,
@@ -35,6 +35,10 @@ talk: .venv/.ready-run ## Talk: a scripted person asks, orders and interrupts in
 
 desk: .venv/.ready-run ## A request typed at a desk, REQUEST="stack the cubes": an arm does it; pictures before and after in out/
 	@$(BIN)/python scripts/desk.py $(if $(REQUEST),"$(REQUEST)") --scene missions/desk/scenes/cubes.json --pictures out
+
+campaign: .venv/.ready-run ## Rules, constants and scripts in twelve scenes of the orchard, each answer judged by physics; the report in out/
+	@mkdir -p out
+	@$(BIN)/rai-missions campaign run campaigns/quick.json --store out/quick.db --report out/quick.html
 
 fmt: .venv/.ready-dev ## Format, and mend what a linter can mend
 	$(BIN)/ruff format .

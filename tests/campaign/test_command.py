@@ -1,0 +1,86 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The command `campaign`, and what goes over the pipes of its workers."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from rai_missions.campaign.cells import Cell
+from rai_missions.campaign.store import CellRecord, LabelRecord, PictureRecord, ResultStore, SceneRecord
+from rai_missions.campaign.tasks import SceneTask
+from rai_missions.campaign.worker import PIECE, record_words, task_in, task_words
+from rai_missions.cli.main import main
+from rai_missions.connectors.process.frames import LONGEST_REPLY, outward
+from tests.campaign.choosing import campaign_data, write_campaign
+
+
+def test_check_counts_the_cells(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = write_campaign(tmp_path, campaign_data(3))
+    assert main(["campaign", "check", str(path)]) == 0
+    expected = "choosing: 18 cells: 3 scenes × 3 models × 1 embodiments × 2 orders of options\n"
+    assert capsys.readouterr().out == expected
+
+
+def test_the_schema_is_printed(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["schema", "campaign"]) == 0
+    assert json.loads(capsys.readouterr().out)["title"] == "A campaign of rai_missions"
+
+
+@pytest.mark.sim
+def test_run_stores_reports_and_compares(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path, store, page = write_campaign(tmp_path, campaign_data(1)), tmp_path / "a.db", tmp_path / "a.html"
+    assert main(["campaign", "run", str(path), "--store", str(store), "--jobs", "1", "--report", str(page)]) == 0
+    assert "6 cells answered, 0 without an answer, in " in capsys.readouterr().out
+    assert page.exists() and page.with_suffix(".csv").exists()
+    assert main(["campaign", "compare", str(store), str(store)]) == 0
+    assert capsys.readouterr().out.strip()
+    with ResultStore(store) as opened:
+        assert opened.meta["name"] == "choosing"
+
+
+@pytest.mark.parametrize(("words", "fault"), [
+    (["run", "CAMPAIGN", "--jobs", "0"], "--jobs is how many workers there are, 1 or more, not 0"),
+    (["compare", "a.db"], "compare needs two stores"),
+    (["run", "CAMPAIGN", "other.db"], "compare needs two stores"),
+    (["report", "nowhere.db"], "no results at nowhere.db"),
+    (["run", "CAMPAIGN", "--model", "openai:gpt", "--jobs", "1"], "OPENAI_API_KEY"),
+    (["run", "CAMPAIGN", "--replay-answers", "nowhere.db", "--jobs", "1"], "no results at"),
+])  # fmt: skip
+def test_a_wrong_use_is_named(
+    tmp_path: Path, words: list[str], fault: str, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    path = write_campaign(tmp_path, campaign_data(1))
+    given = [str(path) if word == "CAMPAIGN" else word for word in words]
+    assert main(["campaign", *given]) == 2
+    assert fault in capsys.readouterr().err
+
+
+texts = st.text(max_size=20)
+
+
+@given(texts, st.lists(texts, unique=True, max_size=3), st.dictionaries(texts, texts, max_size=3), st.booleans())
+def test_a_task_over_a_pipe_is_the_same_task(scene: str, keys: list[str], labels: dict[str, str], shows: bool) -> None:
+    cells = tuple((key, Cell("m", scene, 3, "rules", "none", "written")) for key in keys)
+    task = SceneTask(SceneRecord(scene, "orchard", "log", 3, "tune", "{}"), cells, labels, shows)
+    assert task_in(json.loads(json.dumps(task_words(task)))) == task
+
+
+@pytest.mark.parametrize("size", [0, 1, PIECE - 1, PIECE, PIECE + 1, 3 * PIECE])
+def test_a_picture_goes_in_pieces_that_fit(size: int) -> None:
+    messages = list(record_words(PictureRecord("s", "camera", bytes(size))))
+    assert [message["is_last"] for message in messages] == [False] * (len(messages) - 1) + [True]
+    assert all(len(outward(message)[0]) < LONGEST_REPLY for message in messages)
+
+
+def test_other_records_are_one_message_each() -> None:
+    cell = CellRecord("k", "m", "s", 1, "rules", "none", "written", "answered", raw="x" * 20_000)
+    for record in (cell, LabelRecord("s", "left", "harms", "{}")):
+        (message,) = record_words(record)
+        assert message == {"record": type(record).__name__, "of": list(record)}
+        assert len(outward(message)[0]) < LONGEST_REPLY
