@@ -86,9 +86,10 @@ class CampaignFile(MissionModel):
     arguments: dict[Name, Json] = Field(default_factory=dict)
     """The mission's arguments."""
     scenes: ScenesEntry
-    labels: Literal["rollouts", "none"] = "none"
-    """Where a scene's labels come from, unless the store has them: `rollouts` tries each option on a branch of the
-    world, by the mission itself, until it ends, harm is done or someone is asked again."""
+    labels: Literal["trials", "rollouts", "none"] = "none"
+    """Where a scene's labels come from, unless the store has them. `trials` has physics alone try each option, whatever
+    the mission's guards; `rollouts` has the mission try it on a branch of the world, until it ends, harm is done or
+    someone is asked again."""
     models: Names
     """`rules`, `oracle`, `constant:OPTION`, a name in `scripts`, `PROVIDER:NAME`, `local` or `local:FILE.gguf`."""
     embodiments: Names = ("none",)

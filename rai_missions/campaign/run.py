@@ -7,7 +7,7 @@ Rule: one process writes. A record counts once it is committed; whatever ends a 
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from datetime import timedelta
 from typing import NamedTuple
 
@@ -66,21 +66,29 @@ class CampaignPlan(NamedTuple):
     labels: Mapping[str, Mapping[str, str]]
     """Scene → option → verdict of physics."""
 
-    def tasks(self, done: set[str], shown: set[tuple[str, str]]) -> Iterator[SceneTask]:
+    def tasks(self, done: set[str], shown: set[tuple[str, str]], *, rates: bool = False) -> Iterator[SceneTask]:
         """What is left to do, a scene at a time.
 
         Args:
             done: Keys of cells that have their record.
             shown: Scene and embodiment of the questions that are stored.
+            rates: Labels are wanted, where there are none.
         """
         left: dict[str, list[tuple[str, Cell]]] = {}
         for key, cell in self.cells.items():
             if key not in done:
                 left.setdefault(cell.scene, []).append((key, cell))
         for scene in self.scenes:
-            if cells := left.get(scene.scene):
-                shows = any((scene.scene, cell.embodiment) not in shown for _, cell in cells)
-                yield SceneTask(scene, tuple(cells), self.labels.get(scene.scene, {}), shows)
+            cells, labels = left.get(scene.scene, []), self.labels.get(scene.scene, {})
+            shows = any((scene.scene, cell.embodiment) not in shown for _, cell in cells)
+            if cells or (rates and not labels):
+                yield SceneTask(scene, tuple(cells), labels, shows, rates and not labels)
+
+    def label_tasks(self) -> Iterator[SceneTask]:
+        """The scenes that have no labels yet, without their cells."""
+        for scene in self.scenes:
+            if not self.labels.get(scene.scene):
+                yield SceneTask(scene, (), {}, shows=False, rates=True)
 
 
 def plan_of(loaded: LoadedCampaign, labels: Mapping[str, Mapping[str, str]]) -> CampaignPlan:
@@ -104,7 +112,7 @@ def plan_of(loaded: LoadedCampaign, labels: Mapping[str, Mapping[str, str]]) -> 
 
 def run_campaign(
     loaded: LoadedCampaign, store: ResultStore, settings: WorkSettings, *,
-    open_pool: Callable[[WorkSettings], TaskPool] = LocalPool,
+    open_pool: Callable[[WorkSettings], TaskPool] = LocalPool, labels_alone: bool = False,
     on_progress: Callable[[Progress], None] = lambda progress: None,
 ) -> CampaignResult:  # fmt: skip
     """Ask what is missing in a store, until all is asked or the budget is spent.
@@ -114,22 +122,28 @@ def run_campaign(
         store: Open to write.
         settings: What the workers know.
         open_pool: Who does it.
+        labels_alone: Label the scenes that have no labels, and ask nothing.
         on_progress: Receives how far it is, about twice a second.
 
     Raises:
-        UsageError: The store is of another campaign or version, a model cannot be opened, or a worker cannot begin.
+        UsageError: The store is of another campaign or version, a model cannot be opened, a worker cannot begin, or
+            labels alone are wanted and the campaign has no source of them.
     """
     began = time.monotonic()
-    if not settings.recorded:
+    rates = loaded.file.labels != "none"
+    if labels_alone and not rates:
+        raise UsageError('the campaign has no source of labels: write "labels": "trials" or "rollouts" in its file')
+    if not (settings.recorded or labels_alone):
         _check_models(loaded)
     _begin(loaded, store)
-    plan = plan_of(loaded, store.labels())
+    plan = plan_of(loaded, _whole(store.labels(), loaded.subject.options if rates else ()))
     _drop_outdated(plan, store)
     done = store.done()
     spending = Spending(loaded.file.budget, (each for each in store.cells() if each.status != "failed"))
     intake = Intake(store, spending, on_progress, len(done), len(plan.cells))
     stopped = spending.spent(0.0)
-    tasks = [] if stopped else list(plan.tasks(done, store.shown()))
+    wanted = plan.label_tasks() if labels_alone else plan.tasks(done, store.shown(), rates=rates)
+    tasks = [] if stopped else list(wanted)
     pool = open_pool(settings)
     try:
         for record in pool.results(tasks):
@@ -225,3 +239,8 @@ def _drop_outdated(plan: CampaignPlan, store: ResultStore) -> None:
     """Take out cells that have the names of one of the plan and another key: their scene, script or label changed."""
     names = {(each[0], each[1], *each[3:]) for each in plan.cells.values()}
     store.drop(key for key, each in store.keys().items() if key not in plan.cells and tuple(each) in names)
+
+
+def _whole(labels: Mapping[str, Mapping[str, str]], options: Sequence[str]) -> dict[str, Mapping[str, str]]:
+    """The labels of scenes in which each of these options has one; a kill may have come in between."""
+    return {scene: each for scene, each in labels.items() if each.keys() >= set(options)}

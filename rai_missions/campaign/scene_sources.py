@@ -35,34 +35,66 @@ class GivenScene(MissionModel):
 
 
 class ScenesEntry(MissionModel):
-    """The scenes of a campaign: exactly one of `given` and `seeds`."""
+    """The scenes of a campaign: exactly one of `given`, `seeds` and `count`."""
 
     world: Text = "orchard"
     given: Annotated[tuple[GivenScene, ...], BeforeValidator(_listed)] = ()
     seeds: Annotated[tuple[Integer, ...], BeforeValidator(_listed)] = ()
     """A scene each: the world that the seed alone decides."""
-    split: Split = "report"
-    """Of the scenes by `seeds`."""
+    count: Annotated[Integer, Field(gt=0)] | None = None
+    """So many scenes of the generator (`campaign.scenes`), no two alike."""
+    first_seed: Annotated[Integer, Field(ge=0)] = 0
+    """Where the generator begins."""
+    split: Split | None = None
+    """Of the scenes by `seeds`, `report` if it is left out; of the generator's, those of this split alone."""
     options: dict[Text, Json] = Field(default_factory=dict)
     """What every scene's world is built from."""
 
     @model_validator(mode="after")
     def _is_one_source(self) -> ScenesEntry:
-        if bool(self.given) + bool(self.seeds) != 1:
-            raise fault("scenes", "scenes are written under 'given' or named by 'seeds': give exactly one of them")
-        names = [each.scene for each in self.scenes()]
+        if bool(self.given) + bool(self.seeds) + (self.count is not None) != 1:
+            sentence = (
+                "scenes are written under 'given', named by 'seeds' or drawn by 'count': give exactly one of them"
+            )
+            raise fault("scenes", sentence)
+        if self.count is not None and self.options:
+            raise fault("options", "the generator draws each scene's options; drop 'options' or drop 'count'")
+        names = [each.scene for each in self._written()]
         if len(set(names)) < len(names):
             twice = next(name for name in names if names.count(name) > 1)
             raise fault("scenes", f"the scene '{twice}' is there more than once; give each a name of its own")
         return self
 
     def scenes(self) -> Iterator[SceneRecord]:
-        """The scenes, in the order written."""
+        """The scenes, in the order written or drawn.
+
+        Raises:
+            UsageError: No scenes are generated for this world.
+        """
+        return self._written() if self.count is None else iter(_drawn(self, self.count))
+
+    def _written(self) -> Iterator[SceneRecord]:
         for each in self.given:
             yield self._made(each.scene, each.kind, each.seed, each.split, {**self.options, **each.options})
         for seed in self.seeds:
-            yield self._made(f"{self.world}_{seed}", self.world, seed, self.split, self.options)
+            yield self._made(f"{self.world}_{seed}", self.world, seed, self.split or "report", self.options)
 
     def _made(self, scene: str, kind: str, seed: int, split: str, options: Any) -> SceneRecord:
         spec = json.dumps({"world": self.world, "options": options}, sort_keys=True)
         return SceneRecord(scene, self.world, kind, seed, split, spec)
+
+
+def _drawn(entry: ScenesEntry, count: int) -> list[SceneRecord]:
+    """The first scenes of the generator that are of the split that is wanted."""
+    from rai_missions.campaign.scenes import scenes  # loads the world
+
+    found: list[SceneRecord] = []
+    drawn = count
+    while len(found) < count:
+        found = [
+            SceneRecord(each.scene, each.world, each.kind, each.seed, each.split, json.dumps(each.spec, sort_keys=True))
+            for each in scenes(entry.world, drawn, entry.first_seed)
+            if entry.split in (None, each.split)
+        ]
+        drawn *= 2
+    return found[:count]

@@ -11,7 +11,7 @@ import threading
 from collections.abc import Iterator, Mapping
 from contextlib import ExitStack
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from rai_missions.campaign.asking import Asking, question_record
 from rai_missions.campaign.budget import CallPace
@@ -42,6 +42,8 @@ class SceneTask(NamedTuple):
     """Option → verdict of physics."""
     shows: bool = True
     """Whether its questions and pictures are wanted, too."""
+    rates: bool = False
+    """Whether its labels are wanted, too."""
 
     def without(self, keys: set[str]) -> SceneTask:
         """The same task without the cells that are done."""
@@ -92,8 +94,18 @@ class Workplace:
 
     def work(self, task: SceneTask) -> Iterator[TaskRecord]:
         """Ask what a task wants, and yield each record as soon as there is it."""
-        if not task.cells or self.is_over.is_set():
+        if self.is_over.is_set() or not (task.cells or task.rates):
             return
+        labels = dict(task.labels)
+        if task.rates and self._asking.file.labels == "trials":
+            for label in _tried(task.scene):
+                labels[label.option] = label.verdict
+                yield label
+        if task.cells or self._asking.file.labels == "rollouts":
+            yield from self._in_scene(task, labels)
+
+    def _in_scene(self, task: SceneTask, labels: dict[str, str]) -> Iterator[TaskRecord]:
+        """The question of a scene, and its answers."""
         try:
             asked = ask_in(task.scene, self._subject)
         except NoQuestion as none:
@@ -105,8 +117,7 @@ class Workplace:
             return
         if task.shows:
             yield from self._shown(asked, task)
-        labels = dict(task.labels)
-        for label in self._rolled_out(asked) if not labels else ():
+        for label in self._rolled_out(asked) if task.rates else ():
             labels[label.option] = label.verdict
             yield label
         if asked.decision is not None:
@@ -119,7 +130,7 @@ class Workplace:
 
     def _rolled_out(self, asked: AskedScene) -> Iterator[LabelRecord]:
         """The labels of a scene's options, where the campaign wants them; none where an option cannot be tried."""
-        if self._asking.file.labels == "none" or asked.decision is None:
+        if self._asking.file.labels != "rollouts" or asked.decision is None:
             return
         found = rollouts(asked.decision, self._subject.options)
         for option, each in found.items():
@@ -132,6 +143,17 @@ class Workplace:
             file = image.file(level=SMALL)
             if file.kind == "png":
                 yield PictureRecord(task.scene.scene, name, file.data)
+
+
+def _tried(scene: SceneRecord) -> Iterator[LabelRecord]:
+    """The labels that physics alone gives, without the mission."""
+    from rai_missions.campaign.labels import label  # loads the world
+    from rai_missions.campaign.scenes import CampaignScene
+
+    split: Any = scene.split
+    given = CampaignScene(scene.scene, scene.world, scene.kind, scene.seed, split, json.loads(scene.spec))
+    for option, each in label(given).items():
+        yield LabelRecord(scene.scene, option, each.verdict, json.dumps(each.details, default=str))
 
 
 def _failed(task: SceneTask, error: str) -> Iterator[CellRecord]:

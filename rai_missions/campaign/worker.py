@@ -92,12 +92,12 @@ def record_words(record: CellRecord | LabelRecord | PictureRecord | QuestionReco
 
 def task_words(task: Any) -> list[Any]:
     """A task as JSON."""
-    return [list(task.scene), [[key, *cell] for key, cell in task.cells], dict(task.labels), task.shows]
+    return [list(task.scene), [[key, *cell] for key, cell in task.cells], dict(task.labels), task.shows, task.rates]
 
 
 def task_in(words: list[Any]) -> Any:
     """The task that `task_words` wrote."""
     from rai_missions.campaign.tasks import SceneTask
 
-    scene, cells, labels, shows = words
-    return SceneTask(SceneRecord(*scene), tuple((key, Cell(*cell)) for key, *cell in cells), labels, shows)
+    scene, cells, labels, *wants = words
+    return SceneTask(SceneRecord(*scene), tuple((key, Cell(*cell)) for key, *cell in cells), labels, *wants)

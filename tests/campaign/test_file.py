@@ -45,6 +45,8 @@ def test_a_fault_is_named_with_its_place(tmp_path: Path, words: dict[str, Any], 
 @pytest.mark.parametrize(("scenes", "fault"), [
     ({}, "give exactly one of them"),
     ({"seeds": [1], "given": [{"scene": "a", "kind": "b", "seed": 1}]}, "give exactly one of them"),
+    ({"seeds": [1], "count": 3}, "give exactly one of them"),
+    ({"count": 3, "options": {"alleys": 2}}, "the generator draws each scene's options"),
     ({"seeds": [1, 1]}, "the scene 'orchard_1' is there more than once"),
 ])  # fmt: skip
 def test_scenes_have_one_source_and_names_of_their_own(tmp_path: Path, scenes: dict[str, Any], fault: str) -> None:
@@ -85,3 +87,12 @@ def test_every_shipped_campaign_is_without_fault(path: Path) -> None:
 
 def test_campaigns_are_shipped() -> None:
     assert {path.name for path in SHIPPED} >= {"quick.json", "tractor.json"}
+
+
+def test_the_generators_scenes_are_those_of_the_split_in_their_order(tmp_path: Path) -> None:
+    counted = {"world": "orchard", "count": 6, "first_seed": 40}
+    every = list(load_campaign(write_campaign(tmp_path, campaign_data() | {"scenes": counted})).file.scenes.scenes())
+    drawn = {**counted, "split": "report"}
+    found = list(load_campaign(write_campaign(tmp_path, campaign_data() | {"scenes": drawn})).file.scenes.scenes())
+    assert len(every) == len(found) == 6 and {each.split for each in found} == {"report"}
+    assert [each for each in every if each.split == "report"] == found[: sum(each.split == "report" for each in every)]

@@ -103,6 +103,20 @@ def test_scenes_are_labelled_by_rolling_out_each_option_unless_the_store_has_lab
     assert answers == {("s0", "left", "harmless", 1), ("s1", "left", "completes", 1)}
 
 
+def test_labels_alone_are_made_once_and_a_part_of_them_is_made_again(tmp_path: Path) -> None:
+    path, store = write_campaign(tmp_path, campaign_data(2, labels="rollouts")), tmp_path / "results.db"
+    with ResultStore(store, writes=True) as opened:
+        opened.add(labels(["s1"])[:2])  # a kill came in between
+    result = ran(path, store, labels_alone=True)
+    assert result.counts == {} and result.missing == 12
+    harmless = dict.fromkeys(("left", "right", "wait"), "harmless")
+    with ResultStore(store) as opened:
+        assert opened.labels() == {"s0": harmless, "s1": harmless}
+    assert ran(path, store, lambda settings: RefusingPool(), labels_alone=True).missing == 12
+    with pytest.raises(UsageError, match="no source of labels"):
+        ran(write_campaign(tmp_path, campaign_data(2)), store, labels_alone=True)
+
+
 def test_a_pool_of_processes_gives_the_table_of_one_process(tmp_path: Path) -> None:
     path = write_campaign(tmp_path, campaign_data(3))
     ran(path, tmp_path / "serial.db")

@@ -23,8 +23,9 @@ class CampaignOptions(NamedTuple):
 
     Args:
         deed: run: ask what is missing in the store; check: read the file and all that it names, and count the cells;
-            report: write the report of a store; compare: what is better in one of two stores, and what is noise.
-        file: For run and check the campaign's file; for report and compare a store.
+            label: label the scenes alone; report: write the report of a store; compare: what is better in one of two
+            stores, and what is noise.
+        file: For run, check and label the campaign's file; for report and compare a store.
         other: For compare: the other store.
         store: Where the results are. Without it: the name of the campaign with .db, in the working directory.
         jobs: How many workers. Without it: one a core.
@@ -35,7 +36,7 @@ class CampaignOptions(NamedTuple):
             name with .html.
     """
 
-    deed: Annotated[Literal["run", "check", "report", "compare"], Argument(is_positional=True)]
+    deed: Annotated[Literal["run", "check", "label", "report", "compare"], Argument(is_positional=True)]
     file: Annotated[str, Argument("FILE", is_positional=True, files=("*.json", "*.db"))]
     other: Annotated[str | None, Argument("RESULTS", is_positional=True, files=("*.db",))] = None
     store: Annotated[str | None, Argument("RESULTS", files=("*.db",))] = None
@@ -116,7 +117,13 @@ def _run(options: CampaignOptions) -> int:
         shown[0] = progress.words(loaded.file.currency)
 
     with ResultStore(path, writes=True) as store, LongWork(lambda: shown[0]):
-        result = run_campaign(loaded, store, settings, open_pool=open_pool, on_progress=note)
+        result = run_campaign(
+            loaded, store, settings, open_pool=open_pool, labels_alone=options.deed == "label", on_progress=note
+        )
+        labelled = len(store.labels())
+    if options.deed == "label":
+        print(f"{labelled} scenes have labels, in {result.seconds:.1f} s; results: {path}")
+        return 0
     print(_words(result, path))
     if options.report is not None:
         _report(str(path), options.report)
