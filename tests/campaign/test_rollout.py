@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
@@ -64,12 +65,12 @@ class Agent:
         """Nothing is under way."""
 
 
-def run(agent: Agent, profile: Robot) -> tuple[Any, list[Step], Any]:
+def run(agent: Agent, profile: Robot, mission: Path = TRACTOR / "mission.json") -> tuple[Any, list[Step], Any]:
     """The mission with this agent: its result, its steps and the last state of the world."""
     steps: list[Step] = []
     config = RunConfig(
-        TRACTOR / "mission.json", robot=profile, arguments={"alleys": 1}, answerers={"agent": agent},
-        on_step=steps.append,
+        mission, robot=profile, arguments={"alleys": 1} if mission.parent == TRACTOR else {},
+        answerers={"agent": agent}, on_step=steps.append,
     )  # fmt: skip
     with prepare(config) as prepared:
         agent.run = prepared
@@ -148,6 +149,54 @@ def test_nothing_is_rendered_for_a_rollout_and_the_verdict_is_that_of_a_rendered
 @pytest.mark.parametrize("option", ["replan", "signal", "abort"])
 def test_every_option_comes_out_as_in_the_run(kind: str, option: str) -> None:
     as_it_happens(kind, option)
+
+
+TWO_THINGS: dict[str, Any] = {
+    "format": 1, "name": "two_things", "version": "1.0.0",
+    "blackboard": {"alleys_driven": {"type": "integer", "source": "robot", "max_age_s": 5}},
+    "initial": "both",
+    "states": {
+        "both": {
+            "parallel": {
+                "moving": {"initial": "going", "states": {
+                    "going": {
+                        "action": "go_home", "goal": {"pose": {"pose": {"position": {"x": -4.25, "y": 4.5}}}},
+                        "timeout_s": 300, "transitions": [{"on": "succeeded", "to": "arrived"}],
+                    },
+                    "arrived": {},
+                }},
+                "deciding": {"initial": "waiting", "states": {
+                    "waiting": {"transitions": [{"after_s": 2, "to": "asking"}]},
+                    "asking": {
+                        "decision": {
+                            "question": "It drives. What now?", "options": {"let_it": {}, "end_it": {}},
+                            "ask": ["agent"], "deadline_s": 20, "fallback": "end_it",
+                        },
+                        "transitions": [{"on": "let_it", "to": "left_alone"}, {"on": "end_it", "to": "quit"}],
+                    },
+                    "left_alone": {},
+                }},
+            },
+            "transitions": [{"when": {"all": [{"in": "arrived"}, {"in": "left_alone"}]}, "to": "done"}],
+        },
+        "done": {"final": "succeeded", "requires": {"key": "alleys_driven", ">=": 0}},
+        "quit": {"final": "aborted"},
+    },
+}  # fmt: skip
+"""A goal is under way while a decision is open."""
+
+
+@pytest.mark.parametrize(("option", "verdict"), [("let_it", "completes"), ("end_it", "harmless")])
+def test_a_goal_that_is_under_way_comes_to_its_end_in_a_rollout(option: str, verdict: str, tmp_path: Path) -> None:
+    file = tmp_path / "mission.json"
+    file.write_text(json.dumps(TWO_THINGS))
+    found: list[Rollout] = []
+    agent = Agent(option, lambda decision: found.append(rollout(decision, option)))
+    result, _, end = run(agent, robot("none"), file)
+    began = agent.asked[0]
+    assert (found[0].verdict, found[0].outcome, found[0].why) == (verdict, result.outcome, result.why)
+    if option == "let_it":
+        assert found[0].seconds == pytest.approx(end[0] - began[0], abs=1e-6), "as long as in the run"
 
 
 def test_the_oracle_completes_what_can_be_completed() -> None:
