@@ -38,6 +38,7 @@ class ClaimWords:
         self.harmless, self.let = Phrases(data["harmless"], {}), Phrases(data["let"], {})
         self.progress = Phrases(data["progress"], {})
         self.idioms, self.whole_idioms = Phrases(data["idioms"], {}), Phrases(data["whole_idioms"], {})
+        self._tails = [tuple(each.split()) for each in data["tails"]]
         self.allowed = {kind: Phrases(each, {}) for kind, each in data["allowed"].items()}
         self._past, self._past_pattern = frozenset(data["past"]), re.compile(data["past_pattern"])
         self._progressive = re.compile(data["progressive_pattern"])
@@ -165,3 +166,18 @@ class ClaimWords:
         while at < len(words) and words[at] in self.lead:
             at += 1
         return self.skip(words[at:])
+
+    def leading(self, words: Sequence[str]) -> int:
+        """How many words at its beginning only lead in."""
+        at = 0
+        while at < len(words) and (words[at] in self.lead or self._is_adverb(words[at])):
+            at += 1
+        return at
+
+    def ends(self, words: Sequence[str]) -> Iterator[int]:
+        """Where a clause may end, its harmless tails left out one after the other: `done | for you | today`."""
+        end = len(words)
+        yield end
+        while tail := next((each for each in self._tails if tuple(words[:end])[-len(each) :] == each), None):
+            end -= len(tail)
+            yield end

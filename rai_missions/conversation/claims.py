@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import re
 import unicodedata
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from itertools import pairwise
 from typing import Literal
 
@@ -31,6 +31,8 @@ DISGUISES = str.maketrans({"0": "o", "1": "i", "3": "e", "4": "a", "5": "s", "7"
 MIXED = re.compile(r"\b(?=\w*[^\W\d_])(?=\w*\d)\w+|\b\w*[@$]\w+")
 SPACED = re.compile(r"\b(?:[^\W\d_] ){2,}[^\W\d_]\b")
 MARKS = re.compile(r"[*_`~#>\"“”„«»\[\]{}]+|(?<!\w)'|'(?!\w)")
+DONE_SIGNS = frozenset("✅✔☑🏁🎉👍👌🆗💯🚀")
+"""Signs that report a result without a word."""
 LEAST_SHARE = 0.15
 """Of a sentence's words that are the language's small words, below which it is taken for another language."""
 SHORT = 2
@@ -47,6 +49,7 @@ class Claims:
     def __init__(self, code: str) -> None:
         own = ClaimWords(language(code))
         self._own = own
+        self._letters = frozenset("".join(language(each).data["claims"]["letters"] for each in languages()))
         self._every = (own, *(ClaimWords(language(each)) for each in languages() if each != code))
 
     def why_replaced(self, sentence: str, view: StatusView) -> ClaimKind:
@@ -56,6 +59,8 @@ class Claims:
             sentence: One sentence of a model.
             view: The run: its robot, mission, states and keys are subjects, too.
         """
+        if DONE_SIGNS & set(sentence):
+            return "script"
         text = _plain(sentence.lower() if sentence.isupper() else sentence)
         if any(each.isalpha() and "LATIN" not in unicodedata.name(each, "") for each in text):
             return "script"
@@ -66,6 +71,8 @@ class Claims:
             return "script" if sentence.strip(" \n.!?…-") else ""
         if self._own.harmless.fits(words):
             return ""
+        if any(not each.isascii() and each not in self._letters for each in text.lower() if each.isalpha()):
+            return "language"
         names, share = _names(view), self._own.share(words)
         for rules in self._every:
             theirs = rules.words(text)
@@ -107,7 +114,7 @@ class _Judged:
         rules = self._rules
         if rules.whole_idioms.fits(words) or any(rules.whole_idioms.fits(each) for each in self._clauses):
             return "idiom"
-        if rules.idioms.within(words):
+        if rules.idioms.within(words) or any(rules.whole_idioms.fits(each) for each in self._bare_clauses()):
             return "idiom"
         if self._has_result(words):
             return "result"
@@ -121,6 +128,14 @@ class _Judged:
         if any(rules.progress.within(each) and not set(each) & rules.person for each in self._clauses):
             return "progress"
         return "second verb" if self._has_second_verb(words) else ""
+
+    def _bare_clauses(self) -> Iterator[Sequence[str]]:
+        """What is left of each clause without some of the harmless words around it: `of course done, for you`."""
+        for words in self._clauses:
+            for start in range(self._rules.leading(words) + 1):
+                for end in self._rules.ends(words):
+                    if start < end:
+                        yield words[start:end]
 
     def _is_claim(self, words: Sequence[str], subject: Subject) -> bool:
         """Whether what follows a subject is a claim."""

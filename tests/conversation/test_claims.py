@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Iterator
 from itertools import cycle
 from pathlib import Path
 
@@ -18,6 +19,44 @@ VIEW = StatusView(robot="rosbot, simulated", mission="rosbot_patrol", keys=KEYS)
 MOST_FALSE = 0.2
 DRESSES = ('"{}"', "**{}**", "- {}")
 """Ways in which a model dresses the same sentence."""
+JOINED = {
+    "en": (
+        "Okay {}", "Sure, {}", "{} thanks", "Well {} as you asked", "Of course {}", "{} and that is great",
+        "Yes {} now", "{} have a nice day", "Good news {}", "Great {} for you", "{}, which is nice", "Thank you, {}",
+        "No problem {}",
+        "Right away: {}", "There you go, {}", "{} by the way", "{} as promised", "Honestly {}", "{} and goodbye",
+        "Cool {}", "{} okay",
+    ),
+    "de": (
+        "Okay {}", "Klar, {}", "{} danke", "Gerne {}", "Natürlich {}", "{} und das ist schön", "Ja {} jetzt",
+        "Gute Nachricht {}", "{} für dich", "Kein Problem {}", "{} übrigens", "Wie versprochen {}", "Toll, {}",
+    ),
+}  # fmt: skip
+"""Harmless words around a claim."""
+
+
+def joined(code: str, every: int = 1) -> Iterator[str]:
+    """Each claim with harmless words around it; with `every` of 5, each fifth pair, another one for each claim."""
+    for number, claim in enumerate(DATA["claims"][code]):
+        bare = claim.rstrip(".!")
+        for place, form in enumerate(JOINED[code]):
+            if (number + place) % every == 0:
+                text = form.format(bare[:1].lower() + bare[1:])
+                yield f"{text[:1].upper()}{text[1:]}."
+
+
+@pytest.mark.parametrize("code", sorted(DATA["claims"]))
+def test_no_claim_passes_among_harmless_words(code: str) -> None:
+    claims = Claims(code)
+    assert [each for each in joined(code, 7) if not claims.why_replaced(each, VIEW)] == []
+
+
+@pytest.mark.drill
+@pytest.mark.parametrize("code", sorted(DATA["claims"]))
+def test_no_claim_passes_among_any_harmless_words(code: str) -> None:
+    claims, sentences = Claims(code), [*joined(code)]
+    assert len(sentences) > 300
+    assert [each for each in sentences if not claims.why_replaced(each, VIEW)] == []
 
 
 @pytest.mark.parametrize("code", sorted(DATA["claims"]))
