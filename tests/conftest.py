@@ -12,6 +12,7 @@ import os
 import signal
 import socket
 import tempfile
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -23,14 +24,14 @@ pytest_plugins = ("tests.limits",)
 QUICK, FIRST, FRESH, DEEP = "quick", "first", "fresh", "deep"
 settings.register_profile(
     QUICK,
-    max_examples=25,
+    max_examples=15,
     deadline=None,
     derandomize=True,  # the same examples everywhere and every time; `make drill` draws fresh ones
     suppress_health_check=[HealthCheck.too_slow],
 )
 # Where only the verdict counts, as in `make mutate`, a failing example is not made smaller.
-settings.register_profile(FIRST, settings.get_profile(QUICK), phases=[Phase.explicit, Phase.generate])
-settings.register_profile(FRESH, settings.get_profile(QUICK), derandomize=False)
+settings.register_profile(FIRST, settings.get_profile(QUICK), max_examples=25, phases=[Phase.explicit, Phase.generate])
+settings.register_profile(FRESH, settings.get_profile(QUICK), max_examples=25, derandomize=False)
 settings.register_profile(DEEP, max_examples=2000, deadline=None, suppress_health_check=list(HealthCheck))
 settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", QUICK))
 
@@ -86,6 +87,10 @@ socket.socket = LoopbackSocket  # type: ignore[misc]
 ON_ROS = frozenset({"ros", "domain", "graph", "tried"})
 """Fixtures of the tests that start nodes of ROS 2."""
 SLOW = ("local_model", "sim")
+LONG = frozenset({"model_process", "prove", "tutorial", "voice"})
+"""Folders with tests that take seconds: one of them at the end would keep the other workers waiting."""
+DRILL_S = 3600
+"""Seconds for a test that is long on purpose, also where it is run by itself."""
 
 
 def is_on_ros(item: pytest.Item) -> bool:
@@ -96,6 +101,8 @@ def shared(path: Path) -> Path | None:
     """The file or the folder whose tests share something that is made once, such as a browser; None where none is."""
     rig = path.with_name("conftest.py")
     texts = {each: each.read_text(encoding="utf-8") for each in (path, rig) if each.exists()}
+    if "from tests.rigs.sources import" in texts[path]:
+        return path.with_name("rigs") / "sources.py"
     if 'scope="package"' in texts.get(rig, ""):
         return path.parent
     return (
@@ -103,15 +110,28 @@ def shared(path: Path) -> Path | None:
     )
 
 
-def pytest_collection_finish() -> None:
-    """What was loaded lives to the end: a search for garbage need not look through it each time."""
-    gc.collect()
-    gc.freeze()
+@pytest.hookimpl(wrapper=True)
+def pytest_collection() -> Iterator[None]:
+    """Nearly all that is loaded stays: no search for garbage meanwhile, and none of it in what was loaded later."""
+    gc.disable()
+    try:
+        return (yield)
+    finally:
+        gc.collect()
+        gc.freeze()
+        gc.enable()
+
+
+def is_slow(item: pytest.Item) -> bool:
+    return is_on_ros(item) or item.path.parent.name in LONG or any(item.get_closest_marker(each) for each in SLOW)
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """The slowest first, so that no worker is left with one at the end."""
-    items.sort(key=lambda item: not is_on_ros(item) and not any(item.get_closest_marker(each) for each in SLOW))
+    """The slowest first, so that no worker is left with one at the end; and time for the drills."""
+    items.sort(key=lambda item: not is_slow(item))
+    for item in items:
+        if item.get_closest_marker("drill") and not item.get_closest_marker("timeout"):
+            item.add_marker(pytest.mark.timeout(DRILL_S))
 
 
 @pytest.hookimpl(optionalhook=True)
@@ -136,5 +156,10 @@ def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> Any:
 
 @pytest.hookimpl(optionalhook=True)
 def pytest_xdist_auto_num_workers() -> int:
-    """Two more than there are cores: about half of the time that tests take is waiting, as for who is to be found."""
-    return (len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1) + 2
+    """Four more than there are cores, since much of a test's time is waiting, as for who is to be found.
+
+    Each needs up to 1.3 GB; with less memory there are fewer.
+    """
+    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    memory_gb = os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE") / 1e9
+    return max(cores, min(cores + 4, int(memory_gb / 1.3)))

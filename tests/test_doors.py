@@ -10,6 +10,8 @@ from pathlib import Path
 
 import pytest
 
+from tests.rigs.sources import parsed
+
 ROOT = Path(__file__).parents[1]
 IMPORTERS = frozenset({
     "__import__", "exec_module", "import_module", "load_module", "resolve_name", "run_module", "run_path",
@@ -56,7 +58,7 @@ def all_opened() -> Mapping[str, int]:
         for folder in ("rai_missions", "visualize", "missions")
         for path in sorted((ROOT / folder).rglob("*.py"))
         if any(each in (text := path.read_text(encoding="utf-8")) for each in IMPORTERS)
-        for name, line in opened_by_string(ast.parse(text))
+        for name, line in opened_by_string(parsed(text))
     }
 
 

@@ -11,6 +11,8 @@ from pathlib import Path
 
 import pytest
 
+from tests.rigs.sources import parsed
+
 ROOT = Path(__file__).parents[1]
 OURS = ("rai_missions", "visualize")
 FOLDERS = (*OURS, "missions", "benchmarks", "tests")
@@ -29,7 +31,7 @@ def offers(text: str) -> list[ast.expr | None]:
     """What is given to `__all__`, each time."""
     return [
         node.value
-        for node in ast.parse(text).body
+        for node in parsed(text).body
         if isinstance(node, ast.Assign | ast.AnnAssign)
         and any(isinstance(t, ast.Name) and t.id == "__all__" for t in getattr(node, "targets", [node]))
     ]
@@ -41,7 +43,7 @@ def test_every_file_begins_with_its_licence_and_its_role(folder: str) -> None:
     for name, text in files(folder):
         if LICENCE not in text.splitlines()[:2]:
             faults.append(f"{name}:1: begin with {LICENCE!r}")
-        if not ast.get_docstring(ast.parse(text)):
+        if not ast.get_docstring(parsed(text)):
             faults.append(f"{name}:2: give the room's role in a docstring")
     assert faults == []
 
@@ -126,7 +128,7 @@ def test_a_text_from_outside_is_cut_at_the_door_that_redacts_it(folder: str) -> 
         f"{name}:{line}: {what}; use rai_missions.redaction"
         for name, text in files(folder)
         if name not in DOORS and not name.startswith(tuple(OF_NO_TEXT_FROM_OUTSIDE))
-        for line, what in cuts(exempted(name, ast.parse(text)))
+        for line, what in cuts(exempted(name, parsed(text)))
     ]
     assert faults == []
 
@@ -135,7 +137,7 @@ def test_what_a_step_depends_on_asks_for_no_secret() -> None:
     for name, text in files("rai_missions"):
         taken = [
             alias.name
-            for node in ast.walk(ast.parse(text))
+            for node in ast.walk(parsed(text))
             if isinstance(node, ast.ImportFrom) and node.module == "rai_missions.redaction"
             for alias in node.names
         ]
@@ -168,7 +170,7 @@ def taken_by(path: Path) -> frozenset[str]:
     """The packages of ours that a file imports."""
     return frozenset(
         part
-        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+        for node in ast.walk(parsed(path.read_text(encoding="utf-8")))
         if isinstance(node, ast.ImportFrom) and (node.module or "").partition(".")[0] in OURS
         for part in (str(node.module).split(".")[:2] if "." in str(node.module) else [each.name for each in node.names])
     )
@@ -176,7 +178,7 @@ def taken_by(path: Path) -> frozenset[str]:
 
 def undeclared(package: Path) -> set[str]:
     """The packages that a package imports and that its docstring does not name, itself not counted."""
-    docstring = ast.get_docstring(ast.parse((package / "__init__.py").read_text(encoding="utf-8"))) or ""
+    docstring = ast.get_docstring(parsed((package / "__init__.py").read_text(encoding="utf-8"))) or ""
     sentence = next((part for part in docstring.split("\n\n")[1:] if part.startswith("Imports ")), None)
     if sentence is None:
         return {"a paragraph that begins with 'Imports'"}

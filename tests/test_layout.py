@@ -8,6 +8,8 @@ from collections import defaultdict
 from collections.abc import Iterator
 from pathlib import Path
 
+from tests.rigs.sources import parsed
+
 ROOT = Path(__file__).parents[1]
 OURS = ("rai_missions", "visualize")
 
@@ -67,7 +69,7 @@ def class_names() -> Iterator[tuple[str, str]]:
     """Each public class at the top of a module: its name, and the module's path."""
     for folder in OURS:
         for path in sorted((ROOT / folder).rglob("*.py")):
-            for node in ast.parse(path.read_text(encoding="utf-8")).body:
+            for node in parsed(path.read_text(encoding="utf-8")).body:
                 if isinstance(node, ast.ClassDef) and not node.name.startswith("_"):
                     yield node.name, str(path.relative_to(ROOT))
 

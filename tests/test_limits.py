@@ -49,3 +49,10 @@ def test_a_test_ends_by_its_limit(tmp_path: Path, source: str, sentence: str) ->
     )  # fmt: skip
     assert run.returncode != 0
     assert sentence in run.stdout + run.stderr
+
+
+def test_a_drill_has_its_time_also_where_it_is_run_by_itself(request: pytest.FixtureRequest) -> None:
+    rig = next(each for each in request.config.pluginmanager.get_plugins() if hasattr(each, "DRILL_S"))
+    request.node.add_marker(pytest.mark.drill)
+    rig.pytest_collection_modifyitems([request.node])
+    assert request.node.get_closest_marker("timeout").args == (rig.DRILL_S,) == (3600,)

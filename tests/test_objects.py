@@ -10,6 +10,8 @@ from pathlib import Path
 
 import pytest
 
+from tests.rigs.sources import parsed
+
 ROOT = Path(__file__).parents[1]
 OURS = ("rai_missions", "visualize")
 CHANGES = frozenset(
@@ -121,7 +123,7 @@ def found() -> tuple[set[tuple[str, str]], set[tuple[str, str]]]:
     """What functions change of modules, and of other objects: each with its module."""
     of_modules, of_others = set(), set()
     for path in (path for folder in OURS for path in sorted((ROOT / folder).rglob("*.py"))):
-        name, tree = str(path.relative_to(ROOT)), ast.parse(path.read_text(encoding="utf-8"))
+        name, tree = str(path.relative_to(ROOT)), parsed(path.read_text(encoding="utf-8"))
         of_modules |= {(name, what) for what in changed_globals(tree)}
         of_others |= {(name, what) for what in assigned(tree)}
     return of_modules, of_others
