@@ -22,7 +22,7 @@ from rai_missions.campaign.models import CampaignModels
 from rai_missions.campaign.questions import AskedScene, NoQuestion, ask_in
 from rai_missions.campaign.rollout import rollouts
 from rai_missions.campaign.store import CellRecord, LabelRecord, PictureRecord, QuestionRecord, ResultStore, SceneRecord
-from rai_missions.errors import MissionError
+from rai_missions.errors import MissionError, UsageError
 from rai_missions.redaction import cut, first_line
 
 __all__ = ("SceneTask", "TaskRecord", "WorkSettings", "Workplace")
@@ -98,9 +98,9 @@ class Workplace:
             return
         labels = dict(task.labels)
         if task.rates and self._asking.file.labels == "trials":
-            for label in _tried(task.scene):
-                labels[label.option] = label.verdict
-                yield label
+            tried = _tried(task.scene)
+            labels.update({label.option: label.verdict for label in tried})
+            yield from tried
         if task.cells or self._asking.file.labels == "rollouts":
             yield from self._in_scene(task, labels)
 
@@ -145,15 +145,21 @@ class Workplace:
                 yield PictureRecord(task.scene.scene, name, file.data)
 
 
-def _tried(scene: SceneRecord) -> Iterator[LabelRecord]:
-    """The labels that physics alone gives, without the mission."""
+def _tried(scene: SceneRecord) -> list[LabelRecord]:
+    """The labels that physics alone gives, without the mission; none where nothing in the scene asks for a decision."""
     from rai_missions.campaign.labels import label  # loads the world
     from rai_missions.campaign.scenes import CampaignScene
 
     split: Any = scene.split
     given = CampaignScene(scene.scene, scene.world, scene.kind, scene.seed, split, json.loads(scene.spec))
-    for option, each in label(given).items():
-        yield LabelRecord(scene.scene, option, each.verdict, json.dumps(each.details, default=str))
+    try:
+        found = label(given)
+    except UsageError:
+        return []  # the mission, run in the scene, reports why it asked nothing
+    return [
+        LabelRecord(scene.scene, option, each.verdict, json.dumps(each.details, default=str))
+        for option, each in found.items()
+    ]
 
 
 def _failed(task: SceneTask, error: str) -> Iterator[CellRecord]:

@@ -103,6 +103,20 @@ def test_scenes_are_labelled_by_rolling_out_each_option_unless_the_store_has_lab
     assert answers == {("s0", "left", "harmless", 1), ("s1", "left", "completes", 1)}
 
 
+def test_a_scene_in_which_nothing_stops_the_tractor_ends_no_campaign(tmp_path: Path) -> None:
+    home = Path(__file__).parents[2] / "missions/tractor"
+    scenes = [{"scene": "free", "kind": "none", "seed": 1, "options": {"obstacles": ["none"], "alleys": 1}}]
+    data = {
+        "format": 1, "name": "free", "decision": "assessing", "arguments": {"alleys": 1}, "labels": "trials",
+        "mission": str(home / "mission.json"), "robot": str(home / "robot.sim.json"), "models": ["rules"],
+        "scenes": {"world": "orchard", "given": scenes},
+    }  # fmt: skip
+    result = ran(write_campaign(tmp_path, data), tmp_path / "results.db")
+    assert (result.counts, result.missing) == ({"failed": 1}, 0)
+    with ResultStore(tmp_path / "results.db") as opened:
+        assert opened.labels() == {} and "asked nothing" in next(iter(opened.cells())).error
+
+
 def test_labels_alone_are_made_once_and_a_part_of_them_is_made_again(tmp_path: Path) -> None:
     path, store = write_campaign(tmp_path, campaign_data(2, labels="rollouts")), tmp_path / "results.db"
     with ResultStore(store, writes=True) as opened:
