@@ -12,7 +12,7 @@ from collections.abc import Iterable, Iterator
 from rai_missions.planning.geometry import Footprint, box, gap
 from rai_missions.planning.scene import BALLS, CONTAINERS, Thing
 
-__all__ = ("can_take", "crowding")
+__all__ = ("PALM_UP_M", "can_take", "crowding")
 
 GAP_M = 0.002
 """Between a finger and a neighbour."""
@@ -22,7 +22,9 @@ TIP_M, TIP_WIDE_M, TIP_DOWN_M = 0.011, 0.019, 0.0195
 """How thick and how wide a tip is, and how far below the thing's centre it reaches."""
 FINGER_M, FINGER_WIDE_M, FINGER_UP_M = 0.026, 0.023, 0.017
 """The finger's upper part, and how far above the centre it begins."""
-PALM_M, PALM_WIDE_M, PALM_UP_M = 0.21, 0.065, 0.036
+PALM_M, PALM_WIDE_M = 0.21, 0.065
+PALM_UP_M = 0.036
+"""How far above the centre of what is taken the palm is."""
 BELOW_M = 0.006
 """What reaches no higher than so far above a thing's lowest point is below it."""
 BALL_YAWS = tuple(math.pi * number / 6 for number in range(6))

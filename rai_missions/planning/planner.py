@@ -13,12 +13,13 @@ from itertools import combinations
 from rai_missions.errors import UsageError
 from rai_missions.planning.candidates import LEAST_M
 from rai_missions.planning.feasibility import FLOOR_M, refused_by_rule
+from rai_missions.planning.fingers import PALM_UP_M
 from rai_missions.planning.goal import AtPlace, Goal, Grouped, InContainer, LeftOf, OnTop, Refusal, Swapped
 from rai_missions.planning.ordering import Ordering
 from rai_missions.planning.placement import Placement
 from rai_missions.planning.plan import Plan, PlannedMove
 from rai_missions.planning.relations import columns, holds, support, without_swaps
-from rai_missions.planning.scene import CONTAINERS, DESK, Scene
+from rai_missions.planning.scene import CONTAINERS, DESK, Scene, Thing
 from rai_missions.planning.workspace import Workspace
 
 __all__ = ("feasible", "planned")
@@ -77,7 +78,22 @@ class _Planner:
         self.present = {thing.name: thing for thing in scene.things if thing.bottom >= FLOOR_M}
         self.below = {name: support(name, scene) for name in self.present}
         self.left = BUDGET_OF_ALL
-        self.movable = [name for name, thing in self.present.items() if thing.type not in CONTAINERS]
+        self.movable = [
+            name for name, thing in self.present.items() if thing.type not in CONTAINERS and not self._is_sunk(thing)
+        ]
+
+    def _is_sunk(self, thing: Thing) -> bool:
+        """Whether it lies so deep in a bin that the palm meets the rim before the fingers have it."""
+        rims = [self.present[each].top for each in self._carriers(thing.name) if self.present[each].type == "bin"]
+        return any(rim > thing.z + PALM_UP_M for rim in rims)
+
+    def _carriers(self, name: str) -> Iterator[str]:
+        """What it rests on, and so on down."""
+        found, below = {name}, self.below.get(name)
+        while below is not None and below in self.present and below not in found:
+            found.add(below)
+            yield below
+            below = self.below.get(below)
 
     def plan(self) -> Plan | Refusal:
         for clearances in (CLEARANCES_M[:2], CLEARANCES_M[2:]):

@@ -87,3 +87,17 @@ def test_what_is_put_aside_leaves_room_for_the_hand_that_comes_next() -> None:
     aside = things[0].moved(*plan.moves[0].place)
     arriving = things[1].moved(*plan.moves[1].place)
     assert gap(aside.footprint, arriving.footprint) > FINGERS_M
+
+
+def test_what_lies_in_a_tray_is_taken_out_and_what_lies_deep_in_a_bin_is_refused() -> None:
+    things = [thing("tray", 0.5, -0.3), thing("bin", 0.5, 0.3), thing("free", 0.4, 0.0)]
+    for box, is_planned in (("tray", True), ("bin", False)):
+        y = -0.3 if box == "tray" else 0.3
+        inside = thing("a", 0.5, y, level=0.005)
+        for goal in ({"on": ["a", "desk"]}, {"on": ["a", "free"]}, {"next_to": ["a", "free"]}):
+            plan = planned(goal_from([goal]), scene(*things, inside))
+            assert isinstance(plan, Plan) == is_planned
+            assert not isinstance(plan, Plan) or [move.object for move in plan.moves] == ["a"]
+    above = thing("a", 0.5, 0.3, level=0.07)
+    full = [thing("b", 0.5, 0.3, level=0.005, size=(0.044, 0.044, 0.065)), above]
+    assert isinstance(planned(goal_from([{"on": ["a", "desk"]}]), scene(*things, *full)), Plan), "it is above the rim"

@@ -85,6 +85,8 @@ class _Evidence:
             made._add(symbol, at, found)
         made._add_towers(found)
         made.relations = relations_in(found)
+        if any(symbol.kind == "with" and symbol.text in words.data["out_of"] for symbol in found):
+            made.relations |= {"on"}
         return made
 
     def _add(self, symbol: Symbol, at: int, found: Sequence[Symbol]) -> None:

@@ -22,7 +22,7 @@ from rai_missions.planning.reading.reading import RequestReading
 from rai_missions.planning.reading.symbols import LONGEST_REQUEST, MOST_WORDS, Symbol, symbols
 from rai_missions.planning.reading.things import Things
 from rai_missions.planning.relations import without_swaps
-from rai_missions.planning.scene import Scene
+from rai_missions.planning.scene import CONTAINERS, Scene
 from rai_missions.redaction import clipped
 
 __all__ = ("read_request", "reading_of")
@@ -102,6 +102,7 @@ def _read_symbols(found: list[Symbol], scene: Scene, words: Vocabulary) -> Reque
     if thrown:
         found = list(_put_away(found, words))
     _refuse_forbidden(found, words)
+    found = _taken_out(found, words)
     unknown = next((symbol for symbol in found if symbol.kind == "unknown"), None)
     if unknown is not None:
         raise Unread("unknown_word", words.text("unknown_word", unknown.text))
@@ -129,6 +130,23 @@ def _put_away(found: Sequence[Symbol], words: Vocabulary) -> Iterator[Symbol]:
             yield from into_bin[:1]
         elif symbol.kind != "away" or not names_bin:
             yield symbol
+
+
+def _taken_out(found: list[Symbol], words: Vocabulary) -> list[Symbol]:
+    """`take the apple out of the tray`: a word of coming out before a container is `off`, if no other relation is."""
+    if any(symbol.kind in ("relation", "each_other", "place", "axis") for symbol in found):
+        return found
+    return [
+        symbol._replace(kind="relation", value="off")
+        if symbol.kind == "with" and symbol.text in words.data["out_of"] and _is_container_next(found[at + 1 :])
+        else symbol
+        for at, symbol in enumerate(found)
+    ]
+
+
+def _is_container_next(found: Sequence[Symbol]) -> bool:
+    after = next((symbol for symbol in found if symbol.kind not in ("the", "a")), None)
+    return after is not None and after.kind == "noun" and after.value.types <= CONTAINERS
 
 
 def _refuse_forbidden(found: Sequence[Symbol], words: Vocabulary) -> None:

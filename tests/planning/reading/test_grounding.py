@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from rai_missions.planning import Scene, without_swaps
-from rai_missions.planning.reading import is_said, unsaid
+from rai_missions.planning.reading import is_said, reading_of, unsaid
 from tests.planning.reading.stored import SCENES, goal
 
 AT = {"at": "red_cube", "x": 0.5, "y": -0.1}
@@ -68,3 +68,15 @@ def test_a_swap_says_the_places_of_its_things() -> None:
     assert is_said(wanted, "swap the red and the blue cube", scene)
     assert not is_said(wanted, "put the red and the blue cube together", scene)
     assert not is_said(goal({"at": "red_cube", "x": 0.4, "y": 0.1}), "swap the red and the blue cube", scene)
+
+
+@pytest.mark.parametrize(
+    "request_", ["take the apple out of the tray", "remove the apple from the tray", "nimm den Apfel aus dem Tablett"]
+)
+def test_what_is_taken_out_is_wanted_on_the_desk(request_: str) -> None:
+    wanted = reading_of(request_, SCENES["full"]).goal
+    assert wanted == goal({"on": ["apple", "desk"]}) and is_said(wanted, request_, SCENES["full"])
+
+
+def test_where_a_thing_comes_from_says_nothing_of_where_it_is_to_be() -> None:
+    assert reading_of("put the apple from the tray in the bin", SCENES["full"]).goal is None
