@@ -237,4 +237,4 @@ def test_the_rules_of_a_profile_answer_later_questions() -> None:
         found.append(rollout(decision, "signal", later=rules_of(profile, decision.chart.mission), longest_s=40.0))
 
     run(Agent("abort", look), robot("branch"))
-    assert (found[0].ending, found[0].states) == ("time", ("crossing",)), "asked again, the rules drive over a branch"
+    assert (found[0].verdict, found[0].states) == ("completes", ("done",)), "asked again, the rules drive over a branch"
