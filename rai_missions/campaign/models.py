@@ -161,7 +161,7 @@ class CampaignModels:
             self._chats[model] = chat
         chat = self._chats[model]
         if (model, name) not in self._agents:
-            agent = DecisionAgent(chat, body.identity, images="yes" if body.pictures else "no")
+            agent = DecisionAgent(chat, body.identity, images="auto" if body.pictures else "no")
             self._closing.callback(agent.stop)
             self._agents[model, name] = agent
         return chat, self._agents[model, name]
