@@ -204,7 +204,8 @@ def _no_result_of_another(steps: list[Step], story: Any) -> None:
     newest: dict[str, int] = {}
     for step in steps:
         event = step.event
-        if event.kind == "result" and (step.moves or step.writes):
+        is_moved = any(move.trigger == event.name for move in step.moves)  # else by an instant that was due before it
+        if event.kind == "result" and (is_moved or step.writes):
             owner, visit, token = started[event.number]
             assert owner in active and visits[owner] == visit, f"{event} reached another visit of {owner}{story()}"
             assert newest[owner] == event.number, f"{event} reached another goal's state{story()}"
