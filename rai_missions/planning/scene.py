@@ -14,7 +14,7 @@ from rai_missions.model import Bool, Integer, MissionModel, Number, Text, fault
 from rai_missions.planning.geometry import Footprint, box, disc
 from rai_missions.validation_errors import faults_of
 
-__all__ = ("CONTAINERS", "DESK", "ROUND", "Scene", "Thing", "ThingType", "read_scene")
+__all__ = ("CONTAINERS", "DESK", "ROUND", "Scene", "Thing", "ThingType", "judged_by", "read_scene")
 
 DESK = "desk"
 """The name of what carries everything; no thing may have it."""
@@ -165,3 +165,12 @@ def read_scene(data: Any) -> Scene:
         return Scene.model_validate(data)
     except ValidationError as error:
         raise DefinitionError(faults_of(error, Scene, data)) from None
+
+
+def judged_by(data: Any) -> str:
+    """All that goals are judged by of what is seen: the same for two sights that differ in looks and stamp alone."""
+    try:
+        scene = read_scene(data)
+    except DefinitionError:
+        return repr(data)
+    return scene.model_copy(update={"looks": 0, "stamp_s": 0.0}).model_dump_json()

@@ -25,6 +25,7 @@ from rai_missions.guards.guard import View
 from rai_missions.keys import Stamped
 from rai_missions.prove.activity_key import SOON, rested, timer_key
 from rai_missions.prove.control_env import ControlEnvironment
+from rai_missions.prove.counts import Count
 from rai_missions.prove.instruments import Instruments
 from rai_missions.prove.liveness import Later, LiveReads, LooksAhead
 from rai_missions.prove.nondeterminism import OpenFields
@@ -171,7 +172,7 @@ class Abstraction:
             board.pop(key, None)
         for key, (low, high) in self.saturating.items():
             entry = board.known(key)
-            if entry is not None and not low <= entry.value <= high:
+            if entry is not None and entry[0].__class__ is not Count and not low <= entry.value <= high:
                 board.put(key, Stamped(min(max(entry.value, low), high), NOW))
 
     def _rest_activities(self, running: dict[str, Any]) -> dict[str, Any]:

@@ -67,6 +67,7 @@ class Comparisons:
             guard.distinguish(self)
         for _, _, state in mission.walk():
             state.distinguish(self)
+        self._asked = {*self.atoms, *self.near, *self.fresh}
         for effect in writes_in(mission):
             self._learn_write(effect)
         self._learn_sent(mission)
@@ -166,8 +167,17 @@ class Comparisons:
 
     @property
     def compared(self) -> frozenset[str]:
-        """The keys that any guard looks into."""
-        return frozenset(path.split(".")[0] for path in (*self.atoms, *self.near, *self.kin, *self.fresh))
+        """The keys that any guard looks into, and what they are copied from and to."""
+        found = (*self.atoms, *self.near, *self.kin, *self.fresh)
+        return frozenset(path.split(".")[0] for path in found if self.is_asked(path))
+
+    def is_asked(self, path: str) -> bool:
+        """Whether any guard looks at the value there, at a part of it or at one that it is copied to.
+
+        What no guard looks at, however often it is copied, makes no step another: one value represents all.
+        """
+        kin = self.kin.get(path, {path})
+        return any(each in kin or each.partition(".")[0] in kin for each in self._asked | self.fresh)
 
     @property
     def gone_over(self) -> frozenset[str]:

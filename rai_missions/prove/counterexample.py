@@ -116,7 +116,7 @@ def _scene(environment: Environment, way: Edge) -> TraceStep:
 def _plain(entry: Any) -> Any:
     value = None if entry is None else entry.value
     if isinstance(value, OpenFields):
-        return {field: each for field, each in value.items() if each is not None}
+        return value.example()
     return value
 
 

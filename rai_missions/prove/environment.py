@@ -7,7 +7,6 @@ Rule: what is listed here is all that a proof is about; nothing else is assumed 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from itertools import product
 from typing import Any
 
 from rai_missions.engine import Chart
@@ -57,7 +56,8 @@ class OpenSurroundings(Surroundings):
     def machine(self, node: Node, machine: Machine) -> Machine:
         self._environment.instruments.watch(machine, node.place)
         if isinstance(machine, ComputingMachine) and node.state is not None:
-            return machine.computing(self._environment.world.anything_of(node.state, machine.into))
+            live = self._environment.rest.live
+            return machine.computing(self._environment.world.anything_of(node, machine.into, live))
         return machine
 
     def before_step(self, state: RunState, step: CompiledStep) -> bool:
@@ -237,11 +237,15 @@ class Environment:
         running = state.running if state.mode != "paused" else ()
         trees = [name for name in running if isinstance(self.chart.program.machines[name], TreeMachine)]
         if trees or self.world.predicates:
-            yield Stimulus("something is last_event again", "write", lambda: self.time.time_passes(*trees))
+            yield Stimulus(
+                "time passes, and rules are looked at again",
+                "write",
+                lambda: self.time.time_passes(*trees),
+            )
 
     def _others(self, key: str, now: Any) -> Iterator[Any]:
         """What it can be next; of an object the fields alone that someone looks at."""
-        if not self.world.values.shape(key):
+        if key not in self.world.shapes:
             yield from self.world.values.of(key)
             return
         if None in self.world.values.of(key):
@@ -249,9 +253,7 @@ class Environment:
         if now is None:
             yield self.world.shapes[key].fresh({})
             return
-        known = list(now.value)
-        for mixture in product(*(self.world.values.part(key, field) for field in known)):
-            yield self.world.shapes[key].fresh(dict(zip(known, mixture, strict=True)))
+        yield from now.value.mixtures()
 
     def _report(self, key: str, value: Any) -> Callable[[], None]:
         def happen() -> None:
@@ -271,4 +273,6 @@ class Environment:
 def _in_words(value: Any) -> str:
     if isinstance(value, bool):
         return "true" if value else "false"
+    if isinstance(value, OpenFields):
+        return value.words()
     return f"{value:g}" if isinstance(value, float) else str(value)

@@ -10,6 +10,7 @@ from collections import deque
 from collections.abc import Callable, Collection
 from typing import NamedTuple
 
+from rai_missions.prove.counts import Count
 from rai_missions.prove.environment import RESUME, Environment
 from rai_missions.prove.limits import MOST_STATES, Limits, Meter
 from rai_missions.prove.loops import Level, Loop
@@ -237,6 +238,7 @@ class Space(StateGraph):
             environment.control.is_held and happening.kind == "write"
         )
         looked.clear()
+        world.board.counted.clear()
         environment.make(happening.do)
         self.meter.work += len(chart.state.draft.moves) + instruments.ticks
         is_possible = world.is_possible
@@ -248,8 +250,20 @@ class Space(StateGraph):
             way = Edge(happening.words, at, environment.choices.trail)
             self.learn(source, way, is_paused=is_idle)
             arrival = self._arrival(way, happening, place.store, kept)
-        asked = instruments.asked.union(self._stores.looked_at(read, written))
+        asked = instruments.asked.union(self._stores.looked_at(read, written, self._counted()))
         return Made(arrival, frozenset(asked), environment.choices.next())
+
+    def _counted(self) -> set[tuple[str, int]]:
+        """Numbers that were counted, and what had been added to each when it was looked at; none in a long step."""
+        world = self.environment.world
+        if self.environment.instruments.is_long or not world.board.counters:
+            return set()
+        entries = {key: world.board.known(key) for key in world.asked_at_the_end & world.board.counters}
+        added = {
+            (key, each[0].added if each is not None and each[0].__class__ is Count else 0)
+            for key, each in entries.items()
+        }
+        return world.board.counted | added
 
     def _left_waiting(self, taken: Stimulus) -> frozenset[str]:
         """What waits for time on after a step; a step that is about no goal leaves those of the store as they are."""
@@ -261,14 +275,14 @@ class Space(StateGraph):
         has_moved = bool(chart.state.draft.moves or instruments.turned)
         if chart.outcome is not None:
             return Arrival(way, happening.kind, has_moved, (chart.outcome, chart.why))
-        written = {key: entry for key, entry in codec.own().items() if before.keys.get(key) is not entry}
+        written, added = codec.changed(before, is_exact=instruments.is_long)
         goals, many = codec.given_up(), len(before.goals)
         if happening.is_of_goal or goals[:many] != list(before.ledger.values()):
             instruments.asked.add(ALL_GOALS)
         is_absolute = ALL_GOALS in instruments.asked
         change = self._stores.change(
-            written, tuple(goals if is_absolute else goals[many:]), self.environment.rest.rivals,
-            is_absolute=is_absolute,
+            written, added, tuple(goals if is_absolute else goals[many:]), self.environment.rest.rivals,
+            codec.kept(), is_absolute=is_absolute,
         )  # fmt: skip
         levels = codec.levels() if codec.loops else ()
         return Arrival(

@@ -7,7 +7,8 @@ Source: live variables, A. V. Aho et al., Compilers (2nd ed.), section 9.2.5, on
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
+from functools import lru_cache
 from typing import Any, NamedTuple, Protocol
 
 from pydantic import BaseModel
@@ -18,6 +19,7 @@ from rai_missions.engine.robot_facts import RobotFacts
 from rai_missions.engine.transitions import Graph
 from rai_missions.mission.mission import Mission
 from rai_missions.prove.parts import parts
+from rai_missions.states.decision import DecisionSpec
 from rai_missions.states.effects import Effect, Set
 from rai_missions.states.tree.leaves import ActionLeaf
 
@@ -25,19 +27,46 @@ __all__ = ("Later", "LiveReads", "LooksAhead")
 
 REMEMBERED = 4096
 """Of so many configurations it is remembered what makes a difference."""
+NONE: frozenset[str] = frozenset()
 START, RECALL = "start ", "recall "
 """Prefixes of the name of an action that may be started, and of a history state that may be looked up."""
+
+
+@lru_cache(maxsize=REMEMBERED)
+def _roots(paths: frozenset[str]) -> frozenset[str]:
+    return frozenset(path.partition(".")[0] for path in paths)
 
 
 class Later(NamedTuple):
     """What makes a difference from a configuration on."""
 
     keys: frozenset[str]
-    """Those that may be read before they are written again."""
+    """Those that may be read before they are written again; of an object the paths into it, where it is not read as a
+    whole."""
     starts: frozenset[str]
     """The actions that may be started."""
     recalls: frozenset[int]
     """The history states whose memory may be looked up before it is written again."""
+
+    @property
+    def roots(self) -> frozenset[str]:
+        """The keys into which something may look."""
+        return _roots(self.keys)
+
+    def part(self, path: str, value: Mapping[str, Any]) -> Mapping[str, Any]:
+        """What may be read of an object."""
+        if path in self.keys:
+            return value
+        found = {}
+        for field, each in value.items():
+            inner = f"{path}.{field}"
+            if inner in self.keys or any(each.startswith(f"{inner}.") for each in self.keys):
+                found[field] = self.part(inner, each) if isinstance(each, Mapping) else each
+        return found
+
+    def of(self, key: str, value: Any) -> Any:
+        """What may be read of the value of a key."""
+        return self.part(key, value) if isinstance(value, Mapping) else value
 
 
 class LooksAhead(Protocol):
@@ -45,6 +74,9 @@ class LooksAhead(Protocol):
 
     def after(self, config: Configuration) -> Later:
         """What makes a difference from there on."""
+
+    def with_outcome(self, node: Node, outcome: str, others: Collection[str]) -> Later:
+        """What makes a difference once a state ends with an outcome, and not with others that it could end with."""
 
 
 class LiveReads:
@@ -86,7 +118,24 @@ class LiveReads:
         if self._graph.uses_history:  # an entry by default looks them up
             looked_up = {node for node in self._graph.order if node.is_history}
         recalls = {node for node in looked_up if not (node in self._rewritten and node.parent in config.nodes)}
-        return Later(words & self._keys, starts, frozenset(node.index for node in recalls))
+        paths = frozenset(word for word in words if word.partition(".")[0] in self._keys)
+        return Later(paths, starts, frozenset(node.index for node in recalls))
+
+    def with_outcome(self, node: Node, outcome: str, others: Collection[str]) -> Later:
+        """What makes a difference once a state ends with an outcome, and not with others that it could end with.
+
+        Transitions that only the others take are left out: until the state is entered again, they cannot be taken.
+        """
+        never = set(others) - {outcome}
+        words = {*self._always, *self._of_state(node)}
+        for transition in node.transitions:
+            named = transition.definition.on
+            if not named or not never.issuperset(named):
+                words |= self._of_transition(transition)
+        others_active = {*node.ancestors, self._graph.root}
+        others_active |= {each for each in self._graph.order if any(a.is_parallel for a in each.ancestors)} - {node}
+        paths = words.union(*(self._live[each] for each in others_active))
+        return Later(frozenset(path for path in paths if path.partition(".")[0] in self._keys), NONE, frozenset())
 
     def _is_rewritten(self, history: Node) -> bool:
         """Whether leaving its parent always comes before looking it up again."""
@@ -115,11 +164,15 @@ class LiveReads:
                 yield from self._mentions(effect)
 
     def _mentions(self, value: Any) -> Iterator[str]:
-        """Every key whose name, or a path into it, appears anywhere in a part of a mission."""
+        """Every key, and every path into one, that appears anywhere in a part of a mission but as evidence.
+
+        What a question shows makes no difference to what becomes of it.
+        """
         if isinstance(value, str):
-            root = value.partition(".")[0]
-            if root in self._keys:
-                yield root
+            if value.partition(".")[0] in self._keys:
+                yield value
+        elif isinstance(value, DecisionSpec):
+            yield from self._mentions([part for name, part in vars(value).items() if name != "evidence"])
         elif isinstance(value, BaseModel):
             yield from self._mentions(list(vars(value).values()))
         elif isinstance(value, Mapping):
@@ -134,7 +187,7 @@ class LiveReads:
         """One round; whether anything was learned."""
         before = sum(len(words) for words in self._live.values())
         for node in self._graph.order:
-            found = self._live[node].union(*(self._of_transition(transition) for transition in node.transitions))
+            found = self._live[node].union(*(self._once_entered(node, transition) for transition in node.transitions))
             if node.is_each:
                 found = found.union(*(self._live[each] for each in self._into(node.initial)))
             if node.state is None and self._flee is not None:
@@ -144,6 +197,15 @@ class LiveReads:
             }
         return sum(len(words) for words in self._live.values()) > before
 
+    def _once_entered(self, node: Node, transition: CompiledTransition) -> frozenset[str]:
+        """The same from the entry of its state on: an outcome comes with what the state has written just before."""
+        words, state = self._of_transition(transition), node.state
+        named = transition.definition.on
+        if state is None or not named or not state.computed().issuperset(named):
+            return words
+        into = getattr(state, "into", "")
+        return frozenset(path for path in words if path.partition(".")[0] != into)
+
     def _of_transition(self, transition: CompiledTransition) -> frozenset[str]:
         definition = transition.definition
         reads = {*self._mentions(definition.when), *self._reads_of(definition.do)}
@@ -151,7 +213,7 @@ class LiveReads:
                    if isinstance(effect, Set) and effect.add is None and effect.source is None}  # fmt: skip
         later = frozenset[str]().union(*(self._live[node] for node in self._into(transition.targets)))
         recalled = {RECALL + target.name for target in transition.targets if target.is_history}
-        return frozenset(reads | recalled) | (later - written)
+        return frozenset(reads | recalled) | {path for path in later if path.partition(".")[0] not in written}
 
     def _into(self, targets: Iterable[Node]) -> set[Node]:
         """All that may be active once these are entered, with what was active before."""

@@ -6,10 +6,12 @@ Rule: a step that is made again with the same choices is the same step.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from itertools import product
 from typing import Any
 
 from rai_missions.keys import Stamped
+from rai_missions.prove.counts import Count
 
 __all__ = ("MISSING", "Choices", "OpenBoard", "OpenFields", "Payload")
 
@@ -61,27 +63,44 @@ class OpenFields(dict[str, Any]):
 
     Args:
         fields: The fields that anybody looks at.
-        choose: A field's value; None for unknown.
+        values: The values of a field; None for unknown.
+        pick: Chooses one of several.
     """
 
-    def __init__(self, fields: Sequence[str], choose: Callable[[str], Any]) -> None:
+    def __init__(
+        self, fields: Sequence[str], values: Callable[[str], Sequence[Any]], pick: Callable[[Sequence[Any]], Any]
+    ) -> None:
         super().__init__()
-        self.fields, self._choose = fields, choose
+        self.fields, self._values, self._pick = fields, values, pick
         self.looked: set[str] = set()
         """The fields that were looked at since this was last emptied."""
 
     def get(self, field: str, default: Any = None) -> Any:
         self.looked.add(field)
         if not dict.__contains__(self, field) and field in self.fields:
-            self[field] = self._choose(field)
+            self[field] = self._pick(self._values(field))
         found = dict.get(self, field)
         return default if found is None else found
 
     def fresh(self, known: Mapping[str, Any] | None = None) -> OpenFields:
         """Another of its kind, of which this much is known."""
-        made = OpenFields(self.fields, self._choose)
+        made = OpenFields(self.fields, self._values, self._pick)
         made.update(self if known is None else known)
         return made
+
+    def mixtures(self) -> Iterator[OpenFields]:
+        """What it can be besides, as far as anybody has looked."""
+        known = list(self)
+        for mixture in product(*map(self._values, known)):
+            yield self.fresh(dict(zip(known, mixture, strict=True)))
+
+    def example(self) -> dict[str, Any]:
+        """One value that it can be, as plain data."""
+        return {field: value for field, value in self.items() if value is not None}
+
+    def words(self) -> str:
+        """What is known of it."""
+        return str(dict(self))
 
     def whole(self) -> dict[str, Any]:
         """All that anybody can find out of it, as it is from now on."""
@@ -121,10 +140,15 @@ class OpenBoard(dict[str, Any]):
         self.open_keys, self._choose, self._at = frozenset(open_keys), choose, at
         self.looked: set[str] = set()
         """The keys that were looked at since this was last emptied."""
+        self.counters = frozenset[str]()
+        """Of numbers that are counted it is noted what had been added to them at each look."""
+        self.counted: set[tuple[str, int]] = set()
 
     def get(self, key: str, default: Any = None) -> Any:
         self.looked.add(key)
         found = _get(self, key, MISSING)
+        if key in self.counters:
+            self._note(key, found)
         if found is MISSING:
             if key not in self.open_keys:
                 return default
@@ -132,6 +156,16 @@ class OpenBoard(dict[str, Any]):
             found = None if value is None else Stamped(value, self._at)
             dict.__setitem__(self, key, found)
         return default if found is None else found
+
+    def count(self, keys: Iterable[str]) -> None:
+        """These hold numbers that are counted."""
+        self.counters = frozenset(keys)
+
+    def _note(self, key: str, found: Any) -> None:
+        if found is MISSING or found is None:
+            self.counted.add((key, 0))
+        elif found[0].__class__ is Count:
+            self.counted.add((key, found[0].added))
 
     def known(self, key: str) -> Any:
         """Its entry as far as someone looked; `MISSING` before, None for unknown."""
@@ -159,12 +193,12 @@ class OpenBoard(dict[str, Any]):
         dict.update(self, others)
         dict.update(self, entries)
         for key, entry in entries.items():
-            if entry is not None and entry.__class__ is Stamped and entry[0].__class__ is OpenFields:
+            if entry is not None and entry.__class__ is Stamped and isinstance(entry[0], OpenFields):
                 dict.__setitem__(self, key, Stamped(entry[0].fresh(), self._at))
 
     def __setitem__(self, key: str, entry: Any) -> None:
         value = entry[0]
-        if value.__class__ is OpenFields and key not in self.open_keys:  # a copy keeps what the original changes
+        if isinstance(value, OpenFields) and key not in self.open_keys:  # a copy keeps what the original changes
             entry = Stamped(value.whole(), self._at)
         dict.__setitem__(self, key, entry)
 

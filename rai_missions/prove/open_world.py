@@ -12,17 +12,18 @@ from typing import Any
 
 from rai_missions.engine import Chart
 from rai_missions.engine.activities.computing import Computed
-from rai_missions.engine.nodes import CompiledGuard
+from rai_missions.engine.nodes import CompiledGuard, Node
 from rai_missions.guards.guard import Truth
 from rai_missions.keys import Stamped
 from rai_missions.mission.mission import Mission
 from rai_missions.prove.comparisons import Comparisons
+from rai_missions.prove.liveness import LooksAhead
 from rai_missions.prove.nondeterminism import Choices, OpenBoard, OpenFields
+from rai_missions.prove.open_sight import OpenSight, Sights
 from rai_missions.prove.parts import guards_in, parts, writes_in
 from rai_missions.prove.representatives import Values
 from rai_missions.states.action import Action
 from rai_missions.states.call import Call
-from rai_missions.states.state import State
 from rai_missions.states.tree.leaves import ActionLeaf, CallLeaf
 
 __all__ = ("NOW", "OpenWorld", "predicates_in")
@@ -64,11 +65,8 @@ class OpenWorld:
         """The keys that only the mission, answers and results write."""
         self.own_fade = any(keys[key].max_age_s is not None for key in self.own_keys)
         """Some of them grow stale."""
-        self.shapes = {
-            name: OpenFields(fields, partial(self._part, name))
-            for name in self.fleeting if (fields := self.values.shape(name))
-        }  # fmt: skip
-        """Objects that are known field by field."""
+        self.shapes = {name: shape for name in sorted(self.fleeting) if (shape := self._shape(name)) is not None}
+        """Objects that are known field by field, or question by question."""
         self.wavering: dict[str, Any] = {}
         """Key → what it was until this instant, at which it may go stale."""
         self.board = OpenBoard(self.open_keys, self._value, NOW)
@@ -108,17 +106,27 @@ class OpenWorld:
         many = self.choices.pick((0, 1, 2, None) if None in self.values.of(key) else (0, 1, 2))
         return None if many is None else [self.choices.pick(self.values.item(key)) for _ in range(many)]
 
-    def _part(self, key: str, field: str) -> Any:
-        return self.choices.pick(self.values.part(key, field))
+    def _shape(self, key: str) -> OpenFields | None:
+        if fields := self.values.shape(key):
+            return OpenFields(fields, partial(self.values.part, key), self.choices.pick)
+        if self.values.is_sight(key):
+            return OpenSight(Sights([each for each in self.values.of(key) if each is not None], self.choices.pick))
+        return None
 
-    def anything_of(self, state: State, into: str) -> Callable[..., Computed]:
-        """What a state may work out: any of its outcomes, with any value that can come with it."""
-        looked = self.values.learned.within(into)
+    def anything_of(self, node: Node, into: str, live: LooksAhead) -> Callable[..., Computed]:
+        """What a state may work out: any of its outcomes, with any value that can come with it.
+
+        Of values that are the same in all that may be read of them once the state has ended so, one represents all:
+        the step, and every later one, reads the same of each, and differs in nothing else.
+        """
+        state, fitting = node.state, dict[str, list[Any]]()
+        assert state is not None
+        looked, outcomes = self.values.learned.within(into), sorted(state.computed())
         known = [value for value in self.values.of(into) if value is not None]
-        fitting = {
-            outcome: [value for value in known if state.comes_with(outcome, value, looked)] or [{}]
-            for outcome in sorted(state.computed())
-        }
+        for outcome in outcomes:
+            later = live.with_outcome(node, outcome, outcomes)
+            can_come = [value for value in known if state.comes_with(outcome, value, looked)] or [{}]
+            fitting[outcome] = list({repr(later.of(into, value)): value for value in reversed(can_come)}.values())[::-1]
 
         def compute(*given: Any) -> Computed:
             outcome = self.choices.pick(tuple(fitting))

@@ -86,6 +86,15 @@ class Values:
         fields = learned.within(key)
         return () if any(learned.within(f"{key}.{field}") for field in fields) else tuple(fields)
 
+    def is_sight(self, key: str) -> bool:
+        """Whether goals are judged by what is seen there, and nothing else is done with it as a whole."""
+        learned = self.learned
+        is_alone = len(learned.kin.get(key, {key})) == 1 and not learned.atoms.get(key)
+        if self._keys[key].type != "object" or not learned.asked_of_goals(key) or learned.is_goal(key):
+            return False
+        fields = learned.within(key)
+        return is_alone and "things" not in fields and not any(learned.within(f"{key}.{each}") for each in fields)
+
     def part(self, key: str, field: str) -> tuple[Any, ...]:
         """The values of an object's field; None first: it may be left out."""
         return self.field(f"{key}.{field}", (self._keys[key].fields or {}).get(field, ""))
@@ -115,6 +124,14 @@ class Values:
             elif low and max(steps) < 0:
                 found[key] = (min(low), math.inf)
         return found
+
+    def counters(self) -> frozenset[str]:
+        """Whole numbers to which whole numbers are added."""
+        steps = self.learned.steps.items()
+        return frozenset(
+            key for key, added in steps
+            if self._keys[key].type == "integer" and all(float(each).is_integer() for each in added)
+        )  # fmt: skip
 
     def classes(self, mission: Mission) -> Mapping[str, Callable[[Any], Any]]:
         """Scalar keys that are only compared with constants → all that a rule can find out of a value."""
@@ -208,7 +225,7 @@ class Values:
         learned = self.learned
         if "said" in learned.asked_of_goals(path) and kind == "string":
             yield from sorted({*requests(self._goals), *(e for e in learned.operands(path) if isinstance(e, str))})
-        elif not learned.atoms.get(path) and path not in learned.kin:
+        elif not learned.is_asked(path) or (not learned.atoms.get(path) and path not in learned.kin):
             yield {"boolean": True, "string": OTHER, "number": 0.0, "integer": 0}.get(kind, OTHER)
         elif kind == "boolean":
             yield from (False, True)

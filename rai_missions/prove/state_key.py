@@ -16,15 +16,17 @@ from typing import Any, NamedTuple
 from rai_missions.engine import Chart
 from rai_missions.engine.activities.goal_ledger import Goal
 from rai_missions.engine.state import HOLDS, TABLE, Holds, RunState, StepDraft, copied
+from rai_missions.keys import Stamped
 from rai_missions.prove.abstraction import INDIFFERENT, PURSUED, Abstraction
 from rai_missions.prove.activity_key import key_of, plain, timer_key
 from rai_missions.prove.branches import Groups
 from rai_missions.prove.control_env import kept_words
+from rai_missions.prove.counts import Count, clamped
 from rai_missions.prove.liveness import Later
 from rai_missions.prove.loops import Loop
 from rai_missions.prove.open_world import NOW, OpenWorld
 from rai_missions.prove.parts import guards_in, parts
-from rai_missions.prove.store import Rivals, Store, StoreQuery, Stores, fingerprint, first_alike
+from rai_missions.prove.store import Kept, Rivals, Store, StoreQuery, Stores, fingerprint, first_alike
 from rai_missions.states.tree.leaves import ActionLeaf
 
 __all__ = ("Place", "SavedState", "StateCodec")
@@ -66,8 +68,11 @@ class StateCodec:
         self._levels = self._thresholds()
         is_open = bool(world.predicates or chart.mission.uses)  # others may look at a value in their own way
         classes = {} if is_open else world.values.classes(chart.mission)
-        self.stores = Stores(chart.terms, classes)
+        counters = classes.keys() & world.values.counters() if not world.own_fade else frozenset[str]()
+        self.stores = Stores(chart.terms, classes, counters, rest.saturating, rest.idle if not is_open else ())
+        world.board.count(counters)
         self._questions: dict[Later, StoreQuery] = {}
+        self._kept: dict[Later, Kept] = {}
         self.groups: dict[str, Groups] = {}
         """State → the groups of its tree's waits and timeouts, where there are several: see `branches`."""
         self.loops: tuple[Loop, ...] = ()
@@ -139,8 +144,32 @@ class StateCodec:
 
     def own(self) -> dict[str, Any]:
         """What the mission's own keys hold."""
-        own = self._world.own_keys
-        return {key: entry for key, entry in self._world.board.entries() if key in own}
+        own, bounds = self._world.own_keys, self._rest.saturating
+        found = {key: entry for key, entry in self._world.board.entries() if key in own}
+        for key in self.stores.counters & found.keys():
+            entry = found[key]
+            if entry is not None and entry[0].__class__ is Count:
+                found[key] = Stamped(clamped(bounds, key, int(entry[0])), entry[1])
+        return found
+
+    def changed(self, before: Store, *, is_exact: bool) -> tuple[dict[str, Any], dict[str, int]]:
+        """What a step has written to the mission's own keys, and what it has added to the numbers that are counted.
+
+        Args:
+            before: The store that it began with.
+            is_exact: The values themselves decide how the step goes: nothing is counted on from others.
+        """
+        written, added, own = dict[str, Any](), dict[str, int](), self._world.own_keys
+        for key, entry in self._world.board.entries():
+            if key not in own or before.keys.get(key) is entry or before.counted.get(key) is entry:
+                continue
+            if entry is None or entry[0].__class__ is not Count:
+                written[key] = entry
+            elif is_exact:
+                written[key] = Stamped(clamped(self._rest.saturating, key, int(entry[0])), entry[1])
+            else:
+                added[key] = entry[0].added
+        return written, added
 
     def given_up(self) -> list[Goal]:
         """The goals that nothing pursues."""
@@ -150,7 +179,7 @@ class StateCodec:
         """Be in a state again."""
         saved, store = place
         state = copied(saved.run)
-        self._world.board.refill(saved.run.board, store.keys)
+        self._world.board.refill(saved.run.board, store.counted)
         state.board = self._world.board
         if store.goals:
             state.goals = store.ledger | state.goals
@@ -170,13 +199,24 @@ class StateCodec:
         groups = [(name, [sorted(each) for each in found]) for name, found in sorted(self.groups.items())]
         return fingerprint((self._plain_values(state), keyed, groups))
 
+    def kept(self) -> Kept:
+        """Of each of the mission's own keys what may be read of it from here on."""
+        later = self._rest.later
+        found = self._kept.get(later)
+        if found is None:
+            is_whole = self._world.own_fade  # that a key goes stale is something that happens
+            found = self._kept[later] = _all_of if is_whole else partial(_read_of, later)
+        return found
+
     def question(self) -> StoreQuery:
         """Asks for all that makes a difference of a store from here on."""
         later = self._rest.later
         found = self._questions.get(later)
         if found is None:
-            keys, rivals = sorted(later.keys & self._world.own_keys), self._rest.rivals
-            parts: list[Callable[[Store], Any]] = [partial(_own_key, tuple(keys), self._rest.idle)] if keys else []
+            keys, rivals = sorted(later.roots & self._world.own_keys), self._rest.rivals
+            parts: list[Callable[[Store], Any]] = []
+            if keys:
+                parts.append(partial(_own_key, tuple(keys), self._rest.idle, later))
             if later.starts or self._rest.names_orphans:
                 parts.append(partial(_rivals_key, rivals))
             found = self._questions[later] = StoreQuery(parts)
@@ -187,7 +227,7 @@ class StateCodec:
         return [(at, [node.index for node in nodes]) for at, nodes in sorted(memory.items()) if at in recalls]
 
     def _board_key(self, board: Any) -> Any:
-        idle, kept, own = self._rest.idle, self._rest.later.keys, self._world.own_keys
+        idle, kept, own = self._rest.idle, self._rest.later.roots, self._world.own_keys
         entries = sorted([entry for entry in board.entries() if entry[0] in kept and entry[0] not in own])
         return [(n, None if entry is None else n in idle or plain(entry[0])) for n, entry in entries]
 
@@ -232,6 +272,18 @@ class StateCodec:
             running[loop.state] = _counting(running[loop.state], loop, ended + more)
 
 
+def _all_of(key: str, entry: Any) -> Any:
+    return entry
+
+
+def _read_of(later: Later, key: str, entry: Any) -> Any:
+    if entry is None or key in later.keys:
+        return entry
+    if key not in later.roots:
+        return None
+    return Stamped(later.part(key, entry[0]), entry[1]) if isinstance(entry[0], Mapping) else entry
+
+
 def _is_never(until: float) -> bool:
     return until == math.inf
 
@@ -265,9 +317,9 @@ def _pursued_key(goals: Mapping[int, Goal]) -> Any:
     return sorted([(goal.owner, goal.action, goal.phase) for goal in goals.values() if goal.phase in PURSUED])
 
 
-def _own_key(keys: tuple[str, ...], idle: frozenset[str], store: Store) -> Any:
+def _own_key(keys: tuple[str, ...], idle: frozenset[str], later: Later, store: Store) -> Any:
     entries = [(name, store.keys.get(name)) for name in keys]
-    return [None if entry is None else name in idle or entry[0] for name, entry in entries]
+    return [None if entry is None else name in idle or later.of(name, entry[0]) for name, entry in entries]
 
 
 def _rivals_key(rivals: Rivals, store: Store) -> Any:

@@ -76,6 +76,7 @@ class StepCircles:
             return True
         rounds = state.draft.tree_rounds
         self._instruments.asked.add(ALL_GOALS)
+        self._instruments.compare_values()
         visit = Visit(state.draft.microsteps, {name: each.room for name, each in rounds.items()})
         place = repr((self._place(state), step.move))
         before = self._passed.setdefault(f"{place} {self._counted()}", visit)

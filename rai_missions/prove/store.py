@@ -11,12 +11,14 @@ import hashlib
 import marshal
 import math
 from collections import Counter
-from collections.abc import Callable, Container, Iterable, Iterator, Mapping
+from collections.abc import Callable, Collection, Container, Iterable, Iterator, Mapping
 from itertools import count
 from typing import Any, NamedTuple
 
 from rai_missions.engine.activities.goal_ledger import Goal, obstruction
 from rai_missions.engine.robot_facts import RobotFacts
+from rai_missions.keys import Stamped
+from rai_missions.prove.counts import Bounds, clamped, with_counts
 
 __all__ = (
     "ALL_GOALS",
@@ -37,6 +39,7 @@ MANY = 2
 """So many alike represent any number more."""
 LEFT = 1_000_000
 """From here on the goals of a store are numbered, in each state that it is put back into."""
+NONE: Bounds = {}
 REMEMBERED = 50_000
 """So many stores, changes and answers are remembered; past that all are forgotten and it starts again."""
 
@@ -58,12 +61,17 @@ class Store:
         number: Its own.
         keys: Key → entry.
         goals: In the order in which they were given up; how they are numbered makes no difference.
+        counters: Keys that a step counts on from any value.
     """
 
-    __slots__ = ("goals", "keys", "ledger", "number")
+    __slots__ = ("counted", "goals", "keys", "ledger", "number")
 
-    def __init__(self, number: int, keys: Mapping[str, Any], goals: tuple[Goal, ...]) -> None:
+    def __init__(
+        self, number: int, keys: Mapping[str, Any], goals: tuple[Goal, ...], counters: Collection[str] = ()
+    ) -> None:
         self.number, self.keys, self.goals = number, keys, goals
+        self.counted = with_counts(keys, counters) if counters else keys
+        """The keys as a step has them."""
         self.ledger = {LEFT + at: goal._replace(number=LEFT + at) for at, goal in enumerate(goals)}
         """The goals as a run has them."""
 
@@ -73,15 +81,23 @@ class StoreChange(NamedTuple):
 
     number: int
     written: Mapping[str, Any]
+    added: Mapping[str, int]
+    """Key → what is added to its number."""
     goals: tuple[Goal, ...]
     """Those that were given up; all that are left, where the step has asked for every goal."""
     is_absolute: bool
     rivals: Rivals
     """Of each goal what makes a difference afterwards."""
+    kept: Kept
+    """Of each key what may be read of it afterwards; None where that is nothing."""
 
 
 Rivals = Callable[[Goal], tuple[Any, ...] | None]
 """All that makes a difference of a goal that nothing pursues; None where that is nothing."""
+
+
+Kept = Callable[[str, Any], Any]
+"""Of a key and its entry what may be read afterwards."""
 
 
 class StoreQuery:
@@ -111,10 +127,18 @@ class Stores:
     Args:
         facts: Which actions exclude each other.
         classes: Key of which some values make no difference to any guard → what distinguishes the others.
+        counters: Of these the ones that a step counts on from any value.
+        bounds: Key → the bounds past which no guard distinguishes its values.
+        idle: Keys whose value makes no difference, wherever it is copied.
     """
 
-    def __init__(self, facts: RobotFacts, classes: Mapping[str, Callable[[Any], Any]]) -> None:
-        self._facts, self._classes = facts, classes
+    def __init__(
+        self, facts: RobotFacts, classes: Mapping[str, Callable[[Any], Any]], counters: Collection[str] = (),
+        bounds: Bounds = NONE, idle: Collection[str] = (),
+    ) -> None:  # fmt: skip
+        self._facts, self._bounds, self._idle = facts, bounds, frozenset(idle)
+        self._classes = {**classes, **dict.fromkeys(self._idle, _is_there)}
+        self.counters = frozenset(counters)
         self._numbers = count()
         self._found: dict[bytes, Store] = {}
         self._changes: dict[bytes, StoreChange] = {}
@@ -130,40 +154,58 @@ class Stores:
             if len(self._found) >= REMEMBERED:
                 self._found.clear()
                 self._after.clear()
-            found = self._found[mark] = Store(next(self._numbers), keys, goals)
+            found = self._found[mark] = Store(next(self._numbers), keys, goals, self.counters)
         return found
 
     def change(
-        self, written: Mapping[str, Any], goals: tuple[Goal, ...], rivals: Rivals, *, is_absolute: bool
-    ) -> StoreChange:
+        self, written: Mapping[str, Any], added: Mapping[str, int], goals: tuple[Goal, ...], rivals: Rivals,
+        kept: Kept, *, is_absolute: bool,
+    ) -> StoreChange:  # fmt: skip
         """The one that does this."""
         entries = [(key, tuple(entry)) for key, entry in sorted(written.items())]
-        mark = fingerprint((entries, _plain(goals), is_absolute, id(rivals)))
+        mark = fingerprint((entries, sorted(added.items()), _plain(goals), is_absolute, id(rivals), id(kept)))
         found = self._changes.get(mark)
         if found is None:
             if len(self._changes) >= REMEMBERED:
                 self._changes.clear()
-            found = self._changes[mark] = StoreChange(next(self._numbers), written, goals, is_absolute, rivals)
+            found = self._changes[mark] = StoreChange(
+                next(self._numbers), written, added, goals, is_absolute, rivals, kept
+            )
         return found
 
     def after(self, store: Store, change: StoreChange) -> Store:
         """What becomes of a store by a change."""
-        if not (change.written or change.goals or store.goals):
-            return store
         place = store.number, change.number
         found = self._after.get(place)
         if found is None:
             goals = change.goals if change.is_absolute else (*store.goals, *change.goals)
-            keys = {**store.keys, **change.written} if change.written else store.keys
+            keys = {**store.keys, **change.written}
+            for key, more in change.added.items():
+                value, at = keys[key]
+                keys[key] = Stamped(clamped(self._bounds, key, value + more), at)
+            keys = {key: entry for key, each in keys.items() if (entry := change.kept(key, each)) is not None}
             found = self.store(keys, first_alike(goals, change.rivals))
             self._after[place] = found
         return found
 
     # -- what is asked --------------------------------------------------------------------------------------------
 
-    def looked_at(self, keys: Iterable[str], written: Container[str]) -> Iterator[Any]:
-        """What is asked by looking at keys: of one that is written as well its value, which may be added to."""
-        return ((key,) if key in self._classes and key not in written else key for key in keys)
+    def looked_at(
+        self, keys: Iterable[str], written: Container[str], counted: Iterable[tuple[str, int]] = ()
+    ) -> Iterator[Any]:
+        """What is asked by looking at keys: of one that is written as well its value, which may be added to.
+
+        Args:
+            keys: They.
+            written: The keys that were written.
+            counted: Numbers that were counted, and what had been added to each when it was looked at.
+        """
+        yield from counted
+        numbers = {key for key, _ in counted}
+        for key in keys:
+            if key not in numbers:
+                is_alike = key in self._idle or (key in self._classes and key not in written)
+                yield (key,) if is_alike else key
 
     def question(self, asked: Iterable[Any]) -> StoreQuery:
         """The one that asks for these: keys, keys in classes, obstructions, every goal."""
@@ -180,8 +222,10 @@ class Stores:
             facts, action = self._facts, asked.action
             return lambda store: obstruction(store.ledger, facts, action)
         if isinstance(asked, tuple):
-            (key,) = asked
+            key, *added = asked
             class_of = self._classes[key]
+            if added and added[0]:
+                return lambda store: class_of(_more(value_of(store.keys, key), added[0]))
             return lambda store: class_of(value_of(store.keys, key))
         return lambda store: value_of(store.keys, asked)
 
@@ -201,6 +245,14 @@ def value_of(keys: Mapping[str, Any], key: str) -> Any:
     """The value of a key; None for nothing."""
     entry = keys.get(key)
     return None if entry is None else entry.value
+
+
+def _is_there(value: Any) -> bool:
+    return value is not None
+
+
+def _more(value: Any, added: int) -> Any:
+    return value + added if type(value) is int else value
 
 
 def fingerprint(parts: Any) -> bytes:

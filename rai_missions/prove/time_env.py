@@ -107,8 +107,8 @@ class TimeEnvironment:
 
         Args:
             change: What has run out.
-            woken: The states whose machines are words.
-            beyond: Only keys that come after this: that those before it go stale too is words of them.
+            woken: The states whose machines learn that time has passed.
+            beyond: Only keys that come after this: that one before it goes stale too happens when that one does.
         """
 
         def happen() -> None:

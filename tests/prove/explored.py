@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Container
+from collections.abc import Callable, Collection, Container
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 from rai_missions.engine import Chart
 from rai_missions.engine.activities.ticker import Trees
 from rai_missions.engine.configuration import Configuration
+from rai_missions.engine.nodes import Node
 from rai_missions.mission.mission import Mission
 from rai_missions.prove.environment import Environment
 from rai_missions.prove.explorer import Edge, Space
@@ -65,6 +66,9 @@ class Everything(NamedTuple):
     later: Later
 
     def after(self, config: Configuration) -> Later:
+        return self.later
+
+    def with_outcome(self, node: Node, outcome: str, others: Collection[str]) -> Later:
         return self.later
 
 

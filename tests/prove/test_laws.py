@@ -89,6 +89,32 @@ def test_a_way_that_looks_at_what_differs_is_gone_again() -> None:
     }, MOST, work=math.inf)  # fmt: skip
 
 
+def test_a_step_that_counts_is_the_same_from_every_number_that_guards_treat_alike() -> None:
+    def more(key: str, many: int) -> Json:
+        return {"set": key, "add": many}
+
+    hold_against_patient({
+        "format": 1, "name": "counted", "version": "1.0.0", "initial": "here",
+        "blackboard": {"n": {"type": "integer", "initial": 0}, "m": {"type": "integer", "initial": 0}},
+        "events": {"one": {}, "two": {}, "again": {}, "other": {}, "stop": {}},
+        "states": {
+            "here": {"transitions": [
+                {"on": "one", "when": {"key": "n", "<": 9}, "do": [more("n", 1)], "to": "looking"},
+                {"on": "two", "when": {"key": "n", "<": 9}, "do": [more("n", 2), more("m", -1)], "to": "looking"},
+                {"on": "again", "do": [{"set": "n", "value": 1}]},
+                {"on": "other", "when": {"key": "m", "<": 3}, "do": [more("m", 1)]},
+            ]},
+            "looking": {"transitions": [
+                {"when": {"key": "n", "==": 7}, "to": "over"},
+                {"when": {"key": "n", ">": 4}, "do": [{"set": "m", "value": 0}], "to": "here"},
+                {"on": "one", "to": "here"}, {"on": "two", "do": [more("n", 1)], "to": "looking"},
+            ]},
+            "over": {"final": "aborted"},
+        },
+        "transitions": [{"on": "stop", "to": "over"}],
+    }, 30 * MOST, work=math.inf)  # fmt: skip
+
+
 def hold_against_patient(document: Json, most: int, work: float = WORK) -> None:
     """Whatever the mission's own keys are: each step is made, none is taken from a state that differs in them alone."""
     mission = Mission.model_validate(document)

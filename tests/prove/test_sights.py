@@ -1,0 +1,219 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What is seen is left open question by question: that finds what trying every value at once finds."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+from hypothesis import HealthCheck, assume, given, settings
+from hypothesis import strategies as st
+
+from rai_missions.guards.goal import judged
+from rai_missions.mission.mission import Mission
+from rai_missions.planning.examples import GOALS, REQUESTS
+from rai_missions.planning.scene import judged_by
+from rai_missions.prove import prove
+from rai_missions.prove.comparisons import Comparisons
+from rai_missions.prove.environment import Environment
+from rai_missions.prove.open_sight import OpenSight, Sights
+from rai_missions.prove.representatives import Values
+from rai_missions.replay.rebuild import default_ticker
+from tests.engine.test_goals import ASKED_FOR, FEASIBLE, KEYS, REACHED
+from tests.prove.explored import Seeing
+from tests.prove.test_goals import moving
+from tests.prove.test_laws import hold_against_forgetless, hold_against_patient
+
+Json = dict[str, Any]
+lenient = settings(suppress_health_check=list(HealthCheck), deadline=None)
+MOST = 400
+GUARDS: list[Json] = [
+    REACHED, FEASIBLE, ASKED_FOR, {**ASKED_FOR, "over": "objects"}, {"key": "objects.gripper", "==": "holding"},
+    {"key": "objects.looks", ">=": 10}, {"fresh": "objects"}, {"held": REACHED, "for_s": 1},
+]  # fmt: skip
+OBJECTS: Json = {"type": "object", "source": "robot", "max_age_s": 2,
+                 "fields": {"things": "list", "gripper": "string", "looks": "integer"}}  # fmt: skip
+
+
+class WholeSight(OpenSight):
+    """A sight of which one value is chosen as soon as anything is asked."""
+
+    def get(self, field: str, default: Any = None) -> Any:
+        if not hasattr(self, "chosen"):
+            self.chosen = self.sights.one_of(self)
+        self.looked.add(field)
+        bit = self.sights.values.index(self.chosen)
+        self[field] = next(answer for answer, bits in self.sights.answers(field) if bits >> bit & 1)
+        return default if self[field] is None else self[field]
+
+    def fresh(self, known: Any = None) -> OpenSight:
+        made = WholeSight(self.sights)
+        made.update(self if known is None else known)
+        return made
+
+
+class WholeSights(Environment):
+    """Every value of what is seen is tried at once."""
+
+    def __init__(self, *given: Any, **named: Any) -> None:
+        super().__init__(*given, **named)
+        self.world.shapes = {
+            key: WholeSight(each.sights) if isinstance(each, OpenSight) else each
+            for key, each in self.world.shapes.items()
+        }  # fmt: skip
+
+
+@st.composite
+def guards(draw: st.DrawFn) -> Json:
+    parts = draw(st.lists(st.sampled_from(GUARDS), min_size=1, max_size=2))
+    parts = [{"not": each} if draw(st.booleans()) and "held" not in each else each for each in parts]
+    return parts[0] if len(parts) == 1 else {draw(st.sampled_from(["any", "all"])): parts}
+
+
+@st.composite
+def sighted(draw: st.DrawFn) -> Json:
+    """A mission whose rules ask about what is seen; whatever needs no event leads forward."""
+    names = ["one", "two", "three", "aborted"]
+    states: Json = {}
+    for at, name in enumerate(names[:-1]):
+        to = st.sampled_from([*names[at + 1 :], "done"])
+        states[name] = {"transitions": [
+            *({"when": draw(guards()), "to": draw(to)} for _ in range(draw(st.integers(1, 2)))),
+            {"on": "next", "when": draw(guards()), "to": draw(st.sampled_from([*names[:-1], "done"]))},
+            {"after_s": 5, "to": draw(to)},
+        ]}  # fmt: skip
+    if draw(st.booleans()):
+        states["two"] = {
+            "plan": "wanted", "over": "objects", "into": "plan", "transitions": [
+                {"on": "succeeded", "when": {"fresh": "plan.next"}, "to": "three"},
+                {"on": "failed", "when": {"key": "plan.reason", "==": "unclear"}, "to": "three"},
+                {"on": ["succeeded", "failed", "rejected"], "to": "aborted",
+                 "do": [{"set": "report", "from": "plan.about"}]},
+            ],
+        }  # fmt: skip
+    invariants = {"kept": {"not": {"all": [{"in": "three"}, draw(guards())]}}} if draw(st.booleans()) else {}
+    held = [name for name, each in invariants.items() if "held" in str(each)]
+    wanted = {"type": "object", "source": draw(st.sampled_from(["argument", "mission"]))}
+    return {
+        "name": "sighted", "initial": "one", "events": {"next": {}},
+        "blackboard": {**KEYS, "objects": OBJECTS, "wanted": wanted, "report": {"type": "string", "initial": ""},
+                       "plan": {"type": "object", "fields": {"next": "object", "reason": "string", "about": "string"}}},
+        "invariants": {name: each for name, each in invariants.items() if name not in held},
+        "states": states | {
+            "done": {"final": "succeeded", "requires": draw(guards().filter(lambda each: "held" not in str(each)))},
+            "aborted": {"final": "aborted", "entry": [{"publish": "report", "message": {"data": {"from": "report"}}}]},
+        },
+    }  # fmt: skip
+
+
+def space_of(mission: Mission, kind: type[Environment] = Environment) -> Seeing:
+    space = Seeing(kind(mission, default_ticker(mission)), MOST, work=1000)
+    space.explore()
+    return space
+
+
+def lengths(space: Seeing) -> dict[str, int]:
+    return {name: len(space.path(flaw.state)) for name, flaw in space.flaws.items()}
+
+
+def hold_alike(few: Seeing, every: Seeing) -> None:
+    """They find the same."""
+    assume(few.is_whole and every.is_whole)
+    for what in ("seen", "taken", "entered", "in_pause"):
+        assert getattr(few, what) == getattr(every, what), what
+    assert few.environment.instruments.seen == every.environment.instruments.seen
+    assert few.flaws.keys() == every.flaws.keys()
+
+
+def hold_against_whole(document: Json) -> None:
+    mission = Mission.model_validate(document)
+    few, every = space_of(mission), space_of(mission, WholeSights)
+    hold_alike(few, every)
+    assert (few.states, lengths(few)) == (every.states, lengths(every)) and few.steps <= every.steps
+
+
+def hold_against_plain(document: Json) -> None:
+    """Against plain values, which are kept from step to step as they are: then a run may need one more report."""
+    mission = Mission.model_validate(document)
+    few = space_of(mission)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(Values, "is_sight", lambda self, key: False)
+        every = space_of(mission)
+    hold_alike(few, every)
+    assert all(length <= lengths(every)[name] for name, length in lengths(few).items())
+
+
+def hold_against_asked(document: Json) -> None:
+    """Against every value of what no guard looks at, too."""
+    mission = Mission.model_validate(document)
+    few = space_of(mission)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(Comparisons, "is_asked", lambda self, path: True)
+        every = space_of(mission)
+    hold_alike(few, every)
+    assert lengths(few) == lengths(every) and few.states <= every.states
+
+
+@settings(lenient, max_examples=3)
+@given(sighted())
+def test_a_sight_that_is_left_open_finds_what_every_sight_finds(document: Json) -> None:
+    hold_against_whole(document)
+
+
+@pytest.mark.drill
+@settings(lenient, max_examples=1000)
+@given(sighted())
+def test_a_sight_that_is_left_open_finds_what_every_sight_finds_however_often_it_is_tried(document: Json) -> None:
+    hold_against_whole(document)
+
+
+@pytest.mark.drill
+@settings(lenient, max_examples=300)
+@given(sighted())
+def test_a_sight_that_is_left_open_finds_what_plain_values_find(document: Json) -> None:
+    hold_against_plain(document)
+
+
+@pytest.mark.drill
+@settings(lenient, max_examples=300)
+@given(sighted())
+def test_what_is_not_read_of_a_plan_makes_no_difference(document: Json) -> None:
+    hold_against_forgetless(document, MOST)
+    hold_against_patient(document, MOST)
+
+
+@settings(lenient, max_examples=2)
+@given(sighted())
+def test_what_no_guard_looks_at_has_one_value(document: Json) -> None:
+    hold_against_asked(document)
+
+
+@pytest.mark.drill
+@settings(lenient, max_examples=300)
+@given(sighted())
+def test_what_no_guard_looks_at_has_one_value_however_often_it_is_tried(document: Json) -> None:
+    hold_against_asked(document)
+
+
+def test_goals_are_judged_by_what_their_scene_is_compared_by() -> None:
+    values = Values(Mission.model_validate(moving(blackboard={**KEYS, "objects": OBJECTS})), Environment(
+        Mission.model_validate(moving())).chart.terms).of("objects")  # fmt: skip
+    seen = [dict(each, looks=looks, stamp_s=1.0) for each in values if each is not None for looks in (0, 7)]
+    by_scene: dict[str, set[Any]] = {}
+    for each in seen:
+        answers = tuple(judged(aspect, GOALS[0], each, REQUESTS[0]) for aspect in ("reached", "feasible", "said"))
+        by_scene.setdefault(judged_by(each), set()).add(answers)
+    assert len(by_scene) > 1 and all(len(each) == 1 for each in by_scene.values())
+
+
+def test_questions_leave_the_values_that_answer_them_alike() -> None:
+    sights = Sights([{"a": 1, "b": 1}, {"a": 1}, {"a": True, "b": 1}], lambda answers: answers[-1])
+    sight = OpenSight(sights)
+    assert sight.get("b") is None and sight.get("a") == 1
+    assert sight.example() == {"a": 1} and sight.whole() == {"a": 1}
+    assert [dict(each) for each in sight.mixtures()] == [{"b": 1, "a": 1}, {"b": 1, "a": True}, {"b": None, "a": 1}]
+
+
+def test_a_mission_with_a_whole_desk_in_sight_is_proved_in_few_steps() -> None:
+    proof = prove(Mission.model_validate(moving(blackboard={**KEYS, "objects": OBJECTS})))
+    assert proof.verdict == "proved" and proof.steps < 20_000
