@@ -24,7 +24,14 @@ k = Keys(
         source="robot",
         max_age_s=0.5,
         optional=True,
-        fields={"kind": str, "distance_m": float, "height_m": float, "living": bool},
+        fields={
+            "kind": str,
+            "distance_m": float,
+            "height_m": float,
+            "living": bool,
+            "solid_max_m": float,
+            "sure": float,
+        },
         about="what the detector sees in the alley",
     ),
     passed=Key(bool, source="robot", max_age_s=5, optional=True, about="the last obstacle lies behind, as it lay"),
@@ -34,6 +41,8 @@ k = Keys(
     unfinished=Key(bool, source="mission", initial=False, about="alleys are left that cannot be driven"),
 )
 
+NOTHING_HARD = k.obstacle.solid_max_m < 0.04
+LOW_WOOD = (k.obstacle.solid_max_m < 0.25) & k.obstacle.kind.is_in(["branch", "log"]) & (k.obstacle.sure >= 0.7)
 MOVING = ["REVERSING", "CHANGING_PATH", "DRIVING"]
 HALT = CallEffect("halt")
 GIVE_UP = Set(k.unfinished, True)
@@ -42,7 +51,7 @@ GIVE_UP = Set(k.unfinished, True)
 def mission() -> Mission:
     return Mission(
         "tractor_orchard",
-        version="1.5.0",
+        version="1.6.0",
         about="Work the alleys; when the autonomy stack stops for an anomaly, decide and carry on.",
         keys=k,
         events={
@@ -84,7 +93,7 @@ def mission() -> Mission:
                 options={
                     "drive_over": Option(
                         "drive on, over the obstacle",
-                        when=~k.obstacle.living & (k.obstacle.height_m < 0.25) & (k.crossings < 2),
+                        when=~k.obstacle.living & (k.crossings < 2) & (NOTHING_HARD | LOW_WOOD),
                     ),
                     "replan": Option("leave this alley, take another, and come back later from the other end"),
                     "signal": Option("sound the horn and flash the lights, wait, then look again", when=k.signals < 3),

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """A question as messages for a chat model: who it is, what is known, which options there are.
 
-Rule: what the robot received is data. It is quoted line by line inside `<facts>`, which no fact can close.
+Rule: what the robot received is data. It is quoted line by line inside `<facts>`, which no fact can close. What is the
+same from question to question comes first, options and form before facts: a model that keeps its prefix reads less.
 """
 
 from __future__ import annotations
@@ -51,7 +52,14 @@ def messages_of(
     seen = _pictures(question, identity) if images else []
     shown = {key for key, _ in seen}
     text = "\n\n".join(
-        part for part in (_facts(question, shown, identity), _options(question.options), _form(mode, tools)) if part
+        part
+        for part in (
+            f"Question: {question.text}",
+            _options(question.options),
+            _form(mode, tools),
+            _facts(question, shown, identity),
+        )
+        if part
     )
     content: Any = (
         [{"type": "text", "text": text}, *(block for _, blocks in seen for block in blocks)] if seen else text
@@ -77,10 +85,9 @@ def _facts(question: Question, shown: Iterable[str], identity: Identity | None) 
     build = [identity.body.words()] if identity is not None and identity.body is not None else []
     lines = build + [_fact(evidence, seen=evidence.key in shown) for evidence in question.evidence]
     refused = [f"an earlier answer was refused: {why}" for why in question.refused[-REFUSALS:]]
-    text = f"Question: {question.text}"
     if not lines and not refused:
-        return text
-    return "\n".join((text, "<facts>", *(quoted(line) for line in (*lines, *refused)), "</facts>"))
+        return ""
+    return "\n".join(("<facts>", *(quoted(line) for line in (*lines, *refused)), "</facts>"))
 
 
 def _fact(evidence: Evidence, *, seen: bool) -> str:

@@ -90,13 +90,27 @@ def _body(play: Play) -> Iterator[str]:
         yield ""
         yield f"    # {_comment(click)}"
         for each in click.inputs:
-            yield f"    {_call(each)}"
+            yield from _lines(f"    {_call(each)}", each)
         yield from _wrapped("    assert chart.active == ", sorted(click.active))
     outcome, why = play.chart.outcome, play.chart.why
     yield ""
     yield f"    assert chart.outcome {'is' if outcome is None else '=='} {_literal(outcome)}"
     if outcome is not None:
         yield f"    assert chart.why == {_literal(why)}"
+
+
+def _lines(call: str, given: Input) -> Iterator[str]:
+    """A call, and a long object that it writes with a field a line."""
+    if len(call) <= LINE or isinstance(given, Passage) or given.kind != "write":
+        yield call
+        return
+    value = given.data["value"]
+    if not isinstance(value, Mapping):
+        yield call
+        return
+    yield f"    chart.write({_quoted(given.name)}, {{"
+    yield from (f"        {_literal(name)}: {_literal(each)}," for name, each in value.items())
+    yield f"    }}, {given.at!r})"
 
 
 def _comment(click: Click) -> str:

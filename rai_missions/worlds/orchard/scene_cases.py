@@ -92,11 +92,11 @@ def _flat(rng: Draw) -> Fields:
 
 
 def _hidden(rng: Draw) -> Fields:
-    return {**_flat(rng), "size": 1.25, "hides": rng.choice(("log", "lying_person", "cat", "crate")), **_track(rng)}
+    return {**_flat(rng), "size": 1.25, "hides": rng.choice(("lying_person", "cat")), **_track(rng)}
 
 
 def _lengthwise(rng: Draw) -> Fields:
-    return {"turn_deg": rng.uniform(-4, 4), "across_m": rng.uniform(-0.1, 0.1)}
+    return {"turn_deg": _side(rng, 5, 9), "across_m": rng.uniform(-0.1, 0.1)}
 
 
 def _has(**fields: Any) -> Callable[[Draw], Fields]:
@@ -122,29 +122,29 @@ FULL, THICK = _all(_has(variant="full"), _track), _sized(1.9, 2.4)
 UPHILL, DOWNHILL = _turned(0.0), _turned(180.0)
 MUFFS, TETHERED, RESTING = _has(variant="muffs"), _has(variant="tethered"), _has(variant="resting")
 CASES: tuple[tuple[float, str, Callable[[Draw], Fields]], ...] = (
-    (5.5, "tall_grass", _flat), (2.5, "tall_grass", _hidden),
-    (5, "plastic_bag", _as_is), (1.5, "plastic_bag", _has(variant="full", across_m=0.05)),
-    (1, "plastic_bag", FULL), (1.5, "plastic_bag", _all(FULL, _attended, _heeding)),
+    (5.5, "tall_grass", _flat), (3, "tall_grass", _hidden),
+    (4.5, "plastic_bag", _as_is), (1.5, "plastic_bag", _has(variant="full", across_m=0.05)),
+    (0.1, "plastic_bag", FULL), (1.5, "plastic_bag", _all(FULL, _attended, _heeding)),
     (1.5, "plastic_bag", _all(FULL, _attended, _leaving)),
-    (4.5, "puddle", _sized(0.8, 1.2)), (1.5, "puddle", _all(_sized(1.4, 1.6), _has(variant="deep", across_m=0.0))),
-    (3.5, "hose", _lengthwise), (3, "hose", _has(variant="bridged", across_m=0.0, turn_deg=90.0)),
-    (1, "hose", _as_is), (1.5, "hose", _all(_attended, _heeding)), (2, "hose", _all(_attended, _leaving)),
-    (4, "ladder", _lengthwise), (1, "ladder", _as_is), (1.5, "ladder", _all(_attended, _heeding)),
+    (4, "puddle", _sized(0.8, 1.2)), (0.2, "puddle", _all(_sized(1.4, 1.6), _has(variant="deep", across_m=0.0))),
+    (3.5, "hose", _lengthwise), (2.6, "hose", _has(variant="bridged", across_m=0.0, turn_deg=90.0)),
+    (2.2, "hose", _as_is), (1.5, "hose", _all(_attended, _heeding)), (2, "hose", _all(_attended, _leaving)),
+    (4, "ladder", _lengthwise), (2.2, "ladder", _as_is), (1.5, "ladder", _all(_attended, _heeding)),
     (2, "ladder", _all(_attended, _leaving)),
-    (4, "fallen_fence", UPHILL), (1.5, "fallen_fence", DOWNHILL),
-    (6, "branch", _sized(0.7, 1.15)), (1, "branch", THICK), (1, "branch", _all(THICK, _attended, _heeding)),
-    (1, "branch", _all(THICK, _attended, _leaving)),
-    (1, "crate", lambda rng: {"across_m": _side(rng, 1.3, 1.4), "turn_deg": 90.0}), (1, "crate", _track),
-    (1, "crate", _all(_track, _attended, _heeding)), (1.5, "crate", _all(_attended, _leaving)),
-    (1, "scarecrow", _facing), (1, "scarecrow", _all(_attended, _heeding)),
-    (1.5, "scarecrow", _all(_attended, _leaving)),
-    (1.5, "log", _sized(0.8, 1.2)), (1, "fallen_tree", _as_is),
-    (5, "person", _all(_facing, _heeding)), (5, "person", _all(_facing, MUFFS, _leaving)),
+    (3, "fallen_fence", UPHILL), (0.3, "fallen_fence", DOWNHILL),
+    (5, "branch", _sized(0.7, 1.15)), (1, "branch", _all(THICK, _attended, _heeding)),
+    (0.5, "branch", _all(THICK, _attended, _leaving)),
+    (1, "crate", lambda rng: {"across_m": _side(rng, 1.3, 1.4), "turn_deg": 90.0}),
+    (1, "crate", _all(_track, _attended, _heeding)), (1, "crate", _all(_attended, _leaving)),
+    (2.2, "scarecrow", _facing), (1, "scarecrow", _all(_attended, _heeding)),
+    (1, "scarecrow", _all(_attended, _leaving)),
+    (0.9, "log", _sized(0.8, 1.2)), (0.9, "fallen_tree", _as_is),
+    (4.7, "person", _all(_facing, _heeding)), (5, "person", _all(_facing, MUFFS, _leaving)),
     (0.5, "person", _all(_facing, MUFFS)),
     (4, "animal", _all(_facing, _heeding)), (4, "animal", _all(_facing, _leaving)),
     (0.5, "animal", _all(_facing, TETHERED)),
     (3, "cat", _all(_track, _facing, _heeding)), (3, "cat", _all(_track, _facing, _leaving)),
-    (0.8, "lying_person", _as_is), (2, "lying_person", _all(RESTING, _heeding)),
-    (1, "lying_person", _all(RESTING, _leaving)),
+    (2, "lying_person", _as_is), (2, "lying_person", _all(RESTING, _heeding)),
+    (1.5, "lying_person", _all(RESTING, _leaving)),
 )  # fmt: skip
 """Weight, kind, and what is drawn for it."""

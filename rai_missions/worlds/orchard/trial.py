@@ -14,7 +14,7 @@ from typing import Any
 from rai_missions.errors import UsageError
 from rai_missions.worlds.orchard.world import Orchard
 
-__all__ = ("OPTIONS", "Trial", "decision_world", "try_option", "try_options")
+__all__ = ("OPTIONS", "Trial", "decision_world", "try_branch", "try_option", "try_options")
 
 OPTIONS = ("drive_over", "replan", "signal", "abort")
 ARRIVES_S, CROSSES_S, RETURNS_S, DRIVES_S = 60.0, 40.0, 150.0, 60.0
@@ -82,10 +82,12 @@ def try_options(options: Mapping[str, Any], tried: tuple[str, ...] = OPTIONS) ->
     if unknown:
         raise UsageError(f"no option {unknown[0]!r}; there are: {', '.join(OPTIONS)}")
     world = decision_world({**options, "camera": False, "sight": "geometry", "detector": {"noise": 0.0}})
-    return {option: _tried(world.branch(), option) for option in tried}
+    return {option: try_branch(world, option) for option in tried}
 
 
-def _tried(world: Orchard, option: str) -> Trial:
+def try_branch(decided: Orchard, option: str) -> Trial:
+    """Roll an option out on a branch of a world in which it is open; that world stays as it is."""
+    world = decided.branch()
     begun = world.at
     {"drive_over": _drive_over, "replan": _replan, "signal": _signal, "abort": _halt}[option](world)
     return _trial(world, world.at - begun)
