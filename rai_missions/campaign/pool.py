@@ -19,7 +19,6 @@ from typing import Any, Protocol
 from rai_missions.campaign.store import CellRecord, PictureRecord
 from rai_missions.campaign.tasks import SceneTask, TaskRecord, WorkSettings
 from rai_missions.campaign.worker import RECORDS, task_words
-from rai_missions.connectors.process.frames import Broken
 from rai_missions.connectors.process.life import ProcessLife
 from rai_missions.errors import UsageError
 from rai_missions.redaction import logger, secrets_held, variables
@@ -186,7 +185,7 @@ class PoolWorker:
         """The record in a message; None where it is not whole yet, or there is none.
 
         Raises:
-            Broken: It is no record.
+            UsageError: It is no record.
         """
         kind = RECORDS.get(message.get("record", ""))
         if kind is None:
@@ -196,7 +195,7 @@ class PoolWorker:
                 return self._picture(*message["of"], is_last=message["is_last"])
             record: TaskRecord = kind(*message["of"])
         except (KeyError, TypeError, ValueError) as error:
-            raise Broken(f"it sent a record that is none: {error}") from None
+            raise UsageError(f"a worker of the campaign sent a record that is none: {error}") from None
         if isinstance(record, CellRecord):
             self.done.add(record.cell)
         return record

@@ -132,7 +132,10 @@ class Workplace:
         """The labels of a scene's options, where the campaign wants them; none where an option cannot be tried."""
         if self._asking.file.labels != "rollouts" or asked.decision is None:
             return
-        found = rollouts(asked.decision, self._subject.options)
+        try:
+            found = rollouts(asked.decision, self._subject.options)
+        except UsageError:
+            return  # an option cannot be tried here, so none has a label
         for option, each in found.items():
             yield LabelRecord(asked.scene.scene, option, each.verdict, json.dumps(each.data(), default=str))
 
