@@ -69,10 +69,10 @@ class EndTrial:
         self._talk_on(talk)
         talk.end()
         self._talk_on(talk)
-        is_said = talk.agent.conclude(0.3 if closed else 10.0)
+        assert talk.agent.conclude(0.3 if closed else 10.0) or closed
         talk.screen.is_open = True
         talk.agent.doors_changed()
-        self._referee(talk, is_said=is_said)
+        self._referee(talk)
 
     def _talk_on(self, talk: Talk) -> None:
         """A person who does not stop talking, and persons who claim to be others."""
@@ -81,14 +81,14 @@ class EndTrial:
             author, text = self.draw.choice(FORGED)
             talk.agent.receive(text, role=self.draw.choice(ROLES), channel="page", author=author)  # type: ignore[arg-type]
 
-    def _referee(self, talk: Talk, *, is_said: bool) -> None:
-        def ends() -> list[bool]:
-            """Of each time that the end was reported whole: whether it was marked as repeated."""
+    def _referee(self, talk: Talk) -> None:
+        def ends(*, whole: bool) -> list[bool]:
+            """Of each time that the end was reported, whole or not: whether it was marked as repeated."""
             lines = [line for line in talk.screen.of_robot() if line.report.endswith(":end")]
-            return [line.repeated for line in lines if not line.spoken]
+            return [line.repeated for line in lines if whole == (not line.spoken)]
 
-        talk.until(ends)
-        assert ends() == [not is_said], talk.screen.texts()
+        talk.until(lambda: ends(whole=True))
+        assert ends(whole=True) == [bool(ends(whole=False))], talk.screen.texts()
         commands = [
             step.event.name for step in talk.steps if step.event.kind == "command" and step.event.data.get("by")
         ]
