@@ -144,3 +144,45 @@ moments = st.builds(
 )
 lives = st.lists(moments, min_size=1, max_size=8)
 long_lives = st.lists(moments, min_size=1, max_size=25)
+
+
+def lasting(inner: st.SearchStrategy[Any]) -> st.SearchStrategy[Any]:
+    """Trees that run on, whatever their parts report: what they look at is looked at again and again."""
+    parts = st.lists(inner, min_size=1, max_size=4)
+    last: dict[str, Any] = {"wait_s": 999.5}
+    watching = st.builds(
+        lambda word, given, memory: {
+            word: [*({WATCHED[word]: each} for each in given), last], "memory": memory
+        },
+        st.sampled_from(["selector", "sequence"]), parts, st.sampled_from([False, False, False, True]),
+    )  # fmt: skip
+    return st.one_of(
+        watching,
+        watching,
+        st.builds(lambda given: {"parallel": given}, st.lists(watching, min_size=1, max_size=3)),
+        st.builds(lambda key, child: {"failure_is_running": {"eternal_guard": is_true(key), "child": child}},
+                  st.sampled_from(FACTS), watching),
+    )  # fmt: skip
+
+
+WATCHED = {"selector": "success_is_failure", "sequence": "failure_is_success"}
+lasting_trees = lasting(rich_trees)
+flips = st.tuples(
+    st.sampled_from(FACTS),
+    st.sampled_from([True, False, None]),
+    st.lists(st.sampled_from(ENDS), min_size=3, max_size=3).map(tuple),
+    st.sampled_from([0, 0, 0, 1]),
+)
+
+
+def _one_by_one(drawn: list[Any]) -> list[Moment]:
+    known: dict[str, bool | None] = {"a": False, "b": False, "c": False}
+    life = []
+    for key, value, ends, later_s in drawn:
+        known = {**known, key: value}
+        life.append(Moment(known, ends, later_s))
+    return life
+
+
+flipping_lives = st.lists(flips, min_size=5, max_size=25).map(_one_by_one)
+"""Lives in which one fact changes at a time, mostly at one instant."""

@@ -16,7 +16,7 @@ from rai_missions.event import Event, Tick
 from rai_missions.keys import stale_at
 from rai_missions.states.tree import TreeNode
 from rai_missions.trees import PyTrees
-from tests.trees.growing import Moment, long_lives, often, rich_trees, trees
+from tests.trees.growing import Moment, flipping_lives, lasting, lasting_trees, long_lives, often, rich_trees, trees
 from tests.trees.polling import lives as happenings
 from tests.trees.polling import mission_of, polled_trees
 from tests.trees.test_state import KEYS, life_of, outcomes, stored, view
@@ -79,12 +79,22 @@ def test_so_is_one_with_all_that_a_mission_can_write(tree: Any, life: list[Momen
     as_py_trees(tree, life)
 
 
+@often
+@given(lasting_trees, flipping_lives)
+def test_so_is_one_that_runs_on_while_one_fact_after_the_other_changes(tree: Any, life: list[Moment]) -> None:
+    as_py_trees(tree, life)
+
+
 @pytest.mark.drill
 @pytest.mark.timeout(14_400)
-@pytest.mark.parametrize("grown", [trees, rich_trees], ids=["plain", "rich"])
-def test_so_it_is_for_many_trees(grown: Any) -> None:
+@pytest.mark.parametrize(
+    ("grown", "lived"),
+    [(trees, long_lives), (rich_trees, long_lives), (lasting_trees, flipping_lives)],
+    ids=["plain", "rich", "lasting"],
+)
+def test_so_it_is_for_many_trees(grown: Any, lived: Any) -> None:
     @settings(max_examples=50_000, deadline=None, suppress_health_check=list(HealthCheck))
-    @given(grown, long_lives)
+    @given(grown, lived)
     def law(tree: Any, life: list[Moment]) -> None:
         as_py_trees(tree, life)
 
@@ -114,7 +124,7 @@ def test_a_state_can_be_ticked_again_whatever_was_ticked_in_between(tree: Any, l
 
 
 @often
-@given(rich_trees, long_lives)
+@given(lasting_trees, flipping_lives)
 def test_from_a_state_of_before_a_tick_visits_what_has_changed_since(tree: Any, life: list[Moment]) -> None:
     """Two runs on one ticker in turn, each with what has changed in it alone."""
     alone, first, second, at = Both(tree), Both(tree), Both(tree), 0.0
@@ -149,4 +159,10 @@ def charts_alike(drawn: Any, life: list[Any]) -> None:
 @often
 @given(polled_trees, happenings)
 def test_a_chart_makes_the_same_steps_on_both(drawn: Any, life: list[Any]) -> None:
+    charts_alike(drawn, life)
+
+
+@often
+@given(lasting(polled_trees), happenings)
+def test_so_does_one_whose_tree_runs_on(drawn: Any, life: list[Any]) -> None:
     charts_alike(drawn, life)
