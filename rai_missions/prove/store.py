@@ -175,6 +175,8 @@ class Stores:
 
     def after(self, store: Store, change: StoreChange) -> Store:
         """What becomes of a store by a change."""
+        if not (change.written or change.added or change.goals or store.goals or store.keys):
+            return store
         place = store.number, change.number
         found = self._after.get(place)
         if found is None:
