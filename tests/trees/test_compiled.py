@@ -105,14 +105,12 @@ def compiled(tree: Any) -> Ticker:
     return CompiledTrees().compile(TreeNode.read(tree), "/states/s/tree", KEYS, "s")
 
 
-@often
 @given(rich_trees, long_lives)
 def test_a_restored_tree_has_the_same_future(tree: Any, life: list[Moment]) -> None:
     for state, now, ended, ticked in life_of(compiled(tree), life):
         assert compiled(tree).tick(stored(state), now, ended) == ticked
 
 
-@often
 @given(rich_trees, long_lives)
 def test_a_state_can_be_ticked_again_whatever_was_ticked_in_between(tree: Any, life: list[Moment]) -> None:
     ticker = compiled(tree)
@@ -123,7 +121,6 @@ def test_a_state_can_be_ticked_again_whatever_was_ticked_in_between(tree: Any, l
     assert [json.dumps(dict(ticked.state.nodes)) for *_, ticked in every] == stored_before
 
 
-@often
 @given(lasting_trees, flipping_lives)
 def test_from_a_state_of_before_a_tick_visits_what_has_changed_since(tree: Any, life: list[Moment]) -> None:
     """Two runs on one ticker in turn, each with what has changed in it alone."""
@@ -162,7 +159,6 @@ def test_a_chart_makes_the_same_steps_on_both(drawn: Any, life: list[Any]) -> No
     charts_alike(drawn, life)
 
 
-@often
 @given(lasting(polled_trees), happenings)
 def test_so_does_one_whose_tree_runs_on(drawn: Any, life: list[Any]) -> None:
     charts_alike(drawn, life)
