@@ -133,7 +133,9 @@ def run_campaign(
     rates = loaded.file.labels != "none"
     if labels_alone and not rates:
         raise UsageError('the campaign has no source of labels: write "labels": "trials" or "rollouts" in its file')
-    if not (settings.recorded or labels_alone):
+    if settings.recorded:
+        ResultStore(settings.recorded).close()  # it is there, before a worker begins
+    elif not labels_alone:
         _check_models(loaded)
     _begin(loaded, store)
     plan = plan_of(loaded, _whole(store.labels(), loaded.subject.options if rates else ()))

@@ -131,6 +131,7 @@ def test_labels_alone_are_made_once_and_a_part_of_them_is_made_again(tmp_path: P
         ran(write_campaign(tmp_path, campaign_data(2)), store, labels_alone=True)
 
 
+@pytest.mark.drill
 def test_a_pool_of_processes_gives_the_table_of_one_process(tmp_path: Path) -> None:
     path = write_campaign(tmp_path, campaign_data(3))
     ran(path, tmp_path / "serial.db")
@@ -312,11 +313,11 @@ def counted(store: Path) -> int:
 
 
 def test_workers_that_are_killed_lose_no_cell_and_double_none(tmp_path: Path) -> None:
-    killed_workers(tmp_path, scenes=3, kills=2)
+    killed_workers(tmp_path, scenes=2, kills=1)
 
 
 def test_a_campaign_that_is_killed_continues(tmp_path: Path) -> None:
-    killed_whole(tmp_path, scenes=3, kills=1)
+    killed_whole(tmp_path, scenes=2, kills=1)
 
 
 @pytest.mark.drill

@@ -160,6 +160,7 @@ def test_a_database_of_another_program_is_refused(tmp_path: Path) -> None:
         ResultStore(tmp_path / "other.db", writes=True)
 
 
+@pytest.mark.drill
 def test_a_hundred_thousand_cells_are_written_and_read_fast(tmp_path: Path) -> None:
     cells = [CELL._replace(cell=f"k{at:06}", scene=f"s{at % 500}", raw="x" * 200) for at in range(100_000)]
     began = time.process_time()
