@@ -26,7 +26,7 @@ from rai_missions.mission.mission import Mission
 from rai_missions.profile import Robot, identity_folder, load_profile, terms
 from rai_missions.replay.rebuild import default_ticker
 from rai_missions.runtime.runner import Runner
-from rai_missions.states.decision import Decision, DecisionSpec
+from rai_missions.states.decision import DecisionSpec
 
 __all__ = ("AskedScene", "CampaignSubject", "NoQuestion", "ask_in", "in_scene")
 
@@ -64,7 +64,7 @@ class CampaignSubject(NamedTuple):
     def spec(self) -> DecisionSpec | None:
         """The question of the decision; None where the state is no decision."""
         state = next((state for _, name, state in self.mission.walk() if name == self.decision), None)
-        return state.decision if isinstance(state, Decision) else None
+        return state.question() if state is not None else None
 
     @property
     def asked(self) -> tuple[str, ...]:

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from collections.abc import Set as AbstractSet
 from typing import Any
 
-from rai_missions.engine.activities.activity import Machine
+from rai_missions.engine.activities.activity import Machine, listens
 
 __all__ = ("Listening",)
 
@@ -30,7 +30,7 @@ class Listening(AbstractSet[str]):
         return frozenset(names)
 
     def __contains__(self, name: object) -> bool:
-        return name in self.names or any(machine.listens(state, (str(name),)) for machine, state in self.trees)
+        return name in self.names or any(listens(machine, state, (str(name),)) for machine, state in self.trees)
 
     def __iter__(self) -> Iterator[str]:
         return iter(self.all())

@@ -8,7 +8,7 @@ from collections.abc import Set as AbstractSet
 from typing import Any
 
 from rai_missions.engine.activities import goal_ledger
-from rai_missions.engine.activities.activity import GOALS, NO_KEYS, Outcome, Turn
+from rai_missions.engine.activities.activity import GOALS, NO_KEYS, Outcome, Turn, listens
 from rai_missions.engine.activities.tree import TreeActivity, limit_of
 from rai_missions.engine.activities.tree_rounds import Rounds
 from rai_missions.engine.blackboard import write_key
@@ -184,7 +184,7 @@ def _informed(
 ) -> bool:  # fmt: skip
     has_acted = False
     for name, machine, activity in awake(program, state):
-        if not (name in due or machine.listens(activity, keys)):
+        if not (name in due or listens(machine, activity, keys)):
             continue
         of_others = changed | {key for key, by in news.items() if by != name}
         data = {"keys": keys, "news": frozenset(of_others), "unseen": name in unseen}

@@ -23,7 +23,7 @@ def test_an_unknown_world_names_those_that_exist() -> None:
     [
         ({"trees": 5}, "the world 'orchard' has no option 'trees'; there are: seed, alleys,"),
         ({"obstacles": ["cow"]}, "obstacles: no kind 'cow'; there are: branch, log, crate"),
-        ({"obstacles": [{"kind": "log", "size": 3}]}, "obstacles: no field 'size'; there are: kind, alley"),
+        ({"obstacles": [{"kind": "log", "colour": 3}]}, "obstacles: no field 'colour'; there are: kind, alley"),
         ({"obstacles": ["log", "log"], "alleys": 1}, "obstacles: 2 obstacles for 1 alleys"),
         ({"alleys": 0}, "alleys: an orchard has 1 to 30 alleys, not 0"),
         ({"length_m": 5}, "length_m: an alley is 12 to 200 m long, not 5"),

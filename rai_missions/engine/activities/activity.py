@@ -24,8 +24,8 @@ if TYPE_CHECKING:
     from rai_missions.keys import Key
 
 __all__ = (
-    "GOALS", "NO_KEYS", "ActivityHost", "Bench", "Machine", "Outcome", "Turn", "concerns", "machine_of", "remembered",
-    "remembered_kinds",
+    "GOALS", "NO_KEYS", "ActivityHost", "Bench", "Machine", "Outcome", "Turn", "concerns", "listens", "machine_of",
+    "remembered", "remembered_kinds",
 )  # fmt: skip
 
 
@@ -157,6 +157,11 @@ class Bench(NamedTuple):
     def site(self, word: str = "") -> Site:
         """Where a guard below the machine's place is compiled."""
         return Site(f"{self.place}/{word}" if word else self.place, self.keys, self.state)
+
+
+def listens(machine: Any, state: Any, names: Collection[str]) -> bool:
+    """Whether a machine wants to be notified of one of these; one of another package need only have `reads`."""
+    return machine.listens(state, names) if isinstance(machine, Machine) else concerns(machine.reads(state), names)
 
 
 @singledispatch

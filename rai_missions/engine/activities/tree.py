@@ -18,6 +18,7 @@ from rai_missions.engine.activities.activity import (
     Machine,
     Outcome,
     Turn,
+    listens,
     machine_of,
     remembered,
 )
@@ -264,7 +265,7 @@ class TreeMachine(Machine):
 
     def listens(self, state: TreeActivity, names: Collection[str]) -> bool:
         return self.ticker.listens(state.tree, names) or any(
-            self.leaf_machines[path].machine.listens(leaf.state, names) for path, leaf in state.leaves.items()
+            listens(self.leaf_machines[path].machine, leaf.state, names) for path, leaf in state.leaves.items()
         )
 
     def awaits(self, state: TreeActivity) -> frozenset[int]:

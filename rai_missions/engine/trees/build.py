@@ -14,12 +14,11 @@ from rai_missions.engine.trees.composites import CompiledSelector, CompiledSeque
 from rai_missions.engine.trees.decorators import (
     REPORTS,
     CompiledConverter,
+    CompiledCount,
     CompiledEternalGuard,
     CompiledLoop,
     CompiledOneShot,
-    CompiledRepeat,
     CompiledReport,
-    CompiledRetry,
     CompiledTimeout,
 )
 from rai_missions.engine.trees.node import FAILURE, SUCCESS, CompiledNode
@@ -109,8 +108,8 @@ MAKERS: Mapping[type[tree.TreeNode], Maker] = {
     tree.FailureIsRunning: _loop,
     tree.SuccessIsRunning: _loop,
     tree.Condition: _loop,
-    tree.Retry: lambda at, node, path, inside: CompiledRetry(inside[0], node.num_failures),
-    tree.Repeat: lambda at, node, path, inside: CompiledRepeat(inside[0], node.num_success),
+    tree.Retry: lambda at, node, path, inside: CompiledCount(inside[0], node.num_failures, FAILURE, "failures"),
+    tree.Repeat: lambda at, node, path, inside: CompiledCount(inside[0], node.num_success, SUCCESS, "success"),
     tree.Timeout: lambda at, node, path, inside: CompiledTimeout(inside[0], node.duration_s),
     tree.OneShot: _one_shot,
     tree.EternalGuard: _guard,

@@ -16,8 +16,8 @@ from rai_missions.engine.trees.tick import Tick
 from rai_missions.guards.guard import Site, Test
 
 __all__ = (
-    "REPORTS", "CompiledConverter", "CompiledEternalGuard", "CompiledLoop", "CompiledOneShot", "CompiledRepeat",
-    "CompiledReport", "CompiledRetry", "CompiledTimeout",
+    "REPORTS", "CompiledConverter", "CompiledCount", "CompiledEternalGuard", "CompiledLoop", "CompiledOneShot",
+    "CompiledReport", "CompiledTimeout",
 )  # fmt: skip
 
 REPORTS: Mapping[str, Mapping[Status, Status]] = {
@@ -82,24 +82,29 @@ class CompiledLoop(CompiledConverter):
         return self.become(status, now)
 
 
-class _Counting(CompiledLoop):
+class CompiledCount(CompiledNode):
     """A loop with a number: how many rounds have ended is remembered while it runs.
 
     Args:
         child: Its child.
-        most: The number.
+        most: So many rounds end it; -1 is for ever.
+        again: With what of its child it begins the next round.
+        word: What the number of rounds is called in its memory.
     """
 
-    __slots__ = ("most", "rounds")
-    counted = True
-    word = ""
-    """What the number of rounds is called in its memory."""
-    again: Status
-    """With what of its child it begins the next round."""
+    __slots__ = ("again", "child", "counted", "most", "rounds", "word")
+    loops = True
 
-    def __init__(self, child: Any, most: int) -> None:
-        super().__init__(child, {})
-        self.most, self.rounds = most, 0
+    def __init__(self, child: Any, most: int, again: Status, word: str) -> None:
+        super().__init__((child,))
+        self.child, self.most, self.again, self.word = child, most, again, word
+        self.counted = most > 0
+        self.rounds = 0
+
+    @property
+    def renews(self) -> bool:  # type: ignore[override]
+        """As its child does."""
+        return bool(self.child.renews)
 
     def tick(self, now: Tick) -> Status:
         child = self.child
@@ -124,25 +129,6 @@ class _Counting(CompiledLoop):
     def recall(self, memory: Mapping[str, Any]) -> None:
         super().recall(memory)
         self.rounds = memory.get(self.word, 0)
-
-
-class CompiledRetry(_Counting):
-    """Begins its child again after a failure, until so many."""
-
-    __slots__ = ()
-    word, again = "failures", FAILURE
-
-
-class CompiledRepeat(_Counting):
-    """Begins its child again after a success, until so many; -1 is for ever."""
-
-    __slots__ = ()
-    word, again = "success", SUCCESS
-
-    @property
-    def counted(self) -> bool:  # type: ignore[override]
-        """The rounds have a number."""
-        return self.most > 0
 
 
 class CompiledTimeout(CompiledConverter):

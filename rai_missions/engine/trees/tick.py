@@ -23,9 +23,6 @@ class TickView:
         held: Held guard → since when its inner guard has been true; the tree keeps these itself.
     """
 
-    __slots__ = ("_own", "_view", "active", "answer", "at", "began", "board", "entered", "event", "held",
-                 "late_s")  # fmt: skip
-
     def __init__(self, view: View, state: str, began: float, held: Mapping[str, float]) -> None:
         self._view, self._own = view, False
         self.at, self.active, self.event, self.answer = view.at, view.active, view.event, view.answer
