@@ -30,9 +30,9 @@ PAGES = {"README.md": "index.md", "CHANGELOG.md": "changelog.md"}
 SCHEMAS = ("mission", "robot")
 SECTIONS = {
     "Tutorial": "tutorial/**/*.md", "Guides": "guide/*.md", "Coming from": "coming-from/*.md",
-    "Notebooks": "notebooks/*.md",
+    "Notebooks": "notebooks/*.md", "Campaigns": "campaigns/*.md",
 }  # fmt: skip
-INSIDE = ("paper.md", "architecture.md", "guarantees.md", "security.md")
+INSIDE = ("paper.md", "architecture.md", "guarantees.md", "performance.md", "security.md")
 
 
 def on_config(config: MkDocsConfig) -> MkDocsConfig:
