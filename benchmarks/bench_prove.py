@@ -49,7 +49,6 @@ def measure(what: str) -> dict[str, Any]:
     from rai_missions.mission.mission import Mission
     from rai_missions.profile import load_profile, terms
     from rai_missions.prove import prove
-    from rai_missions.replay.rebuild import default_ticker
 
     robot = None
     if what.isdigit():
@@ -58,7 +57,7 @@ def measure(what: str) -> dict[str, Any]:
         mission = load(ROOT / "missions" / what / "mission.json")
         robot = terms(load_profile(ROOT / "missions" / what / "robot.sim.json"))
     before = time.process_time()
-    proof = prove(mission, default_ticker(mission), terms=robot, most=2_000_000)
+    proof = prove(mission, terms=robot, most=2_000_000)
     return {
         "what": f"{what} regions" if what.isdigit() else what, "verdict": proof.verdict, "states": proof.states,
         "steps": proof.steps, "cpu_s": time.process_time() - before,

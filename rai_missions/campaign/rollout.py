@@ -22,7 +22,6 @@ from rai_missions.journal.in_flight import InFlight
 from rai_missions.mission.files import dump
 from rai_missions.mission.mission import Mission
 from rai_missions.profile import Robot
-from rai_missions.replay.rebuild import default_ticker
 from rai_missions.replay.resume import Resumption
 from rai_missions.runtime.clock import SimulatedClock
 from rai_missions.runtime.run_options import RunObserver
@@ -278,9 +277,7 @@ def _unguarded(chart: Chart, state: str, option: str) -> Chart:
         each.pop("when", None)
     spec["attempts"] = 100
     mission = Mission.model_validate(written)
-    return Chart.restore(
-        mission, chart.snapshot(), default_ticker(mission), terms=chart.terms, named=chart.program.named
-    )
+    return Chart.restore(mission, chart.snapshot(), terms=chart.terms, named=chart.program.named)
 
 
 def _spec_of(written: Any, state: str) -> dict[str, Any] | None:

@@ -16,7 +16,6 @@ from rai_missions.mission.mission import Mission
 from rai_missions.plain_data import plain
 from rai_missions.profile import Robot, dump_profile, terms
 from rai_missions.prove import MOST_STATES, Proof, record
-from rai_missions.replay.rebuild import default_ticker
 
 __all__ = ("as_json", "how_far", "limits_of", "report", "write_journals")
 
@@ -72,7 +71,7 @@ def write_journals(proof: Proof, mission: Mission, robot: Robot | None, output: 
         path = _path(output, mission, name, only=len(proof.ways) == 1)
         path.parent.mkdir(parents=True, exist_ok=True)
         of_robot = terms(robot) if robot is not None else None
-        shows = record(path, header, mission, scenes, default_ticker(mission), terms=of_robot)
+        shows = record(path, header, mission, scenes, terms=of_robot)
         written[name] = {"journal": str(path), "shows": shows}
     return written
 

@@ -83,7 +83,7 @@ def prove(
 
     Args:
         mission: One that `check` finds no fault in.
-        ticker: Who ticks trees; needed where the mission has one.
+        ticker: Who ticks trees, if not as compiled by the chart.
         terms: What is known of the robot: without a profile all actions exclude each other, and have servers.
         most: States at the most; a kilobyte or two each.
         seconds: Wall time at the most.

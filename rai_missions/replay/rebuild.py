@@ -16,7 +16,6 @@ from pydantic import ValidationError
 from rai_missions.engine import Chart
 from rai_missions.engine.activities.ticker import Trees
 from rai_missions.engine.step import Step
-from rai_missions.engine.trees import CompiledTrees
 from rai_missions.errors import DefinitionError, Fault, MissionError
 from rai_missions.event import is_e_stop
 from rai_missions.guards.guard import Truth
@@ -26,7 +25,7 @@ from rai_missions.mission.mission import Mission
 from rai_missions.profile import Robot, parse_profile, terms
 from rai_missions.validation_errors import faults_of
 
-__all__ = ("JournalReplayer", "Predicates", "default_ticker", "mission_of", "robot_of")
+__all__ = ("JournalReplayer", "Predicates", "mission_of", "robot_of")
 
 Predicates = Mapping[str, Callable[..., Truth]]
 
@@ -37,7 +36,7 @@ class JournalReplayer:
     Args:
         record: The journal.
         mission: The mission of its run.
-        ticker: What ticks trees; py_trees by default.
+        ticker: What ticks trees, if not as compiled by the chart.
         named: The predicates that guards name, for when the chart has been rebuilt; until then their values are those
             of the journal.
     """
@@ -56,7 +55,7 @@ class JournalReplayer:
         names = {name for refers, name, _ in found if refers.sort == "predicate"}
         try:
             self.chart = Chart(
-                mission, ticker or default_ticker(mission), terms=terms(robot) if robot is not None else None,
+                mission, ticker, terms=terms(robot) if robot is not None else None,
                 named={name: partial(self._predicate, name) for name in names},
             )  # fmt: skip
         except MissionError:
@@ -97,11 +96,6 @@ class JournalReplayer:
         if self._recorded and self._recorded[0][0] == name:
             return self._recorded.popleft()[1]
         return None
-
-
-def default_ticker(mission: Mission) -> Trees:
-    """Who ticks the trees of a run, unless another is given."""
-    return CompiledTrees()
 
 
 def mission_of(record: Record) -> Mission:

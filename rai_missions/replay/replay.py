@@ -47,7 +47,7 @@ def replay(
 
     Args:
         path: The journal.
-        ticker: What ticks trees; py_trees by default.
+        ticker: What ticks trees, if not as compiled by the chart.
         on_step: Receives each step that was the same.
         mission: The mission, where its journal does not hold it: one with behaviours written in Python.
         progress: Receives how many steps were done again, and how many there are.

@@ -58,7 +58,7 @@ def resumption(
     Args:
         record: The journal of the run that was cut short; whether its chain holds is looked at on the way.
         mission: The mission of its run.
-        ticker: What ticks trees; py_trees by default.
+        ticker: What ticks trees, if not as compiled by the chart.
         named: The predicates that guards name.
 
     Raises:

@@ -24,7 +24,7 @@ class NewRun:
     named: Named | None = None
     """The predicates that the mission's guards name."""
     ticker: Trees | None = None
-    """Ticks the mission's trees; py_trees by default, loaded when the mission has one."""
+    """Ticks the mission's trees, if not as compiled by the chart."""
     run: str = ""
     """The run's identity; made up where it is empty."""
     waits: bool = False

@@ -23,7 +23,6 @@ from rai_missions.journal.buffer import BufferedWriter, JournalSink, raised_by
 from rai_missions.mission.mission import Mission
 from rai_missions.profile import Robot, actions_of, missing, terms
 from rai_missions.redaction import Redaction, cut, logger
-from rai_missions.replay.rebuild import default_ticker
 from rai_missions.replay.resume import Resumption
 from rai_missions.runtime.arguments import accepted
 from rai_missions.runtime.clock import Clock, ContinuedClock, WallClock
@@ -88,7 +87,7 @@ class Runner(RunCommands):
         super().__init__(scheduler, control, self._executor.handovers)
         self._resumed = begin if isinstance(begin, Resumption) else None
         self._chart = begin.chart if isinstance(begin, Resumption) else Chart(
-            mission, begin.ticker or default_ticker(mission), terms=terms(robot) if robot is not None else None,
+            mission, begin.ticker, terms=terms(robot) if robot is not None else None,
             named=begin.named,
         )  # fmt: skip
         self._waits = begin.waits and self._chart.mode == "ready"

@@ -11,7 +11,6 @@ from rai_missions.check import check
 from rai_missions.mission.files import dump, load
 from rai_missions.profile import load_profile, missing, terms
 from rai_missions.prove import prove
-from rai_missions.replay.rebuild import default_ticker
 from tests.desk.episodes import DESK_MISSIONS, Episode, episode
 from tests.desk.scenes import CASES, Case
 
@@ -46,7 +45,7 @@ def test_the_missions_have_no_fault_and_equal_their_twins(name: str) -> None:
 def test_no_claim_about_them_is_refuted_as_far_as_they_are_explored(name: str) -> None:
     """Whole, they have too many states: each number of moves and of failures is one."""
     mission, robot = load(DESK_MISSIONS / f"{name}.json"), load_profile(DESK_MISSIONS / "robot.sim.json")
-    proof = prove(mission, default_ticker(mission), terms=terms(robot), work=150_000)
+    proof = prove(mission, terms=terms(robot), work=150_000)
     assert not [each for each in proof.claims if each.verdict == "refuted"] and proof.sampled == ()
     assert proof.done > 100
 

@@ -20,7 +20,6 @@ from rai_missions.prove.explorer import Edge, Space
 from rai_missions.prove.limits import Limits
 from rai_missions.prove.liveness import Later
 from rai_missions.prove.parts import parts
-from rai_missions.replay.rebuild import default_ticker
 from rai_missions.states.action import Action
 from rai_missions.states.tree.leaves import ActionLeaf
 from tests.rigs.charts import ScriptedRobot
@@ -73,7 +72,7 @@ class Everything(NamedTuple):
 
 
 def explored(mission: Mission, most: int, kind: type[Environment] = Environment) -> Seeing:
-    space = Seeing(kind(mission, default_ticker(mission)), most)
+    space = Seeing(kind(mission), most)
     space.explore()
     return space
 
@@ -134,7 +133,7 @@ def walked(
     mission: Mission, script: list[tuple[tuple[Any, ...], float]], assumed: Container[str], **arguments: Any
 ) -> list[Seen]:
     """What the real chart came to, step by step, for as long as the invariants hold that are assumed of the robot."""
-    chart, robot, at = Chart(mission, default_ticker(mission)), ScriptedRobot(), 0.0
+    chart, robot, at = Chart(mission), ScriptedRobot(), 0.0
     for key, value in arguments.items():
         assert key in KEYS
         chart.write(key, value, 0.0)

@@ -12,7 +12,6 @@ from rai_missions.event import Event
 from rai_missions.mission.mission import Mission
 from rai_missions.prove import prove
 from rai_missions.prove.environment import Environment
-from rai_missions.replay.rebuild import default_ticker
 
 Json = dict[str, Any]
 NEVER: Json = {"check": {"key": "n", "<": 0}}
@@ -39,7 +38,7 @@ BETWEEN = [pytest.param(rounds, marks=pytest.mark.drill) for rounds in (6, 7, 9,
 def test_a_circle_comes_to_the_limit_of_the_real_chart(rounds: int, inner: int, *, between: bool) -> None:
     tree: Json = {"retry": rounds, "child": NEVER if inner == 1 else {"retry": inner, "child": NEVER}}
     mission = failing(tree, "going", between=between)
-    chart, free = Chart(mission, default_ticker(mission)), Environment(mission, default_ticker(mission))
+    chart, free = Chart(mission), Environment(mission)
     step = chart.start()
     free.make(free.begin)
     found = free.chart
@@ -52,8 +51,8 @@ def test_a_circle_comes_to_the_limit_of_the_real_chart(rounds: int, inner: int, 
 
 def test_many_rounds_at_once_are_not_left_out_where_the_tree_rests_among_them() -> None:
     mission = failing({"retry": 20_005, "child": NEVER}, "over")
-    proof = prove(mission, default_ticker(mission))
-    chart = Chart(mission, default_ticker(mission))
+    proof = prove(mission)
+    chart = Chart(mission)
     chart.start()
     assert "there" in chart.send(Event("go", 0.0)).entered
     assert "there" not in proof.never and proof.alike == {}

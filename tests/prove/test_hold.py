@@ -12,7 +12,6 @@ from hypothesis import strategies as st
 from rai_missions.mission.mission import Mission
 from rai_missions.profile import load_profile, terms
 from rai_missions.prove import prove
-from rai_missions.replay.rebuild import default_ticker
 from tests.prove.explored import HANDS, ROOT, document, explored, scripts, walked
 from tests.strategies import mission_documents
 
@@ -86,5 +85,5 @@ BEFORE = {"tractor": 2049, "rosbot": 15552}
 def test_holds_cost_no_more_than_as_many_states_again(name: str) -> None:
     mission = document(f"missions/{name}/mission.json")
     robot = terms(load_profile(ROOT / f"missions/{name}/robot.sim.json"))
-    proof = prove(mission, default_ticker(mission), terms=robot)
+    proof = prove(mission, terms=robot)
     assert proof.verdict == "proved" and proof.states <= 2 * BEFORE[name]

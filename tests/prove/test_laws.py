@@ -12,7 +12,6 @@ from hypothesis import strategies as st
 
 from rai_missions.mission.mission import Mission
 from rai_missions.prove.environment import Environment
-from rai_missions.replay.rebuild import default_ticker
 from tests.prove.explored import WORK, Forgetless, Seeing, explored, scripts, walked
 from tests.strategies import mission_documents
 
@@ -118,7 +117,7 @@ def test_a_step_that_counts_is_the_same_from_every_number_that_guards_treat_alik
 def hold_against_patient(document: Json, most: int, work: float = WORK) -> None:
     """Whatever the mission's own keys are: each step is made, none is taken from a state that differs in them alone."""
     mission = Mission.model_validate(document)
-    quick, patient = (Seeing(Environment(mission, default_ticker(mission)), most, work) for _ in range(2))
+    quick, patient = (Seeing(Environment(mission), most, work) for _ in range(2))
     patient.environment.world.own_fade = True  # then nothing is remembered of other states
     for space in (quick, patient):
         space.explore()

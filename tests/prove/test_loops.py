@@ -15,7 +15,6 @@ from rai_missions.journal import Header
 from rai_missions.mission.files import dump
 from rai_missions.mission.mission import Mission
 from rai_missions.prove import Proof, loops, prove, record
-from rai_missions.replay.rebuild import default_ticker
 from rai_missions.replay.replay import replay
 from tests.strategies import KEYS as TREE_KEYS
 from tests.strategies import tree_nodes
@@ -41,7 +40,7 @@ def looping(tree: Json, *, failed: str = "over", **words: Any) -> Mission:
 
 
 def proof_of(mission: Mission, **words: Any) -> Proof:
-    return prove(mission, default_ticker(mission), **words)
+    return prove(mission, **words)
 
 
 def verdicts(proof: Proof) -> list[tuple[str, str, str]]:
@@ -73,7 +72,7 @@ def test_a_run_that_needs_every_round_has_every_round(rounds: int, tmp_path: Pat
     proof = proof_of(mission)
     run = proof.ways["ends"]
     assert proof.alike == {"going": rounds} and len(run) == rounds + 1
-    assert record(tmp_path / "run.journal", Header(dump(mission)), mission, run, default_ticker(mission))
+    assert record(tmp_path / "run.journal", Header(dump(mission)), mission, run)
     again = replay(tmp_path / "run.journal")
     assert again.holds and again.outcome is None
 
@@ -85,7 +84,7 @@ def test_a_run_of_two_loops_has_the_rounds_of_both(tmp_path: Path) -> None:
     mission = looping(tree, failed="stuck")
     proof = proof_of(mission)
     assert len(proof.alike) == 2 and len(proof.ways["ends"]) == 1 + 30 + 20
-    assert record(tmp_path / "run.journal", Header(dump(mission)), mission, proof.ways["ends"], default_ticker(mission))
+    assert record(tmp_path / "run.journal", Header(dump(mission)), mission, proof.ways["ends"])
 
 
 @pytest.mark.drill
@@ -94,7 +93,7 @@ def test_a_round_within_a_round_is_gone_as_often_as_both_ask(tmp_path: Path) -> 
     mission = looping(tree, failed="stuck")
     proof = proof_of(mission)
     assert len(proof.ways["ends"]) == 1 + 20 * 17
-    assert record(tmp_path / "run.journal", Header(dump(mission)), mission, proof.ways["ends"], default_ticker(mission))
+    assert record(tmp_path / "run.journal", Header(dump(mission)), mission, proof.ways["ends"])
 
 
 UNLIKE: dict[str, tuple[Json, int]] = {

@@ -17,7 +17,6 @@ from rai_missions.profile import load_profile, terms
 from rai_missions.prove import Proof, prove, record
 from rai_missions.prove.environment import Environment
 from rai_missions.prove.explorer import Space
-from rai_missions.replay.rebuild import default_ticker
 from rai_missions.replay.replay import replay
 from tests.prove.explored import ROOT, document
 
@@ -27,14 +26,14 @@ SHIPPED = sorted(path.parent.name for path in ROOT.glob("missions/*/mission.json
 
 
 def proof_of(mission: Mission) -> Proof:
-    return prove(mission, default_ticker(mission))
+    return prove(mission)
 
 
 @pytest.mark.parametrize("name", SHIPPED)
 def test_the_shipped_missions_are_proved(name: str) -> None:
     mission = document(f"missions/{name}/mission.json")
     robot = load_profile(ROOT / "missions" / name / "robot.sim.json")
-    proof = prove(mission, default_ticker(mission), terms=terms(robot))
+    proof = prove(mission, terms=terms(robot))
     assert [(claim.name, claim.sentence) for claim in proof.claims if claim.verdict != "proved"] == []
     assert proof.never == () and proof.sampled == ()
 
@@ -104,7 +103,7 @@ def test_a_flaw_is_found_and_shown(change: Callable[[Json], None], claim: str, s
         return
     path = tmp_path / "refutation.journal"
     reported = proof.ways[claim]
-    assert record(path, Header(dump(mission)), mission, reported, default_ticker(mission))
+    assert record(path, Header(dump(mission)), mission, reported)
     again = replay(path)
     assert again.holds and again.outcome == reported[-1].outcome
 
@@ -147,7 +146,7 @@ def test_a_bound_is_kept_and_nothing_beyond_it_is_called_proved() -> None:
 
 def test_a_flaw_within_the_bound_is_a_flaw() -> None:
     mission = document(TRACTOR, over_people)
-    proof = prove(mission, default_ticker(mission), most=40)
+    proof = prove(mission, most=40)
     assert "invariants" in proof.ways and not proof.is_whole
 
 
@@ -165,7 +164,7 @@ def test_no_shorter_run_leads_to_a_state_than_the_one_that_is_reported() -> None
             super().join(source, target, *rest)
             steps.setdefault(source, set()).add(target)
 
-    space = Joining(Environment(document(TRACTOR), default_ticker(document(TRACTOR))), 10_000)
+    space = Joining(Environment(document(TRACTOR)), 10_000)
     space.explore()
     starts = [number for number in range(space.states) if len(space.path(number)) == 1]
     far, waiting = dict.fromkeys(starts, 1), deque(starts)

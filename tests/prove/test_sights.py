@@ -18,7 +18,6 @@ from rai_missions.prove.comparisons import Comparisons
 from rai_missions.prove.environment import Environment
 from rai_missions.prove.open_sight import OpenSight, Sights
 from rai_missions.prove.representatives import Values
-from rai_missions.replay.rebuild import default_ticker
 from tests.engine.test_goals import ASKED_FOR, FEASIBLE, KEYS, REACHED
 from tests.prove.explored import Seeing
 from tests.prove.test_goals import moving
@@ -107,7 +106,7 @@ def sighted(draw: st.DrawFn) -> Json:
 
 
 def space_of(mission: Mission, kind: type[Environment] = Environment) -> Seeing:
-    space = Seeing(kind(mission, default_ticker(mission)), MOST, work=1000)
+    space = Seeing(kind(mission), MOST, work=1000)
     space.explore()
     return space
 

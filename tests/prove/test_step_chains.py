@@ -12,7 +12,6 @@ from hypothesis import strategies as st
 from rai_missions.mission.mission import Mission
 from rai_missions.prove import step_circles
 from rai_missions.prove.environment import Environment
-from rai_missions.replay.rebuild import default_ticker
 from tests.prove.explored import WORK, Seeing
 from tests.prove.test_laws import hold_alike, lenient
 from tests.strategies import mission_documents
@@ -48,7 +47,7 @@ def counting(most: int, again: list[str], do: list[Json] | None = None, **guard:
 
 def space_of(document: Json, most: int = MOST, work: float = 1_000) -> Seeing:
     mission = Mission.model_validate(document)
-    space = Seeing(Environment(mission, default_ticker(mission)), most, work)
+    space = Seeing(Environment(mission), most, work)
     space.explore()
     return space
 

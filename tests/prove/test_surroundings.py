@@ -12,7 +12,6 @@ from rai_missions.journal import Header
 from rai_missions.mission.files import dump
 from rai_missions.mission.mission import Mission
 from rai_missions.prove import Proof, prove, record
-from rai_missions.replay.rebuild import default_ticker
 from tests.prove.test_flaws import ABORTED, DONE, DRIVING, ENDS, asking
 
 Json = dict[str, Any]
@@ -234,7 +233,7 @@ def test_a_tree_that_continues_for_long_has_few_states(tree: Json) -> None:
         "blackboard": {"at_home": AT_HOME, "clear": {"type": "boolean", "source": "robot", "max_age_s": 2}},
         "states": {"lifting": lifting, "driving": DRIVING, "done": DONE, "aborted": ABORTED},
     })  # fmt: skip
-    proof = prove(mission, default_ticker(mission), most=200)
+    proof = prove(mission, most=200)
     assert proof.is_whole and proof.verdict == "proved"
 
 

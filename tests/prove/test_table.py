@@ -8,7 +8,6 @@ import pytest
 from rai_missions.check import check, faults_of
 from rai_missions.mission.mission import Mission
 from rai_missions.prove import CLAIMS, prove
-from rai_missions.replay.rebuild import default_ticker
 from tests.prove.table import TABLE, Row
 
 
@@ -16,7 +15,7 @@ from tests.prove.table import TABLE, Row
 def test_the_verdicts_are_those_of_the_table(row: Row) -> None:
     mission = Mission.model_validate(row.mission)
     assert list(faults_of(check(mission))) == []
-    proof = prove(mission, default_ticker(mission), most=20_000)
+    proof = prove(mission, most=20_000)
     found = {each.name: each.verdict for each in proof.claims}
     assert found == {claim: "refuted" if claim in row.refuted else "proved" for claim in CLAIMS}, row.why
 

@@ -10,7 +10,6 @@ import pytest
 from rai_missions.check import check, faults_of
 from rai_missions.mission.mission import Mission
 from rai_missions.prove import Proof, prove
-from rai_missions.replay.rebuild import default_ticker
 from tests.prove.walks import Walk, walkable
 
 STATES, WORK = 100, 1_500
@@ -51,7 +50,7 @@ def walks(seeds: range) -> Count:
         if faults_of(check(mission)):
             continue
         accepted += 1
-        proof = prove(mission, default_ticker(mission), most=STATES, work=WORK)
+        proof = prove(mission, most=STATES, work=WORK)
         whole += proof.is_whole
         try:
             broken += sum(walk(mission, proof, 1000 * seed + number) for number in range(WALKS))

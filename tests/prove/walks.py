@@ -13,7 +13,6 @@ from rai_missions.engine import Chart
 from rai_missions.engine.step import Ask, CallService, CancelGoal, Handover, StartGoal, Step
 from rai_missions.event import Event, Tick
 from rai_missions.mission.mission import Mission
-from rai_missions.replay.rebuild import default_ticker
 
 __all__ = ("Walk", "walkable")
 
@@ -183,7 +182,7 @@ class Walk:
 
     def __init__(self, mission: Mission, seed: int) -> None:
         self.mission, self.r = mission, random.Random(seed)
-        self.chart = Chart(mission, default_ticker(mission))
+        self.chart = Chart(mission)
         self.goals: dict[int, bool] = {}
         """Number of a goal that has not ended → whether it was asked to end, or is as soon as it is accepted."""
         self.calls: list[int] = []

@@ -19,7 +19,6 @@ from rai_missions.journal import Header, Journal
 from rai_missions.mission.files import dump
 from rai_missions.profile import dump_profile
 from rai_missions.replay.open_run import open_run
-from rai_missions.replay.rebuild import default_ticker
 from rai_missions.runtime.clock import ContinuedClock, SimulatedClock
 from rai_missions.runtime.mailbox import Mailbox
 from tests.rigs.runs import Rig, ScriptedWorld, mission, robot
@@ -39,7 +38,7 @@ def resumed(
 ) -> list[Step]:
     """The steps of a run that was killed at 0 s, with a battery that was known and after what came `before`."""
     killed = mission({**states, **ENDS})
-    chart = Chart(killed, default_ticker(killed))
+    chart = Chart(killed)
     with Journal.create(path, Header(dump(killed), dump_profile(robot()), run="run")) as journal:
         journal.write(chart.start(), since=0.0)
         journal.write(chart.write("battery", 0.5), since=0.0)

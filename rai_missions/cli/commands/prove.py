@@ -54,7 +54,6 @@ def prove(
     from rai_missions.errors import DefinitionError
     from rai_missions.profile import load_profile, missing, terms
     from rai_missions.prove import prove as explore
-    from rai_missions.replay.rebuild import default_ticker
 
     loaded = load_whole(mission, python=not no_python)
     profile = load_profile(robot) if robot else None
@@ -64,10 +63,10 @@ def prove(
         raise DefinitionError(faults, mission)
     limits = limits_of(states, max_seconds, max_memory)
     of_robot = terms(profile) if profile is not None else None
-    ticker, pace = default_ticker(loaded), WorkPace()
+    pace = WorkPace()
     with LongWork(lambda: how_far(pace)):
         proof = explore(
-            loaded, ticker, terms=of_robot, progress=lambda found, done: pace.set(done, found), continues=all_, **limits
+            loaded, terms=of_robot, progress=lambda found, done: pace.set(done, found), continues=all_, **limits
         )
     journals = write_journals(proof, loaded, profile, output)
     if json:

@@ -58,9 +58,9 @@ class CompiledTicker:
         """The state in which the nodes are."""
         self.own_keys = {name for node in self.nodes for name in node.writes}
         self._written: Collection[str] = ()
+        """What the last tick has written; the mission may have refused it."""
         self._calm: tuple[TreeState | None, float] = (None, 0.0)
         """A state, and until when no guard that is looked at in it changes by time alone."""
-        """What the last tick has written; the mission may have refused it."""
         self._parts: list[list[Any]] = [
             [None] * len(self.nodes[at : at + PART]) for at in range(0, len(self.nodes), PART)
         ]

@@ -27,7 +27,7 @@ from rai_missions.replay.migrate.blackboard import board
 from rai_missions.replay.migrate.configuration import reached_states
 from rai_missions.replay.migrate.map import Map
 from rai_missions.replay.migrate.names import Naming
-from rai_missions.replay.rebuild import Predicates, default_ticker, mission_of, robot_of
+from rai_missions.replay.rebuild import Predicates, mission_of, robot_of
 from rai_missions.replay.resume import Resumption, resumption
 
 __all__ = ("MigratedRun", "follow", "migrate")
@@ -74,9 +74,7 @@ def migrate(
             raise UsageError(f"the run of {journal} {state}: there is nothing to continue; start a new one")
         profile = robot or robot_of(record)
         naming = Naming(was, mission, map_)
-        chart = Chart(
-            mission, default_ticker(mission), terms=terms(profile) if profile is not None else None, named=named
-        )
+        chart = Chart(mission, terms=terms(profile) if profile is not None else None, named=named)
         data, at = _data(naming, resumed, chart, source), resumed.at
         if profile is not None and (faults := [*missing(mission, profile), *_other(record, profile, resumed)]):
             raise DefinitionError(faults, profile.name)

@@ -16,7 +16,6 @@ from rai_missions.guards.guard import Truth
 from rai_missions.mission.mission import Mission
 from rai_missions.replay.play.choice import Input, PlayChoice, perform
 from rai_missions.replay.play.offers import OpenChoices
-from rai_missions.replay.rebuild import default_ticker
 
 __all__ = ("Click", "Done", "Play")
 
@@ -63,7 +62,7 @@ class Play:
 
     def __init__(self, mission: Mission, *, named: Mapping[str, Callable[..., Truth]] | None = None) -> None:
         self.mission = mission
-        self.chart = Chart(mission, default_ticker(mission), named=named)
+        self.chart = Chart(mission, named=named)
         self.path: list[Click] = []
         """What was chosen, the oldest first."""
         self._offers = OpenChoices(mission)

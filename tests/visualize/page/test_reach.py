@@ -15,7 +15,6 @@ from rai_missions.prove.environment import Environment
 from rai_missions.prove.explorer import CANCEL, Arrival, Edge, Space
 from rai_missions.prove.stimulus import Stimulus
 from rai_missions.prove.store import Store
-from rai_missions.replay.rebuild import default_ticker
 from tests.strategies import KEYS, missions
 from tests.visualize.runs import ROOT, tractor
 from visualize.page.reachability import Roads
@@ -47,7 +46,7 @@ class Moving(Space):
 
 def hold(mission: Mission) -> None:
     """Whatever a run enters after a transition is in reach of where the transition leads."""
-    space = Moving(Environment(mission, default_ticker(mission)), MOST)
+    space = Moving(Environment(mission), MOST)
     space.explore()
     roads = Roads(mission)
     to = {place: transition.to for transitions in roads.transitions.values() for place, transition in transitions}
