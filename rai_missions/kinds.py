@@ -278,7 +278,7 @@ class PackageOffer(NamedTuple):
     """Something that a package offers under a name, by an entry point."""
 
     group: str
-    """`rai_missions.guards`, `.activities`, `.connectors`, `.worlds` or `.exporters`."""
+    """`rai_missions.guards`, `.activities`, `.connectors`, `.worlds`, `.answerers`, `.exporters` and others."""
     name: str
     package: str
     version: str

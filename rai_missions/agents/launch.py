@@ -109,7 +109,7 @@ class RunEnvironment(NamedTuple):
     connector: Connector | None
     clock: Clock
     packages: Mapping[str, str] = {}
-    """Other packages that they come from, and their versions."""
+    """Other packages that they and the answerers come from, and their versions."""
 
 
 @dataclass(frozen=True)
@@ -205,7 +205,8 @@ def prepare(config: RunConfig) -> PreparedRun:
     with CleanupStack() as closing:
         plan = _read(config, closing)
         environment = _open_environment(plan, closing)
-        answerers = _open_answerers(plan, environment.connector, environment.clock, closing)
+        answerers, packages = _open_answerers(plan, environment.connector, environment.clock, closing)
+        environment = environment._replace(packages={**environment.packages, **packages})
         return _made(plan, environment, answerers, closing)
 
 
@@ -364,8 +365,8 @@ def _header(plan: RunPlan, packages: Mapping[str, str]) -> Header:
 
 def _open_answerers(
     plan: RunPlan, connector: Connector | None, clock: Clock, closing: CleanupStack
-) -> Mapping[str, Answerer]:
-    """Who answers, by the names in `ask`."""
+) -> tuple[Mapping[str, Answerer], Mapping[str, str]]:
+    """Who answers, by the names in `ask`; and the other packages that some come from, with their versions."""
     config, found = plan.config, dict(plan.config.answerers)
     if config.model is not None:
         found["agent"] = _open_model(plan, config.model, connector, clock, closing)
@@ -376,7 +377,20 @@ def _open_answerers(
 
         rules = {state: [(rule.when, rule.answer) for rule in rules] for state, rules in plan.robot.rules.items()}
         found["rules"] = RulesAnswerer(rules, keys=plan.mission.blackboard)
-    return found
+    offers = {name: offer for name, offer in plan.mission.answerers().items() if name not in found}
+    for name, offer in offers.items():
+        found[name] = _open_foreign(offer, closing)
+    return found, {offer.package: offer.version for offer in offers.values()}
+
+
+def _open_foreign(offer: PackageOffer, closing: CleanupStack) -> Answerer:
+    """An answerer of another package; its `stop`, if it has one, is called at the end."""
+    from rai_missions.answerers.registry import open_answerer
+
+    answerer = open_answerer(offer)
+    if callable(stop := getattr(answerer, "stop", None)):
+        closing.closes(stop)
+    return answerer
 
 
 def _open_model(

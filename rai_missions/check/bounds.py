@@ -8,14 +8,18 @@ from collections.abc import Iterator
 
 from rai_missions.check.index import MissionIndex, RobotUse, StateRef
 from rai_missions.check.pointers import pointer
-from rai_missions.kinds import Interface
+from rai_missions.errors import UsageError
+from rai_missions.kinds import Interface, PackageOffer, named
 from rai_missions.mission.option_parameters import schema_fault
+from rai_missions.states.decision import ANSWERERS, answerer_offer
 from rai_missions.states.effects import Effect
 
-__all__ = ("misspelled_answerers", "unbounded_actions", "unbounded_calls", "unbounded_decisions", "wrong_parameters")
+__all__ = (
+    "misspelled_answerers", "unbounded_actions", "unbounded_calls", "unbounded_decisions", "unlisted_answerers",
+    "wrong_parameters",
+)  # fmt: skip
 
 Found = Iterator[tuple[str, str]]
-ANSWERERS = ("agent", "operator", "rules")
 
 
 def unbounded_actions(survey: MissionIndex) -> Found:
@@ -63,14 +67,38 @@ def unbounded_decisions(survey: MissionIndex) -> Found:
 
 
 def misspelled_answerers(survey: MissionIndex) -> Found:
-    """`ask` names agent, operator, rules, or a script of the program; nothing that only resembles one of these."""
+    """`ask` names agent, operator, rules or another answerer; nothing that only resembles one of the three."""
     for asked, place, _ in survey.asked:
         for index, name in enumerate(asked.ask):
             close = difflib.get_close_matches(name, ANSWERERS, n=1, cutoff=0.75)
-            if name not in ANSWERERS and close:
+            if name not in ANSWERERS and close and _offering(name) is None:
                 yield f"{place}/ask/{index}", f"no one is called '{name}'; did you mean '{close[0]}'?"
             elif name in asked.ask[:index]:
                 yield f"{place}/ask/{index}", f"'{name}' is asked twice; raise 'attempts' instead"
+
+
+def unlisted_answerers(survey: MissionIndex) -> Found:
+    """The package of an answerer is listed in `uses`; one of the program needs no package."""
+    packages = {named(each) for each in survey.mission.uses}
+    for asked, place, _ in survey.asked:
+        for index, name in enumerate(asked.ask):
+            offering = _offering(name)
+            if isinstance(offering, str):
+                yield f"{place}/ask/{index}", offering
+            elif offering is not None and offering.package not in packages:
+                remedy = f'add "uses": ["{offering.package}>={offering.version}"]'
+                yield (
+                    f"{place}/ask/{index}",
+                    f"'{name}' is not asked unless the program brings it; if {offering} is meant, {remedy}",
+                )
+
+
+def _offering(name: str) -> PackageOffer | str | None:
+    """Who of other packages offers an answerer; why no one counts, where two do."""
+    try:
+        return answerer_offer(name)
+    except UsageError as error:
+        return str(error)
 
 
 def wrong_parameters(survey: MissionIndex) -> Found:

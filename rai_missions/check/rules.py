@@ -89,6 +89,7 @@ RULES: tuple[CheckRule, ...] = (
     CheckRule("rival-action", "warning", surprises.rival_actions),
     CheckRule("unbounded-call", "warning", bounds.unbounded_calls),
     CheckRule("misspelled-answerer", "warning", bounds.misspelled_answerers, "place"),
+    CheckRule("unlisted-answerer", "warning", bounds.unlisted_answerers, "mission"),
     CheckRule("unused-key", "warning", keys.unused_keys),
     CheckRule("unused-event", "warning", keys.unused_events),
 )

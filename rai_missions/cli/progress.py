@@ -50,11 +50,12 @@ WHY_ABSENT = {
     "rules": "the profile has none",
 }
 """Why an answerer that missions commonly ask cannot answer."""
+UNOFFERED = "neither the program nor a package in 'uses' offers it"
 
 
 def _answerers(present: Sequence[str], absent: Sequence[str]) -> str:
     """Who answers, in the order in which the mission asks, and who does not and why."""
-    skipped = ", ".join(f"{name} ({WHY_ABSENT.get(name, 'there is no such answerer')})" for name in absent)
+    skipped = ", ".join(f"{name} ({WHY_ABSENT.get(name, UNOFFERED)})" for name in absent)
     who = ", ".join(present) or "no one, so each takes its fallback"
     return f"{who}; skipped: {skipped}" if skipped else who
 

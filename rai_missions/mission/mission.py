@@ -29,6 +29,7 @@ from rai_missions.model import (
     fault,
     without_schema,
 )
+from rai_missions.states.decision import answerer_offer
 from rai_missions.states.state import State, States, Transition, Transitions, descendants
 from rai_missions.states.tree.behaviour import ONLY_IN_PYTHON, BehaviourLeaf
 
@@ -87,7 +88,7 @@ class Mission(MissionModel):
     about: Text = ""
     """What it is for, in a sentence; pictures and reports show it."""
     uses: tuple[Requirement, ...] = ()
-    """The packages whose guards and activities it uses, each with its version: `orchard_kinds>=1`."""
+    """The packages whose guards, activities and answerers it uses, each with its version: `orchard_kinds>=1`."""
     blackboard: Annotated[dict[KeyName, Key], BeforeValidator(_keys)] = Field(default_factory=dict)
     """What it knows: its keys, by their names."""
     events: Annotated[dict[EventName, EventSpec], BeforeValidator(_events)] = Field(default_factory=dict)
@@ -158,6 +159,19 @@ class Mission(MissionModel):
     def packages(self) -> Mapping[str, str]:
         """The packages whose kinds it uses, and their versions here."""
         return {offer.package: offer.version for _, offer in self.foreign()}
+
+    def answerers(self) -> Mapping[str, PackageOffer]:
+        """Whom its decisions ask of the packages that `uses` lists, by name; nothing of them is loaded.
+
+        Raises:
+            UsageError: Two packages offer one name.
+        """
+        packages = {named(each) for each in self.uses}
+        if not packages:
+            return {}
+        asked = (name for _, _, state in self.walk() for each in state.decisions().values() for name in each.ask)
+        offers = ((name, answerer_offer(name)) for name in dict.fromkeys(asked))
+        return {name: offer for name, offer in offers if offer is not None and offer.package in packages}
 
     def walk(self) -> Iterator[tuple[str, str, State]]:
         """Every state in document order as (JSON pointer, name, state), outer before inner."""

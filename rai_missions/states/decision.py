@@ -10,19 +10,32 @@ from pydantic import Field, model_validator
 
 from rai_missions.errors import nearest
 from rai_missions.guards.guard import Guard, GuardOrKey
+from rai_missions.kinds import PackageOffer, offered
 from rai_missions.model import AnyOf, Bool, Json, KeyPath, MissionModel, Name, Path, Text, fault, suggestion
 from rai_missions.states.effects import Effect
 from rai_missions.states.state import OUTCOMES, Controller, State, Transition
 
-__all__ = ("BUDGET", "Budget", "Decision", "DecisionSpec", "Option", "answerer_words", "asked_apart")
+__all__ = (
+    "ANSWERERS", "BUDGET", "Budget", "Decision", "DecisionSpec", "Option", "answerer_offer", "answerer_words",
+    "asked_apart",
+)  # fmt: skip
 
 ANSWERERS: Mapping[str, str] = {"agent": "the model", "operator": "the operator", "rules": "the fixed rules"}
 """By the word of `ask`. Where control is meant `agent` is the mission itself, so no reader sees the word alone."""
 
 
 def answerer_words(name: str) -> str:
-    """Whom a decision asks, for a reader: `the model`; any other name is a script of the program."""
-    return ANSWERERS.get(name, f"the script '{name}'")
+    """Whom a decision asks, for a reader: `the model`; any other name is of the program, or of another package."""
+    return ANSWERERS.get(name, f"the answerer '{name}'")
+
+
+def answerer_offer(name: str) -> PackageOffer | None:
+    """Who offers an answerer, which no package can do under a name of ours; None if none does. Nothing is loaded.
+
+    Raises:
+        UsageError: Two packages offer it.
+    """
+    return None if name in ANSWERERS else offered("rai_missions.answerers", name, {})
 
 
 class Option(MissionModel):
@@ -71,7 +84,8 @@ class DecisionSpec(MissionModel):
     options: dict[Name, Option] = Field(min_length=1)
     """The answers that may be given, by their names; each is an outcome."""
     ask: Annotated[tuple[Name, ...], Field(min_length=1)] = ("agent", "operator", "rules")
-    """Who is asked, in this order; one that is absent is skipped."""
+    """Who is asked, in this order; one that is absent is skipped. Other names than these three are answerers of the
+    program, or of a package that the mission lists in `uses`."""
     attempts: Annotated[int, Field(strict=True, ge=1, le=100)] = 1
     """How often each is asked before the next is."""
     deadline_s: Annotated[float, Field(strict=True, gt=0)] | None = None

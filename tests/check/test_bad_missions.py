@@ -23,6 +23,12 @@ REGISTERED = ("is_crossable",)
 """The predicates that are taken to be registered."""
 
 
+@pytest.fixture(autouse=True)
+def _installed(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A package that offers an answerer; its metadata alone is read."""
+    monkeypatch.syspath_prepend(str(ROOT / "tests" / "plugins" / "installed"))
+
+
 def mission_of(path: Path) -> Mission:
     return Mission.model_validate(json.loads(path.read_text(encoding="utf-8")))
 

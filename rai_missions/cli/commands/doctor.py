@@ -5,19 +5,23 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from rai_missions.cli.command import RobotFile, command
+from rai_missions.cli.command import MissionFile, RobotFile, command
 
 __all__ = ("doctor",)
 
 
 @command()
-def doctor(*, robot: RobotFile | None = None, no_python: bool = False, voice: bool = False) -> int:
+def doctor(
+    *, robot: RobotFile | None = None, mission: MissionFile | None = None, no_python: bool = False, voice: bool = False
+) -> int:
     """Check what this machine has, what it lacks and how to get it.
 
     Args:
         robot: Check also whether the profile's message types are installed, and whether its topics, services and
             actions are there. Of a robot in Python, check that its file loads; it is executed in a process of its own.
-        no_python: Refuse a robot in Python.
+        mission: Check also whether the answerers of other packages that it asks can be opened, each in a process of
+            its own.
+        no_python: Refuse a robot or a mission in Python.
         voice: Open also what listens and speaks, and list the devices of sound.
 
     Exit status:
@@ -26,6 +30,7 @@ def doctor(*, robot: RobotFile | None = None, no_python: bool = False, voice: bo
     Example:
         rai-missions doctor --robot robot.json
     """
+    from rai_missions.check import load_whole
     from rai_missions.cli.doctor import examine
     from rai_missions.cli.inputs import is_robot_program
     from rai_missions.profile import load_profile
@@ -38,7 +43,8 @@ def doctor(*, robot: RobotFile | None = None, no_python: bool = False, voice: bo
         else None
     )
     is_missing = False
-    for finding in examine(given, voice=voice):
+    whole = load_whole(mission, python=not no_python) if mission else None
+    for finding in examine(given, mission=whole, voice=voice):
         print(finding, flush=True)
         is_missing |= finding.status == "missing"
     return int(is_missing)

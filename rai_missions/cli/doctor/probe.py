@@ -73,6 +73,14 @@ def python_robot(file: str) -> dict[str, list[str]]:
     return {sort: list(getattr(robot, sort)) for sort in sorts} if isinstance(robot, PythonRobot) else {}
 
 
+def answerer(wanted: list[str]) -> None:
+    """Whether an answerer of another package can be opened, given the fields of its offer."""
+    from rai_missions.answerers.registry import open_answerer
+    from rai_missions.kinds import PackageOffer
+
+    open_answerer(PackageOffer(*wanted))
+
+
 def sound_devices(_: Any) -> list[Any]:
     """The devices of sound: name, channels in, channels out."""
     from rai_missions.connectors.sound.devices import sound_devices as found
@@ -134,6 +142,7 @@ PROBES: Mapping[str, Callable[[Any], Any]] = {
     "fields": fields,
     "graph": graph,
     "python_robot": python_robot,
+    "answerer": answerer,
     "sound_devices": sound_devices,
 }
 

@@ -89,7 +89,7 @@ def test_whom_a_decision_asks_is_reported_in_words_that_are_no_words_of_control(
     found = changed(ask=["agent", "rules", "night_shift"])
     assert (
         found.decisions[0].asked
-        == "asks the model, then the fixed rules, then the script 'night_shift'; 2 attempts each"
+        == "asks the model, then the fixed rules, then the answerer 'night_shift'; 2 attempts each"
     )
     assert found.asked.startswith("A model is asked in 1 of ")
     assert changed(ask=["operator"]).asked == "No model is asked anything in this mission."
