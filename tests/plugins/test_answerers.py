@@ -155,7 +155,7 @@ def test_nothing_that_is_read_as_data_imports_it(strange: Any, tmp_path: Path) -
     assert run(mission, answerers={"strange": ScriptAnswerer({"a": ["go"]})}, journal=path).state == ("gone",)
     assert main(["check", str(file)]) == 0
     assert main(["draw", str(file), "-o", str(tmp_path / "mission.svg")]) == 0
-    assert replay(path).holds and not prove(mission).unproved
+    assert replay(path).holds and prove(mission).is_whole
     assert "does not load (RuntimeError: imported)" in refusal(mission)
 
 
