@@ -55,8 +55,8 @@ UNOFFERED = "neither the program nor a package in 'uses' offers it"
 
 def _answerers(present: Sequence[str], absent: Sequence[str]) -> str:
     """Who answers, in the order in which the mission asks, and who does not and why."""
-    skipped = ", ".join(f"{name} ({WHY_ABSENT.get(name, UNOFFERED)})" for name in absent)
-    who = ", ".join(present) or "no one, so each takes its fallback"
+    skipped = ", ".join(f"{answerer_words(name)} ({WHY_ABSENT.get(name, UNOFFERED)})" for name in absent)
+    who = ", ".join(map(answerer_words, present)) or "no one, so each takes its fallback"
     return f"{who}; skipped: {skipped}" if skipped else who
 
 
@@ -250,7 +250,7 @@ class Lines:
             if verdict.kind == "absent" and verdict.by in self._absent:
                 continue
             if verdict.accepted or verdict.kind == "fallback":
-                who = verdict.by or "fallback"
+                who = answerer_words(verdict.by) if verdict.by else "the fallback"
                 self._answered[who] = self._answered.get(who, 0) + 1
             reason = f" (“{trimmed(why, 80)}”)" if why else ""
             self._print(f"{'':13}{trimmed(text)}{reason}", "question" if verdict.accepted else "refused")

@@ -105,7 +105,7 @@ def report(mission: Mission, proof: Proof, journals: dict[str, Any]) -> Iterable
         if claim.verdict == "refuted":
             yield from _refutation(claim.sentence, proof.ways.get(claim.name, ()), journals.get(claim.name))
     if proof.verdict == "proved" and not proof.alike:
-        yield f"a run of more than {proof.states} steps is in some state twice: it repeats what it received"
+        yield f"these {proof.states} states are all that there are: a run of any length stays in them"
     yield from _limits(proof)
 
 
@@ -150,7 +150,7 @@ def _limits(proof: Proof) -> Iterable[str]:
     listed = {
         "assumed of the robot, and watched in a run": proof.assumed,
         "a few rounds represent all, which are alike": loops,
-        "while paused or held not every rule acts, and reports of the robot can end the mission by": proof.in_pause,
+        "while paused or held, transitions wait and invariants do not, so the robot can end it by": proof.in_pause,
         "free to give any result whenever asked": proof.predicates,
         "tried with some values only, so nothing is called proved": proof.sampled,
         "no run enters": proof.never,

@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Collection, Sequence
 from typing import Any, NamedTuple
 
+from rai_missions.engine.decision import Verdict
 from rai_missions.engine.step import Step, control_note
 from rai_missions.event import Event, is_e_stop
 from rai_missions.plain_data import plain
@@ -45,12 +46,23 @@ def describe(step: Step) -> Description:
     """A step in words."""
     resting = resting_words(step)
     remarks = tuple(SHOWN.get(each, each) for each in step.remarks)
-    verdicts = tuple(step.notes[each.note] for each in step.verdicts if each.note is not None)
+    verdicts = tuple(_verdict_words(each, step.notes[each.note]) for each in step.verdicts if each.note is not None)
     return Description(
         event_words(step.event), way_words(step.exited, step.entered),
         tuple(effect.describe() for effect in step.effects), verdicts, (*remarks, *resting),
         f"{step.outcome}: {step.why}" if step.outcome else step.why, (*step.notes, *resting),
     )  # fmt: skip
+
+
+def _verdict_words(verdict: Verdict, note: str) -> str:
+    """A verdict with its answerer in words, as every reader is shown; its note names that by the word of `ask`."""
+    who = f"question {verdict.number}: {answerer_words(verdict.by)}"
+    if verdict.kind == "proposal":
+        result = "accepted" if verdict.accepted else f"refused, {verdict.why}"
+        return f"{who} proposed '{verdict.option}': {result}"
+    if verdict.kind in ("absent", "failed"):
+        return f"{who} {'is absent' if verdict.kind == 'absent' else 'gave no answer'}: {verdict.why}"
+    return f"{who} {verdict.why}" if verdict.kind == "timed_out" else note
 
 
 def step_json(step: Step, *, without: Collection[str] = ()) -> dict[str, Any]:

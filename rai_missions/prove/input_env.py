@@ -26,6 +26,7 @@ from rai_missions.prove.instruments import Instruments
 from rai_missions.prove.nondeterminism import Payload
 from rai_missions.prove.open_world import NOW, OpenWorld
 from rai_missions.prove.stimulus import Stimulus
+from rai_missions.states import answerer_words
 
 __all__ = ("InputEnvironment",)
 
@@ -204,15 +205,16 @@ class InputEnvironment:
 
     def _replies(self, question: Question, owner: str, *, is_bounded: bool) -> Iterator[Stimulus]:
         who, number = question.asked, question.number
+        answer = f"answer of {answerer_words(who)} to '{owner}'"
         for offer in question.options:
-            words = f"{who} answers '{owner}': {offer.name}"
+            words = f"{answer}: {offer.name}"
             yield Stimulus(words, "answer", self._option(number, who, owner, offer), number)
         empty: tuple[tuple[str, dict[str, Any]], ...] = (("nonsense", {"option": "?"}),)
         if not is_bounded:  # else nonsense, absence and silence all have it asked again; see `remembered.rested`
             empty += (("nothing, being absent", {"absent": "not here"}),)
         for last_event, data in empty:
             event = Event(who, NOW, data, "proposal", number)
-            yield Stimulus(f"{who} answers '{owner}': {last_event}", "answer", self.receive(event), number)
+            yield Stimulus(f"{answer}: {last_event}", "answer", self.receive(event), number)
 
     def _option(self, number: int, who: str, owner: str, offer: Offer) -> Callable[[], None]:
         schema = self._instruments.schemas.get((owner, offer.name))

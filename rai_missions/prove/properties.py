@@ -22,7 +22,7 @@ CLAIMS = {
     "invariants": "every invariant holds in every state, without the run-time backstop",
     "answers": "no answer alone makes the mission succeed",
     "options": "every option and every fallback can be taken",
-    "rules": "every requires, achieved and option guard can be true, and every option can be out of the question",
+    "rules": "each 'requires', 'achieved' and option guard can be true, and each option guard can be false",
     "stop": "an e-stop ends the mission in every state",
     "cancel": "a cancel ends the mission from every state",
     "stopped": "every action that was started is ended with the mission",

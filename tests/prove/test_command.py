@@ -45,7 +45,10 @@ def test_a_refutation_is_reported_and_written_down(
     mission = written(over_people)
     assert main(["prove", mission, "-o", "runs/flaw.journal"]) == 1
     reported = capsys.readouterr().out
-    assert "  refuted        invariants:" in reported and "      4. agent answers 'assessing': drive_over" in reported
+    assert (
+        "  refuted        invariants:" in reported
+        and "      4. answer of the model to 'assessing': drive_over" in reported
+    )
     assert main(["replay", "runs/flaw.journal"]) == 0
     assert "aborted: invariant 'nobody_is_driven_over' is false" in capsys.readouterr().out
     assert main(["draw", mission, "--journal", "runs/flaw.journal", "-o", "flaw.dot"]) == 0

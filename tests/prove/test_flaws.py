@@ -100,7 +100,7 @@ CANCEL = mission({
 REFUTED: dict[str, tuple[Json, str, list[str]]] = {
     "deadlock": (DEADLOCK, "ends", ["the mission starts", "the time of 'driving' is over"]),
     "livelock": (LIVELOCK, "comes to rest", ["the mission starts"]),
-    "an option without an end": (NO_END, "ends", ["the mission starts", "agent answers 'choosing': wait"]),
+    "an option without an end": (NO_END, "ends", ["the mission starts", "answer of the model to 'choosing': wait"]),
     "an invariant that no rule keeps": (INVARIANT, "invariants", ["the mission starts"]),
     "an option that is never offered": (DEAD_OPTION, "options", []),
     "a requires that is never true": (DEAD_REQUIRES, "rules", []),

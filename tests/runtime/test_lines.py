@@ -102,10 +102,8 @@ def test_answerers_that_are_absent_are_one_line_of_the_run_and_none_of_a_questio
         lines.step(step)
     printed = out.getvalue()
     head, _, body = printed.partition("\n\n")
-    assert (
-        "answered by: rules; skipped: agent (no model configured; use --model), operator (--no-operator,"
-        in head.replace("\n", " ")
-    )
+    skipped = "the model (no model configured; use --model), the operator (--no-operator,"
+    assert f"answered by: the fixed rules; skipped: {skipped}" in head.replace("\n", " ")
     assert "agent" not in body and "operator" not in body and "absent" not in body
     assert body.count(" to the fixed rules") == 2 and body.count("accepted") == 2
     assert sum(step.questions for step in steps) == 2
