@@ -52,6 +52,7 @@ __all__ = (
     "reference_word",
     "rewritten",
     "template_paths",
+    "written_keys",
 )  # fmt: skip
 
 Interface = Literal["action", "service", "topic"]
@@ -145,6 +146,34 @@ def _fields_of(kind: Any) -> tuple[FieldUse, ...]:
     return tuple(uses)
 
 
+@cache
+def _naming_fields(kind: Any) -> tuple[FieldUse, ...]:
+    """The fields that refer to something, next to what written things in them refer to."""
+    return tuple(use for use in _fields_of(kind) if any(isinstance(each, Refers) for each in _parts(use.hint)))
+
+
+@cache
+def _written_fields(kind: Any) -> tuple[FieldUse, ...]:
+    """The fields that name keys as written."""
+    return tuple(use for use in _naming_fields(kind) if any(getattr(each, "written", "") for each in _parts(use.hint)))
+
+
+@cache
+def _holding_fields(kind: Any) -> tuple[FieldUse, ...]:
+    """The fields that hold written things."""
+    return tuple(use for use in _fields_of(kind) if HELD in _parts(use.hint))
+
+
+def _parts(hint: Any) -> Iterator[Any]:
+    """What the values of a hint are made of: each a `Refers`, `HELD`, or None."""
+    if isinstance(hint, _Worded):
+        yield from (*_parts(hint.word), *_parts(hint.item))
+    elif isinstance(hint, _Listed):
+        yield from _parts(hint.item)
+    else:
+        yield hint
+
+
 def _hint(annotation: Any) -> Any:
     """What the values of a type refer to or hold; None for plain ones."""
     origin, given = get_origin(annotation), get_args(annotation)
@@ -163,29 +192,43 @@ def _hint(annotation: Any) -> Any:
 
 def found(thing: Any, place: str = "") -> Iterator[Reference]:
     """What a written thing itself refers to; not what is referred to by the things inside it."""
-    for use in fields_of(type(thing)):
-        given = getattr(thing, use.name)
-        if given is not None and use.hint is not HELD:
-            yield from _found(given, use.hint, f"{place}/{use.word}")
+    kind: Any = type(thing)
+    return iter(_found(thing, _naming_fields(kind), place))
 
 
-def _found(given: Any, hint: Any, place: str) -> Iterator[Reference]:
+def written_keys(thing: Any, place: str = "") -> Iterator[KeyValue]:
+    """The mission's keys that the fields of a written thing name as written."""
+    kind: Any = type(thing)
+    every = _found(thing, _written_fields(kind), place)
+    return (KeyValue(name, here, refers.written) for refers, name, here in every if refers.written)
+
+
+def _found(thing: Any, uses: Iterable[FieldUse], place: str) -> list[Reference]:
+    into: list[Reference] = []
+    for name, word, hint in uses:
+        given = getattr(thing, name)
+        if given is not None:
+            _find(given, hint, f"{place}/{word}", into)
+    return into
+
+
+def _find(given: Any, hint: Any, place: str, into: list[Reference]) -> None:
     if isinstance(hint, Refers):
         if hint.sort == "template":
-            yield from (Reference(PATH, path, here) for path, here in template_paths(given, place))
+            into += (Reference(PATH, path, here) for path, here in template_paths(given, place))
         elif hint.sort != "operand":
-            yield Reference(hint, given, place)
+            into.append(Reference(hint, given, place))
         elif (word := reference_word(given, OPERAND_WORDS)) is not None:
-            yield Reference(PATH, given[word], f"{place}/{word}")
+            into.append(Reference(PATH, given[word], f"{place}/{word}"))
     elif isinstance(hint, _Listed):
         bare = hint.one_or_many and len(given) == 1
         for index, item in enumerate(given):
-            yield from _found(item, hint.item, place if bare else f"{place}/{index}")
+            _find(item, hint.item, place if bare else f"{place}/{index}", into)
     elif isinstance(hint, _Worded):
         for word, item in given.items():
             here = f"{place}/{escaped(word)}"
-            yield from _found(word, hint.word, here)
-            yield from _found(item, hint.item, here)
+            _find(word, hint.word, here, into)
+            _find(item, hint.item, here, into)
 
 
 def template_paths(template: Any, place: str = "") -> Iterator[tuple[str, str]]:
@@ -211,21 +254,24 @@ def reference_word(value: Any, words: tuple[str, ...] = ("from",)) -> str | None
 
 def inside(thing: Any, place: str = "") -> Iterator[tuple[str, Any]]:
     """The written things directly inside one, each with its JSON pointer."""
-    for use in fields_of(type(thing)):
-        given = getattr(thing, use.name)
-        if given is not None and not isinstance(use.hint, Refers):
-            yield from _inside(given, use.hint, f"{place}/{use.word}")
+    kind: Any = type(thing)
+    into: list[tuple[str, Any]] = []
+    for name, word, hint in _holding_fields(kind):
+        given = getattr(thing, name)
+        if given is not None:
+            _gather(given, hint, f"{place}/{word}", into)
+    return iter(into)
 
 
-def _inside(given: Any, hint: Any, place: str) -> Iterator[tuple[str, Any]]:
+def _gather(given: Any, hint: Any, place: str, into: list[tuple[str, Any]]) -> None:
     if hint is HELD:
-        yield place, given
+        into.append((place, given))
     elif isinstance(hint, _Listed):
         for index, item in enumerate(given):
-            yield from _inside(item, hint.item, f"{place}/{index}")
+            _gather(item, hint.item, f"{place}/{index}", into)
     elif isinstance(hint, _Worded):
         for word, item in given.items():
-            yield from _inside(item, hint.item, f"{place}/{escaped(word)}")
+            _gather(item, hint.item, f"{place}/{escaped(word)}", into)
 
 
 def rewritten(given: Any, hint: Any, change: Callable[[Sort, Any], Any]) -> Any:

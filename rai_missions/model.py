@@ -46,6 +46,7 @@ from rai_missions.kinds import (
     found,
     inside,
     offered,
+    written_keys,
 )
 from rai_missions.redaction import shown
 from rai_missions.validation_errors import faults_of
@@ -303,9 +304,7 @@ class MissionModel(Model):
 
     def writes(self, place: str = "") -> Iterator[KeyValue]:
         """The mission's keys that it writes itself."""
-        for refers, name, here in self.references(place):
-            if refers.written:
-                yield KeyValue(name, here, refers.written)
+        return written_keys(self, place)
 
     def inside(self, place: str = "") -> Iterator[tuple[str, Any]]:
         """The written things directly inside it, each with its JSON pointer."""

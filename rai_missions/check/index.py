@@ -8,6 +8,7 @@ to and holds is in the annotations of its fields: no kind is picked out here.
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Iterator, Mapping
+from functools import cache
 from typing import Any, NamedTuple
 
 from rai_missions.check.name_table import Lexicon
@@ -29,7 +30,7 @@ __all__ = (
 class StateRef:
     """A state where it is: its place, its parent, and the span of the states inside it."""
 
-    __slots__ = ("children", "index", "last", "name", "parent", "place", "state", "transitions")
+    __slots__ = ("children", "index", "last", "name", "options", "parent", "place", "state", "transitions")
 
     def __init__(self, name: str, place: str, state: State, parent: StateRef | None, index: int) -> None:
         self.name, self.place, self.state, self.parent, self.index = name, place, state, parent, index
@@ -37,6 +38,8 @@ class StateRef:
         """The index of the last state inside it."""
         self.children: list[StateRef] = []
         self.transitions: list[TransitionRef] = []
+        self.options = state.options
+        """The answers that are outcomes of its own."""
 
     def inside(self, other: StateRef | None) -> bool:
         """Whether it is a proper descendant of another; everything is inside the mission (None)."""
@@ -173,6 +176,9 @@ class MissionIndex:
 
     def spot(self, name: str) -> StateRef | None:
         """The state of a name, or the one that a misspelled name was meant for."""
+        known = self.by_name.get(name)
+        if known is not None:
+            return known
         meant = self.states.meant(name)
         return None if meant is None else self.by_name[meant]
 
@@ -185,7 +191,8 @@ class MissionIndex:
     def _look(self, thing: MissionModel, place: str, scope: Scope) -> None:
         """Note what a written thing refers to, and what is inside it."""
         self._refer(thing, place, scope)
-        self.writes += [KeyWrite(*each, scope) for each in thing.writes(place)]
+        for written in thing.writes(place):
+            self.writes.append(KeyWrite(*written, scope))
         for here, inner in thing.inside(place):
             branch = here[len(place) + 1 :]
             around = _below(thing, branch, scope) if isinstance(thing, TreeNode) else scope
@@ -202,19 +209,21 @@ class MissionIndex:
 
     def _held(self, thing: Any, place: str, scope: Scope, *, role: str) -> None:
         """Note a written thing by its family, then what is inside it."""
-        if isinstance(thing, Guard):
+        kind: Any = type(thing)
+        family = _family(kind)
+        if family is Guard:
             self._guard(thing, place, role, scope)
             return
-        if isinstance(thing, State):
+        if family is State:
             scope = Scope(self._at[place])
-        elif isinstance(thing, Transition):
+        elif family is Transition:
             scope = self._transition(thing, place, scope.owner)
-        elif isinstance(thing, Effect):
+        elif family is Effect:
             self.effects.append(EffectUse(thing, place, scope))
-        elif isinstance(thing, DecisionSpec):
+        elif family is DecisionSpec:
             assert scope.owner is not None
             self.asked.append((thing, place, scope.owner))
-        elif isinstance(thing, TreeNode):
+        elif family is TreeNode:
             self.nodes.append((thing, place))
         self._look(thing, place, scope)
 
@@ -231,6 +240,13 @@ class MissionIndex:
         for here, part in guard_parts(guard, place):
             self.parts.append((here, part, use))
             self._refer(part, here, scope)
+
+
+@cache
+def _family(kind: Any) -> Any:
+    """What a written thing of a type is noted as; None for any other."""
+    families = (Guard, State, Transition, Effect, DecisionSpec, TreeNode)
+    return next((family for family in families if issubclass(kind, family)), None)
 
 
 def _below(node: TreeNode, branch: str, scope: Scope) -> Scope:

@@ -49,20 +49,16 @@ def _listed(place: str, names: tuple[str, ...]) -> Iterator[tuple[str, str]]:
 def unknown_events(survey: MissionIndex) -> Found:
     """What `on` and `raise` name is an event, an outcome, or an option of the transition's own decision."""
     words = Lexicon("event or outcome", (*survey.events.known, *OUTCOMES))
-    options = {name: spot for spot in survey.spots for name in _options(spot)}
+    options = {name: spot for spot in survey.spots for name in spot.options}
     for transition in survey.transitions:
         source = survey.spot(transition.definition.of) if transition.definition.of is not None else transition.owner
-        own = _options(source)
+        own = tuple(source.options) if source is not None else ()
         for place, word in _listed(f"{transition.place}/on", transition.definition.on):
             if word != ANY_EVENT and word not in words and word not in own:
                 yield place, _unknown_trigger(word, own, words, options)
     for effect, place, _ in survey.effects:
         if isinstance(effect, Raise) and effect.event not in survey.events:
             yield f"{place}/raise", survey.events.missing(effect.event)
-
-
-def _options(spot: StateRef | None) -> tuple[str, ...]:
-    return tuple(spot.state.options) if spot is not None else ()
 
 
 def _unknown_trigger(word: str, own: tuple[str, ...], words: Lexicon, options: dict[str, StateRef]) -> str:

@@ -40,8 +40,8 @@ def unhandled_options(survey: MissionIndex) -> Found:
     """Every option of a decision has a transition of its own decision."""
     transitions = handled(survey)
     for spot in survey.spots:
-        asked = spot.state.question()
-        for name in spot.state.options:
+        asked = spot.state.question() if spot.options else None
+        for name in spot.options:
             if (spot.name, name) not in transitions and name not in OUTCOMES:
                 what = f"the fallback '{name}'" if asked and name == asked.fallback else f"option '{name}'"
                 place = pointer(spot.place, "decision", "options", name)
@@ -71,12 +71,14 @@ def unhandled_failures(survey: MissionIndex) -> Found:
         named.setdefault(source, set()).add(word)
     caught: list[frozenset[str]] = []
     """By the index of a state: what is handled by it or around it; the mission's own transitions handle it as well."""
+    everywhere = frozenset(named.get("", ()))
     for spot in survey.spots:
-        own_words = {word for source, word in _words_of(spot) if source in ("", spot.name)} & {*FAILURES}
-        around = caught[spot.parent.index] if spot.parent is not None else frozenset(named.get("", ()))
-        caught.append(around | own_words)
-        own = spot.state.outcomes() if spot.state.activity() else frozenset()
-        handled_here = caught[spot.index] | named.get(spot.name, set())
+        around = caught[spot.parent.index] if spot.parent is not None else everywhere
+        own_words = [word for source, word in _words_of(spot) if word in FAILURES and source in ("", spot.name)]
+        caught.append(around.union(own_words) if own_words else around)
+        if not spot.state.activity():
+            continue
+        own, handled_here = spot.state.outcomes(), caught[spot.index] | named.get(spot.name, set())
         if words := [word for word in FAILURES if word in own and word not in handled_here]:
             remedy = f'{{"on": {json.dumps(words[0] if len(words) == 1 else words)}, "to": …}}'
             yield (

@@ -25,25 +25,21 @@ class Reach:
 
     def enter(self, targets: Iterable[StateRef], *, follow: bool = True) -> None:
         """Mark what entering the targets makes active, then (to `follow`) what the transitions there lead to."""
-        todo = [(target, True) for target in targets]
+        todo = [*targets]
         while todo:
-            spot, descend = todo.pop()
+            spot = todo.pop()
             for here in spot.upward():
                 if here in self.active:
                     break
                 self.active.add(here)
                 parent = here.parent
                 if parent is not None and isinstance(parent.state, Parallel) and parent not in self.active:
-                    todo += [(region, True) for region in parent.children if region is not here]
-                if follow:
-                    todo += [
-                        (target, True)
-                        for transition in here.transitions
-                        for target in self.survey.found(transition.definition.to)
-                    ]
-            if descend and spot not in self._descended:
+                    todo += [region for region in parent.children if region is not here]
+                for transition in here.transitions if follow else ():
+                    todo += self.survey.found(transition.definition.to)
+            if spot not in self._descended:
                 self._descended.add(spot)
-                todo += [(inner, True) for inner in default_entry(self.survey, spot)]
+                todo += default_entry(self.survey, spot)
 
 
 def default_entry(survey: MissionIndex, spot: StateRef) -> list[StateRef]:

@@ -24,13 +24,16 @@ WATCHED = ("invariants", "check", "eternal_guard")
 
 def overlapping_transitions(survey: MissionIndex) -> Found:
     """No transition comes after one of the same state that fires whenever it would."""
-    for _, transitions in itertools.groupby(survey.transitions, key=lambda transition: transition.owner):
+    for _, group in itertools.groupby(survey.transitions, key=lambda transition: transition.owner):
+        transitions = [*group]
+        if len(transitions) == 1:
+            continue
         earlier, leaving = Earlier(survey.mission.events), Leaving()
         for transition in transitions:
             when = transition.definition.when
             guard, after_s, words = form(when), transition.definition.after_s, _triggers(transition)
-            guarded = GuardedTransition(transition, guard, roots(guard))
-            if not never(guard):
+            guarded = GuardedTransition(transition, guard, roots(guard) if when is not None else None)
+            if when is None or not never(guard):
                 before = [earlier.first(word, guarded) for word in words]
                 if before and all(found is not None for found in before):
                     yield transition.place, _overlap(transition, [found for found in before if found is not None])
@@ -78,7 +81,7 @@ class Earlier:
         """The earlier transition that fires whenever this guard is true and this trigger comes."""
         declared = word[0] in self._events
         same, any_event = self._by_word.get(word, []), self._by_word.get((ANY_EVENT, ""), []) if declared else []
-        for other in _near(same, any_event):
+        for other in _near(same, any_event) if same or any_event else ():
             if other.may_follow_from(guarded) and (other.guard == ALWAYS or implies(guarded.guard, other.guard)):
                 return other.transition
         return None

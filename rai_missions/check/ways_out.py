@@ -18,6 +18,9 @@ from rai_missions.states.state import ANY_EVENT
 __all__ = ("WaysOut",)
 
 
+Lead = tuple[TransitionRef, StateRef | None]
+
+
 class Freeing:
     """The transitions of one owner that can fire while nothing runs, and lead somewhere.
 
@@ -32,21 +35,33 @@ class Freeing:
     def __init__(
         self, survey: MissionIndex, owner: StateRef | None, transitions: Iterable[TransitionRef], *, in_parallel: bool
     ) -> None:
-        outcomes = reported(survey).possible_at(owner) if in_parallel else frozenset[str]()
-        self.found: list[tuple[TransitionRef, StateRef | None]] = []
-        """Each with the one state that all its targets are; None where there are several."""
-        self._only: dict[StateRef, int] = {}
-        for transition in transitions:
-            if transition.definition.to and _can_fire(survey, transition, outcomes):
-                targets = {survey.spot(name) for name in transition.definition.to}
-                only = targets.pop() if len(targets) == 1 else None
-                self.found.append((transition, only))
-                if only is not None:
-                    self._only[only] = self._only.get(only, 0) + 1
+        self._survey, self._rest = survey, iter(transitions)
+        self._outcomes = reported(survey).possible_at(owner) if in_parallel else frozenset[str]()
+        self._found: list[Lead] = []
+        self._different: list[StateRef | None] = []
+        """Up to two of the states that transitions lead to: at most one of them leads back to where it is."""
+
+    @property
+    def found(self) -> list[Lead]:
+        """All of them, each with the one state that all its targets are; None where there are several."""
+        for _ in self._look_on():
+            pass
+        return self._found
+
+    def _look_on(self) -> Iterator[Lead]:
+        """Those that were not looked at so far; how many are needed, the caller knows."""
+        for transition in self._rest:
+            if transition.definition.to and _can_fire(self._survey, transition, self._outcomes):
+                targets = {self._survey.spot(name) for name in transition.definition.to}
+                lead = (transition, targets.pop() if len(targets) == 1 else None)
+                self._found.append(lead)
+                if len(self._different) < 2 and lead[1] not in self._different:
+                    self._different.append(lead[1])
+                yield lead
 
     def free(self, spot: StateRef) -> bool:
         """Whether one of them leads away from a state."""
-        return len(self.found) > self._only.get(spot, 0)
+        return any(only is not spot for only in self._different) or any(only is not spot for _, only in self._look_on())
 
     def of(self, spot: StateRef) -> Iterator[TransitionRef]:
         """Those that lead away from a state, in order."""
@@ -89,7 +104,7 @@ class WaysOut:
         """
         in_parallel = _in_parallel(spot)
         if in_parallel not in self._hopeful:
-            found: list[tuple[TransitionRef, StateRef | None]] = []
+            found: list[Lead] = []
             for transition, only in self._freeing(None, in_parallel).found:
                 if (not found or found[0][1] is not only) and leads_on(transition):
                     found.append((transition, only))

@@ -40,9 +40,12 @@ class CompiledMission:
         """The predicates of the user's program that transitions, finals and invariants name."""
         self.uses_history = False
         """Some default entry looks up a memory, so that every leap may depend on what is remembered."""
-        self.options = {name for _, _, state in mission.walk() for name in (state.outcomes() if state.options else ())}
         self._content = content
         self._add(mission.states, self.root, "/states")
+        self.options = {name for node in self.order if node.options and node.state for name in node.state.outcomes()}
+        self._outcomes = frozenset(OUTCOMES).union(self.options) - mission.events.keys()
+        """The words of `on` that are no events."""
+        self._has_history = any(node.is_history for node in self.order)
         self._link()
         self.controls = frozenset(node.control for node in self.order if node.control is not None)
         """Whose control its states need."""
@@ -101,23 +104,23 @@ class CompiledMission:
                     seen.add(each)
 
     def _transitions(self, node: Node, transitions: Iterable[Transition]) -> None:
-        outcomes = frozenset(OUTCOMES).union(self.options) - self.mission.events.keys()
         for index, definition in enumerate(transitions):
             transition = CompiledTransition(definition, f"{node.place}/transitions/{index}", node)
             transition.targets = tuple(self.nodes[name] for name in definition.to)
-            transition.uses_history = self.uses_history or any(target.is_history for target in transition.targets)
+            if self._has_history:
+                transition.uses_history = self.uses_history or any(target.is_history for target in transition.targets)
             transition.acts = self._acts(definition.do, f"{transition.place}/do", node)
             if definition.when is not None:
                 transition.condition = self.condition(definition.when, transition.place, node.name)
                 transition.test = transition.condition.test
-            transition.outcomes = outcomes.intersection(definition.on)
+            transition.outcomes = self._outcomes.intersection(definition.on)
             node.transitions.append(transition)
             self.transitions[transition.place] = transition
             node.timed = node.timed or definition.after_s is not None
 
     def _acts(self, effects: Iterable[Effect], place: str, node: Node) -> tuple[Act, ...]:
         return tuple(
-            self._content.effect(effect, f"{place}/{index}", node.name) for index, effect in enumerate(effects)
+            [self._content.effect(effect, f"{place}/{index}", node.name) for index, effect in enumerate(effects)]
         )
 
     def condition(self, guard: Guard, place: str, state: str) -> CompiledGuard:

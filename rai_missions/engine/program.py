@@ -33,6 +33,7 @@ class Program:
         mission: One that `check` finds no fault in.
         content: How effects, the entry of a list and of a final are compiled.
         ticker: Who ticks trees, if not as compiled here.
+        has_trees: Whether a state of it runs a tree.
         facts: What is known of the robot.
         named: The predicates that `{"named": …}` guards name.
         surroundings: What is left open, and who watches.
@@ -47,15 +48,15 @@ class Program:
     )  # fmt: skip
 
     def __init__(
-        self, mission: Mission, content: Content, ticker: Trees | None = None, *, facts: RobotFacts | None = None,
-        named: Named | None = None, surroundings: Surroundings | None = None,
+        self, mission: Mission, content: Content, ticker: Trees | None = None, *, has_trees: bool,
+        facts: RobotFacts | None = None, named: Named | None = None, surroundings: Surroundings | None = None,
     ) -> None:  # fmt: skip
         self.mission, self.keys = mission, mission.blackboard
         self.ticker: Trees = ticker if ticker is not None else CompiledTrees()
         self.facts = facts if facts is not None else RobotFacts()
         self.named: Named = dict(named or {})
         self.surroundings = surroundings if surroundings is not None else Surroundings()
-        self.has_trees = any(state.root() is not None for _, _, state in mission.walk())
+        self.has_trees = has_trees
         self.graph = Graph(mission, content)
         if absent := sorted(self.graph.named - self.named.keys()):
             sentence = f"the mission names predicates that were not given: {', '.join(absent)}"

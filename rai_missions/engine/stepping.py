@@ -10,6 +10,7 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
+from rai_missions.collector import uncollected
 from rai_missions.engine.actions import act_of
 from rai_missions.engine.activities.ticker import Trees
 from rai_missions.engine.blackboard import ask_named
@@ -37,6 +38,7 @@ from rai_missions.mission.mission import Mission
 __all__ = ("begin_run", "close", "compiled", "fresh", "make_step")
 
 
+@uncollected
 def compiled(
     mission: Mission, ticker: Trees | None = None, *, facts: RobotFacts | None = None, named: Named | None = None,
     surroundings: Surroundings | None = None,
@@ -56,7 +58,7 @@ def compiled(
         lambda node: lambda program, state: enter_each(program, state, node),
         reaching,
     )
-    return Program(mission, content, ticker, facts=facts, named=named, surroundings=surroundings)
+    return Program(mission, content, ticker, has_trees=has_trees, facts=facts, named=named, surroundings=surroundings)
 
 
 def fresh(program: Program) -> RunState:

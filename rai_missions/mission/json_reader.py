@@ -11,7 +11,9 @@ import os
 import re
 from collections import Counter
 from collections.abc import Iterator, Mapping
+from itertools import accumulate, islice
 from math import isinf
+from operator import itemgetter
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -24,7 +26,9 @@ MAX_BYTES = 16 * 2**20
 MAX_DEPTH = 100
 """Objects and lists inside each other."""
 INTEGERS = range(-(2**63), 2**63)
-TOKEN = re.compile(r'"(?:[^"\\]++|\\.)*+(?:"|\Z)|[\[\]{}]', re.DOTALL)
+TOKEN = re.compile(r'"(?:[^"\\]++|\\.)*+(?:"|\Z)|([\[\]{}])', re.DOTALL)
+DEEPER = {"[": 1, "{": 1, "]": -1, "}": -1, None: 0}
+"""What a token, or a string (None), adds to the depth."""
 SURROGATE = re.compile(r"\\u[dD][89a-fA-F]")
 
 
@@ -96,16 +100,9 @@ def parse_json(raw: bytes, source: str = "") -> Any:
 
 def too_deep(text: str) -> int | None:
     """Where JSON text first nests deeper than `MAX_DEPTH`, if it does."""
-    depth = 0
-    for token in TOKEN.finditer(text):
-        character = token[0]
-        if character in "[{":
-            depth += 1
-            if depth > MAX_DEPTH:
-                return token.start()
-        elif character in "]}":
-            depth -= 1
-    return None
+    depths = accumulate(map(DEEPER.__getitem__, map(itemgetter(1), TOKEN.finditer(text))))
+    number = next((number for number, depth in enumerate(depths) if depth > MAX_DEPTH), None)
+    return None if number is None else next(islice(TOKEN.finditer(text), number, None)).start()
 
 
 def _parsed(text: str, suspects: list[Any], source: str) -> Any:

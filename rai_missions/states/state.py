@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Collection, Iterator, Mapping, Sequence
+from functools import cache
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, NamedTuple, Self, get_args
 
 from pydantic import BeforeValidator, Field, model_validator
@@ -216,9 +217,9 @@ class State(TaggedModel, family="state", group="rai_missions.activities", word="
         return f"; write {json.dumps({word: data}, ensure_ascii=False)}, or {{}} for a state that waits"
 
     @classmethod
-    def known_words(cls) -> set[str]:
+    def known_words(cls) -> frozenset[str]:
         """The words that every state may have."""
-        return set(State.model_fields)
+        return _common_words()
 
     def written(self) -> dict[str, Any]:
         """Its kind's words before those that every state has, as a person would write it."""
@@ -259,7 +260,8 @@ class State(TaggedModel, family="state", group="rai_missions.activities", word="
 
     def decisions(self) -> Mapping[str, DecisionSpec]:
         """What it asks: `#` and the path of a leaf of its tree, empty where it asks itself → the question."""
-        asked = ((f"#{path}", node.question()) for path, node in self.nodes().items())
+        nodes = self.nodes()
+        asked = ((f"#{path}", node.question()) for path, node in nodes.items()) if nodes else ()
         return {owner: question for owner, question in asked if question is not None}
 
     def question(self) -> DecisionSpec | None:
@@ -344,6 +346,11 @@ class State(TaggedModel, family="state", group="rai_missions.activities", word="
         """Where an answer of its own leads, in words."""
         ways = [each.leads() for each in self.transitions if option in each.on and each.of is None]
         return ", else ".join(ways) or "no transition of its own: it leads nowhere from here"
+
+
+@cache
+def _common_words() -> frozenset[str]:
+    return frozenset(State.model_fields)
 
 
 def _states(given: Any) -> Any:
