@@ -8,7 +8,7 @@ out of it or back to itself, and patterns are matched in linear time.
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
-from functools import lru_cache
+from functools import cache, lru_cache
 from itertools import islice
 from typing import Any
 
@@ -55,18 +55,20 @@ def parameter_faults(schema: Mapping[str, Any], given: Mapping[str, Any]) -> str
     if sum(1 for _ in islice(_parts(given), MOST_PARTS + 1)) > MOST_PARTS:
         return f"they have more than {MOST_PARTS} objects and lists"
     try:
-        found = list(islice(_validator(schema).iter_errors(dict(given)), MOST_PROBLEMS))
+        found = list(islice(_validator()(dict(schema)).iter_errors(dict(given)), MOST_PROBLEMS))
     except Exception as error:  # noqa: BLE001 - whatever jsonschema raises where a schema is none
         return f"nothing fits a schema that is at fault: {type(error).__name__}"
     problems = sorted(found, key=lambda error: list(map(str, error.path)))
     return "; ".join(clipped(f"{problem.json_path}: {problem.message}", 200) for problem in problems[:5])
 
 
-def _validator(schema: Mapping[str, Any]) -> Any:
+@cache
+def _validator() -> Any:
+    """The class that judges by a schema; to make it takes longer than to judge."""
     import jsonschema  # heavy, and most options have no parameters
 
     extend: Any = jsonschema.validators.extend
-    return extend(jsonschema.Draft202012Validator, {"pattern": _pattern})(dict(schema))
+    return extend(jsonschema.Draft202012Validator, {"pattern": _pattern})
 
 
 def _pattern(_: Any, pattern: str, given: Any, __: Any) -> Iterable[Any]:

@@ -27,8 +27,8 @@ from rai_missions.prove.activity_key import SOON, rested, timer_key
 from rai_missions.prove.control_env import ControlEnvironment
 from rai_missions.prove.counts import Count
 from rai_missions.prove.instruments import Instruments
-from rai_missions.prove.liveness import Later, LiveReads, LooksAhead
-from rai_missions.prove.nondeterminism import OpenFields
+from rai_missions.prove.liveness import ALL, Later, LiveReads, LooksAhead
+from rai_missions.prove.nondeterminism import OpenFields, Payload
 from rai_missions.prove.open_world import NOW, OpenWorld
 from rai_missions.prove.parts import guards_in, writes_in
 from rai_missions.prove.store import ALL_GOALS, MANY, Rivals
@@ -95,6 +95,7 @@ class Abstraction:
             if value := getattr(state, name):
                 setattr(state, name, rest(value))
         self._cap(state)
+        state.answer = self._read_later(state.answer) if state.answer.__class__ is Payload or state.answer else {}
         state.event, state.asked = {}, ""
 
     @property
@@ -174,6 +175,13 @@ class Abstraction:
             entry = board.known(key)
             if entry is not None and entry[0].__class__ is not Count and not low <= entry.value <= high:
                 board.put(key, Stamped(min(max(entry.value, low), high), NOW))
+
+    def _read_later(self, answer: Mapping[str, Any]) -> dict[str, Any]:
+        """The parameters of the last answer that may be read before the next."""
+        wanted = self.later.answers
+        every = (*answer, *(answer.fields if isinstance(answer, Payload) else ()))
+        kept = {name: answer.get(name) for name in every if name in wanted or ALL in wanted}
+        return {name: value for name, value in kept.items() if value is not None}
 
     def _rest_activities(self, running: dict[str, Any]) -> dict[str, Any]:
         machines = self._chart.program.machines

@@ -3,27 +3,51 @@
 
 Rule: a schema asks for more than values can be made for (patterns, formats); what no one can make is not judged by it
 here. That gives more answers, never fewer.
+
+Why parameters that are chosen when someone looks lose no run, and add none: what a step does depends on an answer
+through the parameters that it looks at. So answers that agree in these lead to the same step, and each value that one
+has is an alternative of the look. At the end of the step those are chosen that may be read before the next answer
+(`Later.answers`); what is left of an answer is plain data then, and the others no rule can read any more.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from itertools import pairwise
 from typing import Any, TypeGuard
 
 from rai_missions.errors import unescaped
 from rai_missions.keys import Key
 from rai_missions.mission.option_parameters import parameter_faults
+from rai_missions.prove.nondeterminism import Payload
 from rai_missions.prove.representatives import OTHER, Values
 
-__all__ = ("AnswerValues",)
+__all__ = ("AnswerValues", "Parameters")
 
 KINDS = {"array": "list"}
 """JSON Schema's word → ours, where they differ."""
 DEEPEST = 16
 """References inside each other, at the most."""
 Schema = Mapping[str, Any]
+
+
+class Parameters(Payload):
+    """What an answer brings along, chosen parameter by parameter when someone looks.
+
+    Args:
+        fields: All that it may bring.
+        choose: A parameter's value; None where it is left out.
+        needed: Parameter that the schema asks for → a value of it.
+    """
+
+    def __init__(self, fields: Sequence[str], choose: Callable[[str], Any], needed: Mapping[str, Any]) -> None:
+        super().__init__(fields, choose)
+        self._needed = needed
+
+    def example(self) -> dict[str, Any]:
+        """One answer that brings what was chosen; nothing is chosen by that."""
+        return {**self._needed, **self.known()}
 
 
 class AnswerValues:
@@ -38,6 +62,21 @@ class AnswerValues:
         self._keys, self._values = keys, values
         self._made: dict[tuple[int, str], list[Any]] = {}
         self._kept: list[Schema] = []
+
+    def parameters(self, schema: Schema, pick: Callable[[Sequence[Any]], Any]) -> Parameters:
+        """What a schema allows; a parameter that is written to a key is chosen at once."""
+        names = self.names(schema)
+
+        def choose(name: str) -> Any:
+            values = self.of(schema, name)
+            return pick((None, *values) if names[name] and self.is_looked_at(name) else values)
+
+        needed = {name: self.of(schema, name)[0] for name, can_lack in names.items() if not can_lack}
+        made = Parameters(tuple(names), choose, needed)
+        for name in names:
+            if name in self._keys and self._keys[name].source == "answer":
+                made.get(name)
+        return made
 
     def names(self, schema: Schema) -> dict[str, bool]:
         """Parameter → whether it may be left out; those that the schema does not name count if anybody looks."""

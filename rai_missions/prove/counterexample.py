@@ -68,8 +68,9 @@ def scenes(space: Space, claim: Property) -> list[TraceStep]:
     environment.load(space.fresh)
     found = []
     for each in ways_to(space, claim):
-        found.append(_scene(environment, each))
-        environment.settle()
+        scene = _scene(environment, each)
+        environment.settle()  # it may choose more of what an answer brings
+        found.append(scene._replace(event=environment.inputs.example))
         environment.load(environment.codec.place())
     return found
 
@@ -102,14 +103,13 @@ def go(environment: Environment, way: Edge) -> tuple[str, str]:
 
 def _scene(environment: Environment, way: Edge) -> TraceStep:
     owner, stale = go(environment, way)
-    chart, world, event = environment.chart, environment.world, environment.inputs.last_event
+    chart, world = environment.chart, environment.world
     looked = chart.state.draft.looked
     values = {place[6:]: value for place, value in looked if place.startswith("named:")}
     is_possible = world.is_possible  # it may look at more
     assert is_possible
     facts = {name: _plain(entry) for name, entry in world.board.entries() if name in world.open_keys}
-    event = event._replace(data=dict(event.data)) if event is not None else None
-    found = environment.control.found
+    event, found = environment.inputs.example, environment.control.found
     return TraceStep(way.words, event, owner, stale, facts, found, values, chart.active, chart.outcome, chart.why)
 
 

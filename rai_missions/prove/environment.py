@@ -12,6 +12,7 @@ from typing import Any
 from rai_missions.engine import Chart
 from rai_missions.engine.activities.activity import Machine
 from rai_missions.engine.activities.computing import ComputingMachine
+from rai_missions.engine.activities.decision import DecisionMachine
 from rai_missions.engine.activities.ticker import Trees
 from rai_missions.engine.activities.tree import TreeMachine
 from rai_missions.engine.configuration import CompiledStep
@@ -55,6 +56,8 @@ class OpenSurroundings(Surroundings):
 
     def machine(self, node: Node, machine: Machine) -> Machine:
         self._environment.instruments.watch(machine, node.place)
+        if isinstance(machine, DecisionMachine):
+            self._environment.inputs.leave_answers_open(machine)
         if isinstance(machine, ComputingMachine) and node.state is not None:
             live = self._environment.rest.live
             return machine.computing(self._environment.world.anything_of(node, machine.into, live))

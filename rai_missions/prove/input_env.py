@@ -12,8 +12,9 @@ from typing import Any
 
 from rai_missions.engine import Chart
 from rai_missions.engine.activities.action import GoalActivity
+from rai_missions.engine.activities.activity import ActivityHost, Turn
 from rai_missions.engine.activities.behaviour import BehaviourActivity
-from rai_missions.engine.activities.decision import DecisionActivity
+from rai_missions.engine.activities.decision import DecisionActivity, DecisionMachine
 from rai_missions.engine.activities.goal_ledger import Goal
 from rai_missions.engine.activities.tree import TreeActivity
 from rai_missions.engine.decision import Offer, Question
@@ -21,7 +22,7 @@ from rai_missions.engine.events import handle
 from rai_missions.engine.hold import free, is_held
 from rai_missions.event import Event, EventKind
 from rai_missions.prove.abstraction import Abstraction
-from rai_missions.prove.answer_values import AnswerValues
+from rai_missions.prove.answer_values import AnswerValues, Parameters
 from rai_missions.prove.instruments import Instruments
 from rai_missions.prove.nondeterminism import Payload
 from rai_missions.prove.open_world import NOW, OpenWorld
@@ -52,11 +53,22 @@ class InputEnvironment:
         """Some transition is about what was done or not, as far as is known."""
         self.last_event: Event | None = None
         """What last happened to the mission."""
+        self._brings: Parameters | None = None
+        """What that brought along, where it was an answer with parameters."""
 
-    def handle(self, event: Event) -> None:
+    def handle(self, event: Event, brings: Parameters | None = None) -> None:
         """Let an event happen."""
-        self.last_event = event
+        self.last_event, self._brings = event, brings
         handle(self._chart.program, self._chart.state, event)
+
+    @property
+    def example(self) -> Event | None:
+        """What last happened, as plain data; what no one has looked at of an answer is anything that is allowed."""
+        event = self.last_event
+        if event is None:
+            return None
+        brought = self._brings.example() if self._brings is not None else {}
+        return event._replace(data={**event.data, **({"parameters": brought} if brought else {})})
 
     def owner_of(self, number: int) -> str:
         """Whose goal, call, question or behaviour has a number; empty for none."""
@@ -220,21 +232,25 @@ class InputEnvironment:
         schema = self._instruments.schemas.get((owner, offer.name))
 
         def happen() -> None:
-            parameters = self._parameters(schema) if schema is not None else {}
-            data = {"option": offer.name, **({"parameters": parameters} if parameters else {})}
-            self.handle(Event(who, NOW, data, "proposal", number))
+            brings = self._brought.parameters(schema, self._choices.pick) if schema is not None else None
+            known = brings.known() if brings is not None else {}
+            data = {"option": offer.name, **({"parameters": known} if known else {})}
+            self.handle(Event(who, NOW, data, "proposal", number), brings)
 
         return happen
 
-    def _parameters(self, schema: Mapping[str, Any]) -> dict[str, Any]:
-        """What a schema allows, in each way that guards can distinguish."""
-        made: dict[str, Any] = {}
-        for name, can_lack in self._brought.names(schema).items():
-            choices = self._brought.of(schema, name)
-            value = self._choices.pick((None, *choices) if can_lack and self._brought.is_looked_at(name) else choices)
-            if value is not None:
-                made[name] = value
-        return made
+    def leave_answers_open(self, machine: DecisionMachine) -> None:
+        """Have the parameters of an answer chosen when someone looks; at once where it may wait for a hand-back."""
+        receive = machine.receive
+
+        def receiving(state: DecisionActivity, event: Event, host: ActivityHost) -> Turn | None:
+            turn = receive(state, event, host)
+            if self._brings is None or turn is None or turn.outcome is None:
+                return turn
+            brought = self._brings.whole() if self._chart.state.frozen else self._brings
+            return turn._replace(outcome=turn.outcome._replace(data=brought))
+
+        machine.receive = receiving  # type: ignore[method-assign]
 
 
 def owned(name: str, path: str | None) -> str:

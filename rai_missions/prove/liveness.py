@@ -23,11 +23,13 @@ from rai_missions.states.decision import DecisionSpec
 from rai_missions.states.effects import Effect, Set
 from rai_missions.states.tree.leaves import ActionLeaf
 
-__all__ = ("Later", "LiveReads", "LooksAhead")
+__all__ = ("ALL", "Later", "LiveReads", "LooksAhead")
 
 REMEMBERED = 4096
 """Of so many configurations it is remembered what makes a difference."""
 NONE: frozenset[str] = frozenset()
+ANSWER, ALL = "answer", "*"
+"""The name of the answer in hand, and what represents all of its parameters."""
 START, RECALL = "start ", "recall "
 """Prefixes of the name of an action that may be started, and of a history state that may be looked up."""
 
@@ -35,6 +37,10 @@ START, RECALL = "start ", "recall "
 @lru_cache(maxsize=REMEMBERED)
 def _roots(paths: frozenset[str]) -> frozenset[str]:
     return frozenset(path.partition(".")[0] for path in paths)
+
+
+def _parameter(path: str) -> str:
+    return path.split(".")[1] if "." in path else ALL
 
 
 class Later(NamedTuple):
@@ -47,6 +53,8 @@ class Later(NamedTuple):
     """The actions that may be started."""
     recalls: frozenset[int]
     """The history states whose memory may be looked up before it is written again."""
+    answers: frozenset[str]
+    """The parameters of the last answer that may be read before the next answer; `*` for all."""
 
     @property
     def roots(self) -> frozenset[str]:
@@ -118,8 +126,11 @@ class LiveReads:
         if self._graph.uses_history:  # an entry by default looks them up
             looked_up = {node for node in self._graph.order if node.is_history}
         recalls = {node for node in looked_up if not (node in self._rewritten and node.parent in config.nodes)}
-        paths = frozenset(word for word in words if word.partition(".")[0] in self._keys)
-        return Later(paths, starts, frozenset(node.index for node in recalls))
+        answers = frozenset(_parameter(word) for word in words if word.partition(".")[0] == ANSWER)
+        return Later(self._paths(words), starts, frozenset(node.index for node in recalls), answers)
+
+    def _paths(self, words: Iterable[str]) -> frozenset[str]:
+        return frozenset(word for word in words if word.partition(".")[0] in self._keys)
 
     def with_outcome(self, node: Node, outcome: str, others: Collection[str]) -> Later:
         """What makes a difference once a state ends with an outcome, and not with others that it could end with.
@@ -135,7 +146,7 @@ class LiveReads:
         others_active = {*node.ancestors, self._graph.root}
         others_active |= {each for each in self._graph.order if any(a.is_parallel for a in each.ancestors)} - {node}
         paths = words.union(*(self._live[each] for each in others_active))
-        return Later(frozenset(path for path in paths if path.partition(".")[0] in self._keys), NONE, frozenset())
+        return Later(self._paths(paths), NONE, frozenset(), NONE)
 
     def _is_rewritten(self, history: Node) -> bool:
         """Whether leaving its parent always comes before looking it up again."""
@@ -151,6 +162,7 @@ class LiveReads:
         if node.state is None:
             return frozenset()
         fields = {*type(node.state).model_fields} - {"states", "parallel", "transitions", "entry", "exit"}
+        fields -= {"into"} if node.state.computed() else set()  # written; its old value is not worked with here
         own = [getattr(node.state, field) for field in sorted(fields)]
         actions = {getattr(node.state, "action", ""), *(leaf.action for leaf in parts(own, ActionLeaf))} - {""}
         done = self._reads_of((*node.state.entry, *node.state.exit))
@@ -169,7 +181,8 @@ class LiveReads:
         What a question shows makes no difference to what becomes of it.
         """
         if isinstance(value, str):
-            if value.partition(".")[0] in self._keys:
+            root = value.partition(".")[0]
+            if root in self._keys or root == ANSWER:
                 yield value
         elif isinstance(value, DecisionSpec):
             yield from self._mentions([part for name, part in vars(value).items() if name != "evidence"])
@@ -198,13 +211,19 @@ class LiveReads:
         return sum(len(words) for words in self._live.values()) > before
 
     def _once_entered(self, node: Node, transition: CompiledTransition) -> frozenset[str]:
-        """The same from the entry of its state on: an outcome comes with what the state has written just before."""
+        """The same from the entry of its state on: an outcome comes with what was written just before.
+
+        That is what the state has worked out, or the answer that was given.
+        """
         words, state = self._of_transition(transition), node.state
-        named = transition.definition.on
-        if state is None or not named or not state.computed().issuperset(named):
-            return words
-        into = getattr(state, "into", "")
-        return frozenset(path for path in words if path.partition(".")[0] != into)
+        named, of = transition.definition.on, transition.definition.of
+        written = set[str]()
+        if state is not None and named and state.computed().issuperset(named):
+            written.add(getattr(state, "into", ""))
+        asking = node if of is None else self._graph.nodes[of]
+        if named and (asking.options & transition.outcomes).issuperset(named) and ANSWER not in self._keys:
+            written.add(ANSWER)
+        return frozenset(path for path in words if path.partition(".")[0] not in written) if written else words
 
     def _of_transition(self, transition: CompiledTransition) -> frozenset[str]:
         definition = transition.definition

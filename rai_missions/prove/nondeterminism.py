@@ -109,7 +109,7 @@ class OpenFields(dict[str, Any]):
 
 
 class Payload(dict[str, Any]):
-    """What an event brings, chosen field by field when someone looks.
+    """What an event or an answer brings, chosen field by field when someone looks.
 
     Args:
         fields: Those that anybody looks at.
@@ -118,12 +118,27 @@ class Payload(dict[str, Any]):
 
     def __init__(self, fields: Sequence[str], choose: Callable[[str], Any]) -> None:
         super().__init__()
-        self._fields, self._choose = fields, choose
+        self.fields, self._choose = fields, choose
 
     def get(self, field: str, default: Any = None) -> Any:
-        if field not in self and field in self._fields:
+        if field not in self and field in self.fields:
             self[field] = self._choose(field)
         return dict.get(self, field, default)
+
+    def __missing__(self, field: str) -> Any:
+        if self.get(field) is None:
+            raise KeyError(field)
+        return self.get(field)
+
+    def known(self) -> dict[str, Any]:
+        """What is chosen of it."""
+        return {field: value for field, value in self.items() if value is not None}
+
+    def whole(self) -> dict[str, Any]:
+        """All of it, as it is from now on."""
+        for field in self.fields:
+            self.get(field)
+        return self.known()
 
 
 class OpenBoard(dict[str, Any]):

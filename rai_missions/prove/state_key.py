@@ -293,7 +293,7 @@ def _deadlines_key(deadlines: Mapping[str, float]) -> Any:
 
 
 def _events_key(events: Iterable[Any]) -> Any:
-    return [kept_words(each) for each in events]
+    return [(*kept_words(each), each.data.get("data") if each.kind == "outcome" else None) for each in events]
 
 
 def _timers_key(timers: Mapping[Any, Any]) -> Any:

@@ -18,7 +18,7 @@ from rai_missions.mission.mission import Mission
 from rai_missions.prove.environment import Environment
 from rai_missions.prove.explorer import Edge, Space
 from rai_missions.prove.limits import Limits
-from rai_missions.prove.liveness import Later
+from rai_missions.prove.liveness import ALL, Later
 from rai_missions.prove.parts import parts
 from rai_missions.states.action import Action
 from rai_missions.states.tree.leaves import ActionLeaf
@@ -56,7 +56,9 @@ class Forgetless(Environment):
         super().__init__(mission, ticker)
         actions = {part.action for kind in (Action, ActionLeaf) for part in parts(mission, kind)}
         histories = frozenset(range(len(self.chart.program.graph.order)))
-        self.rest.live = Everything(Later(frozenset(mission.blackboard), frozenset(actions), histories))
+        self.rest.live = Everything(
+            Later(frozenset(mission.blackboard), frozenset(actions), histories, frozenset([ALL]))
+        )
 
 
 class Everything(NamedTuple):

@@ -1,0 +1,254 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What an answer brings is left open parameter by parameter: that finds what choosing all of it at once finds."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+from hypothesis import HealthCheck, assume, given, settings
+from hypothesis import strategies as st
+
+from rai_missions.engine import Chart
+from rai_missions.engine.activities.activity import ActivityHost, Turn
+from rai_missions.engine.activities.decision import DecisionActivity, DecisionMachine
+from rai_missions.event import Event
+from rai_missions.journal import Header
+from rai_missions.mission.files import dump
+from rai_missions.mission.mission import Mission
+from rai_missions.prove import prove, record
+from rai_missions.prove.answer_values import Parameters
+from rai_missions.prove.environment import Environment
+from rai_missions.prove.input_env import InputEnvironment
+from rai_missions.prove.state_key import Place
+from rai_missions.replay.replay import replay
+from tests.prove.explored import HANDS, Seeing, seen
+from tests.prove.test_laws import hold_against_forgetless, hold_against_patient
+from tests.prove.test_sights import hold_alike, lengths
+from tests.rigs.charts import ScriptedRobot
+
+Json = dict[str, Any]
+lenient = settings(suppress_health_check=list(HealthCheck), deadline=None)
+MOST = 150
+KEYS: Json = {
+    "n": {"type": "integer", "initial": 0}, "word": {"type": "string", "initial": ""},
+    "kept": {"type": "integer", "source": "answer", "initial": 0},
+    "battery": {"type": "number", "source": "robot", "max_age_s": 5},
+}  # fmt: skip
+PARAMETERS: Json = {
+    "n": {"type": "integer"},
+    "word": {"type": "string", "enum": ["a", "b"]},
+    "kept": {"type": "integer"},
+}
+GUARDS: list[Json] = [
+    {"key": "answer.n", "==": 1}, {"key": "answer.n", ">": 1}, {"key": "answer.word", "==": "a"},
+    {"fresh": "answer.word"}, {"key": "answer.kept", "<": 2}, {"key": "n", "==": 1}, {"key": "word", "==": "b"},
+    {"key": "kept", "==": 2}, {"key": "battery", "<": 0.2},
+]  # fmt: skip
+EFFECTS: list[Json] = [
+    {"set": "n", "from": "answer.n"}, {"set": "word", "from": "answer.word"}, {"set": "n", "value": 1},
+]  # fmt: skip
+ANSWERS: list[Json] = [
+    {}, {"n": 1}, {"n": 0, "word": "a"}, {"n": 2, "word": "b", "kept": 2}, {"word": "a", "kept": 3}, {"kept": 1},
+]  # fmt: skip
+
+
+class AtOnce(InputEnvironment):
+    """All that an answer brings is chosen before it is given."""
+
+    def leave_answers_open(self, machine: DecisionMachine) -> None:
+        super().leave_answers_open(machine)
+        receive = machine.receive
+
+        def receiving(state: DecisionActivity, event: Event, host: ActivityHost) -> Turn | None:
+            turn = receive(state, event, host)
+            if turn is not None and turn.outcome is not None and isinstance(turn.outcome.data, Parameters):
+                return turn._replace(outcome=turn.outcome._replace(data=turn.outcome.data.whole()))
+            return turn
+
+        machine.receive = receiving  # type: ignore[method-assign]
+
+
+def at_once(mission: Mission) -> Environment:
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("rai_missions.prove.environment.InputEnvironment", AtOnce)
+        return Environment(mission)
+
+
+@st.composite
+def asking(draw: st.DrawFn) -> Json:
+    names = draw(st.lists(st.sampled_from(sorted(PARAMETERS)), min_size=1, max_size=3, unique=True))
+    parameters = {"type": "object", "properties": {name: PARAMETERS[name] for name in names},
+                  "required": draw(st.lists(st.sampled_from(names), max_size=2, unique=True))}  # fmt: skip
+    if draw(st.booleans()):
+        parameters["additionalProperties"] = False
+    return {"question": "Which?", "ask": ["operator"], "fallback": "leave", "deadline_s": 5,
+            "options": {"give": {"parameters": parameters}, "leave": {}}}  # fmt: skip
+
+
+@st.composite
+def answered(draw: st.DrawFn) -> Json:
+    """A mission that asks, and whose rules look at what the last answer brought, now or later."""
+    names = ["one", "two", "three"]
+    guard = st.one_of(st.sampled_from(GUARDS), st.sampled_from(GUARDS).map(lambda each: {"not": each}))
+    do = st.lists(st.sampled_from(EFFECTS), max_size=2)
+    states: Json = {}
+    for at, name in enumerate(names):
+        to, later = st.sampled_from([*names, "over", "odd"]), st.sampled_from([*names[at + 1 :], "over", "odd"])
+        states[name] = {"transitions": [
+            {"on": "next", "when": draw(guard), "to": draw(to), "do": draw(do)},
+            {"when": draw(guard), "to": draw(later)}, {"after_s": 5, "to": draw(later)},
+        ]}  # fmt: skip
+        if at == 0 or draw(st.booleans()):
+            states[name] = {"decision": draw(asking()), "transitions": [
+                {"on": "give", "when": draw(guard), "to": draw(to), "do": draw(do)},
+                {"on": draw(st.sampled_from(["give", "leave"])), "when": draw(guard), "to": draw(to), "do": draw(do)},
+                {"on": ["give", "leave"], "to": draw(later), "do": draw(do)},
+            ]}  # fmt: skip
+    ends: Json = {"over": {"final": "aborted"}, "odd": {"final": "failed"}}
+    document: Json = {"format": 1, "name": "answered", "version": "1.0.0", "blackboard": KEYS, "events": {"next": {}},
+                      "initial": "one", "states": states | ends}  # fmt: skip
+    if draw(st.integers(0, 2)) == 0:
+        document["states"] = {"both": {"parallel": {
+            "left": {"initial": "one", "states": states},
+            "right": {"initial": "waiting", "states": {
+                "waiting": {"control": "autonomy", "transitions": [
+                    {"on": "give", "of": "one", "when": draw(guard), "to": "there", "do": draw(do)}]},
+                "there": {"transitions": [{"on": "next", "when": draw(guard), "to": "odd"}]},
+            }},
+        }}, **ends}  # fmt: skip
+        document["initial"] = "both"
+    if draw(st.booleans()):
+        document["invariants"] = {"kept": {"not": {"all": [{"in": draw(st.sampled_from(names))}, draw(guard)]}}}
+    return document
+
+
+def space_of(environment: Environment) -> Seeing:
+    space = Seeing(environment, MOST, work=200)
+    space.explore()
+    return space
+
+
+def hold_against_at_once(document: Json) -> None:
+    mission = Mission.model_validate(document)
+    few, every = space_of(Environment(mission)), space_of(at_once(mission))
+    hold_alike(few, every)
+    assert few.environment.instruments.answered == every.environment.instruments.answered
+    assert lengths(few) == lengths(every) and few.states == every.states and few.steps <= every.steps
+
+
+HAPPENS = st.lists(st.one_of(
+    st.tuples(st.just("answer"), st.sampled_from(ANSWERS)), st.tuples(st.just("answer"), st.sampled_from(ANSWERS)),
+    st.tuples(st.just("event"), st.just("next")), st.tuples(st.just("tick"), st.just("")),
+    st.tuples(st.just("write"), st.just("battery"), st.sampled_from([0.1, 0.5])),
+    st.tuples(st.just("control"), st.sampled_from(["", *HANDS]), st.sampled_from(["operator", "robot"])),
+    st.sampled_from([("command", "pause"), ("command", "resume"), ("command", "resume")]),
+), max_size=20)  # fmt: skip
+
+
+def hold_against_walk(document: Json, script: list[tuple[Any, ...]]) -> None:
+    """No run of the real chart leaves what was explored."""
+    mission = Mission.model_validate(document)
+    space = space_of(Environment(mission))
+    assume(space.is_whole)
+    chart, robot = Chart(mission), ScriptedRobot()
+    robot.follow(chart.start(0.0))
+    for at, drawn in enumerate(script, 1):
+        event = robot.event(drawn, float(at)) if drawn[0] != "answer" else Event(
+            robot.answerer, float(at), {"option": "give", "parameters": drawn[1]}, "proposal",
+            robot.questions[-1] if robot.questions else 0,
+        )  # fmt: skip
+        robot.follow(chart.send(event))
+        assert seen(chart) in space.seen, f"step {at} of {script}"
+
+
+@settings(lenient, max_examples=8)
+@given(answered())
+def test_an_answer_that_is_left_open_finds_what_every_answer_finds(document: Json) -> None:
+    hold_against_at_once(document)
+
+
+@pytest.mark.drill
+@settings(lenient, max_examples=1500)
+@given(answered())
+def test_an_answer_that_is_left_open_finds_what_every_answer_finds_however_often_it_is_tried(document: Json) -> None:
+    hold_against_at_once(document)
+
+
+@pytest.mark.drill
+@settings(lenient, max_examples=1000)
+@given(answered())
+def test_what_is_not_read_of_an_answer_makes_no_difference(document: Json) -> None:
+    hold_against_forgetless(document, MOST)
+    hold_against_patient(document, MOST)
+
+
+@settings(lenient, max_examples=8)
+@given(answered(), HAPPENS)
+def test_no_answer_leads_out_of_what_was_explored(document: Json, script: list[tuple[Any, ...]]) -> None:
+    hold_against_walk(document, script)
+
+
+@pytest.mark.drill
+@settings(lenient, max_examples=3000)
+@given(answered(), HAPPENS)
+def test_no_answer_leads_out_of_what_was_explored_however_often_it_is_tried(
+    document: Json, script: list[tuple[Any, ...]]
+) -> None:
+    hold_against_walk(document, script)
+
+
+ASKING: Json = {
+    "decision": {"question": "Which?", "ask": ["operator"], "fallback": "leave", "deadline_s": 5, "options": {
+        "give": {"parameters": {"type": "object", "properties": {name: PARAMETERS[name] for name in ("n", "word")},
+                                "required": ["n", "word"], "additionalProperties": False}},
+        "leave": {},
+    }},
+    "transitions": [{"on": "give", "when": {"key": "answer.n", "==": 1}, "to": "odd"}, {"on": "leave", "to": "over"}],
+}  # fmt: skip
+
+
+def asking_mission(**states: Json) -> Mission:
+    return Mission.model_validate({
+        "format": 1, "name": "answered", "version": "1.0.0", "initial": next(iter(states)),
+        "states": states | {"over": {"final": "aborted"}, "odd": {"final": "failed"}},
+        "invariants": {"never": {"not": {"in": "odd"}}},
+    })  # fmt: skip
+
+
+def test_a_refutation_by_an_answer_brings_all_that_is_asked_for_and_is_done_again(tmp_path: Path) -> None:
+    """No rule looks at the word, and without it the answer would be refused."""
+    mission = asking_mission(asking=ASKING)
+    run = prove(mission).ways["invariants"]
+    assert [event.data for each in run if (event := each.event) is not None] == [
+        {"option": "give", "parameters": {"n": 1, "word": "a"}}
+    ]
+    assert record(tmp_path / "run.journal", Header(dump(mission)), mission, run)
+    assert replay(tmp_path / "run.journal").holds
+
+
+class Keeping(Seeing):
+    """A space that remembers which answers wait for a hand-back in its states."""
+
+    kept = frozenset[int]()
+
+    def _leave(self, number: int, core: bytes, place: Place) -> None:
+        super()._leave(number, core, place)
+        self.kept |= {event.data["data"]["n"] for event in place.saved.run.kept if event.kind == "outcome"}
+
+
+def test_answers_that_wait_for_a_hand_back_are_states_of_their_own() -> None:
+    drives: Json = {"control": "autonomy", "transitions": [
+        {"on": "give", "of": "asking", "when": {"key": "answer.n", "==": 1}, "to": "there"},
+        {"on": "give", "of": "asking", "to": "there"},
+    ]}  # fmt: skip
+    regions: Json = {
+        "left": {"initial": "driving", "states": {"driving": drives, "there": {"about": "waits"}}},
+        "right": {"initial": "asking", "states": {"asking": {**ASKING, "transitions": [{"on": "leave", "to": "quiet"}]},
+                                                  "quiet": {"about": "waits"}}},
+    }  # fmt: skip
+    both = asking_mission(both={"parallel": regions, "transitions": [{"after_s": 60, "to": "over"}]})
+    space = Keeping(Environment(both), MOST)
+    space.explore()
+    assert space.is_whole and space.kept == {0, 1}
