@@ -132,7 +132,7 @@ def seen_in_browser(folder: Path, viewers: int) -> None:
     except ImportError:
         print("no browser")
         return
-    found = shutil.which("chromium") or shutil.which("google-chrome")
+    found = shutil.which("chromium") or shutil.which("google-chrome") or shutil.which("chromium-headless-shell")
     if found is None:
         print("no browser")
         return

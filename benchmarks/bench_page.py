@@ -61,7 +61,7 @@ def browser_times(page: bytes, *, scrub: bool) -> str:
         from playwright.sync_api import sync_playwright
     except ImportError:
         return "no browser"
-    found = shutil.which("chromium") or shutil.which("google-chrome")
+    found = shutil.which("chromium") or shutil.which("google-chrome") or shutil.which("chromium-headless-shell")
     if found is None:
         return "no browser"
     with tempfile.TemporaryDirectory() as folder, sync_playwright() as running:

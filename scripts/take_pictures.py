@@ -41,7 +41,7 @@ def main() -> None:
     tractor = load(ROOT / "missions/tractor/mission.json")
     keep("tractor_ours.png", drawn(picture(tractor), "png"))
     keep("tractor_transitions.png", by_transitions(tractor, "png"))
-    found = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
+    found = next(filter(None, map(shutil.which, ("chromium", "google-chrome", "chromium-headless-shell"))), None)
     if found is None:
         print("no browser is here, so the pictures of the pages stay as they are (on Debian: apt-get install chromium)")
         return

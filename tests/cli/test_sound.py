@@ -22,11 +22,21 @@ def test_what_speak_writes_listen_understands(tmp_path: Path, capsys: pytest.Cap
     file = str(tmp_path / "question.wav")
     assert main(["speak", "Where are you going?", "-o", file]) == 0
     assert capsys.readouterr().out == f"wrote {file}: 1.4 s\n"
-    assert main(["listen", file]) == 0
-    assert capsys.readouterr().out.split(maxsplit=5)[2:] == ["1", "of", "2", "Where are you going?\n"]
     assert main(["listen", file, "--json"]) == 0
     found = json.loads(capsys.readouterr().out)
     assert (found["text"], found["readings"], found["turn"]) == ("Where are you going?", ["Where are you going?"], 1)
+
+
+@needs_voice
+@pytest.mark.drill
+def test_a_turn_is_a_line_with_its_times_its_number_and_its_words(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = str(tmp_path / "question.wav")
+    assert main(["speak", "Where are you going?", "-o", file]) == 0
+    capsys.readouterr()
+    assert main(["listen", file]) == 0
+    assert capsys.readouterr().out.split(maxsplit=5)[2:] == ["1", "of", "2", "Where are you going?\n"]
 
 
 @needs_voice

@@ -13,6 +13,7 @@ from pathlib import Path
 import rai_missions
 import visualize
 from rai_missions.states import Compound, Each, Final, History, Include, Parallel, State
+from tests.rigs.sources import parsed
 
 ROOTS = [Path(str(each.__file__)).parent for each in (rai_missions, visualize)]
 GRAMMAR = {State, Compound, Each, Final, History, Include, Parallel}
@@ -25,7 +26,7 @@ def files() -> Iterator[tuple[str, ast.Module]]:
     for root in ROOTS:
         for file in sorted(root.rglob("*.py")):
             text = file.read_text(encoding="utf-8")
-            yield file.relative_to(root.parent).as_posix(), ast.parse(text)
+            yield file.relative_to(root.parent).as_posix(), parsed(text)
 
 
 def of_states(module: ast.Module) -> set[str]:
