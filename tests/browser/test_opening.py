@@ -45,6 +45,7 @@ BROKEN = """[...document.querySelectorAll('aside table')].flatMap((table) => {
 """Words in tables that are not on one line."""
 CUT = "(({ scrollWidth, clientWidth }) => scrollWidth - clientWidth)(document.querySelector('aside'))"
 """How much of the panel is cut at its edge."""
+SCROLLED = "document.querySelector('aside').scrollTop"
 BAR = "document.querySelector('#bar').getBoundingClientRect().height"
 SHARE = "document.querySelector('#chart').getBoundingClientRect().height / innerHeight"
 VIEW = "(({ level, x, y, scale }) => [level, scale, x, y])(review.chart.viewpoint)"
@@ -140,6 +141,10 @@ def test_on_a_phone_the_chart_has_half_of_the_screen_and_the_bar_is_a_line_with_
         window.click(f"#tab-{tab}")
         assert window.evaluate(BROKEN) == []
         assert window.evaluate(CUT) <= 0, tab
+        assert window.evaluate(SCROLLED) == 0, "another tab begins at its top"
+        window.evaluate("document.querySelector('aside').scrollTo(0, 9999)")
+    window.evaluate("review.go('state', 'assessing')")
+    assert window.evaluate(SCROLLED) == 0, "and so does what is chosen"
     assert window.evaluate("document.documentElement.scrollWidth") <= PHONE["width"]
     assert window.is_visible("#legend")
     assert_accessible(window)

@@ -117,6 +117,8 @@ def test_an_event_is_clicked_a_question_answered_a_choice_undone_and_the_play_sa
 
 
 PLACE = "(({ top, height }) => [top, height])(document.querySelector('svg.chart').getBoundingClientRect())"
+QUESTION_TOP = """(({ top }, frame) => top - frame.getBoundingClientRect().top)(
+  document.querySelector("[data-question]").getBoundingClientRect(), document.querySelector("aside"))"""
 MOVED = "document.querySelector('svg.chart > g').getAttribute('transform')"
 
 
@@ -133,6 +135,17 @@ def test_the_chart_stays_where_it_is_through_clicks_and_has_a_legend(size: tuple
             if size[0] > 1400:
                 assert window.evaluate(MOVED) == moved, "what is active was in view"
         assert window.evaluate("scrollY") == 0
+
+
+def test_a_question_is_in_view_however_far_below_it_the_last_choice_was(look: Look) -> None:
+    with served(PlaySession(load(TRACTOR))) as page:
+        window = look(page, viewport={"width": 375, "height": 700})
+        for name in ("readings", "start", "event anomaly"):
+            choose(window, name)
+        window.evaluate("document.querySelector('aside').scrollTo(0, 9999)")
+        window.eval_on_selector('[data-choice="control agent"]', "each => each.click()")
+        until(window, "document.querySelector('[data-question]')")
+        assert window.evaluate(QUESTION_TOP) >= 0
 
 
 def test_a_played_journal_is_shown_as_played_by_watch(look: Look, tmp_path: Path) -> None:

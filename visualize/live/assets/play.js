@@ -92,6 +92,7 @@ class PlayPage {
     this.chart.show({ active: new Set(active), taken: new Set(taken) });
     this.follow(new Set(active));
     this.choices.show({ ...state, keys: this.keys });
+    this.attend(state);
     this.path(state);
     document.documentElement.dataset.ready = "yes";
     document.documentElement.dataset.revision = String(state.revision);
@@ -128,6 +129,13 @@ class PlayPage {
     if (!this.chart.isSeen(inner[0], true)) this.chart.center(inner[0]);
   }
 
+  /** Has a new question, or the end, in view: the choice that led there may be far below it. */
+  attend({ questions, outcome }) {
+    const news = `${questions.map((each) => each.number)} ${outcome}`;
+    if (news !== this.news && news.trim()) document.querySelector("aside").scrollTop = 0;
+    this.news = news;
+  }
+
   notify(words, kind) {
     const element = byId("notice");
     element.hidden = false;
@@ -142,7 +150,9 @@ class PlayPage {
     else if (kind === "transition") this.details.transitions(places || [name]);
     else this.details.nothing();
     this.chart.show({ selected: kind === "state" || kind === "transition" ? `${kind} ${name}` : null });
-    if (kind) tab("details");
+    if (!kind) return;
+    tab("details");
+    document.querySelector("aside").scrollTop = 0;
   }
 
   go(kind, name) {

@@ -110,6 +110,7 @@ class Page {
   }
 
   tab(name) {
+    if (byId(name).hidden) document.querySelector("aside").scrollTop = 0;
     for (const each of TABS) {
       byId(each).hidden = each !== name;
       byId(`tab-${each}`).setAttribute("aria-selected", String(each === name));
@@ -148,7 +149,9 @@ class Page {
     else this.details.nothing();
     this.chart.show({ selected: kind === "state" || kind === "transition" ? `${kind} ${name}` : null });
     this.write({ state: kind === "state" ? name : "", transition: kind === "transition" ? name : "" });
-    if (kind) this.tab("details");
+    if (!kind) return;
+    this.tab("details");
+    document.querySelector("aside").scrollTop = 0;
   }
 
   /** To a state or transition that is named: it is opened, shown and chosen. */
