@@ -321,3 +321,31 @@ def test_a_lying_server_reports_the_opposite_and_the_world_shows_it() -> None:
     assert hand.carry() == ["failed", "failed"]
     seen = hand.run(1)["red_cube"]
     assert math.dist((seen["x"], seen["y"]), (0.4, -0.3)) < 0.01
+
+
+def stacked(x: float, upper_x: float, upper_z: float = 0.066) -> list[ClassifiedBody]:
+    """A red cube, and a blue one over it."""
+    red, blue = sighting(x), sighting(upper_x, "blue")
+    return [red, blue._replace(seen=blue.seen._replace(z=upper_z))]
+
+
+@pytest.mark.parametrize(
+    ("last", "upper", "is_at_rest"),
+    [
+        ([0.51, 0.51], stacked(0.51, 0.512)[1:], True),
+        ([0.51, 0.53], stacked(0.51, 0.532)[1:], False),
+        ([0.51, 0.51], stacked(0.51, 0.512, 0.09)[1:], False),
+        ([0.51, 0.51], [], False),
+    ],
+    ids=["held down", "moving when last seen", "in the air above it", "nothing on it"],
+)  # fmt: skip
+def test_what_was_pushed_and_is_hidden_is_at_rest_once_it_had_stopped_and_what_rests_on_it_lies_still(
+    last: list[float], upper: list[ClassifiedBody], is_at_rest: bool
+) -> None:
+    tracks, aside = Tracks(), sighting(0.9, "blue")
+    for x in [*[0.5] * LEAD, *last]:
+        tracks.add([sighting(x), aside], lambda *_: False)
+    assert not {one["name"]: one["at_rest"] for one in tracks.things()}["red_cube"]
+    for _ in range(LEAD):
+        tracks.add([aside, *upper], lambda *_: False)
+    assert {one["name"]: one["at_rest"] for one in tracks.things()}["red_cube"] is is_at_rest

@@ -75,9 +75,17 @@ class ObjectTrack:
     def is_still(self) -> bool:
         if len(self.poses) < STILL_LOOKS:
             return False
+        return all(map(self._is_here, self.poses))
+
+    @property
+    def has_stopped(self) -> bool:
+        """Whether the last two looks agree on where it is."""
+        return len(self.poses) > 1 and self._is_here(self.poses[-2])
+
+    def _is_here(self, pose: SeenBody) -> bool:
+        """Whether a pose is the last one, as far as can be seen."""
         last = self.pose
-        limit = STILL_M + SIGMAS * math.sqrt(2) * last.sigma_m
-        return all(math.dist(one[1:4], last[1:4]) <= limit for one in self.poses)
+        return math.dist(pose[1:4], last[1:4]) <= STILL_M + SIGMAS * math.sqrt(2) * last.sigma_m
 
     def probe(self) -> tuple[float, float, float]:
         """A point within it: its middle, or that of a wall where it is hollow."""
@@ -157,11 +165,17 @@ class Tracks:
 
     def things(self) -> list[dict[str, Any]]:
         """The things whose class counts, as the fact `objects` has them, by name."""
-        return sorted((_fact(track) for track in self._tracks if track.name), key=lambda one: str(one["name"]))
+        found = (_fact(track, is_at_rest=self._is_at_rest(track)) for track in self._tracks if track.name)
+        return sorted(found, key=lambda one: str(one["name"]))
 
     def unsure(self) -> int:
         """How many things are seen whose class does not count yet."""
         return sum(not track.name for track in self._tracks)
+
+    def _is_at_rest(self, track: ObjectTrack) -> bool:
+        """Whether it lies still by its looks; or, hidden after it had stopped, because what rests on it does."""
+        is_hidden_still = track.missed > 0 and track.has_stopped and self._is_held_down(track)
+        return track.seen_through == 0 and (track.is_still or is_hidden_still)
 
     def _is_held_down(self, track: ObjectTrack) -> bool:
         """Whether something that lies still rests on it: it cannot have moved unseen."""
@@ -230,7 +244,7 @@ def _distance(track: ObjectTrack, sighting: ClassifiedBody) -> float:
     return away + (HERE_M if away <= HERE_M else OTHER_M)
 
 
-def _fact(track: ObjectTrack) -> dict[str, Any]:
+def _fact(track: ObjectTrack, *, is_at_rest: bool) -> dict[str, Any]:
     assert track.thing is not None
     pose, (kind, colour) = track.pose, track.thing
     return {
@@ -238,7 +252,7 @@ def _fact(track: ObjectTrack) -> dict[str, Any]:
         "x": round(pose.x, 5), "y": round(pose.y, 5), "z": round(pose.z, 5),
         "yaw": round(_folded(pose.yaw, KINDS[kind].turns), 4), "size": list(KINDS[kind].size),
         "sigma_m": round(pose.sigma_m, 5), "looks": track.looks, "agreeing": track.agreeing,
-        "at_rest": track.is_still and track.seen_through == 0,
+        "at_rest": is_at_rest,
     }  # fmt: skip
 
 
