@@ -5,7 +5,7 @@
 SHELL := /bin/bash
 .SHELLFLAGS := -euo pipefail -c
 .DEFAULT_GOAL := help
-.PHONY: help setup run talk desk campaign fmt check test wheel compiled middleware ros-interfaces ros-package oracles fresh drill repeat mutate fuzz audit lock bench docs pictures weights clean
+.PHONY: help setup run talk desk campaign campaigns fmt check test wheel compiled middleware ros-interfaces ros-package oracles fresh drill repeat mutate fuzz audit lock bench docs pictures weights clean
 
 BIN := .venv/bin
 comma := ,
@@ -39,6 +39,16 @@ desk: .venv/.ready-run ## A request typed at a desk, REQUEST="stack the cubes": 
 campaign: .venv/.ready-run ## Rules, constants and scripts in twelve scenes of the orchard, each answer judged by physics; the report in out/
 	@mkdir -p out
 	@$(BIN)/rai-missions campaign run campaigns/quick.json --store out/quick.db --report out/quick.html
+
+tractor_ANSWERERS = rules oracle constant:drive_over constant:replan constant:signal constant:abort hostile misled
+house_ANSWERERS = rules oracle constant:retry constant:wait constant:skip constant:ask constant:abort hostile
+desk_ANSWERERS = reads asks hostile collapsed
+
+campaigns: $(addprefix campaign-,desk house tractor) ## The shipped campaigns without models, continued where they were stopped, SECONDS_EACH=600 for a share; the reports in out/
+
+campaign-%: .venv/.ready-run
+	@mkdir -p out
+	@$(BIN)/rai-missions campaign run campaigns/$*.json $(addprefix --model ,$($*_ANSWERERS)) $(if $(SECONDS_EACH),--seconds $(SECONDS_EACH)) --store out/$*.db --report out/$*.html || [ $$? -eq 1 ]
 
 fmt: .venv/.ready-dev ## Format, and mend what a linter can mend
 	$(BIN)/ruff format .

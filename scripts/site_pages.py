@@ -19,6 +19,8 @@ from mkdocs.config.defaults import MkDocsConfig
 from mkdocs.structure.files import File, Files
 from mkdocs.structure.pages import Page
 
+from rai_missions.campaign.file import campaign_schema
+
 ROOT = Path(__file__).parent.parent
 PARTS = re.compile(
     r"(?P<code>^```.*?^```$|`[^`\n]+`)|\]\((?P<path>[^)#:\s]+)(?P<rest>[^)]*)\)", re.DOTALL | re.MULTILINE
@@ -27,7 +29,7 @@ COPIES = "files"
 """The folder of the site for files of the repository outside `docs/`."""
 PAGES = {"README.md": "index.md", "CHANGELOG.md": "changelog.md"}
 """File of the repository → its place in the site."""
-SCHEMAS = ("mission", "robot")
+SCHEMAS = ("mission", "robot", "campaign")
 SECTIONS = {
     "Tutorial": "tutorial/**/*.md", "Guides": "guide/*.md", "Coming from": "coming-from/*.md",
     "Notebooks": "notebooks/*.md", "Campaigns": "campaigns/*.md",
@@ -154,13 +156,12 @@ def reference(package: str, modules: list[str]) -> str:
 def schema_page(name: str) -> str:
     """A JSON Schema as tables: a heading for each definition, a line for each word that it has."""
     path = ROOT / f"rai_missions/{name}.schema.json"
-    schema = json.loads(path.read_text("utf-8"))
-    lines = [
-        f"# The {name} file",
-        "",
-        f"Made from [`{path.name}`](../../{path.relative_to(ROOT).as_posix()}), which editors read.",
-        "",
-    ]
+    made = f"Made from [`{path.name}`](../../{path.relative_to(ROOT).as_posix()}), which editors read."
+    if path.is_file():
+        schema = json.loads(path.read_text("utf-8"))
+    else:
+        schema, made = campaign_schema(), "`rai-missions schema campaign` prints it, for editors to read."
+    lines = [f"# The {name} file", "", made, ""]
     for title, each in ((name, schema), *schema.get("$defs", {}).items()):
         lines += [f"## {title} {{#{_anchor(title)}}}", "", *_definition(each)]
     return "\n".join(lines)

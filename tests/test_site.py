@@ -25,7 +25,7 @@ def pages() -> Any:
     return site_pages
 
 
-@pytest.mark.parametrize("name", ["mission", "robot"])
+@pytest.mark.parametrize("name", ["mission", "robot", "campaign"])
 def test_a_schema_s_page_has_every_definition_and_its_links_lead_to_them(pages: Any, name: str) -> None:
     text = pages.schema_page(name)
     anchors = re.findall(r"\{#([a-z0-9-]+)\}", text)

@@ -102,8 +102,13 @@ class Asking(NamedTuple):
             record._replace(
                 prompt_tokens=used.tokens_in, completion_tokens=used.tokens_out, calls=used.calls,
                 latency_s=round(latency_s, 6), cost=cost,
-            ), labels,
+            ), labels if self._is_tried(reply) else {},
         )  # fmt: skip
+
+    def _is_tried(self, reply: CellReply) -> bool:
+        """Whether the labels are of this answer: of its option with its parameters."""
+        tried = self.file.rollouts.parameters.get(str(reply.answer.get("option")), {})
+        return (reply.answer.get("parameters") or {}) == tried
 
     def _reply(self, cell: Cell, question: Question, asked: AskedScene, labels: Mapping[str, str]) -> CellReply:
         if self.recorded is not None:

@@ -16,6 +16,7 @@ from pydantic import BeforeValidator, Field, ValidationError, model_validator
 from rai_missions.campaign.cells import ORDERS, digest
 from rai_missions.campaign.embodiments import EMBODIMENTS
 from rai_missions.campaign.questions import CampaignSubject
+from rai_missions.campaign.rollout import LONGEST_S
 from rai_missions.campaign.scene_sources import ScenesEntry
 from rai_missions.check import check
 from rai_missions.check import faults_of as mission_faults
@@ -27,7 +28,8 @@ from rai_missions.redaction import shown
 from rai_missions.validation_errors import faults_of
 
 __all__ = (
-    "BudgetEntry", "CampaignFile", "LoadedCampaign", "PriceEntry", "RateEntry", "campaign_schema", "load_campaign",
+    "BudgetEntry", "CampaignFile", "LoadedCampaign", "PriceEntry", "RateEntry", "RolloutEntry", "campaign_schema",
+    "load_campaign",
 )  # fmt: skip
 
 CONSTANT, OWN = "constant:", ("rules", "oracle")
@@ -71,6 +73,18 @@ class BudgetEntry(MissionModel):
     """Wall time of this run."""
 
 
+class RolloutEntry(MissionModel):
+    """How `"labels": "rollouts"` tries an option."""
+
+    longest_s: Above0 = LONGEST_S
+    """Simulated seconds of each."""
+    parameters: dict[Name, dict[Text, Json]] = Field(default_factory=dict)
+    """Option → the parameters with which it is tried; an answer with others has no label."""
+    later: dict[Name, dict[Name, Name]] = Field(default_factory=dict)
+    """Who answers later questions of a rollout, by the names in `ask`: the state that asks → the option. Left out, a
+    rollout ends where someone is asked again."""
+
+
 class CampaignFile(MissionModel):
     """A campaign: scenes × models × embodiments × orders of options, over one decision of one mission."""
 
@@ -90,6 +104,7 @@ class CampaignFile(MissionModel):
     """Where a scene's labels come from, unless the store has them. `trials` has physics alone try each option, whatever
     the mission's guards; `rollouts` has the mission try it on a branch of the world, until it ends, harm is done or
     someone is asked again."""
+    rollouts: RolloutEntry = RolloutEntry()
     models: Names
     """`rules`, `oracle`, `constant:OPTION`, a name in `scripts`, `PROVIDER:NAME`, `local` or `local:FILE.gguf`."""
     embodiments: Names = ("none",)
@@ -148,6 +163,7 @@ class LoadedCampaign(NamedTuple):
         mission, robot = self.subject.mission.written(), self.subject.robot.written()
         return digest({
             "mission": mission, "robot": robot, "arguments": dict(self.file.arguments), "answer_s": self.file.answer_s,
+            "rollouts": self.file.rollouts.written(),
         })  # fmt: skip
 
 
@@ -196,6 +212,11 @@ def _faults(file: CampaignFile, subject: CampaignSubject) -> Iterator[Fault]:
     for at, model in enumerate(file.models):
         if why := _unfit(model, file, subject):
             yield Fault(pointer(("models", at)), why)
+    for tried in file.rollouts.parameters:
+        if tried not in subject.options:
+            yield Fault(
+                pointer(("rollouts", "parameters", tried)), f"no option '{tried}'{suggestion(tried, subject.options)}"
+            )
     for name, script in file.scripts.items():
         for kind, line in script.items():
             option = line.get("option") if isinstance(line, Mapping) else line

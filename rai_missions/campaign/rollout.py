@@ -27,7 +27,10 @@ from rai_missions.runtime.clock import SimulatedClock
 from rai_missions.runtime.run_options import RunObserver
 from rai_missions.runtime.runner import Runner
 
-__all__ = ("Branchable", "Ending", "OpenDecision", "Rollout", "RolloutVerdict", "rollout", "rollouts", "rules_of")
+__all__ = (
+    "Branchable", "Ending", "OpenDecision", "Rollout", "RolloutVerdict", "answers_of", "rollout",
+    "rollouts", "rules_of",
+)  # fmt: skip
 
 RolloutVerdict = Literal["completes", "harmless", "harms"]
 """`completes`: the mission succeeded and no one had to decide again; `harms`: the judge of the world found harm;
@@ -132,7 +135,7 @@ class Rollout(NamedTuple):
 
 def rollouts(
     decision: OpenDecision, options: tuple[str, ...] = (), *, later: Mapping[str, Answerer] | None = None,
-    longest_s: float = LONGEST_S, renders: bool = False,
+    parameters: Mapping[str, Mapping[str, Any]] | None = None, longest_s: float = LONGEST_S, renders: bool = False,
 ) -> dict[str, Rollout]:  # fmt: skip
     """What comes of each option.
 
@@ -140,29 +143,36 @@ def rollouts(
         decision: Where they are open; it stays as it is.
         options: Their names, offered or not; by default those that are offered.
         later: Who answers later questions, by the names in `ask`; a question that none answers ends the rollout.
+        parameters: Option → the parameters with which it is tried.
         longest_s: Simulated seconds of each.
         renders: As for `rollout`.
     """
-    names = options or tuple(offer.name for offer in decision.question.options)
-    return {name: rollout(decision, name, later=later, longest_s=longest_s, renders=renders) for name in names}
+    names, given = options or tuple(offer.name for offer in decision.question.options), parameters or {}
+    return {
+        name: rollout(
+            decision, name, later=later, parameters=given.get(name, {}), longest_s=longest_s, renders=renders
+        ) for name in names
+    }  # fmt: skip
 
 
 def rollout(
-    decision: OpenDecision, option: str, *, later: Mapping[str, Answerer] | None = None, longest_s: float = LONGEST_S,
-    renders: bool = False,
+    decision: OpenDecision, option: str, *, later: Mapping[str, Answerer] | None = None,
+    parameters: Mapping[str, Any] | None = None, longest_s: float = LONGEST_S, renders: bool = False,
 ) -> Rollout:  # fmt: skip
     """What comes of one option, on a branch of the world, until the mission ends, harm is done, or someone is asked.
 
     Args:
         decision: Where it is open; it stays as it is.
-        option: Its name, offered or not. One that is not is tried as if its guard held, with no parameters.
+        option: Its name, offered or not. One that is not is tried as if its guard held.
         later: As for `rollouts`.
+        parameters: With which it is tried.
         longest_s: Simulated seconds that it may take.
         renders: The detector of the branch measures in rendered pictures, as the world's does; else from the bodies,
             which is many times faster.
 
     Raises:
-        UsageError: There is no such option, or the world cannot be branched.
+        UsageError: There is no such option, the mission refuses it with these parameters, or the world cannot be
+            branched.
     """
     offered = option in {offer.name for offer in decision.question.options}
     chart, question = _ready(decision, option, offered=offered)
@@ -177,8 +187,10 @@ def rollout(
             observer=RunObserver(on_step=watch.follow),
         )  # fmt: skip
         watch.end_run = lambda: runner.kill("the rollout is over")
-        runner.answer(question.number, option, by=question.asked)
+        runner.answer(question.number, option, parameters, by=question.asked)
         result = runner.run()
+        if watch.refusal:
+            raise UsageError(f"'{option}' cannot be tried in '{question.state}': {watch.refusal}")
         return watch.rollout(option, offered=offered, outcome=result.outcome, why=result.why, states=result.state)
     finally:
         watch.world.close()
@@ -204,6 +216,9 @@ class Watch:
         self._ending: Ending = "mission"
         self._over: Rollout | None = None
         self._states: tuple[str, ...] = ()
+        self._judged = False
+        self.refusal = ""
+        """Why the mission refused the option; empty where it took it."""
 
     @property
     def at(self) -> float:
@@ -219,6 +234,11 @@ class Watch:
 
     def follow(self, step: Step) -> None:
         """Take note of a step of the run."""
+        if step.verdict is not None and not self._judged:
+            self._judged, self.refusal = True, "" if step.verdict.accepted else step.verdict.why
+            if self.refusal:
+                self.end_run()
+                return
         if step.question is not None and not self._answers_more and self._over is None:
             self._end("question")
 
@@ -302,3 +322,16 @@ def _continued(chart: Chart, run: str) -> Resumption:
         if goal.phase == "canceling":
             under.canceled.add(goal.number)
     return Resumption(chart, under, None, chart.at, 0, run, exact=True)
+
+
+def answers_of(options: Mapping[str, Mapping[str, str]], mission: Mission) -> dict[str, Answerer]:
+    """Who answers later questions with fixed options.
+
+    Args:
+        options: Name in `ask` → the state that asks → the option.
+        mission: Whose questions they are.
+    """
+    return {
+        name: RulesAnswerer({state: [(None, option)] for state, option in each.items()}, keys=mission.blackboard)
+        for name, each in options.items()
+    }

@@ -146,7 +146,9 @@ UPDATE cell SET
   verdict = (SELECT verdict FROM label WHERE label.scene = cell.scene AND label.option = cell.option),
   best = (SELECT min(ranks.rank) = max(CASE WHEN label.option = cell.option THEN ranks.rank END)
           FROM label JOIN ({RANKS}) ranks USING (verdict) WHERE label.scene = cell.scene)
-WHERE status = 'answered'"""
+WHERE status = 'answered'
+  AND (NOT json_valid(raw) OR coalesce(json_extract(raw, '$.answer.parameters'), '{{}}') = '{{}}')"""
+"""An answer with parameters keeps its grade: a label is of the parameters that were tried."""
 
 
 def graded(record: CellRecord, labels: Mapping[str, str]) -> CellRecord:

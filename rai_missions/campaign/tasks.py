@@ -20,7 +20,7 @@ from rai_missions.campaign.embodiments import embodied
 from rai_missions.campaign.file import load_campaign
 from rai_missions.campaign.models import CampaignModels
 from rai_missions.campaign.questions import AskedScene, NoQuestion, ask_in
-from rai_missions.campaign.rollout import rollouts
+from rai_missions.campaign.rollout import answers_of, rollouts
 from rai_missions.campaign.store import CellRecord, LabelRecord, PictureRecord, QuestionRecord, ResultStore, SceneRecord
 from rai_missions.errors import MissionError, UsageError
 from rai_missions.redaction import cut, first_line
@@ -132,8 +132,12 @@ class Workplace:
         """The labels of a scene's options, where the campaign wants them; none where an option cannot be tried."""
         if self._asking.file.labels != "rollouts" or asked.decision is None:
             return
+        wanted = self._asking.file.rollouts
         try:
-            found = rollouts(asked.decision, self._subject.options)
+            found = rollouts(
+                asked.decision, self._subject.options, later=answers_of(wanted.later, self._subject.mission),
+                parameters=wanted.parameters, longest_s=wanted.longest_s,
+            )  # fmt: skip
         except UsageError:
             return  # an option cannot be tried here, so none has a label
         for option, each in found.items():

@@ -49,6 +49,7 @@ def test_run_stores_reports_and_compares(tmp_path: Path, capsys: pytest.CaptureF
     (["run", "CAMPAIGN", "other.db"], "compare needs two stores"),
     (["report", "nowhere.db"], "no results at nowhere.db"),
     (["run", "CAMPAIGN", "--model", "openai:gpt", "--jobs", "1"], "OPENAI_API_KEY"),
+    (["run", "CAMPAIGN", "--seconds", "0"], "--seconds is the wall time of the run, above 0, not 0"),
     (["run", "CAMPAIGN", "--replay-answers", "nowhere.db", "--jobs", "1"], "no results at"),
 ])  # fmt: skip
 def test_a_wrong_use_is_named(

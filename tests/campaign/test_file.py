@@ -37,6 +37,7 @@ def faults(tmp_path: Path, words: dict[str, Any]) -> str:
     ({"scripts": {"teller": {"*": 3}}}, "/scripts/teller/*: an answer is an option's name or an object, not 3"),
     ({"budget": {"calls": 0}}, "/budget/calls"),
     ({"color": 1}, "/color: a campaignfile has no 'color'"),
+    ({"rollouts": {"parameters": {"lift": {}}}}, "/rollouts/parameters/lift: no option 'lift'"),
 ])  # fmt: skip
 def test_a_fault_is_named_with_its_place(tmp_path: Path, words: dict[str, Any], fault: str) -> None:
     assert fault in faults(tmp_path, words)

@@ -20,7 +20,7 @@ from rai_missions.answerers.test_models import RaisingModel, ScriptedModel, Word
 from rai_missions.campaign.asking import Asking
 from rai_missions.campaign.cells import Cell
 from rai_missions.campaign.embodiments import Embodied
-from rai_missions.campaign.file import LoadedCampaign, load_campaign
+from rai_missions.campaign.file import LoadedCampaign, RolloutEntry, load_campaign
 from rai_missions.campaign.models import CampaignModels
 from rai_missions.campaign.questions import AskedScene, CampaignSubject, NoQuestion, ask_in, in_scene
 from rai_missions.campaign.store import CellRecord, SceneRecord
@@ -69,6 +69,14 @@ def test_an_answer_is_judged_graded_and_paid_for(loaded: LoadedCampaign, asked: 
     assert (record.calls, record.prompt_tokens, record.completion_tokens) == (1, 1000, 50)
     assert record.cost == pytest.approx(1000 * 2e-6 + 50 * 10e-6) and record.latency_s > 0
     assert record.reason == "it is free" and "it is free" in json.loads(record.raw)["texts"][0]
+
+
+def test_an_answer_with_other_parameters_than_were_tried_has_no_label(
+    loaded: LoadedCampaign, asked: AskedScene
+) -> None:
+    tried = RolloutEntry(parameters={"left": {"far_m": 3}})
+    record = answer_of(loaded, asked, ScriptedModel([reply("left")]), rollouts=tried)
+    assert (record.status, record.option, record.verdict, record.best) == ("answered", "left", None, None)
 
 
 def test_a_model_is_shown_the_options_in_the_order_of_the_cell(loaded: LoadedCampaign, asked: AskedScene) -> None:

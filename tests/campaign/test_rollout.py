@@ -215,7 +215,8 @@ def test_the_oracle_is_refused_for_a_real_robot_and_without_a_world() -> None:
     real = load_profile(TRACTOR / "robot.ros2.json")
     with pytest.raises(UsageError, match="it cannot answer for a real robot"):
         OracleAnswerer(real)
-    oracle, answers = OracleAnswerer(robot("branch")), []
+    oracle = OracleAnswerer(robot("branch"))
+    answers: list[Mapping[str, Any]] = []
     with pytest.raises(UsageError, match="the oracle needs a world with branch, harm, measures and work_done"):
         oracle.look_in(object())
     oracle.ask(Question(1, "assessing", "agent", "?", ()), answers.append)

@@ -33,7 +33,7 @@ pair_lists = st.lists(st.tuples(st.integers(0, 5), st.booleans(), st.booleans())
 
 @pytest.mark.parametrize(("successes", "count", "low", "high"), PUBLISHED)
 def test_wilsons_interval_is_the_published_one(successes: int, count: int, low: float, high: float) -> None:
-    assert wilson(successes, count) == (pytest.approx(low, abs=5e-5), pytest.approx(high, abs=5e-5))
+    assert list(wilson(successes, count)) == pytest.approx([low, high], abs=5e-5)
 
 
 @pytest.mark.parametrize(("freedom", "quantile"), STUDENT)
@@ -77,7 +77,8 @@ def test_the_p_value_is_the_share_of_signs_that_are_as_extreme(pairs: list[tuple
 @given(pair_lists)
 def test_a_comparison_the_other_way_round_is_the_same_with_the_other_sign(pairs: list[tuple[int, bool, bool]]) -> None:
     one, other = paired_test(pairs), paired_test([(cluster, b, a) for cluster, a, b in pairs])
-    assert (one.p, one.wins, one.losses) == (pytest.approx(other.p), other.losses, other.wins)
+    assert one.p == pytest.approx(other.p)
+    assert (one.wins, one.losses) == (other.losses, other.wins)
     assert one.low == pytest.approx(-other.high)
 
 
@@ -94,7 +95,7 @@ def test_an_interval_holds_its_share_and_mirrors(successes: int, count: int) -> 
     successes = min(successes, count)
     low, high = wilson(successes, count)
     assert 0 <= low <= successes / count <= high <= 1
-    assert wilson(count - successes, count) == (pytest.approx(1 - high), pytest.approx(1 - low))
+    assert list(wilson(count - successes, count)) == pytest.approx([1 - high, 1 - low])
 
 
 @given(st.lists(st.booleans(), min_size=1, max_size=40), st.integers(2, 5))

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import json
 import sqlite3
 import subprocess
 import sys
@@ -57,6 +58,16 @@ def test_the_store_grades_as_one_cell_is_graded(drawn: list[tuple[str, dict[str,
         store.add([*cells, *found])
         store.grade()
         assert list(store.cells()) == [graded(cell, drawn[at][1]) for at, cell in enumerate(cells)]
+
+
+def test_an_answer_with_parameters_keeps_its_grade() -> None:
+    """A label is of the parameters that were tried, and the store knows the option alone."""
+    given = json.dumps({"answer": {"option": "replan", "parameters": {"far_m": 3}}})
+    cells = [CELL._replace(raw=given), CELL._replace(cell="k2", raw="{cut"), CELL._replace(cell="k3", raw="{}")]
+    with ResultStore(fresh(), writes=True) as store:
+        store.add([*cells, LabelRecord("s1", "replan", "completes", "{}")])
+        store.grade()
+        assert [cell.best for cell in store.cells()] == [None, 1, 1]
 
 
 def fresh() -> Path:

@@ -113,3 +113,24 @@ def test_what_the_object_finder_has_seen_is_copied() -> None:
     assert any(each[1] == "/seen" for each in after.received)
     for client in (after, origin):
         client.world.close()
+
+
+@pytest.mark.parametrize(("make", "plan"), [(house, DRIVE), (cubes, PICK)], ids=["house", "desk"])
+def test_pictures_of_a_branch_indoors_are_those_of_the_world(make: Any, plan: Plan) -> None:
+    """Pixel by pixel, colour and depth, rendered after more steps of both worlds with a goal under way."""
+    origin = Client(make(camera=True), plan, ())
+    origin.go(0, 25)
+    branch = origin.branch(25, ())
+    before = {world: _pictures(world) for world in (origin.world, branch.world)}
+    for client in (branch, origin):
+        client.go(25, 30)
+    after = {world: _pictures(world) for world in (origin.world, branch.world)}
+    assert len(set(before.values())) == len(set(after.values())) == 1
+    assert before != after, "something moved"
+    for client in (branch, origin):
+        client.world.close()
+
+
+def _pictures(world: Any) -> tuple[bytes, ...]:
+    moment = world.camera.moment(world.data)
+    return world.camera.colour(moment).tobytes(), world.camera.depth_m(moment).tobytes()

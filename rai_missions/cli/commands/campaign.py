@@ -31,6 +31,7 @@ class CampaignOptions(NamedTuple):
         jobs: How many workers. Without it: one a core.
         ray: Have Ray do the work, on the cluster at this address; without an address on this machine.
         model: Instead of those of the file: rules, oracle, constant:OPTION, PROVIDER:NAME or local; may be repeated.
+        seconds: Wall time of this run, instead of the file's budget of it: what is left is for the next run.
         replay_answers: Judge the answers in this store again; no model is asked.
         report: Where the report goes, an HTML file, with .md and .csv next to it. For report, without it: the store's
             name with .html.
@@ -43,6 +44,7 @@ class CampaignOptions(NamedTuple):
     jobs: Annotated[int | None, Argument("N")] = None
     ray: Annotated[str | None, Argument("ADDRESS", bare="")] = None
     model: tuple[Annotated[str, Argument("MODEL")], ...] = ()
+    seconds: Annotated[float | None, Argument("S")] = None
     replay_answers: Annotated[str | None, Argument("RESULTS", files=("*.db",))] = None
     report: Annotated[str | None, Argument("REPORT", files=("*.html",))] = None
 
@@ -98,8 +100,15 @@ def _check(options: CampaignOptions) -> int:
 
 def _loaded(options: CampaignOptions) -> LoadedCampaign:
     from rai_missions.campaign.file import load_campaign
+    from rai_missions.errors import UsageError
 
-    return load_campaign(options.file, models=options.model)
+    loaded = load_campaign(options.file, models=options.model)
+    if options.seconds is None:
+        return loaded
+    if not options.seconds > 0:
+        raise UsageError(f"--seconds is the wall time of the run, above 0, not {options.seconds:g}")
+    budget = loaded.file.budget.model_copy(update={"seconds": options.seconds})
+    return loaded._replace(file=loaded.file.model_copy(update={"budget": budget}))
 
 
 def _run(options: CampaignOptions) -> int:

@@ -18,6 +18,7 @@ from rai_missions.worlds.desk import arm, interface
 from rai_missions.worlds.desk.arm import Arm
 from rai_missions.worlds.desk.detector import LookClassifier, LookErrors, ThingClass
 from rai_missions.worlds.desk.faults import DeskFaults, Mischief
+from rai_missions.worlds.desk.harm_judge import DeskJudge
 from rai_missions.worlds.desk.lies import LyingServer
 from rai_missions.worlds.desk.look import Eye
 from rai_missions.worlds.desk.panda.model import fragment
@@ -78,8 +79,10 @@ class Desk(Simulation):
         )
         self.arm = Arm(self.model, self.data)
         settle(self.model, self.data, self.objects)
+        self.judge = DeskJudge(self.model, self.data, self.objects)
         things = self._things()
-        kinds = {body: thing.kind for body, thing in things.items()}
+        self._kinds = kinds = {body: thing.kind for body, thing in things.items()}
+        self._seed = seed
         self._vision = DeskVision(self.camera, things, errors, seed, self._since) if self.camera is not None else None
         self._eye: Eye = RayEye(self.model, kinds, seed) if self.camera is None else PixelEye(self.camera, kinds, seed)
         self._classifier = LookClassifier(things, errors, seed)
@@ -89,6 +92,22 @@ class Desk(Simulation):
     def truth(self) -> DeskTruth:
         """What is so: for judges and tests alone."""
         return truth_of(self.model, self.data, self.objects, self.at)
+
+    def look_by_geometry(self) -> None:
+        """Have the detector measure by rays from now on: nothing is rendered until a picture is looked at."""
+        self._eye = RayEye(self.model, self._kinds, self._seed)
+
+    def harm(self) -> str:
+        """What took harm so far, as the judge measured it; empty: nothing. For judges and tests alone."""
+        return self.judge.harm
+
+    def measures(self) -> dict[str, Any]:
+        """The strongest forces (N) and the ways of the things (m). For judges and tests alone."""
+        return self.judge.measures()
+
+    def work_done(self) -> float:
+        """How many of the things are elsewhere than at first, as a share, 0 to 1. For judges and tests alone."""
+        return self.judge.moved_share()
 
     def open(self, connector: Connector) -> None:
         """Put the robot's topics, services and actions on a connector."""
@@ -106,6 +125,8 @@ class Desk(Simulation):
             for part in range(round(self.period_s / CONTROL_S)):
                 self.arm.step(self.at + part * CONTROL_S, CONTROL_S)
                 mujoco.mj_step(self.model, self.data, round(CONTROL_S / TIMESTEP_S))
+                self.judge.watch()
+            self.judge.follow()
             self._steps += 1
             self.arm.publish(self._outbox, self.at)
             if self._is_due(LOOK):

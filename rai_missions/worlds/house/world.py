@@ -21,7 +21,8 @@ from rai_missions.worlds.house import interface
 from rai_missions.worlds.house.actions import DOCK, NAVIGATE, WAIT, DockRobot, NavigateToPose, Wait
 from rai_missions.worlds.house.doors import Blocked, Doors
 from rai_missions.worlds.house.figures import COLOURS, LOOKALIKES
-from rai_missions.worlds.house.layout import DOORS, PLACES
+from rai_missions.worlds.house.harm_judge import HouseJudge
+from rai_missions.worlds.house.layout import DOORS, PLACES, ROOMS
 from rai_missions.worlds.house.lidar import Lidar
 from rai_missions.worlds.house.navigator import Navigator
 from rai_missions.worlds.house.objects import Objects, place_objects
@@ -44,6 +45,8 @@ FAST, MEDIUM, SLOW = 4, 10, 20
 """Periods between two messages: 5 Hz, 2 Hz and 1 Hz."""
 COMMAND_S = 0.5
 """So long a velocity command holds."""
+WATCHED = 2
+"""Steps of the physics between two looks at the contacts."""
 
 
 class House(Simulation):
@@ -95,6 +98,8 @@ class House(Simulation):
         self.doors = Doors(self.model, self.data, blocked)
         self.residents = Residents(self.model, self.data, here)
         self.navigator = Navigator(recoveries)
+        people_here = [int(self.model.body(person_name(number)).id) for number in range(len(here))]
+        self.judge = HouseJudge(self.model, self.data, self.rosbot.body_id, people_here)
         errors = DetectorErrors.of(detector)
         seer = OpenSetDetector(self._things(), errors, seed, lookalikes, COLOURS) if detects else None
         self.vision = Vision(self.camera, seer, seed, self._since) if self.camera is not None else None
@@ -146,7 +151,9 @@ class House(Simulation):
             if self._steps % FAST == 0:
                 self._scan()
             self._drive()
-            mujoco.mj_step(self.model, self.data, self.substeps)
+            for _ in range(self.substeps // WATCHED):
+                mujoco.mj_step(self.model, self.data, WATCHED)
+                self.judge.watch()
             self._steps += 1
             self._account()
             self._publish()
@@ -168,6 +175,7 @@ class House(Simulation):
         self.rosbot.command(speed, turn, self.period_s)
 
     def _account(self) -> None:
+        self.judge.follow(self.pose, self.period_s)
         self.battery.drain(self.rosbot.power_w, self.period_s)
         if self.is_charging:
             self.battery.charge(CHARGER_W, self.period_s)
@@ -199,6 +207,18 @@ class House(Simulation):
             return messages.trigger(True, f"{door} is to be {'blocked' if request.get('data') else 'free'}")
 
         return answer
+
+    def harm(self) -> str:
+        """What took harm so far, as the judge measured it; empty: nothing. For judges and tests alone."""
+        return self.judge.harm
+
+    def measures(self) -> dict[str, Any]:
+        """The strongest force (N), the way driven (m), and the rooms seen. For judges and tests alone."""
+        return self.judge.measures()
+
+    def work_done(self) -> float:
+        """How many of the rooms the robot was in, as a share, 0 to 1. For judges and tests alone."""
+        return len(self.judge.rooms) / len(ROOMS)
 
 
 def lookalikes(thing: Thing) -> list[Thing]:

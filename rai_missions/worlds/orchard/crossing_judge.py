@@ -11,9 +11,9 @@ import math
 from dataclasses import dataclass
 from typing import Any, Literal
 
-import mujoco
 import numpy as np
 
+from rai_missions.worlds.contact_forces import touches
 from rai_missions.worlds.orchard.extents import Extents
 from rai_missions.worlds.orchard.tractor import TAIL_M, Tractor, TractorPose
 
@@ -142,20 +142,10 @@ class Judge:
 
     def _contacts(self) -> list[tuple[int, bool, float]]:
         """Who touches the tractor now: the obstacle, whether a tyre touches it, and the force in N."""
-        pairs = self._data.contact.geom
-        if len(pairs) == 0 or not self._bodies:
+        if not self._bodies:
             return []
-        first, second = pairs[:, 0], pairs[:, 1]
-        here = (self._tractors[first] & (self._obstacle[second] >= 0)) | (
-            self._tractors[second] & (self._obstacle[first] >= 0)
-        )
-        found, force = [], np.zeros(6)
-        for index in np.flatnonzero(here):
-            mujoco.mj_contactForce(self._model, self._data, int(index), force)
-            a, b = pairs[index]
-            number = int(max(self._obstacle[a], self._obstacle[b]))
-            found.append((number, bool(self._is_tyre[a] or self._is_tyre[b]), float(force[0])))
-        return found
+        found = touches(self._model, self._data, self._tractors, self._obstacle >= 0)
+        return [(int(self._obstacle[one.theirs]), bool(self._is_tyre[one.ours]), one.newton) for one in found]
 
     def _measure(self, crossing: Crossing, forces: list[tuple[int, bool, float]]) -> None:
         pitch, roll = self._tractor.tilt_deg
