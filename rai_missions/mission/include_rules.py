@@ -49,8 +49,8 @@ def included_file(written: str, chain: Chain) -> Path:
         raise refused(f"{shown(written)} cannot be included; name a .json file relative to this one, with '/'")
     try:
         file = (here.parent / written).resolve()
-        found = file.is_relative_to(chain.folder) and file.exists()
-    except (OSError, RuntimeError):  # a name too long, links in a circle
+        found = file.is_relative_to(chain.folder) and _is_there(file)
+    except (OSError, RuntimeError):  # a name too long, links in a circle, which Python 3.13 finds by `stat` alone
         raise refused(f"{shown(written)} cannot be opened; name a .json file") from None
     if not file.is_relative_to(chain.folder):
         raise refused(f"{shown(written)} lies outside the mission's folder; put it inside")
@@ -65,6 +65,15 @@ def included_file(written: str, chain: Chain) -> Path:
     if len(chain.files) > MAX_INCLUSIONS:
         raise refused(f"more than {MAX_INCLUSIONS} missions inside each other; include less deeply")
     return file
+
+
+def _is_there(file: Path) -> bool:
+    """Whether there is a file; an `OSError` where that cannot be known."""
+    try:
+        file.stat()
+    except (FileNotFoundError, NotADirectoryError):
+        return False
+    return True
 
 
 def refused(sentence: str) -> DefinitionError:
