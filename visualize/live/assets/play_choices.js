@@ -24,7 +24,7 @@ class Choices {
   awaited(state, choices) {
     if (!choices.length) return [];
     const asked = state.questions.map((each) => make("div", { "data-question": String(each.number) },
-      make("p", { class: "text" }, make("b", {}, `${each.who} is asked: `), each.text || "", make("small", {}, each.until === null ? "" : ` (${valueText(each.until - state.at)} s left)`)),
+      make("p", { class: "text" }, make("b", {}, `${each.who} is asked: `), each.text || "", make("small", {}, each.until === null ? "" : ` (${(each.until - state.at).toFixed(1)} s left)`)),
       make("table", { class: "board" }, make("tbody", {}, each.evidence.map((shown) => make("tr", { class: shown.fresh ? "fresh" : "stale" }, make("td", {}, make("code", {}, shown.key)), make("td", {}, shown.fresh ? valueView(shown.value) : "unknown")))))));
     return [make("section", { class: "awaited", "data-group": "awaited" }, make("h2", {}, "The mission waits for"), asked, choices.map((each) => this.one(each)))];
   }
