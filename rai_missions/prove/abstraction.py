@@ -29,6 +29,7 @@ from rai_missions.prove.counts import Count
 from rai_missions.prove.instruments import Instruments
 from rai_missions.prove.liveness import ALL, Later, LiveReads, LooksAhead
 from rai_missions.prove.nondeterminism import OpenFields, Payload
+from rai_missions.prove.open_rounds import OpenRounds
 from rai_missions.prove.open_world import NOW, OpenWorld
 from rai_missions.prove.parts import guards_in, writes_in
 from rai_missions.prove.store import ALL_GOALS, MANY, Rivals
@@ -314,9 +315,9 @@ def _rest_goals(goals: dict[int, Goal]) -> dict[int, Goal]:
     }  # fmt: skip
 
 
-def _rest_rounds(rounds: dict[str, tuple[tuple[Any, ...], int]]) -> dict[str, tuple[tuple[Any, ...], int]]:
-    """Items that are done are forgotten."""
-    return {name: (items[index:], 0) for name, (items, index) in rounds.items()}
+def _rest_rounds(rounds: OpenRounds) -> OpenRounds:
+    rounds.rest()
+    return rounds
 
 
 def _waiting(config: Configuration) -> Iterator[CompiledGuard]:

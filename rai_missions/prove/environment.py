@@ -112,7 +112,7 @@ class Environment:
     @property
     def has_stores(self) -> bool:
         """What a step asks of a store is known, and states can differ in it alone."""
-        return (bool(self.world.own_keys) or self._has_actions) and not self.world.own_fade
+        return (bool(self.world.stored) or self._has_actions) and not self.world.own_fade
 
     def load(self, place: Place) -> None:
         """Be in a state again."""

@@ -242,11 +242,11 @@ class Space(StateGraph):
         environment.make(happening.do)
         self.meter.work += len(chart.state.draft.moves) + instruments.ticks
         is_possible = world.is_possible
-        read, written = looked & world.own_keys, {key for key, _ in chart.state.draft.written}
+        read, written = looked & world.stored, {key for key, _ in chart.state.draft.written}
         if is_possible:
             kept = self._left_waiting(happening) if happening.kind == "time" and environment.time.is_silent else None
             environment.settle()
-            read |= (looked | world.asked_at_the_end) & world.own_keys
+            read |= (looked | world.asked_at_the_end) & world.stored
             way = Edge(happening.words, at, environment.choices.trail)
             self.learn(source, way, is_paused=is_idle)
             arrival = self._arrival(way, happening, place.store, kept)
@@ -280,13 +280,14 @@ class Space(StateGraph):
         if happening.is_of_goal or goals[:many] != list(before.ledger.values()):
             instruments.asked.add(ALL_GOALS)
         is_absolute = ALL_GOALS in instruments.asked
+        ahead = codec.ahead()
         change = self._stores.change(
             written, added, tuple(goals if is_absolute else goals[many:]), self.environment.rest.rivals,
-            codec.kept(), is_absolute=is_absolute,
+            ahead.kept, is_absolute=is_absolute,
         )  # fmt: skip
         levels = codec.levels() if codec.loops else ()
         return Arrival(
-            way, happening.kind, has_moved, None, codec.core(), codec.take(), change, codec.question(), chart.mode,
+            way, happening.kind, has_moved, None, codec.core(), codec.take(), change, ahead.question, chart.mode,
             levels, kept, happening.is_of_goal,
         )  # fmt: skip
 

@@ -19,6 +19,7 @@ from rai_missions.mission.mission import Mission
 from rai_missions.prove.comparisons import Comparisons
 from rai_missions.prove.liveness import LooksAhead
 from rai_missions.prove.nondeterminism import Choices, OpenBoard, OpenFields
+from rai_missions.prove.open_rounds import OpenRounds, list_name
 from rai_missions.prove.open_sight import OpenSight, Sights
 from rai_missions.prove.parts import guards_in, parts, writes_in
 from rai_missions.prove.representatives import Values
@@ -73,7 +74,11 @@ class OpenWorld:
         for name, entry in state.board.items():
             if name not in self.open_keys:
                 self.board[name] = entry
-        state.board, state.at = self.board, NOW
+        self.rounds = OpenRounds(self.board.looked)
+        lists = {list_name(name) for name, node in chart.program.graph.nodes.items() if node.is_each}
+        self.stored = self.own_keys | lists
+        """What is apart from the rest of a state: the own keys, and the lists that states go over."""
+        state.board, state.rounds, state.at = self.board, self.rounds, NOW
         self.facts = self._facts()
         """The keys that rest on what the robot, its servers and services report."""
         self._assume()

@@ -24,6 +24,7 @@ from rai_missions.prove.control_env import kept_words
 from rai_missions.prove.counts import Count, clamped
 from rai_missions.prove.liveness import Later
 from rai_missions.prove.loops import Loop
+from rai_missions.prove.open_rounds import PREFIX, list_name
 from rai_missions.prove.open_world import NOW, OpenWorld
 from rai_missions.prove.parts import guards_in, parts
 from rai_missions.prove.store import Kept, Rivals, Store, StoreQuery, Stores, fingerprint, first_alike
@@ -36,6 +37,8 @@ AS_IT_IS: frozenset[Holds] = frozenset(("value", "states", "begins"))
 """What is compared as it is."""
 NO_DRAFT = StepDraft()
 """Saved states have gathered nothing."""
+REMEMBERED = 4096
+"""Of so many configurations it is remembered what makes a difference from there on."""
 A_LITTLE_S = 1e-3
 """A state is older than a guard asks for by so much, so that a sum of floats does not fall short."""
 
@@ -52,6 +55,15 @@ class Place(NamedTuple):
 
     saved: SavedState
     store: Store
+
+
+class Ahead(NamedTuple):
+    """What makes a difference of a store from a configuration on."""
+
+    kept: Kept
+    """Of each of the mission's own keys, and of each list, what may be read of it."""
+    question: StoreQuery
+    """Asks for all that makes a difference."""
 
 
 class StateCodec:
@@ -71,8 +83,8 @@ class StateCodec:
         counters = classes.keys() & world.values.counters() if not world.own_fade else frozenset[str]()
         self.stores = Stores(chart.terms, classes, counters, rest.saturating, rest.idle if not is_open else ())
         world.board.count(counters)
-        self._questions: dict[Later, StoreQuery] = {}
-        self._kept: dict[Later, Kept] = {}
+        self._by_config: dict[tuple[int, ...], Ahead] = {}
+        self._by_reads: dict[tuple[Later, frozenset[str]], Ahead] = {}
         self.groups: dict[str, Groups] = {}
         """State → the groups of its tree's waits and timeouts, where there are several: see `branches`."""
         self.loops: tuple[Loop, ...] = ()
@@ -80,7 +92,7 @@ class StateCodec:
         keys_by_kind: Mapping[Holds, Callable[[Any], Any]] = {
             "configuration": lambda config: config.key, "state": lambda node: node.index, "events": _events_key,
             "memory": self._memory_key, "deadline": _is_never, "deadlines": _deadlines_key, "settling": list,
-            "controls": sorted, "invariants": sorted, "timers": _timers_key, "rounds": _rounds_key,
+            "controls": sorted, "invariants": sorted, "timers": _timers_key, "rounds": sorted,
             "activities": _activities_key, "calls": _calls_key, "goals": _pursued_key, "board": self._board_key,
             "ages": self._ages_key, "since": _since_key, "payload": _payload_key,
         }  # fmt: skip
@@ -139,13 +151,14 @@ class StateCodec:
         state.board = {key: entry for key, entry in self._world.board.entries() if key not in own}
         if state.goals:
             state.goals = {number: goal for number, goal in state.goals.items() if goal.phase in PURSUED}
-        state.draft = NO_DRAFT
+        state.rounds, state.draft = NONE, NO_DRAFT
         return SavedState(state, self.groups or NONE)
 
     def own(self) -> dict[str, Any]:
         """What the mission's own keys hold."""
         own, bounds = self._world.own_keys, self._rest.saturating
         found = {key: entry for key, entry in self._world.board.entries() if key in own}
+        found |= {list_name(name): Stamped(each, NOW) for name, each in self._world.rounds.entries()}
         for key in self.stores.counters & found.keys():
             entry = found[key]
             if entry is not None and entry[0].__class__ is Count:
@@ -161,7 +174,7 @@ class StateCodec:
         """
         written, added, own = dict[str, Any](), dict[str, int](), self._world.own_keys
         for key, entry in self._world.board.entries():
-            if key not in own or before.keys.get(key) is entry or before.counted.get(key) is entry:
+            if key not in own or before.keys.get(key) is entry or before.board.get(key) is entry:
                 continue
             if entry is None or entry[0].__class__ is not Count:
                 written[key] = entry
@@ -169,6 +182,9 @@ class StateCodec:
                 written[key] = Stamped(clamped(self._rest.saturating, key, int(entry[0])), entry[1])
             else:
                 added[key] = entry[0].added
+        for name, each in self._world.rounds.entries():
+            if before.rounds.get(name) is not each:
+                written[list_name(name)] = Stamped(each, NOW)
         return written, added
 
     def given_up(self) -> list[Goal]:
@@ -179,8 +195,9 @@ class StateCodec:
         """Be in a state again."""
         saved, store = place
         state = copied(saved.run)
-        self._world.board.refill(saved.run.board, store.counted)
-        state.board = self._world.board
+        self._world.board.refill(saved.run.board, store.board)
+        self._world.rounds.refill(store.rounds)
+        state.board, state.rounds = self._world.board, self._world.rounds
         if store.goals:
             state.goals = store.ledger | state.goals
         self._chart.state = state
@@ -199,28 +216,27 @@ class StateCodec:
         groups = [(name, [sorted(each) for each in found]) for name, found in sorted(self.groups.items())]
         return fingerprint((self._plain_values(state), keyed, groups))
 
-    def kept(self) -> Kept:
-        """Of each of the mission's own keys what may be read of it from here on."""
-        later = self._rest.later
-        found = self._kept.get(later)
+    def ahead(self) -> Ahead:
+        """What makes a difference of a store from here on."""
+        config = self._chart.state.config
+        found = self._by_config.get(config.key)
         if found is None:
-            is_whole = self._world.own_fade  # that a key goes stale is something that happens
-            found = self._kept[later] = _all_of if is_whole else partial(_read_of, later)
+            if len(self._by_config) >= REMEMBERED:
+                self._by_config.clear()
+            reads = self._rest.later, frozenset(list_name(node.name) for node in config.nodes if node.is_each)
+            found = self._by_config[config.key] = self._by_reads.get(reads) or self._ahead(*reads)
+            self._by_reads[reads] = found
         return found
 
-    def question(self) -> StoreQuery:
-        """Asks for all that makes a difference of a store from here on."""
-        later = self._rest.later
-        found = self._questions.get(later)
-        if found is None:
-            keys, rivals = sorted(later.roots & self._world.own_keys), self._rest.rivals
-            parts: list[Callable[[Store], Any]] = []
-            if keys:
-                parts.append(partial(_own_key, tuple(keys), self._rest.idle, later))
-            if later.starts or self._rest.names_orphans:
-                parts.append(partial(_rivals_key, rivals))
-            found = self._questions[later] = StoreQuery(parts)
-        return found
+    def _ahead(self, later: Later, lists: frozenset[str]) -> Ahead:
+        is_whole = self._world.own_fade  # that a key goes stale is something that happens
+        keys, rivals = sorted(later.roots & self._world.own_keys), self._rest.rivals
+        parts: list[Callable[[Store], Any]] = []
+        if keys or lists:
+            parts.append(partial(_own_key, (*keys, *sorted(lists)), self._rest.idle, later))
+        if later.starts or self._rest.names_orphans:
+            parts.append(partial(_rivals_key, rivals))
+        return Ahead(partial(_kept, lists, None if is_whole else later), StoreQuery(parts))
 
     def _memory_key(self, memory: Mapping[int, Any]) -> Any:
         recalls = self._rest.later.recalls
@@ -261,7 +277,7 @@ class StateCodec:
         for loop in self.loops:
             if self._rounds_of(loop) is not None:
                 state.running = {**state.running, loop.state: _counting(state.running[loop.state], loop, None)}
-        key = self.core() + self.question().of(self.place().store) if state.outcome is None else b""
+        key = self.core() + self.ahead().question.of(self.place().store) if state.outcome is None else b""
         state.running = running
         return key
 
@@ -272,12 +288,10 @@ class StateCodec:
             running[loop.state] = _counting(running[loop.state], loop, ended + more)
 
 
-def _all_of(key: str, entry: Any) -> Any:
-    return entry
-
-
-def _read_of(later: Later, key: str, entry: Any) -> Any:
-    if entry is None or key in later.keys:
+def _kept(lists: frozenset[str], later: Later | None, key: str, entry: Any) -> Any:
+    if key.startswith(PREFIX):
+        return entry if key in lists else None
+    if entry is None or later is None or key in later.keys:
         return entry
     if key not in later.roots:
         return None
@@ -298,10 +312,6 @@ def _events_key(events: Iterable[Any]) -> Any:
 
 def _timers_key(timers: Mapping[Any, Any]) -> Any:
     return sorted([timer_key(key, timer) for key, timer in timers.items()])
-
-
-def _rounds_key(rounds: Mapping[str, Any]) -> Any:
-    return [(name, str(each)) for name, each in sorted(rounds.items())]
 
 
 def _activities_key(running: Mapping[str, Any]) -> Any:

@@ -109,7 +109,7 @@ class StepChains:
         draft.looked += [guard for guard, at in chain.guards.items() if at > link.microsteps]
         for key in chain.written & chain.own.keys():
             self._world.board.put(key, chain.own[key])
-        self._instruments.asked.update((chain.looked | chain.written) & self._world.own_keys)
+        self._instruments.asked.update((chain.looked | chain.written) & self._world.stored)
         self._world.board.looked |= chain.looked
         return self._own()
 

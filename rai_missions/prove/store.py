@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What few steps look at: the mission's own keys, and the goals that no state pursues any more.
+"""What few steps look at: the mission's own keys, the lists it goes over, and the goals that no state pursues any more.
 
 Rule: a step happens alike in every store that answers alike what the step has asked of it. So stores are kept apart
 from the rest of a state, each distinct one is one object, and each question is answered once for each.
@@ -19,6 +19,7 @@ from rai_missions.engine.activities.goal_ledger import Goal, obstruction
 from rai_missions.engine.robot_facts import RobotFacts
 from rai_missions.keys import Stamped
 from rai_missions.prove.counts import Bounds, clamped, with_counts
+from rai_missions.prove.open_rounds import PREFIX
 
 __all__ = (
     "ALL_GOALS",
@@ -55,22 +56,25 @@ ALL_GOALS = "every goal", ()
 
 
 class Store:
-    """The mission's own keys and the goals that nothing pursues: equal ones are one object.
+    """The mission's own keys, the lists that are gone over, and the goals that nothing pursues: equal ones are one.
 
     Args:
         number: Its own.
-        keys: Key → entry.
+        keys: Key, or name of a list, → entry.
         goals: In the order in which they were given up; how they are numbered makes no difference.
         counters: Keys that a step counts on from any value.
     """
 
-    __slots__ = ("counted", "goals", "keys", "ledger", "number")
+    __slots__ = ("board", "goals", "keys", "ledger", "number", "rounds")
 
     def __init__(
         self, number: int, keys: Mapping[str, Any], goals: tuple[Goal, ...], counters: Collection[str] = ()
     ) -> None:
         self.number, self.keys, self.goals = number, keys, goals
-        self.counted = with_counts(keys, counters) if counters else keys
+        self.rounds = {key.removeprefix(PREFIX): entry[0] for key, entry in keys.items() if key.startswith(PREFIX)}
+        """State → the list that it goes over, as a step has it."""
+        board = {key: entry for key, entry in keys.items() if not key.startswith(PREFIX)} if self.rounds else keys
+        self.board = with_counts(board, counters) if counters else board
         """The keys as a step has them."""
         self.ledger = {LEFT + at: goal._replace(number=LEFT + at) for at, goal in enumerate(goals)}
         """The goals as a run has them."""

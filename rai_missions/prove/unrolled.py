@@ -114,7 +114,7 @@ def _levels(environment: Environment) -> dict[Loop, Level]:
     if environment.chart.outcome is not None:
         return {}
     codec = environment.codec
-    answer = codec.question().of(codec.place().store)
+    answer = codec.ahead().question.of(codec.place().store)
     return {loop: Level(ended, core + answer) for loop, ended, core in codec.levels()}
 
 

@@ -114,6 +114,30 @@ def test_a_step_that_counts_is_the_same_from_every_number_that_guards_treat_alik
     }, 30 * MOST, work=math.inf)  # fmt: skip
 
 
+def test_a_step_is_the_same_from_every_list_that_it_does_not_look_into() -> None:
+    hold_against_patient({
+        "format": 1, "name": "listed", "version": "1.0.0", "initial": "going_over",
+        "blackboard": {"places": {"type": "list", "source": "argument"}, "place": {"type": "string"}},
+        "events": {"next": {}, "other": {}, "again": {}, "stop": {}},
+        "states": {
+            "going_over": {
+                "each": "places", "as": "place", "initial": "first",
+                "transitions": [{"on": ["succeeded", "failed"], "to": "over"}, {"on": "again", "to": "going_over"}],
+                "states": {
+                    "first": {"transitions": [{"on": "other", "to": "second"}]},
+                    "second": {"transitions": [
+                        {"on": "next", "to": "gone"},
+                        {"on": "other", "when": {"key": "place", "==": "a"}, "to": "first"},
+                    ]},
+                    "gone": {"final": "succeeded"},
+                },
+            },
+            "over": {"final": "aborted"},
+        },
+        "transitions": [{"on": "stop", "to": "over"}],
+    }, 30 * MOST, work=math.inf)  # fmt: skip
+
+
 def hold_against_patient(document: Json, most: int, work: float = WORK) -> None:
     """Whatever the mission's own keys are: each step is made, none is taken from a state that differs in them alone."""
     mission = Mission.model_validate(document)
