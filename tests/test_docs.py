@@ -40,6 +40,13 @@ AS_PROCESSES = {
     for each in ("docs/guide/difference.md", "docs/tutorial/1_mission/README.md", "missions/rosbot/README.md")
 }
 """Their commands run as processes of their own, as a reader's do; those of the others in this one, which is faster."""
+LONG = {
+    *(
+        f"docs/guide/{each}.md"
+        for each in ("identity", "journal", "profiles", "proofs", "recording", "review", "watching")
+    ),
+    "missions/rosbot/README.md",
+}
 Run = Callable[[list[str]], tuple[int | str | None, str]]
 BLOCK = re.compile(
     r"^(?P<skip><!-- not run: [^\n]+ -->\n+)?```(?P<kind>\w+)[^\n]*\n(?P<text>.*?)^```$", re.DOTALL | re.MULTILINE
@@ -98,7 +105,14 @@ def run_commands(block: Block, where: str, run: Run) -> None:
         assert status == expected, f"{where}:{block.line}: {command}\nexited {status}, not {expected}\n{printed}"
 
 
-@pytest.mark.parametrize("document", DOCUMENTS, ids=lambda path: str(path.relative_to(ROOT)))
+def documents() -> Iterator[Any]:
+    """Each with its name, and those that take seconds for the longer suite."""
+    for document in DOCUMENTS:
+        name = str(document.relative_to(ROOT))
+        yield pytest.param(document, id=name, marks=[pytest.mark.long] if name in LONG else [])
+
+
+@pytest.mark.parametrize("document", list(documents()))
 def test_what_a_document_shows_runs(document: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     shutil.copytree(ROOT / "missions", tmp_path / "missions")
     (tmp_path / "out").mkdir()

@@ -19,6 +19,7 @@ from tests.voice.conftest import needs_voice, quiet, spoken
 pytestmark = [needs_voice, pytest.mark.xdist_group("voice")]
 
 
+@pytest.mark.long
 def test_a_question_that_is_spoken_is_answered_in_sound() -> None:
     room, frames = RoomSound(echo_db=-20.0), list[SoundFrame]()
     agent, received = ConversationalAgent(), list[tuple[str, dict[str, object]]]()

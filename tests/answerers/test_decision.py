@@ -384,6 +384,7 @@ def test_a_model_that_is_given_tools_and_does_not_call_them_is_asked_in_another_
     assert asked(model, QUESTION._replace(tools=("look",)), tools=[look])["option"] == "replan"
 
 
+@pytest.mark.long
 @pytest.mark.local_model
 def test_a_small_model_on_this_machine_wishes_for_an_option_that_is_offered() -> None:
     from rai_missions.answerers.model.local_server import local_model

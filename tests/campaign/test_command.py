@@ -31,6 +31,7 @@ def test_the_schema_is_printed(capsys: pytest.CaptureFixture[str]) -> None:
     assert json.loads(capsys.readouterr().out)["title"] == "A campaign of rai_missions"
 
 
+@pytest.mark.long
 @pytest.mark.sim
 def test_run_stores_reports_and_compares(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     path, store, page = write_campaign(tmp_path, campaign_data(1)), tmp_path / "a.db", tmp_path / "a.html"

@@ -39,6 +39,7 @@ def content(body: Embodied) -> tuple[str, int]:
     return "\n".join(each.text for each in messages), sum(part["type"] == "image" for part in parts)
 
 
+@pytest.mark.long
 def test_each_embodiment_shows_what_the_one_before_shows_and_more(bodies: dict[str, Embodied]) -> None:
     identity = Identity.read(FOLDER)
     texts, pictures = zip(*(content(bodies[name]) for name in EMBODIMENTS), strict=True)

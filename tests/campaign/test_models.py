@@ -137,6 +137,7 @@ def orchard(kind: str) -> SceneRecord:
     return SceneRecord(kind, "orchard", kind, 7, "tune", json.dumps(spec))
 
 
+@pytest.mark.long
 def test_the_question_of_a_scene_is_the_question_of_a_run(tractor: CampaignSubject) -> None:
     asked, script = ask_in(orchard("branch"), tractor), ScriptAnswerer({"assessing": ["abort"]})
     robot = in_scene(tractor.robot, orchard("branch"))

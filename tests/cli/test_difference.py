@@ -114,6 +114,7 @@ def test_a_mission_in_python_of_another_revision_is_executed_only_when_asked_for
     assert main(["diff", "--git", "HEAD", "mission.py", "--python"]) == 0
 
 
+@pytest.mark.long
 def test_git_shows_missions_as_lines_of_meaning(repository: Path) -> None:
     script = Path(sys.executable).with_name("rai-missions")
     git(repository, "config", "diff.mission.textconv", f"{script} textconv")

@@ -81,6 +81,7 @@ def domain(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
         yield
 
 
+@pytest.mark.long
 @on_ros
 @pytest.mark.timeout(240)
 def test_the_ros_profile_of_a_new_mission_carries_a_run(tmp_path: Path, domain: None) -> None:

@@ -16,6 +16,7 @@ from rai_missions.errors import MissionError
 from tests.voice.conftest import needs_voice
 
 
+@pytest.mark.long
 @needs_voice
 @pytest.mark.xdist_group("voice")
 def test_what_speak_writes_listen_understands(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -115,6 +115,7 @@ def test_ctrl_c_on_the_line_cancels_the_mission(mission: Path) -> None:
         assert screen.program.wait(PATIENCE_S) == 1
 
 
+@pytest.mark.long
 def test_a_terminal_that_goes_away_ends_no_mission_and_the_end_is_in_the_journal(mission: Path) -> None:
     states = WAITING["states"] | {"waiting": {"transitions": [{"after_s": 2, "to": "over"}]}}
     mission.write_text(json.dumps(WAITING | {"states": states}))
@@ -147,6 +148,7 @@ def profile(mission: Path, **conversation: Any) -> Path:
     return path
 
 
+@pytest.mark.long
 def test_after_the_end_another_run_is_started_by_talk_with_its_arguments(mission: Path) -> None:
     mission.write_text(json.dumps(COUNTING))
     with terminal(mission, "--robot", str(profile(mission, begins="ready"))) as screen:
@@ -188,6 +190,7 @@ def test_who_pipes_the_orders_of_a_run_that_waits_has_it_started_and_ended(missi
     assert "canceled by operator (end of input)" in run(2, "")
 
 
+@pytest.mark.long
 def test_a_run_that_was_killed_before_its_start_waits_for_it_again(mission: Path) -> None:
     mission.write_text(json.dumps(COUNTING))
     robot = profile(mission, begins="ready")

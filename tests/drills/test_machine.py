@@ -243,6 +243,7 @@ def patrol(path: Path, days: float, at: Callable[[int], None]) -> Mission:
     return patrolled
 
 
+@pytest.mark.long
 def test_memory_is_flat_over_five_simulated_hours(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(local, "MOST_ENDED", 20)  # what is kept of goals that have ended has found its bound by then
     held: list[int] = []

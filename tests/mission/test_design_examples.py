@@ -79,6 +79,7 @@ def test_a_snapshot_continues_as_the_chart_itself(example: Path) -> None:
     assert chart.active == other.active
 
 
+@pytest.mark.long
 def test_it_runs_in_the_simulated_orchard_and_is_drawn(tmp_path: Path) -> None:
     mission, path = load(DATA / "tractor_design.json"), tmp_path / "run.journal"
     result = run(mission, EXAMPLES / "robot.json", arguments={"alleys": 1}, journal=path)

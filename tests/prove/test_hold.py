@@ -10,9 +10,7 @@ from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
 
 from rai_missions.mission.mission import Mission
-from rai_missions.profile import load_profile, terms
-from rai_missions.prove import prove
-from tests.prove.explored import HANDS, ROOT, document, explored, scripts, walked
+from tests.prove.explored import HANDS, explored, scripts, walked
 from tests.strategies import mission_documents
 
 Json = dict[str, Any]
@@ -75,15 +73,3 @@ def test_no_run_with_an_operator_leaves_what_was_explored_however_often_it_is_tr
     given: Json, script: Script
 ) -> None:
     stays_in_what_is_explored(given, script, 1500)
-
-
-BEFORE = {"tractor": 2049, "rosbot": 15552}
-"""The states of each shipped mission without holds, at 6240387."""
-
-
-@pytest.mark.parametrize("name", ["tractor", pytest.param("rosbot", marks=pytest.mark.drill)])
-def test_holds_cost_no_more_than_as_many_states_again(name: str) -> None:
-    mission = document(f"missions/{name}/mission.json")
-    robot = terms(load_profile(ROOT / f"missions/{name}/robot.sim.json"))
-    proof = prove(mission, terms=robot)
-    assert proof.verdict == "proved" and proof.states <= 2 * BEFORE[name]

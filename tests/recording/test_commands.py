@@ -152,6 +152,7 @@ def test_a_run_that_breaks_off_leaves_a_recording_that_is_whole(tmp_path: Path) 
         assert "the run breaks off" in str(raw_rows_of(replayed.path)[-1])
 
 
+@pytest.mark.long
 @pytest.mark.sim
 def test_a_run_of_the_tractor_is_recorded_with_what_its_camera_saw(tmp_path: Path) -> None:
     profile = parse_json((TRACTOR / "robot.sim.json").read_bytes(), "robot.sim.json")

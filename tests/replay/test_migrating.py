@@ -47,7 +47,7 @@ def killed_at(number: int, do: Callable[[], object]) -> bool:
     return os.WIFSIGNALED(os.waitpid(pid, 0)[1])
 
 
-@pytest.mark.parametrize("every", [16, pytest.param(1, marks=pytest.mark.drill)])
+@pytest.mark.parametrize("every", [pytest.param(16, marks=pytest.mark.long), pytest.param(1, marks=pytest.mark.drill)])
 def test_anyone_who_dies_while_migrating_has_migrated_or_has_not(tmp_path: Path, every: int) -> None:
     path = died(tmp_path / "run.journal", land())
     found, number, is_dead = set(), 0, True

@@ -131,6 +131,7 @@ def test_a_process_that_dies_at_an_instant_of_a_run_is_followed_by_one_that_cont
     assert errands.kills > kills
 
 
+@pytest.mark.long
 def test_a_goal_that_ends_while_its_process_cannot_read_is_found_ended(errands: Errands) -> None:
     errands.run([Plan("unread", 0.05, "runs")], [0.5])
     assert errands.killed["a goal finished, and unread"]

@@ -65,6 +65,7 @@ def test_two_processes_do_not_continue_with_one_run(graph: Graph) -> None:
     assert_whole(journal)
 
 
+@pytest.mark.long
 def test_the_simulated_tractor_that_is_killed_continues_in_a_world_that_starts_again(graph: Graph) -> None:
     profile = json.loads((TRACTOR / "robot.sim.json").read_text()) | {"identity": ""}
     profile["connector"] |= ORCHARD

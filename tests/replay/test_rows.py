@@ -54,7 +54,9 @@ def is_as_without(job: Job, outing: Outing) -> bool:
     return (outing.outcome, outing.why) == ("succeeded", job.why)
 
 
-@pytest.mark.parametrize(("name", "row"), [("branch", 9), ("branch", 10), ("patrol", 20)])
+@pytest.mark.parametrize(
+    ("name", "row"), [("branch", 9), pytest.param("branch", 10, marks=pytest.mark.long), ("patrol", 20)]
+)
 def test_killed_after_a_row_a_shipped_mission_ends_as_it_does_without(tmp_path: Path, name: str, row: int) -> None:
     """The tractor's: as it asks for control, and as it waits for it."""
     assert is_as_without(JOBS[name], driven(JOBS[name], tmp_path / "run.journal", row))

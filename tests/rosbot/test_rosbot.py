@@ -67,6 +67,7 @@ def test_a_blocked_door_is_waited_for_tried_again_and_left_out(blocked: Any) -> 
     assert one.world.is_charging
 
 
+@pytest.mark.long
 @pytest.mark.sim
 def test_a_door_that_opens_while_it_waits_is_gone_through(patrol: Any) -> None:
     one = patrol(blocked={"study_pantry": [0, 70]})
@@ -100,6 +101,7 @@ def test_each_answer_leads_where_it_reports(
     assert one.world.is_charging, "however it ends, it ends on the dock"
 
 
+@pytest.mark.long
 @pytest.mark.sim
 def test_a_low_battery_sends_it_to_its_dock_and_charged_it_continues_where_it_was(patrol: Any) -> None:
     one = patrol(battery={"capacity_wh": 0.9, "charge": 0.6})
@@ -121,6 +123,7 @@ def test_an_e_stop_stops_it_where_it_is(patrol: Any) -> None:
         assert abs(one.world.pose.speed) < 0.05 and not one.world.navigator.is_driving
 
 
+@pytest.mark.long
 @pytest.mark.sim
 def test_a_pause_stops_it_and_resume_continues(patrol: Any) -> None:
     places: list[tuple[float, float]] = []

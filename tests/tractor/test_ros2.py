@@ -97,6 +97,7 @@ class TestOnRos:
         assert json.loads(in_process.lines.all[-1])["outcome"] == "succeeded"
         assert taken == answers(Path(reported["journal"])) == ["drive_over", "signal"]
 
+    @pytest.mark.long
     def test_a_world_that_is_killed_ends_the_run_which_states_why(self, graph: Graph) -> None:
         world = graph.world(alleys=1, obstacles=["none"])
         mission = graph.run(mission=graph.mission(cancel_s=0.5))  # no one is there to confirm it

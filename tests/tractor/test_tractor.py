@@ -32,6 +32,7 @@ def test_the_twin_in_python_is_equal() -> None:
     assert dump(load(TRACTOR / "mission.py")) == dump(load(TRACTOR / "mission.json"))
 
 
+@pytest.mark.long
 @pytest.mark.sim
 def test_the_main_job_succeeds_and_its_journal_reports_how(drive: Any, tmp_path: Path) -> None:
     """Six alleys, seed 7, rules alone, as `make run` does it."""
@@ -69,7 +70,7 @@ def test_the_same_seed_gives_the_same_run_to_the_bit(drive: Any, obstacles: list
     [
         ("none", set(), {"assessing"}, {"succeeded"}),
         ("branch", {"drive_over"}, set(), {"succeeded"}),
-        ("log", {"replan"}, {"crossing"}, {"failed"}),
+        pytest.param("log", {"replan"}, {"crossing"}, {"failed"}, marks=pytest.mark.long),
         pytest.param("fallen_tree", {"replan"}, {"crossing"}, {"failed"}, marks=pytest.mark.drill),
         ("person", {"signal"}, {"crossing"}, {"succeeded", "failed"}),
         pytest.param("animal", {"signal"}, {"crossing"}, {"succeeded", "failed"}, marks=pytest.mark.drill),
@@ -100,6 +101,7 @@ def test_no_one_is_driven_over_whatever_a_model_reports(drive: Any, obstacle: st
     assert refused and all("'drive_over' was not offered" in note for note in refused)
 
 
+@pytest.mark.long
 @pytest.mark.sim
 def test_a_blind_detector_does_not_make_a_person_passable(drive: Any) -> None:
     liar = ChatteringAnswerer([{"option": "drive_over"}])

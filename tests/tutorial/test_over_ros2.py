@@ -15,6 +15,7 @@ from tests.ros2 import QUICK_DISCOVERY, lock_free_domain, on_ros
 TUTORIAL = Path(__file__).parents[2] / "docs/tutorial"
 
 
+@pytest.mark.long
 @on_ros
 @pytest.mark.timeout(120)
 def test_the_mission_succeeds_on_the_robot_of_the_last_step(tmp_path: Path) -> None:

@@ -208,6 +208,7 @@ def test_voice_recognition_is_an_agent() -> None:
     check_agent(lambda: VoiceRecognition(FileSound()))
 
 
+@pytest.mark.long
 @needs_voice
 @pytest.mark.xdist_group("voice")
 def test_a_person_interrupts_and_is_understood_while_the_robot_speaks() -> None:

@@ -19,6 +19,7 @@ def test_it_waits_for_the_first_continue(rig: Any) -> None:
     assert orchard.data("at_home") is True
 
 
+@pytest.mark.long
 def test_without_obstacles_it_drives_every_alley_and_the_count_is_by_pose(rig: Any) -> None:
     orchard = rig(alleys=6, obstacles=[], camera=False)
     orchard.call("continue")
@@ -114,6 +115,7 @@ def test_anyone_who_lingers_leaves_without_walking_into_the_tractor(rig: Any) ->
     assert orchard.data("touched_living") is False
 
 
+@pytest.mark.long
 def test_it_goes_home_from_an_alley_that_is_blocked_and_on_from_there(rig: Any) -> None:
     orchard = rig(alleys=2, obstacles=["none", PERSON], camera=False)
     orchard.to_the_obstacle()

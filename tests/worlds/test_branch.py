@@ -150,6 +150,7 @@ def test_a_copy_takes_at_most_50_ms() -> None:
     assert sorted(taken)[10] < 0.05
 
 
+@pytest.mark.long
 def test_pictures_and_detections_of_a_branch_are_those_of_the_world() -> None:
     """Pixel by pixel, rendered after more steps of both worlds."""
     near = {"kind": "crate", "alley": 0, "along": 0.2}

@@ -43,6 +43,7 @@ def test_a_picture_is_rendered_when_it_is_asked_for_and_shows_the_moment_it_was_
     assert np.count_nonzero(vest) > 200, "the worker's vest is orange"
 
 
+@pytest.mark.long
 def test_a_picture_can_be_asked_for_from_any_thread(facing: Any) -> None:
     orchard = facing("person")
     picture = orchard.last["camera_image_color"].data["data"]
@@ -83,6 +84,7 @@ def test_an_obstacle_is_measured_in_pixels(facing: Any, kind: str, low: float, h
     assert facts["distance_m"] == pytest.approx(gap, abs=0.4)
 
 
+@pytest.mark.long
 def test_obstacles_are_reported_five_times_a_second_and_only_while_seen(facing: Any) -> None:
     orchard = facing("branch")
     times = [m.at for m in orchard.received if m.topic.endswith("obstacle")]

@@ -64,7 +64,9 @@ def test_a_fence_is_a_ramp_from_one_side_and_an_edge_from_the_other() -> None:
 
 
 @pytest.mark.parametrize(
-    ("who", "option"), [({"heeds_after": 1}, "signal"), ({"lingers_s": 20.0}, "replan")], ids=["asked", "later"]
+    ("who", "option"),
+    [({"heeds_after": 1}, "signal"), pytest.param({"lingers_s": 20.0}, "replan", marks=pytest.mark.long)],
+    ids=["asked", "later"],
 )
 def test_a_worker_carries_away_what_he_attends_to(who: dict[str, Any], option: str) -> None:
     ladder = {"kind": "ladder", "attended": True, **who}

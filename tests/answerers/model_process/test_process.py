@@ -129,6 +129,7 @@ def test_it_may_look_things_up_by_tools_that_run_in_the_engine(mark: str) -> Non
     robot.stop()
 
 
+@pytest.mark.long
 def test_its_keys_are_not_in_what_others_may_read_of_it(mark: str, tmp_path: Path) -> None:
     """Arguments and variables of a process are in /proc; the key comes by pipe, and the model has it."""
     watched = Watched(asking(PATIENT_S), "hostile:reports_its_start:HOSTILE_API_KEY")
@@ -263,6 +264,7 @@ def program(folder: Path, does: str, mission: Mission) -> list[str]:
     return [sys.executable, str(script)]
 
 
+@pytest.mark.long
 def test_a_script_is_not_imported_again(mark: str, tmp_path: Path) -> None:
     does = "assert run(mission, model='hostile:answers:stay').outcome == 'aborted'"
     subprocess.run(program(tmp_path, does, asking(PATIENT_S)), check=True, timeout=60)
@@ -272,6 +274,7 @@ def test_a_script_is_not_imported_again(mark: str, tmp_path: Path) -> None:
 # -- the command line --------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.long
 def test_the_command_line_s_program_ends_although_the_model_hangs_with_threads(mark: str, tmp_path: Path) -> None:
     seconds, printed = timed_end(tmp_path, "hostile:pools", asking(4.0))
     assert printed["outcome"] == "canceled"

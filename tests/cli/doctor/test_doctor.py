@@ -168,6 +168,7 @@ def test_a_robot_that_is_there_is_found_and_what_it_lacks_is_named(environment: 
     assert silent.status == "absent" and not silent.remedy, "an e-stop is published when it is pressed"
 
 
+@pytest.mark.long
 @with_ros
 def test_a_field_that_a_type_has_not_is_reported(environment: dict[str, str]) -> None:
     source = {"topic": "/battery", "type": "sensor_msgs/msg/BatteryState", "field": "percent"}
@@ -176,6 +177,7 @@ def test_a_field_that_a_type_has_not_is_reported(environment: dict[str, str]) ->
     assert reported.status == "missing" and "has no field 'percent' (did you mean 'percentage'?)" in reported.remedy
 
 
+@pytest.mark.long
 @with_ros
 def test_a_robot_that_is_not_there_and_a_type_that_is_not_here_are_reported(environment: dict[str, str]) -> None:
     profile = robot(actions={"go": {"action": "/go", "type": "nobodys_msgs/action/Go"}})

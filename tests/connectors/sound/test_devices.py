@@ -100,6 +100,7 @@ def contract() -> None:
     check_sound_connector(lambda: DeviceSound("pulse", "pulse"), passed)
 
 
+@pytest.mark.long
 def test_devices_keep_the_contract(null_sinks: None) -> None:
     in_new_process(contract)
 

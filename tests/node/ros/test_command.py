@@ -41,6 +41,7 @@ def run(domain: int, tmp_path: Path) -> Iterator[Run]:
         process.communicate()
 
 
+@pytest.mark.long
 def test_a_node_next_to_a_run_ends_with_it(run: Run, open_client: Callable[[str], Client]) -> None:
     process = run("--node", "near", "--json", "--ros-args", "-r", "__ns:=/farm", "--log-level", "warn")
     client = open_client("/farm/near")
@@ -54,6 +55,7 @@ def test_a_node_next_to_a_run_ends_with_it(run: Run, open_client: Callable[[str]
     assert reported["why"] == "canceled by operator (~/cancel)" and "node: /farm/near" in err
 
 
+@pytest.mark.long
 def test_a_managed_node_runs_the_mission_again_and_again_until_it_is_shut_down(
     run: Run, open_client: Callable[[str], Client]
 ) -> None:

@@ -107,6 +107,7 @@ def test_a_viewer_that_was_away_for_longer_than_is_kept_receives_all(run: Run, m
         each.cut()
 
 
+@pytest.mark.long
 def test_a_server_that_falls_behind_looks_again_at_the_whole(run: Run) -> None:
     viewer = Viewer(run.page)
     for number in range(5000):
