@@ -242,7 +242,7 @@ def test_every_command_that_takes_a_mission_can_refuse_python(place: Place, caps
         "run": ["run", str(evil), "--no-operator"], "check": ["check", str(evil)],
         "draw": ["draw", str(evil), "-o", str(place.out / "p.dot")], "diff": ["diff", str(evil), lamp],
         "prove": ["prove", str(evil)], "replay": ["replay", journal, "--mission", str(evil)],
-        "try": ["try", str(evil), "--terminal"],
+        "try": ["try", str(evil), "--terminal"], "doctor": ["doctor", "--mission", str(evil)],
     }  # fmt: skip
     assert {name for name, dests in taken().items() if dests & {"mission", "old"}} == set(words)
     for command in (*words.values(), ["diff", lamp, str(evil)], ["run", "--resume", journal, str(evil)]):
