@@ -7,6 +7,8 @@ Rule: triangles are few; what a camera sees from two metres is enough.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import cache
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -45,11 +47,9 @@ class Mesh:
         """The mesh in the OBJ format."""
         points, normals = np.concatenate(self._points), np.concatenate(self._normals)
         uvs, faces = np.concatenate(self._uvs), np.concatenate(self._faces) + 1
-        lines = [f"v {x:.4f} {y:.4f} {z:.4f}" for x, y, z in points]
-        lines += [f"vt {u:.4f} {v:.4f}" for u, v in uvs]
-        lines += [f"vn {x:.3f} {y:.3f} {z:.3f}" for x, y, z in normals]
-        lines += ["f " + " ".join(f"{i}/{i}/{i}" for i in face) for face in faces]
-        return "\n".join(lines).encode()
+        text = _lines("v %.4f %.4f %.4f\n", points) + _lines("vt %.4f %.4f\n", uvs)
+        text += _lines("vn %.3f %.3f %.3f\n", normals)
+        return (text + _lines("f %d/%d/%d %d/%d/%d %d/%d/%d\n", np.repeat(faces, 3, axis=1)))[:-1].encode()
 
     def tube(self, spine: Sequence[Sequence[float]], radii: Sequence[float], sides: int = 7, flat: float = 1.0) -> Mesh:
         """A tapered tube along a line; `flat` < 1 squeezes it along its second axis (a limb, a torso)."""
@@ -93,9 +93,9 @@ class Mesh:
             out = rng.normal(size=3)
             out /= np.linalg.norm(out)
             face = out + rng.normal(size=3) * 0.6
-            first = np.cross(face, rng.normal(size=3))
+            first = _cross(face, rng.normal(size=3))
             first /= np.linalg.norm(first)
-            second = np.cross(face / np.linalg.norm(face), first)
+            second = _cross(face / np.linalg.norm(face), first)
             middle = out * radii * rng.uniform(0.86, 1.04)
             first, second = first * size * rng.uniform(0.7, 1.3), second * size * rng.uniform(0.7, 1.3)
             corners = np.array([-first - second, first - second, first + second, -first + second]) + middle
@@ -119,7 +119,7 @@ class Mesh:
         """Flat quads with hard edges (a bonnet, a mudguard); corners counter-clockwise from outside."""
         for quad in quads:
             points = corners[list(quad)]
-            normal = np.cross(points[1] - points[0], points[2] - points[0])
+            normal = _cross(points[1] - points[0], points[2] - points[0])
             normal /= np.linalg.norm(normal) or 1.0
             uvs = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
             self.add(points, np.tile(normal, (4, 1)), uvs, np.array([[0, 1, 2], [0, 2, 3]]))
@@ -143,8 +143,20 @@ def turned(profile: Sequence[Sequence[float]], sides: int = 24) -> Mesh:
     )
 
 
+def _cross(one: Points, other: Points) -> Points:
+    """The cross product of two vectors, as `numpy.cross` has it to the last bit, in a tenth of its time."""
+    (ax, ay, az), (bx, by, bz) = one.tolist(), other.tolist()
+    return np.array([ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx])
+
+
+def _lines(line: str, values: NDArray[Any]) -> str:
+    """A line for each row of values, formatted at once: that takes a third of the time of one by one."""
+    return line * len(values) % tuple(values.ravel().tolist())
+
+
+@cache
 def icosphere(fineness: int) -> tuple[Points, NDArray[np.int64]]:
-    """A sphere of radius 1 as 20 * 4**fineness triangles: (points, faces)."""
+    """A sphere of radius 1 as 20 * 4**fineness triangles: (points, faces), not to be written to."""
     g = (1 + 5**0.5) / 2
     points: list[tuple[float, float, float]] = [(-1, g, 0), (1, g, 0), (-1, -g, 0), (1, -g, 0), (0, -1, g), (0, 1, g)]
     points += [(0, -1, -g), (0, 1, -g), (g, 0, -1), (g, 0, 1), (-g, 0, -1), (-g, 0, 1)]
@@ -154,7 +166,10 @@ def icosphere(fineness: int) -> tuple[Points, NDArray[np.int64]]:
     vertices = [np.array(p) / np.linalg.norm(p) for p in points]
     for _ in range(fineness):
         faces = _split(vertices, faces)
-    return np.array(vertices), np.array(faces)
+    made = np.array(vertices), np.array(faces)
+    for each in made:
+        each.flags.writeable = False
+    return made
 
 
 def _split(vertices: list[Points], faces: list[tuple[int, int, int]]) -> list[tuple[int, int, int]]:

@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -17,27 +19,28 @@ def grass(size: int = 512) -> bytes:
     """Mown grass with patches of soil; it tiles."""
     rng = np.random.default_rng(0)
     shade, blades = _noise(size, rng), rng.random((size, size))
-    green = np.stack([66 + 52 * shade + 22 * blades, 96 + 62 * shade + 30 * blades, 34 + 24 * shade + 8 * blades], -1)
-    soil = np.stack([118 + 50 * shade + 22 * blades, 92 + 40 * shade + 18 * blades, 62 + 30 * shade + 12 * blades], -1)
-    bare = np.clip((_noise(size, rng, persistence=0.8) - 0.55) * 5, 0, 1)[..., None] * 0.5
-    green *= (0.86 + 0.28 * rng.random((size, size)) ** 3)[..., None]
-    return _file(green * (1 - bare) + soil * bare)
+    bare = np.clip((_noise(size, rng, persistence=0.8) - 0.55) * 5, 0, 1) * 0.5
+    grown, light = 1 - bare, 0.86 + 0.28 * rng.random((size, size)) ** 3
+    green = (66 + 52 * shade + 22 * blades, 96 + 62 * shade + 30 * blades, 34 + 24 * shade + 8 * blades)
+    soil = (118 + 50 * shade + 22 * blades, 92 + 40 * shade + 18 * blades, 62 + 30 * shade + 12 * blades)
+    return _file([one * light * grown + other * bare for one, other in zip(green, soil, strict=True)])
 
 
 def leaves(size: int = 256) -> bytes:
     """Leaves over shade; the far corner is red, for fruit."""
     rng = np.random.default_rng(1)
     pixels = np.full((size, size, 3), (34, 60, 24), float)
-    reach = np.arange(-14, 15)
+    reach, green = np.arange(-14, 15), np.array([74, 122, 42])
+    y, x = np.meshgrid(reach, reach, indexing="ij")
     for _ in range(800):
         (cx, cy), turn, length = rng.integers(size, size=2), rng.random() * np.pi, rng.uniform(6, 14)
-        y, x = np.meshgrid(reach, reach, indexing="ij")
-        u, v = x * np.cos(turn) + y * np.sin(turn), y * np.cos(turn) - x * np.sin(turn)
-        inside = (u / length) ** 2 + (v / (length * 0.42)) ** 2 < 1
-        colour = np.array([74, 122, 42]) * rng.uniform(0.6, 1.25) + (u[inside] / length * 14)[:, None]
+        cos, sin = np.cos(turn), np.sin(turn)
+        u, v = x * cos + y * sin, y * cos - x * sin
+        inside = np.nonzero((u / length) ** 2 + (v / (length * 0.42)) ** 2 < 1)
+        colour = green * rng.uniform(0.6, 1.25) + (u[inside] / length * 14)[:, None]
         pixels[(y[inside] + cy) % size, (x[inside] + cx) % size] = colour
     pixels[: size // 12, -size // 12 :] = (190, 32, 24)
-    return _file(pixels)
+    return _file(np.moveaxis(pixels, -1, 0))
 
 
 def bark(size: int = 128) -> bytes:
@@ -45,18 +48,18 @@ def bark(size: int = 128) -> bytes:
     rng = np.random.default_rng(2)
     shade, furrow = _noise(size, rng), np.repeat(rng.random((1, size)), size, 0)
     deep = shade * furrow
-    return _file(np.stack([95 + 60 * deep + 20 * shade, 72 + 45 * deep + 15 * shade, 52 + 30 * deep], -1))
+    return _file((95 + 60 * deep + 20 * shade, 72 + 45 * deep + 15 * shade, 52 + 30 * deep))
 
 
 def wood(size: int = 256) -> bytes:
     """Planks with dark gaps between them."""
     rng = np.random.default_rng(3)
     shade = _noise(size, rng)
-    pixels = np.stack([165 + 50 * shade, 120 + 40 * shade, 72 + 30 * shade], -1)
+    pixels = np.stack([165 + 50 * shade, 120 + 40 * shade, 72 + 30 * shade])
     for gap in range(0, size, size // 5):
-        pixels[gap : gap + 5] *= 0.35
-    pixels[:, :8] *= 0.5
-    pixels[:, -8:] *= 0.5
+        pixels[:, gap : gap + 5] *= 0.35
+    pixels[..., :8] *= 0.5
+    pixels[..., -8:] *= 0.5
     return _file(pixels)
 
 
@@ -65,13 +68,16 @@ def straw(size: int = 64) -> bytes:
     rng = np.random.default_rng(4)
     high = np.linspace(0, 1, size)[:, None] * np.ones((1, size))
     shade = 0.75 + 0.4 * rng.random((size, size))
-    return _file(np.stack([(110 + 70 * high) * shade, (140 + 20 * high) * shade, (58 + 20 * high) * shade], -1))
+    return _file(((110 + 70 * high) * shade, (140 + 20 * high) * shade, (58 + 20 * high) * shade))
 
 
-def _file(pixels: Field) -> bytes:
-    """Pixels (rows, columns, 3), 0 to 255, as a PNG file."""
-    height, width, _ = pixels.shape
-    return png(width, height, np.clip(pixels, 0, 255).astype(np.uint8).tobytes())
+def _file(channels: Sequence[Field] | Field) -> bytes:
+    """Red, green and blue (rows, columns), 0 to 255, as a PNG file; not packed, for it is read once and soon."""
+    height, width = channels[0].shape
+    pixels = np.empty((height, width, 3), np.uint8)
+    for place, channel in enumerate(channels):
+        pixels[..., place] = np.clip(channel, 0, 255)
+    return png(width, height, pixels.tobytes(), level=0)
 
 
 def _noise(size: int, rng: np.random.Generator, octaves: int = 6, persistence: float = 0.55) -> Field:
@@ -82,7 +88,8 @@ def _noise(size: int, rng: np.random.Generator, octaves: int = 6, persistence: f
         coarse = np.pad(rng.random((cells, cells)), ((0, 1), (0, 1)), mode="wrap")
         step = np.arange(size) * cells / size
         low, part = step.astype(int), (step % 1) ** 2 * (3 - 2 * (step % 1))
-        rows = coarse[low] * (1 - part)[:, None] + coarse[low + 1] * part[:, None]
-        total += persistence**octave * (rows[:, low] * (1 - part) + rows[:, low + 1] * part)
+        rest = 1 - part
+        rows = coarse[low] * rest[:, None] + coarse[low + 1] * part[:, None]
+        total += persistence**octave * (np.take(rows, low, 1) * rest + np.take(rows, low + 1, 1) * part)
         weight += persistence**octave
     return total / weight
