@@ -18,7 +18,6 @@ from rai_missions.check import staleness as stale
 from rai_missions.check import structure as shape
 from rai_missions.check.finding import Finding, Severity, document_order
 from rai_missions.check.index import MissionIndex
-from rai_missions.collector import uncollected
 from rai_missions.errors import unescaped
 from rai_missions.mission.legible import LegiblePart, words_in
 from rai_missions.mission.mission import Mission
@@ -97,7 +96,6 @@ RULES: tuple[CheckRule, ...] = (
 """In this order where they are at one place."""
 
 
-@uncollected
 def check(mission: Mission, *, named: Collection[str] | None = None) -> tuple[Finding, ...]:
     """Everything that is wrong or odd in a mission, in document order.
 

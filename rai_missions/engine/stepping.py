@@ -10,7 +10,6 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from rai_missions.collector import uncollected
 from rai_missions.engine.actions import act_of
 from rai_missions.engine.activities.ticker import Trees
 from rai_missions.engine.blackboard import ask_named
@@ -38,7 +37,6 @@ from rai_missions.mission.mission import Mission
 __all__ = ("begin_run", "close", "compiled", "fresh", "make_step")
 
 
-@uncollected
 def compiled(
     mission: Mission, ticker: Trees | None = None, *, facts: RobotFacts | None = None, named: Named | None = None,
     surroundings: Surroundings | None = None,

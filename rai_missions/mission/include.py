@@ -12,7 +12,6 @@ from typing import Any, NamedTuple
 
 from pydantic import ValidationError
 
-from rai_missions.collector import uncollected
 from rai_missions.errors import DefinitionError, Fault, UsageError
 from rai_missions.guards import Guard, In, Not
 from rai_missions.guards.guard import made
@@ -42,7 +41,6 @@ class Inclusion(NamedTuple):
     uses: tuple[str, ...]
 
 
-@uncollected
 def read_mission(file: Path) -> Mission:
     """The mission in a JSON file as it is written there: inclusions are states of their own.
 
