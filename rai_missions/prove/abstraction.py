@@ -96,7 +96,7 @@ class Abstraction:
             if value := getattr(state, name):
                 setattr(state, name, rest(value))
         self._cap(state)
-        state.answer = self._read_later(state.answer) if state.answer.__class__ is Payload or state.answer else {}
+        state.answer = self._read_later(state.answer)
         state.event, state.asked = {}, ""
 
     @property
@@ -179,6 +179,8 @@ class Abstraction:
 
     def _read_later(self, answer: Mapping[str, Any]) -> dict[str, Any]:
         """The parameters of the last answer that may be read before the next."""
+        if not answer and not isinstance(answer, Payload):
+            return {}
         wanted = self.later.answers
         every = (*answer, *(answer.fields if isinstance(answer, Payload) else ()))
         kept = {name: answer.get(name) for name in every if name in wanted or ALL in wanted}

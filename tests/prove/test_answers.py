@@ -252,3 +252,12 @@ def test_answers_that_wait_for_a_hand_back_are_states_of_their_own() -> None:
     space = Keeping(Environment(both), MOST)
     space.explore()
     assert space.is_whole and space.kept == {0, 1}
+
+
+def test_a_parameter_that_is_read_later_can_be_anything_then() -> None:
+    later: Json = {"transitions": [{"after_s": 1, "when": {"key": "answer.n", "==": 1}, "to": "odd"},
+                                   {"after_s": 2, "to": "over"}]}  # fmt: skip
+    asked: Json = {**ASKING, "transitions": [{"on": "give", "to": "later"}, {"on": "leave", "to": "over"}]}
+    space = Keeping(Environment(asking_mission(asking=asked, later=later)), MOST)
+    space.explore()
+    assert space.is_whole and {"odd", "over"} <= space.entered
