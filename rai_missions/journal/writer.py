@@ -80,11 +80,13 @@ class Journal(Closable):
             UsageError: The file is there already, or none can be written there.
         """
         path = Path(path)
-        lock = Lock(path, new=True)
+        lock, journal = Lock(path, new=True), None
         try:
             journal = cls(path, lock, new=True, redact=redact, witness=witness)
             journal._append("header", written_header(_filled(header)))
         except BaseException:
+            if journal is not None:
+                journal._database.close()
             lock.release()
             for left in (path, path.with_name(f"{path.name}-wal")):
                 with suppress(OSError):  # a name that is too long is that of no file
@@ -106,7 +108,7 @@ class Journal(Closable):
             DefinitionError: It is no journal of this format.
         """
         path = Path(path)
-        lock = Lock(path, new=False)
+        lock, journal = Lock(path, new=False), None
         try:
             journal = cls(path, lock, new=False, redact=redact, witness=witness)
             last = journal._database.execute("SELECT number, hash FROM rows ORDER BY number DESC LIMIT 1").fetchone()
@@ -116,6 +118,8 @@ class Journal(Closable):
                 journal.close()
                 raise UsageError(f"another process has continued with the run of {path} meanwhile; start once more")
         except BaseException:
+            if journal is not None:
+                journal._database.close()
             lock.release()
             raise
         return journal

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import shutil
 import sqlite3
+from contextlib import closing
 from pathlib import Path
 
 import pytest
@@ -103,7 +104,8 @@ def test_a_process_that_died_making_its_journal_is_in_no_later_one_s_way(tmp_pat
 def test_what_is_no_journal_is_not_moved(tmp_path: Path, content: str) -> None:
     path = tmp_path / "run.journal"
     if content.startswith("CREATE"):
-        sqlite3.connect(path).execute(content).close()
+        with closing(sqlite3.connect(path)) as database:
+            database.execute(content)
     else:
         path.write_text(content)
     with pytest.raises(DefinitionError, match="no journal"):
