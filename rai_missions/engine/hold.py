@@ -175,9 +175,8 @@ def shift(program: Program, state: RunState, by_s: float, controls: Controls | N
         by_s: For how long.
         controls: Only for the states that need one of these; for all there is without them, holds included.
     """
-    for name, _, holds in TABLE:
-        move = SHIFTS.get(holds)
-        if move is not None and (value := getattr(state, name)):
+    for name, move in MOVED if by_s else ():
+        if value := getattr(state, name):
             setattr(state, name, move(program, value, by_s, controls))
 
 
@@ -221,3 +220,5 @@ SHIFTS: Mapping[Holds, Callable[[Program, Any, float, Controls | None], Any]] = 
     "activities": _activities, "controls": _controls,
 }  # fmt: skip
 """What a field holds → how it is moved."""
+MOVED = tuple((each.name, SHIFTS[each.holds]) for each in TABLE if each.holds in SHIFTS)
+"""The fields that are moved, and how."""

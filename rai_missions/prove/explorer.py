@@ -274,7 +274,8 @@ class Space(StateGraph):
         chart, codec, instruments = self.environment.chart, self.environment.codec, self.environment.instruments
         has_moved = bool(chart.state.draft.moves or instruments.turned)
         if chart.outcome is not None:
-            return Arrival(way, happening.kind, has_moved, (chart.outcome, chart.why))
+            ended = chart.outcome, chart.why
+            return Arrival(way, happening.kind, has_moved, ended, repr(ended).encode())
         written, added = codec.changed(before, is_exact=instruments.is_long)
         goals, many = codec.given_up(), len(before.goals)
         if happening.is_of_goal or goals[:many] != list(before.ledger.values()):
@@ -295,7 +296,7 @@ class Space(StateGraph):
         """Take note of a step and of the state it leads to."""
         ended, change, question = arrival.ended, arrival.change, arrival.question
         if change is None or question is None:
-            store, answer, key = before, b"", repr(ended).encode()
+            store, answer, key = before, b"", arrival.core
         else:
             store = self._stores.after(before, change)
             answer = question.of(store)
@@ -318,7 +319,7 @@ class Space(StateGraph):
         is_circle = source == number and not (arrival.kind == "time" and arrival.has_moved)
         if source >= 0 and not is_circle:  # what changes nothing leads nowhere
             kept = arrival.kept
-            if kept is not None and not arrival.is_of_goal:
+            if kept is not None and self._goal_words and not arrival.is_of_goal:
                 kept |= self._goal_words
             self.join(source, number, arrival.kind, kept)
 

@@ -28,6 +28,7 @@ class Arrival(NamedTuple):
     ended: tuple[str, str] | None
     """Outcome and why; None where the mission continues."""
     core: bytes = b""
+    """That of the state afterwards; of an end what distinguishes it from others."""
     state: SavedState | None = None
     change: StoreChange | None = None
     question: StoreQuery | None = None
