@@ -28,11 +28,7 @@ LARGEST = 2**53
 """A whole number up to this can be added without a look at the sum: no run adds it so often that a sum is none."""
 
 _new = tuple.__new__
-
-
-def stamped(value: Any, at: float) -> Stamped:
-    """A `Stamped`, made the short way: this runs in every step that counts."""
-    return _new(Stamped, (value, at))
+"""Makes a `Stamped` the short way: this runs in every step that counts."""
 
 
 def act_of(effect: Effect, place: str, state: str, keys: Mapping[str, Key], *, has_trees: bool = False) -> Act:
@@ -77,7 +73,7 @@ def _set(effect: Set, site: Site) -> Act:
         return partial(_write, name, value)
 
     def put(program: Program, run: RunState) -> None:
-        run.board[name] = stamped(value, run.at)
+        run.board[name] = _new(Stamped, (value, run.at))
         run.draft.written.append((name, value))
 
     return put
@@ -112,7 +108,7 @@ def _add(name: str, key: Key | None, amount: float) -> Act:
         old = entry[0] if entry is not None else 0
         if old.__class__ is kind:
             value = old + amount
-            board[name] = stamped(value, run.at)
+            board[name] = _new(Stamped, (value, run.at))
             run.draft.written.append((name, value))
         elif is_number(old):
             write_key(program, run, name, old + amount)

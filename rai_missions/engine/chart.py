@@ -15,7 +15,7 @@ from rai_missions.engine import snapshot
 from rai_missions.engine.activities.goal_ledger import OpenGoal, awaited, loose
 from rai_missions.engine.activities.ticker import Trees
 from rai_missions.engine.activities.tree import questions_in
-from rai_missions.engine.configuration import CompiledStep, Configuration
+from rai_missions.engine.configuration import CompiledStep, Configuration, DirectStep
 from rai_missions.engine.decision import Question, with_verdicts
 from rai_missions.engine.events import NOT_STARTED
 from rai_missions.engine.handover import settle_holds
@@ -147,6 +147,9 @@ class Chart:
         if at > state.at:
             state.at = at
         config = state.config
+        direct = config.direct.get(name)
+        if direct is not None:
+            return self._direct(event, direct)
         plan = config.plans.get(name)
         if plan is None:
             plan = config.plan(name, declared=name in self.program.declared)
@@ -161,15 +164,36 @@ class Chart:
         leap = config.leaps.get((tuple(transitions), name))
         if leap is None or not leap.plain or not state.listening.isdisjoint(leap.shifts):
             return make_step(self.program, state, event)
+        first = plan[0][0]
+        if all(chain[0].test is None for chain in plan):
+            config.direct[name] = (None, "", leap)
+        elif len(plan) == len(plan[0]) == 1:
+            config.direct[name] = (first.test, first.place, leap)
+        return self._leapt(event, leap, tuple(looked))
+
+    def _direct(self, event: Event, direct: DirectStep) -> Step:
+        """A step on the short way where it is known what fires, if anything does."""
+        state = self.state
+        test, place, leap = direct
+        state.event = event.data
+        looked: tuple[tuple[str, Truth], ...] = ()
+        if test is not None:
+            value = test(state)
+            looked = ((place, value),)
+            if value is not True:
+                return self._short(event, (), looked)
+        if state.listening and not state.listening.isdisjoint(leap.shifts):
+            return make_step(self.program, state, event)
+        return self._leapt(event, leap, looked)
+
+    def _leapt(self, event: Event, leap: CompiledStep, looked: tuple[tuple[str, Truth], ...]) -> Step:
+        """The end of a step on the short way that makes a move."""
+        state = self.state
         state.config = config = leap.config
         state.active = config.active
-        if leap.acts:
-            return self._acted(event, leap, looked)
-        return self._short(event, leap.moves, tuple(looked) if looked else ())
-
-    def _acted(self, event: Event, leap: CompiledStep, looked: list[tuple[str, Truth]]) -> Step:
-        """The end of a step on the short way that does something."""
-        state, program, draft = self.state, self.program, self.state.draft
+        if not leap.acts:
+            return self._short(event, leap.moves, looked)
+        program, draft = self.program, state.draft
         for act in leap.acts:
             act(program, state)
         written = draft.written
@@ -178,11 +202,12 @@ class Chart:
             draft.looked += looked
             complete(program, state, None)
             return close(program, state, event)
-        notes = with_verdicts(draft.notes)[0] if draft.notes else ()
-        step = self._short(event, leap.moves, tuple(looked), tuple(written), tuple(draft.effects), notes)
-        written.clear()
         if draft.effects or draft.notes or draft.news:
+            notes = with_verdicts(draft.notes)[0] if draft.notes else ()
             state.draft = StepDraft()
+            return self._short(event, leap.moves, looked, tuple(written), tuple(draft.effects), notes)
+        step = self._short(event, leap.moves, looked, tuple(written))
+        written.clear()
         return step
 
     def _short(

@@ -142,7 +142,7 @@ class CompiledMission:
         if found is None:
             if len(self._configurations) >= max(CONFIGURATIONS, 4 * len(self.order)):
                 for each in self._configurations.values():
-                    each.leaps.clear()  # they lead round in circles, which only a search for garbage would find
+                    each.forget()
                 self._configurations.clear()
             found = self._configurations[key] = Configuration(nodes, self.root)
         return found

@@ -8,9 +8,10 @@ from typing import Any
 
 from rai_missions.engine.nodes import Act, CompiledTransition, Node
 from rai_missions.engine.step import Move
+from rai_missions.guards.guard import Test
 from rai_missions.states.state import ANY_EVENT
 
-__all__ = ("CompiledStep", "Configuration")
+__all__ = ("CompiledStep", "Configuration", "DirectStep")
 
 
 class CompiledStep:
@@ -36,6 +37,10 @@ class CompiledStep:
         """
 
 
+DirectStep = tuple[Test | None, str, CompiledStep]
+"""The guard of the transition, if it has one, its JSON pointer, and what taking it does."""
+
+
 class Configuration:
     """A set of active states, and what can happen in it."""
 
@@ -43,6 +48,7 @@ class Configuration:
         "active",
         "atomic",
         "controls",
+        "direct",
         "eventless",
         "holds",
         "instants",
@@ -64,6 +70,8 @@ class Configuration:
         """Whose control the active states need."""
         self.plans: dict[str, tuple[tuple[CompiledTransition, ...], ...]] = {}
         self.leaps: dict[Any, CompiledStep] = {}
+        self.direct: dict[str, DirectStep] = {}
+        """An event that fires the same plain step whenever it fires → that step; those that happened so far."""
         self.eventless = self._chains(None, declared=False)
         transitions = [each for node in sorted(self.nodes, key=lambda node: node.index) for each in node.transitions]
         guarded = [(each.condition, each.definition.eventless) for each in transitions if each.condition is not None]
@@ -72,6 +80,11 @@ class Configuration:
         self.reads = frozenset[str]().union(*(condition.reads for condition in looked_at))
         self.instants = tuple(instant for condition in looked_at for instant in condition.instants)
         self.watchful = bool(self.eventless or self.holds)
+
+    def forget(self) -> None:
+        """Drop the steps that were worked out; they lead round in circles, which only a search for garbage finds."""
+        self.leaps.clear()
+        self.direct.clear()
 
     def _candidates(self, wanted: Callable[[CompiledTransition], bool]) -> tuple[tuple[CompiledTransition, ...], ...]:
         """For each innermost state its transitions and its ancestors', in the order in which they are tried."""
