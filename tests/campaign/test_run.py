@@ -312,6 +312,7 @@ def counted(store: Path) -> int:
         return 0
 
 
+@pytest.mark.long
 def test_a_campaign_that_is_killed_continues(tmp_path: Path) -> None:
     killed_whole(tmp_path, scenes=2, kills=1)
 

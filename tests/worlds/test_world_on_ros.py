@@ -21,6 +21,7 @@ def graph(tmp_path: Path) -> Iterator[Graph]:
     yield from graph_in(tmp_path, Graph)
 
 
+@pytest.mark.long
 def test_all_that_its_profile_names_is_there_at_once_and_a_second_world_is_refused(graph: Graph) -> None:
     world, missing, within_s = graph.world(speed="1"), ["not looked for yet"], 1.0
     while missing and within_s < 30.0:  # on a busy machine two processes take longer to find each other
