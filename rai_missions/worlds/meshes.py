@@ -168,7 +168,7 @@ def icosphere(fineness: int) -> tuple[Points, NDArray[np.int64]]:
         faces = _split(vertices, faces)
     made = np.array(vertices), np.array(faces)
     for each in made:
-        each.flags.writeable = False
+        each.setflags(write=False)
     return made
 
 
