@@ -94,6 +94,7 @@ def test_the_plots_show_the_shares_that_the_table_has(window: Any) -> None:
         assert float(place[:-1]) == pytest.approx(1.5 + 0.97 * float(share.split()[0]), abs=0.1)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("more", [{}, PHONE], ids=["wide", "phone"])
 def test_the_report_is_accessible_and_fits_its_window(opened: Open, page: bytes, more: dict[str, Any]) -> None:
     window = opened(page, **more)

@@ -139,6 +139,7 @@ def test_a_generated_mission_is_drawn_with_all_its_arrows(draws: Draws, mission:
     assert reported["arrows"] == arrows(drawn)
 
 
+@pytest.mark.long
 def test_a_mission_of_more_rows_than_a_flowchart_may_have_edges_is_drawn(draws: Draws) -> None:
     count = 520
     states: dict[str, Any] = {f"s{n}": {"transitions": [{"on": "go", "to": f"s{n + 1}"}]} for n in range(count)}

@@ -227,6 +227,7 @@ def test_regions_are_side_by_side_whatever_enters_and_leaves_them(opened: Open) 
     assert route[2] < lamp[1] or lamp[2] < route[1]
 
 
+@pytest.mark.long
 def test_a_very_large_chart_shows_its_progress_while_the_page_is_used(opened: Open) -> None:
     window = opened(review(flat(3000)), viewport=SCREEN)
     while_drawing = """(() => {

@@ -100,6 +100,7 @@ def as_it_happens(kind: str, option: str, look: Callable[[OpenDecision], None] =
     return one, (result[:3], [step.event for step in steps], end)
 
 
+@pytest.mark.long
 def test_a_crossing_completes_as_it_would_in_the_run_which_is_left_as_it_is() -> None:
     one, run_with_a_look = as_it_happens("branch", "drive_over")
     assert (one.verdict, one.ending, one.outcome) == ("completes", "mission", "succeeded")
@@ -199,6 +200,7 @@ def test_a_goal_that_is_under_way_comes_to_its_end_in_a_rollout(option: str, ver
         assert found[0].seconds == pytest.approx(end[0] - began[0], abs=1e-6), "as long as in the run"
 
 
+@pytest.mark.long
 def test_the_oracle_completes_what_can_be_completed() -> None:
     profile = robot("branch")
     oracle = OracleAnswerer(profile, longest_s=30.0)

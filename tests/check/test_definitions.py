@@ -157,6 +157,7 @@ def fanned(size: int) -> Json:
     return {"states": {"s0": {"transitions": hub}, **states}}
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("made", [waiting, acting, timed, fanned])
 def test_a_mission_with_few_faults_takes_ten_times_as_long_with_ten_times_the_states(
     made: Callable[[int], Json],

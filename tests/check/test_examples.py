@@ -233,6 +233,7 @@ def test_a_generated_chart_has_no_finding_and_its_faults_are_all_reported() -> N
     assert {finding.rule for finding in faults} == {"unknown-state", "unknown-key", "unknown-event", "unbounded-action"}
 
 
+@pytest.mark.long
 def test_ten_times_the_states_take_ten_times_as_long_and_not_a_hundred() -> None:
     def seconds(size: int) -> float:
         mission = Mission.model_validate(chart(size))

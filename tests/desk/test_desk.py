@@ -55,6 +55,7 @@ def test_a_tower_is_asked_for_and_built() -> None:
     assert (end.outcome, end.is_so, end.moves) == ("succeeded", True, 1), end.why
 
 
+@pytest.mark.long
 @pytest.mark.sim
 def test_a_swap_goes_by_a_free_spot() -> None:
     end = episode("swap the red cube and the blue cube", TWO)

@@ -157,6 +157,7 @@ def yard_faults(seeds: range) -> tuple[list[str], dict[str, int]]:
     return faults, counts
 
 
+@pytest.mark.long
 def test_over_a_bad_connection_to_servers_that_lie_no_success_is_false() -> None:
     faults, counts = yard_faults(range(50))
     assert faults == []

@@ -221,6 +221,7 @@ def test_a_plan_without_its_transitions_is_found() -> None:
     assert "'failed' and 'rejected' of 'planning'" in found["unhandled-failure"]
 
 
+@pytest.mark.long
 def test_planning_in_a_circle_is_a_fault() -> None:
     round_ = mission().written()
     round_["states"]["planning"]["transitions"] = [{"on": ["succeeded", "failed", "rejected"], "to": "planning"}]

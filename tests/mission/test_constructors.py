@@ -157,10 +157,10 @@ def test_a_kind_that_declares_no_constructor_takes_its_fields() -> None:
     ("line", "word"),
     [
         ('Action("drive", timeo', "timeout_s="),
-        ('Decision("What?", deadl', "deadline_s="),
-        ('tree.Call("horn", req', "request="),
-        ("Key(float, sou", "source="),
         ('On("blocked", wh', "when="),
+        pytest.param('Decision("What?", deadl', "deadline_s=", marks=pytest.mark.long),
+        pytest.param('tree.Call("horn", req', "request=", marks=pytest.mark.long),
+        pytest.param("Key(float, sou", "source=", marks=pytest.mark.long),
     ],
 )
 def test_an_editor_completes_the_words(

@@ -65,6 +65,7 @@ def hold_against_forgetless(document: Json, most: int) -> None:
     assert lengths[0] == lengths[1]
 
 
+@pytest.mark.long
 @settings(lenient, max_examples=3)
 @given(mission_documents())
 def test_what_is_reported_again_is_what_happens_again(document: Json) -> None:

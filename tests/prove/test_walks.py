@@ -60,7 +60,7 @@ def walks(seeds: range) -> Count:
 
 
 def test_no_walk_sees_broken_what_was_proved() -> None:
-    count = walks(range(20))
+    count = walks(range(12))
     assert count.accepted >= 0.8 * count.drawn and count.whole > 0.5 * count.accepted and count.seen_broken
 
 

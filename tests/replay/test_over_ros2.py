@@ -108,6 +108,7 @@ def test_an_errand_that_no_one_kills_succeeds(errands: Errands) -> None:
     errands.run([], [])
 
 
+@pytest.mark.long
 def test_it_is_killed_before_and_after_a_write_in_a_decision_and_in_its_resume(errands: Errands) -> None:
     chosen = (
         Instant("a row is written", 2, False), Instant("an answer comes", 1, True),

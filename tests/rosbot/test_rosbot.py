@@ -48,6 +48,7 @@ def test_the_patrol_succeeds_and_its_journal_reports_how(patrol: Any, tmp_path: 
     assert again.holds and again.outcome == "succeeded", again.difference
 
 
+@pytest.mark.long
 @pytest.mark.sim
 def test_the_same_seed_gives_the_same_run_to_the_bit(blocked: Any, patrol: Any, tmp_path: Path) -> None:
     two = patrol(words={"journal": tmp_path / "two.journal"}, blocked=["study_pantry"])

@@ -57,6 +57,7 @@ def test_the_profile_for_ros_2_needs_nothing_that_is_not_on_pypi_and_the_other_d
 class TestOnRos:
     pytestmark = over_ros
 
+    @pytest.mark.long
     @with_each_profile
     def test_it_drives_over_what_is_low_to_the_end_of_the_alley(self, graph: Graph, profile: str) -> None:
         skip_what_is_not_here(profile)

@@ -169,6 +169,7 @@ def test_an_anomaly_after_a_pause_is_still_one(drive: Any) -> None:
     assert one.run().outcome == "succeeded" and "drive_over" in one.answers
 
 
+@pytest.mark.long
 @pytest.mark.sim
 @pytest.mark.local_model
 @pytest.mark.skipif(importlib.util.find_spec("xllamacpp") is None, reason="no model here; `make weights` installs one")

@@ -78,7 +78,7 @@ def test_silence_and_noise_are_no_words(collector: TranscriptCollector) -> None:
     assert collector.of(FileSound(quiet(2.0))) == []
 
 
-@pytest.mark.parametrize(("echo_db", "delay_ms"), [(-6.0, 20.0), (-12.0, 200.0)])
+@pytest.mark.parametrize(("echo_db", "delay_ms"), [(-6.0, 20.0), pytest.param(-12.0, 200.0, marks=pytest.mark.long)])
 def test_our_own_voice_is_never_transcribed(collector: TranscriptCollector, echo_db: float, delay_ms: float) -> None:
     ours = spoken("The mission has ended. Stop. Cancel the mission.")
     room = RoomSound(quiet(len(ours) / 32_000 + 0.5), echo_db=echo_db, delay_ms=delay_ms)

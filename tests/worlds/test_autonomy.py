@@ -57,6 +57,7 @@ def test_a_stop_stops_and_a_continue_continues(rig: Any) -> None:
     assert orchard.run(lambda: orchard.data("alleys_driven") == 1, 20.0)
 
 
+@pytest.mark.long
 def test_replan_backs_out_takes_the_next_and_tries_the_first_from_its_other_end(rig: Any) -> None:
     orchard = rig(alleys=2, obstacles=[PERSON], camera=False)
     orchard.to_the_obstacle()
@@ -92,6 +93,7 @@ def test_a_continue_that_sees_nothing_looks_again_before_it_moves(rig: Any) -> N
     assert not orchard.world.judge.touched
 
 
+@pytest.mark.long
 def test_the_horn_makes_anyone_who_heeds_it_walk_away(rig: Any) -> None:
     orchard = rig(alleys=1, obstacles=[{"kind": "animal", "heeds_after": 2, "lingers_s": 900.0}])
     orchard.to_the_obstacle()

@@ -94,6 +94,7 @@ def test_obstacles_are_reported_five_times_a_second_and_only_while_seen(facing: 
     assert orchard.last["obstacle"].at < orchard.world.at - 3.0
 
 
+@pytest.mark.long
 def test_noise_misses_and_mistakes_come_from_the_seed(facing: Any) -> None:
     orchard = facing("branch", detector={"noise": 0.1, "miss": 0.4, "misclassify": 1.0}, seed=3)
     orchard.rest(8.0)
@@ -140,6 +141,7 @@ def test_what_no_one_closes_is_freed_by_the_thread_that_made_it(renderers: list[
         renderer.render()
 
 
+@pytest.mark.long
 def test_a_picture_that_is_asked_for_after_the_end_is_rendered_all_the_same(rig: Any) -> None:
     orchard = rig(alleys=1)
     camera, moment = orchard.world.camera, orchard.world.camera.moment(orchard.world.data)

@@ -139,6 +139,7 @@ def test_its_keys_are_not_in_what_others_may_read_of_it(mark: str, tmp_path: Pat
     assert os.environ["HOSTILE_API_KEY"].encode() not in (tmp_path / "run.journal").read_bytes()
 
 
+@pytest.mark.long
 def test_one_that_crashes_is_started_again_for_the_next_attempt(mark: str) -> None:
     watched = Watched(asking(2 * PATIENT_S, attempts=2), "hostile:crashes")
     assert [each["failed"] for each in watched.proposals] == ["the model's process ended: it was ended by SIGSEGV"] * 2
@@ -182,6 +183,7 @@ def test_the_contract_of_answerers_is_kept(mark: str) -> None:
     check_answerer(lambda: DecisionAgent(ModelProcess("hostile:answers:replan")), within_s=PATIENT_S)
 
 
+@pytest.mark.long
 def test_the_same_goes_for_a_node(mark: str) -> None:
     robot = talking_robot("/somewhere")
     setting = RunConfig(asking(PATIENT_S), ROBOT, model="hostile:answers:stay", connector=robot)
@@ -236,6 +238,7 @@ def test_an_e_stop_does_not_wait_for_a_model_that_holds_its_lock(mark: str, tmp_
     robot.stop()
 
 
+@pytest.mark.long
 def test_everything_ends_with_an_engine_that_is_killed(mark: str, tmp_path: Path) -> None:
     """Also a daemon that a model left behind: with a session and a parent of its own."""
     command = program(tmp_path, f"run(mission, model='hostile:leaves_children:{mark}')", asking(600.0))

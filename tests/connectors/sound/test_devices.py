@@ -121,6 +121,7 @@ def played() -> list[bytes]:
     return [frame.played for frame in frames if any(frame.played)]
 
 
+@pytest.mark.long
 def test_each_frame_is_played_once_in_order_and_reaches_the_speaker(null_sinks: None, tmp_path: Path) -> None:
     """However many frames the sound system asks for in a row; on a busy machine it drops some after that."""
     file = tmp_path / "speaker.raw"

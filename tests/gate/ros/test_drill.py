@@ -24,6 +24,7 @@ def judged(record: Record) -> dict[str, Any]:
     return reported
 
 
+@pytest.mark.long
 def test_three_processes_never_hold_control_together(domain: int, tmp_path: Path) -> None:
     reported = judged(drill(domain, 3.0, 1, tmp_path / "gate.jsonl"))
     assert reported["passed"] > 10 and reported["refused"] > 10 and reported["handovers"] > 2, reported
