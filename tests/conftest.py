@@ -156,10 +156,11 @@ def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> Any:
 
 @pytest.hookimpl(optionalhook=True)
 def pytest_xdist_auto_num_workers() -> int:
-    """Four more than there are cores, since much of a test's time is waiting, as for who is to be found.
+    """Two more than there are cores, since much of a test's time is waiting, as for who is to be found.
 
-    Each loads every test, some 8 s of a processor, and needs up to 1.4 GB; with less memory there are fewer.
+    Each loads every test, some 8 s of a processor, and needs up to 1.4 GB; with less memory there are fewer. Six on two
+    cores took no less time, and two tests waited too long for processes of theirs.
     """
     cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
     memory_gb = os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE") / 1e9
-    return max(cores, min(cores + 4, int(memory_gb / 1.4)))
+    return max(cores, min(cores + 2, int(memory_gb / 1.4)))

@@ -34,6 +34,7 @@ def test_the_best_are_those_that_none_betters(verdicts: dict[str, Verdict]) -> N
     assert best == {one for one in ranks if not any(ranks[other] < ranks[one] for other in ranks)}
 
 
+@pytest.mark.long
 def test_a_generated_scene_is_labelled_option_by_option() -> None:
     one = next(each for each in (scene("orchard", seed) for seed in range(100)) if each.kind == "person")
     found = label(one)

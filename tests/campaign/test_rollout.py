@@ -126,6 +126,7 @@ def test_options_that_lead_to_another_question_and_options_that_are_not_offered(
     assert (tried["abort"].verdict, tried["abort"].outcome) == ("harmless", "aborted")
 
 
+@pytest.mark.long
 def test_nothing_is_rendered_for_a_rollout_and_the_verdict_is_that_of_a_rendered_one() -> None:
     found: list[Rollout] = []
     cameras: list[Any] = []

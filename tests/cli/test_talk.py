@@ -174,6 +174,7 @@ def test_after_the_end_another_run_is_started_by_talk_with_its_arguments(mission
     assert [line["report"].partition(":")[2] for line in lines if line["report"]] == ["ready", "end"], "it never began"
 
 
+@pytest.mark.long
 def test_who_pipes_the_orders_of_a_run_that_waits_has_it_started_and_ended(mission: Path) -> None:
     mission.write_text(json.dumps(COUNTING))
     command = [PROGRAM, "run", mission, "--talk", "--robot", profile(mission, begins="ready"), "--journal"]

@@ -49,6 +49,7 @@ def test_a_circle_comes_to_the_limit_of_the_real_chart(rounds: int, inner: int, 
     ]
 
 
+@pytest.mark.long
 def test_many_rounds_at_once_are_not_left_out_where_the_tree_rests_among_them() -> None:
     mission = failing({"retry": 20_005, "child": NEVER}, "over")
     proof = prove(mission)

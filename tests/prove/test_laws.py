@@ -43,6 +43,7 @@ def test_no_run_leaves_what_was_explored(document: Json, runs: list[Any], alleys
     hold_against(document, runs, alleys, waypoints, SMALL)
 
 
+@pytest.mark.long
 @settings(lenient, max_examples=3)
 @given(mission_documents())
 def test_what_no_one_reads_again_makes_no_difference(document: Json) -> None:

@@ -31,6 +31,7 @@ def kill(process: Process) -> None:
     assert process.ends() == -signal.SIGKILL
 
 
+@pytest.mark.long
 def test_two_processes_do_not_continue_with_one_run(graph: Graph) -> None:
     mission = graph.folder / "wait.json"
     mission.write_text(

@@ -165,6 +165,7 @@ def test_one_that_holds_its_interpreter_s_lock_is_replaced(mark: str, tmp_path: 
     assert time.monotonic() - began < EXIT_S
 
 
+@pytest.mark.long
 def test_memory_beyond_the_limit_ends_it_and_the_reason_names_it(mark: str) -> None:
     watched = Watched(asking(PATIENT_S), "hostile:grows", model_memory_gib=0.25)
     assert "GiB of memory and may use 0.25" in watched.proposals[0]["failed"]

@@ -6,9 +6,12 @@ from __future__ import annotations
 import signal
 from pathlib import Path
 
+import pytest
+
 from tests.tractor.ros2_processes import Graph, graph_in
 
 
+@pytest.mark.long
 def test_a_node_that_commands_past_the_gate_and_another_gate_are_reported(tmp_path: Path) -> None:
     for graph in graph_in(tmp_path, Graph):
         words = ("gate", "--ros")
