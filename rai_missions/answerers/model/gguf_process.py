@@ -31,6 +31,7 @@ def main(file: str, threads: int, window: int, longest: int) -> int:
         report.write(json.dumps(result) + "\n")
     if "url" in result:
         sys.stdin.buffer.read()
+        os._exit(0)  # a server that is taken down while its threads still start may wait for them for ever
     return 0
 
 
