@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import http.client
 import multiprocessing
-import shutil
 import statistics
 import tempfile
 import threading
@@ -20,6 +19,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
+from benchmarks.browser import find_browser
 from rai_missions.agents.mission import RunConfig, prepare
 from rai_missions.cli.run.live_page import RunPage
 from rai_missions.connectors.local import LocalConnector
@@ -132,7 +132,7 @@ def seen_in_browser(folder: Path, viewers: int) -> None:
     except ImportError:
         print("no browser")
         return
-    found = shutil.which("chromium") or shutil.which("google-chrome") or shutil.which("chromium-headless-shell")
+    found = find_browser()
     if found is None:
         print("no browser")
         return

@@ -8,13 +8,13 @@ which is a frame of 16 ms or little more. Opening and scrubbing are measured whe
 from __future__ import annotations
 
 import json
-import shutil
 import tempfile
 import time
 from collections.abc import Iterator
 from pathlib import Path
 
 from benchmarks.bench_draw import ROOT, chain
+from benchmarks.browser import find_browser
 from rai_missions.engine import Chart
 from rai_missions.engine.step import Step
 from rai_missions.event import Event
@@ -61,7 +61,7 @@ def browser_times(page: bytes, *, scrub: bool) -> str:
         from playwright.sync_api import sync_playwright
     except ImportError:
         return "no browser"
-    found = shutil.which("chromium") or shutil.which("google-chrome") or shutil.which("chromium-headless-shell")
+    found = find_browser()
     if found is None:
         return "no browser"
     with tempfile.TemporaryDirectory() as folder, sync_playwright() as running:

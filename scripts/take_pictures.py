@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import io
 import os
-import shutil
 import subprocess
 import sys
 import tempfile
@@ -22,6 +21,7 @@ from PIL import Image, ImageChops
 ROOT = Path(__file__).parents[1]
 sys.path.insert(0, str(ROOT))
 
+from benchmarks.browser import find_browser  # noqa: E402
 from benchmarks.peers_draw import by_transitions  # noqa: E402
 from rai_missions.mission.files import load  # noqa: E402
 from visualize import draw_review, drawn, picture  # noqa: E402
@@ -41,7 +41,7 @@ def main() -> None:
     tractor = load(ROOT / "missions/tractor/mission.json")
     keep("tractor_ours.png", drawn(picture(tractor), "png"))
     keep("tractor_transitions.png", by_transitions(tractor, "png"))
-    found = next(filter(None, map(shutil.which, ("chromium", "google-chrome", "chromium-headless-shell"))), None)
+    found = find_browser()
     if found is None:
         print("no browser is here, so the pictures of the pages stay as they are (on Debian: apt-get install chromium)")
         return
