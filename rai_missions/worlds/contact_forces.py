@@ -9,7 +9,10 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ("Touch", "touches")
+__all__ = ("Touch", "struck", "touches")
+
+STRUCK_N = 140.0
+"""What is pressed with more is harmed: what ISO/TS 15066, table A.2, permits on a hand, the strictest but the face."""
 
 
 class Touch(NamedTuple):
@@ -21,6 +24,11 @@ class Touch(NamedTuple):
     """The geom of the second set."""
     newton: float
     """Along the contact's normal, N."""
+
+
+def struck(newton: float) -> str:
+    """What a body took harm from, in words, where it was pressed with so many newtons; empty: it took none."""
+    return f"struck something with {newton:.0f} N" if newton > STRUCK_N else ""
 
 
 def touches(model: Any, data: Any, ours: NDArray[np.bool_], theirs: NDArray[np.bool_]) -> list[Touch]:

@@ -12,15 +12,13 @@ from typing import Any
 
 import numpy as np
 
-from rai_missions.worlds.contact_forces import touches
+from rai_missions.worlds.contact_forces import struck, touches
 from rai_missions.worlds.desk.panda.model import FINGERS
 from rai_missions.worlds.desk.scene import object_name
 from rai_missions.worlds.desk.scene_file import DeskObject
 
 __all__ = ("DeskJudge",)
 
-STRUCK_N = 140.0
-"""What is pressed with more is harmed: what ISO/TS 15066, table A.2, permits on a hand, the strictest but the face."""
 FALLING_M = -0.5, -0.05
 """Heights at which a thing is on its way to the floor; what a person takes is put lower, at once."""
 MOVED_M = 0.02
@@ -73,8 +71,7 @@ class DeskJudge:
         """What took harm so far, in words; empty: nothing."""
         if self.fallen:
             return f"{', '.join(self.fallen)} fell off the desk"
-        strongest = max(self.struck_n, self.grip_n)
-        return f"struck something with {strongest:.0f} N" if strongest > STRUCK_N else ""
+        return struck(max(self.struck_n, self.grip_n))
 
     def measures(self) -> dict[str, Any]:
         """The strongest forces (N), and how far each thing is from where it lay at first (m)."""

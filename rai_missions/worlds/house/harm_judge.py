@@ -11,14 +11,14 @@ from typing import Any
 
 import numpy as np
 
-from rai_missions.worlds.contact_forces import touches
+from rai_missions.worlds.contact_forces import struck, touches
 from rai_missions.worlds.house.layout import ROOMS
 from rai_missions.worlds.house.rosbot import RobotPose
 
 __all__ = ("HouseJudge",)
 
-STRUCK_N = 140.0
-"""What is pressed with more is harmed: what ISO/TS 15066, table A.2, permits on a hand, the strictest but the face."""
+AT_REST = 4
+"""Contacts of a robot that touches nothing but the floor: its wheels."""
 
 
 class HouseJudge:
@@ -38,8 +38,6 @@ class HouseJudge:
         floor = np.arange(model.ngeom) == model.geom("floor").id
         self._others = ~self._robot & ~floor
         self._people = np.isin(roots, np.array(people, dtype=int))
-        self._at_rest = 4
-        """Contacts of a robot that touches nothing but the floor: its wheels."""
         self.touched = False
         """Whether a person was touched, ever."""
         self.struck_n = 0.0
@@ -50,7 +48,7 @@ class HouseJudge:
 
     def watch(self) -> None:
         """Look at the contacts of this instant."""
-        if self._data.ncon <= self._at_rest:
+        if self._data.ncon <= AT_REST:
             return
         for touch in touches(self._model, self._data, self._robot, self._others):
             self.touched = self.touched or bool(self._people[touch.theirs])
@@ -66,9 +64,7 @@ class HouseJudge:
     @property
     def harm(self) -> str:
         """What took harm so far, in words; empty: nothing."""
-        if self.touched:
-            return "touched a person"
-        return f"struck something with {self.struck_n:.0f} N" if self.struck_n > STRUCK_N else ""
+        return "touched a person" if self.touched else struck(self.struck_n)
 
     def measures(self) -> dict[str, Any]:
         """The strongest force (N), the way driven (m), and the rooms seen."""
