@@ -86,8 +86,8 @@ socket.socket = LoopbackSocket  # type: ignore[misc]
 
 ON_ROS = frozenset({"ros", "domain", "graph", "tried"})
 """Fixtures of the tests that start nodes of ROS 2."""
-SLOW = ("local_model", "sim")
-LONG = frozenset({"model_process", "prove", "tutorial", "voice"})
+SLOW_MARKS = ("local_model", "sim")
+SLOW_FOLDERS = frozenset({"model_process", "prove", "tutorial", "voice"})
 """Folders with tests that take seconds: one of them at the end would keep the other workers waiting."""
 DRILL_S = 3600
 """Seconds for a test that is long on purpose, also where it is run by itself."""
@@ -123,7 +123,11 @@ def pytest_collection() -> Iterator[None]:
 
 
 def is_slow(item: pytest.Item) -> bool:
-    return is_on_ros(item) or item.path.parent.name in LONG or any(item.get_closest_marker(each) for each in SLOW)
+    return (
+        is_on_ros(item)
+        or item.path.parent.name in SLOW_FOLDERS
+        or any(item.get_closest_marker(each) for each in SLOW_MARKS)
+    )
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:

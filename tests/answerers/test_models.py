@@ -268,7 +268,7 @@ def test_the_server_ends_when_its_owner_is_killed(weights: Path) -> None:
     if descriptor is not None:
         import select
 
-        ended, _, _ = select.select([descriptor], [], [], 60)
+        ended, _, _ = select.select([descriptor], [], [], 10)
         os.close(descriptor)
         assert ended
 

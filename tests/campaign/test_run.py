@@ -313,6 +313,11 @@ def counted(store: Path) -> int:
 
 
 @pytest.mark.long
+def test_workers_that_are_killed_lose_no_cell_and_double_none(tmp_path: Path) -> None:
+    killed_workers(tmp_path, scenes=2, kills=1)
+
+
+@pytest.mark.long
 def test_a_campaign_that_is_killed_continues(tmp_path: Path) -> None:
     killed_whole(tmp_path, scenes=2, kills=1)
 

@@ -29,7 +29,7 @@ def test_what_speak_writes_listen_understands(tmp_path: Path, capsys: pytest.Cap
 
 
 @needs_voice
-@pytest.mark.drill
+@pytest.mark.long
 def test_a_turn_is_a_line_with_its_times_its_number_and_its_words(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -44,7 +44,7 @@ def built(path: Path, row: int, dead_s: float) -> Ending:
 
 
 @pytest.mark.parametrize(
-    ("row", "dead_s"), [(16, 8.0), *(pytest.param(*each, marks=pytest.mark.drill) for each in ((14, 0.0), (18, 60.0)))]
+    ("row", "dead_s"), [(16, 8.0), *(pytest.param(*each, marks=pytest.mark.long) for each in ((14, 0.0), (18, 60.0)))]
 )
 def test_killed_with_a_thing_in_the_hand_it_ends_as_it_does_without(tmp_path: Path, row: int, dead_s: float) -> None:
     assert built(tmp_path / "run.journal", row, dead_s) == (DONE, RED, True)

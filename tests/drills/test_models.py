@@ -29,7 +29,7 @@ def _secrets(monkeypatch: pytest.MonkeyPatch) -> None:
         monkeypatch.setenv(name, value)
 
 
-@pytest.mark.parametrize("part", [0, 1, *(pytest.param(part, marks=pytest.mark.drill) for part in (2, 3))])
+@pytest.mark.parametrize("part", [0, 1, *(pytest.param(part, marks=pytest.mark.long) for part in (2, 3))])
 def test_a_hundred_missions_under_hostile_models(part: int) -> None:
     drill = Drill().run(25, SEED, first=50 * part)
     assert drill.faults == []

@@ -37,7 +37,9 @@ def leaves(document: dict) -> list[tuple[str, dict]]:  # type: ignore[type-arg]
     return found
 
 
-@pytest.mark.parametrize("seed", [4, pytest.param(9, marks=pytest.mark.long)])  # hundreds more in drills
+@pytest.mark.parametrize(
+    "seed", [4, *(pytest.param(seed, marks=pytest.mark.long) for seed in (0, 9))]
+)  # hundreds more in drills
 def test_spin_reaches_the_same_configurations(seed: int, tmp_path: Path) -> None:
     assert agree(seed, tmp_path) >= 2
 

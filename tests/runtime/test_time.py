@@ -203,7 +203,9 @@ def test_an_idle_run_on_the_wall_clock_uses_no_processor() -> None:
     assert used[0] < 0.03, "a tenth of one processor would be a poll"
 
 
-@pytest.mark.parametrize("many", [8, pytest.param(100, marks=pytest.mark.drill)])
+@pytest.mark.parametrize(
+    "many", [8, pytest.param(20, marks=pytest.mark.long), pytest.param(100, marks=pytest.mark.drill)]
+)
 def test_many_missions_share_one_connector_that_was_started_before(many: int) -> None:
     rig = Rig(CALLING, clock=WallClock())
     rig.connector.start()

@@ -117,12 +117,12 @@ def orchard(tmp_path: Path) -> Iterator[Orchard]:
 ALONE_TO_THE_END = "state: FINISHED"
 
 
-@pytest.mark.drill
+@pytest.mark.long
 @pytest.mark.parametrize(
     "death",
     [
         Death("state: STOPPED", instant=Instant("an acceptance comes", 2, True), delay_s=30.0, until=ALONE_TO_THE_END),
-        Death("passed: True", delay_s=0.1, until=ALONE_TO_THE_END),
+        pytest.param(Death("passed: True", delay_s=0.1, until=ALONE_TO_THE_END), marks=pytest.mark.drill),
     ],
     ids=["as it drives over the branch", "with the branch behind it"],
 )

@@ -54,7 +54,14 @@ def test_what_was_driven_before_is_no_success_of_a_run(drive: Any) -> None:
 
 
 @pytest.mark.sim
-@pytest.mark.parametrize("obstacles", [["branch"], pytest.param(["branch", "person"], marks=pytest.mark.drill)])
+@pytest.mark.parametrize(
+    "obstacles",
+    [
+        ["branch"],
+        pytest.param(["person"], marks=pytest.mark.long),
+        pytest.param(["branch", "person"], marks=pytest.mark.drill),
+    ],
+)
 def test_the_same_seed_gives_the_same_run_to_the_bit(drive: Any, obstacles: list[str], tmp_path: Path) -> None:
     seen: list[tuple[list[Step], str]] = []
     for name in ("one", "two"):
@@ -73,7 +80,7 @@ def test_the_same_seed_gives_the_same_run_to_the_bit(drive: Any, obstacles: list
         pytest.param("log", {"replan"}, {"crossing"}, {"failed"}, marks=pytest.mark.long),
         pytest.param("fallen_tree", {"replan"}, {"crossing"}, {"failed"}, marks=pytest.mark.drill),
         ("person", {"signal"}, {"crossing"}, {"succeeded", "failed"}),
-        pytest.param("animal", {"signal"}, {"crossing"}, {"succeeded", "failed"}, marks=pytest.mark.drill),
+        pytest.param("animal", {"signal"}, {"crossing"}, {"succeeded", "failed"}, marks=pytest.mark.long),
     ],
 )
 def test_each_kind_of_obstacle_ends_sensibly(
@@ -90,7 +97,7 @@ def test_each_kind_of_obstacle_ends_sensibly(
 
 
 @pytest.mark.sim
-@pytest.mark.parametrize("obstacle", ["person", pytest.param("animal", marks=pytest.mark.drill)])
+@pytest.mark.parametrize("obstacle", ["person", pytest.param("animal", marks=pytest.mark.long)])
 def test_no_one_is_driven_over_whatever_a_model_reports(drive: Any, obstacle: str) -> None:
     liar = ChatteringAnswerer([{"option": "drive_over", "why": "the way is free"}])
     one = drive(words={"answerers": {"agent": liar, "operator": liar}}, alleys=2, obstacles=[obstacle, "none"])
@@ -186,5 +193,5 @@ def test_a_weak_model_cannot_hurt_the_mission(drive: Any, obstacles: list[str]) 
     asked = [step.question for step in one.steps if step.question and step.question.asked == "agent"]
     assert asked, "the model was asked"
     results = [step.event for step in one.steps if step.event.kind == "proposal" and step.event.name == "agent"]
-    assert all("usage" in event.data for event in results), "one that took too long has not answered"
+    assert results and all("usage" in event.data for event in results)
     assert (result.outcome == "succeeded") == (len(one.world.counter.alleys) == len(obstacles))
