@@ -25,7 +25,7 @@ def doctor(
         voice: Open also what listens and speaks, and list the devices of sound.
 
     Exit status:
-        0 nothing that is needed is missing, 1 something is, 2 the input is at fault
+        0 nothing that is needed is missing (what only `warns` counts as there), 1 something is, 2 the input is at fault
 
     Example:
         rai-missions doctor --robot robot.json

@@ -20,8 +20,8 @@ PROBE = "rai_missions.cli.doctor.probe"
 class MachineFinding(NamedTuple):
     """One thing looked at."""
 
-    status: Literal["ok", "absent", "missing"]
-    """`missing` is needed; `absent` is there for those who want it."""
+    status: Literal["ok", "warns", "absent", "missing"]
+    """`missing` is needed; `absent` is there for those who want it; `warns` works, with a danger that it names."""
     what: str
     remedy: str = ""
 

@@ -68,7 +68,7 @@ def _range(given: Mapping[str, str]) -> MachineFinding:
     meaning = RANGES[value or "SUBNET"] + peers
     is_open = value in ("", "SUBNET")
     what = f"{name}={value}" if value else f"{name} is not set, which is SUBNET"
-    return MachineFinding("ok", f"{what}: {meaning}", AT_HOME if is_open else "")
+    return MachineFinding("warns" if is_open else "ok", f"{what}: {meaning}", AT_HOME if is_open else "")
 
 
 def _domain(given: Mapping[str, str]) -> MachineFinding:
@@ -81,7 +81,7 @@ def _domain(given: Mapping[str, str]) -> MachineFinding:
         )
     if int(domain) > LAST_SAFE_DOMAIN:
         why = f"its ports are also given to other programs; better a number from 0 to {LAST_SAFE_DOMAIN}"
-        return MachineFinding("ok", f"ROS_DOMAIN_ID={domain}: {why}")
+        return MachineFinding("warns", f"ROS_DOMAIN_ID={domain}: {why}")
     return MachineFinding("ok", f"ROS_DOMAIN_ID={domain}: only nodes of that domain meet")
 
 

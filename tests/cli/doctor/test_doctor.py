@@ -111,11 +111,11 @@ def test_a_ros_that_works_is_reported_with_its_middleware_and_its_reach(environm
 @pytest.mark.parametrize(
     ("variable", "value", "status", "message"),
     [
-        ("ROS_AUTOMATIC_DISCOVERY_RANGE", "", "ok", "is not set, which is SUBNET: it multicasts to the network"),
+        ("ROS_AUTOMATIC_DISCOVERY_RANGE", "", "warns", "is not set, which is SUBNET: it multicasts to the network"),
         ("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCAL", "missing", "LOCAL is not known"),
         ("ROS_LOCALHOST_ONLY", "1", "ok", "an older word"),
         ("ROS_DOMAIN_ID", "", "ok", "shared with all"),
-        ("ROS_DOMAIN_ID", "150", "ok", "also given to other programs"),
+        ("ROS_DOMAIN_ID", "150", "warns", "also given to other programs"),
         ("ROS_DOMAIN_ID", "x", "missing", "is no domain"),
     ],
 )
