@@ -48,6 +48,8 @@ INNER = {
     "visualize/stored": "pictures to compare with",
 }
 """A folder in a package's tests that is no package → what it holds."""
+ROS = frozenset({"action_msgs", "geometry_msgs", "nav2_msgs", "rclpy", "std_msgs", "std_srvs", "test_msgs"})
+"""Packages that only a machine with ROS 2 has."""
 
 SHARED_NAMES = {
     "Call": "`call` of the format: a state that calls a service, and an effect that does",
@@ -91,6 +93,25 @@ def test_tests_lie_where_the_packages_do() -> None:
     folders = {path.name for path in (ROOT / "tests").iterdir() if any(path.rglob("*.py"))}
     assert folders - packages - ELSEWHERE.keys() == set()
     assert packages & ELSEWHERE.keys() == set()
+
+
+def test_no_test_needs_ros_to_be_collected() -> None:
+    """Without ROS 2 installed its tests are skipped; an import at the top would be an error instead."""
+    tops = [
+        f"{path.relative_to(ROOT)}: {node.lineno}"
+        for path in sorted((ROOT / "tests").rglob("*.py"))
+        if path.name.startswith(("test_", "conftest"))
+        for node in parsed(path.read_text(encoding="utf-8")).body
+        for name in imported(node)
+        if name.partition(".")[0] in ROS
+    ]
+    assert tops == []
+
+
+def imported(node: ast.stmt) -> list[str]:
+    if isinstance(node, ast.Import):
+        return [each.name for each in node.names]
+    return [node.module or ""] if isinstance(node, ast.ImportFrom) else []
 
 
 def test_a_folder_inside_is_one_of_its_package() -> None:

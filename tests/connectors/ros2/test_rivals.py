@@ -17,8 +17,6 @@ from typing import Any
 import pytest
 from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis import strategies as st
-from rclpy.action import ActionClient
-from rclpy.client import Client
 
 from rai_missions.connectors.connector import Reply, Report
 from rai_missions.connectors.contract import Inbox
@@ -171,7 +169,7 @@ def test_a_second_server_of_which_half_is_known_yet_takes_no_server_away(
     if what == "goal":
         _, reports = rig.send(connector)
         until_reported(reports, "accepted")
-        monkeypatch.setattr(ActionClient, "server_is_ready", lambda _: False)
+        monkeypatch.setattr("rclpy.action.ActionClient.server_is_ready", lambda _: False)
         assert until_reported(reports, "succeeded", "lost")[-1].status == "succeeded"
         assert first.executing == set()
         return
@@ -184,7 +182,7 @@ def test_a_second_server_of_which_half_is_known_yet_takes_no_server_away(
     rig.nodes[0].serve(f"{rig.name}/service", TRIGGER, answer)
     connector.call(f"{rig.name}/service", TRIGGER, {}, on_reply=replies)
     asked.wait(bool, "it is asked")
-    monkeypatch.setattr(Client, "service_is_ready", lambda _: False)
+    monkeypatch.setattr("rclpy.client.Client.service_is_ready", lambda _: False)
     threading.Timer(1.5, free.set).start()
     (reply,) = replies.wait(bool, "an answer")
     assert reply.outcome == "succeeded", reply
