@@ -2,8 +2,9 @@
 """The desk: how often what was asked for is so in the end, by the world's truth, and how often that is misjudged.
 
 `python -m benchmarks.bench_desk [SECTION …] [--count N] [--seed N] [--jobs N]`; sections: `arrange` (sort, stack and
-swap without faults), `faults` (the same with things that slip, are pushed, taken, dropped and misread), `goals` (at,
-left of, next to, tower, grouped, over one to nine things), `refused` (requests that must not be acted on).
+swap without faults), `faults` (the same with things that slip, are pushed, taken, dropped and misread), `persistent`
+(the same where every look takes one thing in five for another: what is so cannot be known), `goals` (at, left of, next
+to, tower, grouped, over one to nine things), `refused` (requests that must not be acted on).
 """
 
 from __future__ import annotations

@@ -120,6 +120,11 @@ def faults(seed: int) -> Case:
     return case((sort, stack, swap)[seed % 3], seed, faults=wrong, detector=looks)
 
 
+def persistent(seed: int) -> Case:
+    """One thing in five is taken for another by every look, which no number of looks finds out."""
+    return case((sort, stack, swap)[seed % 3], seed, detector={"miss": 0.1, "swap": 0.1, "persistent": 0.2})
+
+
 # -- goals of each kind ------------------------------------------------------------------------------------------------
 
 
@@ -183,6 +188,7 @@ def refused(seed: int) -> Case:
 CASES: Mapping[str, Callable[[int], Case]] = {
     "arrange": arrange,
     "faults": faults,
+    "persistent": persistent,
     "goals": goals,
     "refused": refused,
 }
