@@ -37,7 +37,7 @@ Json = dict[str, Any]
 WINDOW_S = 5.0
 LONG_S = 1000.0
 """For every deadline of something that is asked for: a process that is held up comes too late for short ones."""
-DEADLINES = frozenset({"timeout_s", "handover_s", "deadline_s", "within_s"})
+DEADLINES = frozenset({"timeout_s", "handover_s", "deadline_s", "within_s", "cancel_s"})
 WITNESS: Json = {"type": "boolean", "source": "robot", "optional": True, "max_age_s": WINDOW_S}
 REPORTING = ROBOT.model_copy(update={"blackboard": {
     **ROBOT.blackboard,
@@ -57,10 +57,11 @@ def unhurried(mission: Mission) -> Mission:
             return given
         given = {word: LONG_S if word in DEADLINES else slow(each) for word, each in given.items()}
         given |= {"handover_s": LONG_S} if isinstance(given.get("control"), str) else {}
+        given |= {"cancel_s": LONG_S} if isinstance(given.get("action"), str) else {}
         return given | ({"settle_s": LONG_S} if "achieved" in given else {})
 
     document = json.loads(dump(mission))
-    document["blackboard"]["witness"], document["settle_s"] = WITNESS, LONG_S
+    document["blackboard"]["witness"], document["settle_s"], document["cancel_s"] = WITNESS, LONG_S, LONG_S
     return Mission.model_validate({**slow(document), "blackboard": document["blackboard"]})
 
 
