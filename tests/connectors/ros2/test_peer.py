@@ -35,8 +35,10 @@ def start(connector: Any, peer: Peer, order: int) -> tuple[str, Inbox[Report]]:
 
 
 def end_of(reports: Inbox[Report]) -> list[str]:
+    """What was reported of a goal up to its end, which is the last; a lost one may be over a moment later."""
     reported = reports.wait(lambda all_: any(report.status in ENDS for report in all_), "the goal has ended")
-    return [report.status for report in reported]
+    statuses = [report.status for report in reported]
+    return statuses[: next(place for place, status in enumerate(statuses, 1) if status in ENDS)]
 
 
 def wait_for(reports: Inbox[Report], message: str) -> None:
