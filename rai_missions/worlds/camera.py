@@ -7,6 +7,7 @@ Rule: a picture can be asked for from any thread, and shows the moment at which 
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import mujoco
@@ -56,11 +57,12 @@ class Camera:
         width, height: Pixels of a colour picture.
         frame_width, frame_height: Pixels of what the detector measures in.
         is_checked: It is known that pictures can be rendered here.
+        paint: Gives the model what is only seen, when it is first looked at.
     """
 
     def __init__(
         self, model: Any, *, width: int = 640, height: int = 480, frame_width: int = 320, frame_height: int = 240,
-        is_checked: bool = False,
+        is_checked: bool = False, paint: Callable[[Any], None] = lambda model: None,
     ) -> None:  # fmt: skip
         self.width, self.height = width, height
         self.model = model
@@ -69,25 +71,26 @@ class Camera:
         self._scratch = mujoco.MjData(model)
         self._bodies = np.append(np.asarray(model.geom_bodyid), -1)
         self._has_fog = any(model.numeric(n).name == "fog" for n in range(model.nnumeric))
-        self._renderers = Renderers(model)
+        self._paint = paint
+        self._renderers = Renderers(model, paint)
 
     def twin(self, model: Any) -> Camera:
         """Another camera with pictures of the same sizes, in another world; it has renderers of its own."""
         height, width = self._frame_size
         return Camera(
             model, width=self.width, height=self.height, frame_width=width, frame_height=height,
-            is_checked=self._is_checked,
+            is_checked=self._is_checked, paint=self._paint,
         )  # fmt: skip
 
     def check(self) -> None:
         """Make sure that it can render, once; a `UsageError` reports what is missing."""
         if not self._is_checked:
-            self._renderers.do(lambda: self._renderers.of(*self._frame_size))
+            self._renderers.do(self._renderers.check)
             self._is_checked = True
 
     @property
     def has_rendered(self) -> bool:
-        """It holds renderers: it was checked, or something was looked at."""
+        """It holds renderers: something was looked at."""
         return self._renderers.are_made
 
     def moment(self, data: Any) -> Moment:

@@ -19,6 +19,10 @@ Points = NDArray[np.float64]
 FRUIT_UV = (0.97, 0.97)
 """A corner of the leaf texture is red: the fruit's colour without a material of its own."""
 
+SQUARE_UVS = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
+TWO_TRIANGLES = np.array([[0, 1, 2], [0, 2, 3]])
+"""A square's corners, in the order of `SQUARE_UVS`."""
+
 
 class Mesh:
     """Triangles with normals and texture coordinates, gathered part by part."""
@@ -117,13 +121,14 @@ class Mesh:
 
     def flat_faces(self, corners: Points, quads: Sequence[Sequence[int]]) -> Mesh:
         """Flat quads with hard edges (a bonnet, a mudguard); corners counter-clockwise from outside."""
-        for quad in quads:
-            points = corners[list(quad)]
-            normal = _cross(points[1] - points[0], points[2] - points[0])
-            normal /= np.linalg.norm(normal) or 1.0
-            uvs = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
-            self.add(points, np.tile(normal, (4, 1)), uvs, np.array([[0, 1, 2], [0, 2, 3]]))
-        return self
+        points = corners[np.array(quads)]
+        one, other = (points[:, 1] - points[:, 0]).T, (points[:, 2] - points[:, 0]).T
+        normals = np.stack([one[k - 2] * other[k - 1] - one[k - 1] * other[k - 2] for k in range(3)], 1)
+        length = np.sqrt((normals * normals).sum(1, keepdims=True))
+        normals /= np.where(length == 0.0, 1.0, length)
+        count = len(points)
+        faces = (4 * np.arange(count)[:, None, None] + TWO_TRIANGLES).reshape(-1, 3)
+        return self.add(points.reshape(-1, 3), np.repeat(normals, 4, 0), np.tile(SQUARE_UVS, (count, 1)), faces)
 
 
 def turned(profile: Sequence[Sequence[float]], sides: int = 24) -> Mesh:

@@ -8,7 +8,8 @@ there is freed there, also when no one closes it: a garbage collection happens o
 from __future__ import annotations
 
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from functools import partial
 from typing import Any, TypeVar
 
@@ -28,10 +29,11 @@ class Renderers:
 
     Args:
         model: The compiled world.
+        paint: Gives the model what is only seen, before its first renderer is made.
     """
 
-    def __init__(self, model: Any) -> None:
-        self._model = model
+    def __init__(self, model: Any, paint: Callable[[Any], None]) -> None:
+        self._model, self._paint = model, paint
         self._made: Made = {}
         self._worker = Worker("camera", at_end=partial(_free, self._made))
         self._lock = threading.Lock()
@@ -55,19 +57,39 @@ class Renderers:
         """
         size = height, width
         if size not in self._made:
-            try:
+            if not self._made:
+                self._paint(self._model)
+            with _explained():
                 self._made[size] = mujoco.Renderer(self._model, *size)
-            except Exception as fault:
-                raise UsageError(
-                    f"the camera cannot render ({fault}): install EGL (Debian: libegl1 libgl1 libgl1-mesa-dri), "
-                    "or open the world with camera=False"
-                ) from fault
         return self._made[size]
+
+    def check(self) -> None:
+        """Make sure that there is OpenGL here; to be asked for on the thread.
+
+        A context of one pixel is enough to know: textures and shapes are sent to it by the first renderer.
+
+        Raises:
+            UsageError: As `of`.
+        """
+        with _explained():
+            mujoco.GLContext(1, 1).free()
 
     def close(self) -> None:
         """Free the renderers; work that comes later makes new ones."""
         with self._lock:
             self._worker.close()
+
+
+@contextmanager
+def _explained() -> Iterator[None]:
+    """What is missing, where nothing can be rendered."""
+    try:
+        yield
+    except Exception as fault:
+        raise UsageError(
+            f"the camera cannot render ({fault}): install EGL (Debian: libegl1 libgl1 libgl1-mesa-dri), "
+            "or open the world with camera=False"
+        ) from fault
 
 
 def _free(made: Made) -> None:

@@ -8,11 +8,15 @@ import threading
 from collections.abc import Iterator
 from typing import Any
 
+import mujoco
 import numpy as np
 import pytest
 
+from rai_missions.connectors.local import LocalConnector
 from rai_missions.errors import UsageError
-from rai_missions.image import Image
+from rai_missions.image import Image, png
+from rai_missions.worlds.orchard.textures import SURFACES, paint
+from rai_missions.worlds.orchard.world import Orchard
 
 
 @pytest.fixture
@@ -126,7 +130,7 @@ def renderers(rig: Any) -> Iterator[list[Any]]:
     orchard = rig(alleys=1, camera=False)
     from rai_missions.worlds.renderers import Renderers
 
-    made = [Renderers(orchard.world.model)]
+    made = [Renderers(orchard.world.model, lambda model: None)]
     yield made
     for one in made:
         one.close()
@@ -149,6 +153,45 @@ def test_a_picture_that_is_asked_for_after_the_end_is_rendered_all_the_same(rig:
     for _ in range(2):
         camera.close()
         assert (camera.colour(moment) == before).all()
+
+
+def test_an_orchard_is_painted_when_it_is_first_looked_at_and_so_is_its_branch() -> None:
+    orchard = Orchard(alleys=1, obstacles=["none"])
+    blank = {name: surface_of(orchard.model, name) for name in SURFACES}
+    assert all(len(np.unique(each)) == 1 for each in blank.values())
+    branch = orchard.branch()
+    colours = [each.camera.colour(each.camera.moment(each.data)) for each in (orchard, branch)]
+    assert (colours[0] == colours[1]).all()
+    for world in (orchard, branch):
+        for name, surface in SURFACES.items():
+            assert (surface_of(world.model, name) == surface.grow(surface.size)).all(), name
+        world.close()
+
+
+def test_a_surface_lies_in_the_model_as_mujoco_reads_it_from_a_file() -> None:
+    orchard = Orchard(alleys=1, obstacles=["none"])
+    paint(orchard.model)
+    for name, surface in SURFACES.items():
+        file = {"a.png": png(surface.size, surface.size, surface.grow(surface.size).tobytes())}
+        xml = '<mujoco><asset><texture name="a" type="2d" file="a.png"/></asset></mujoco>'
+        read = mujoco.MjModel.from_xml_string(xml, file)
+        assert (surface_of(read, "a") == surface_of(orchard.model, name)).all(), name
+        assert read.tex_colorspace[0] == orchard.model.tex_colorspace[orchard.model.texture(name).id], name
+    orchard.close()
+
+
+def surface_of(model: Any, name: str) -> Any:
+    """The pixels of a texture of a compiled model."""
+    texture = model.texture(name)
+    begin, height, width = int(texture.adr[0]), int(texture.height[0]), int(texture.width[0])
+    return model.tex_data[begin : begin + 3 * height * width].reshape(height, width, 3).copy()
+
+
+def test_opening_a_world_makes_sure_of_opengl_and_no_renderer() -> None:
+    orchard = Orchard(alleys=1, obstacles=["none"])
+    orchard.open(LocalConnector(now=lambda: orchard.at))
+    assert not orchard.camera.has_rendered
+    orchard.close()
 
 
 def test_what_goes_wrong_on_the_thread_of_the_renderers_is_asked_to_who_asked(renderers: list[Any]) -> None:

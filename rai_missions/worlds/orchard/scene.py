@@ -31,7 +31,7 @@ TREE_GHOST = 'contype="0" conaffinity="0"'
 def build(
     layout: Layout, obstacles: Sequence[Obstacle], *, shadows: bool = False, conditions: Conditions | None = None
 ) -> Any:
-    """Compile the orchard.
+    """Compile the orchard; its surfaces are blank until `textures.paint` has given it them.
 
     Args:
         layout: Where everything stands.
@@ -76,7 +76,7 @@ def _sized_meshes(obstacles: Sequence[Obstacle]) -> str:
 
 def _materials(air: Conditions) -> str:
     surfaces = "".join(
-        f'<texture name="{name}" type="2d" file="{name}.png"/>'
+        f'<texture name="{name}" type="2d" builtin="flat" colorspace="linear" {_square(textures.SURFACES[name].size)}/>'
         f'<material name="{name}" texture="{name}" specular="{shine}" shininess=".1" {repeat}/>'
         for name, shine, repeat in (
             ("grass", 0, 'texrepeat="60 60"'),
@@ -93,24 +93,20 @@ def _materials(air: Conditions) -> str:
     )
 
 
+def _square(size: int) -> str:
+    return f'width="{size}" height="{size}"'
+
+
 def _mesh_list() -> str:
-    names = [name for name in _assets() if name.endswith(".obj")]
-    return "".join(f'<mesh name="{name[:-4]}" file="{name}" inertia="shell"/>' for name in names)
+    return "".join(f'<mesh name="{name[:-4]}" file="{name}" inertia="shell"/>' for name in _assets())
 
 
 @cache
 def _assets() -> dict[str, bytes]:
     """Every file that the model names, made once a process."""
-    pictures = {
-        "grass.png": textures.grass(),
-        "leaf.png": textures.leaves(),
-        "bark.png": textures.bark(),
-        "wood.png": textures.wood(),
-        "straw.png": textures.straw(),
-    }
     crowns = {f"crown{k}.obj": _crown(k) for k in range(CROWNS)}
     trunks = {f"trunk{k}.obj": _trunk(k) for k in range(TRUNKS)}
-    return {**pictures, **crowns, **trunks, **tractor.meshes(), **figures.meshes()}
+    return {**crowns, **trunks, **tractor.meshes(), **figures.meshes()}
 
 
 def _trees(layout: Layout) -> str:

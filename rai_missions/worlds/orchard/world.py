@@ -18,7 +18,7 @@ from rai_missions.connectors.connector import Answer, Connector
 from rai_missions.errors import UsageError
 from rai_missions.worlds import messages
 from rai_missions.worlds.battery import Battery
-from rai_missions.worlds.orchard import interface, scene
+from rai_missions.worlds.orchard import interface, scene, textures
 from rai_missions.worlds.orchard.actions import Cross, NavigateToPose
 from rai_missions.worlds.orchard.alley_counter import AlleyCounter
 from rai_missions.worlds.orchard.attendant import Attendant
@@ -99,6 +99,7 @@ class Orchard(Simulation):
             scene.build(self.layout, self.obstacles, shadows=shadows, conditions=Conditions.of(conditions)),
             Outbox(f"/{robot}", interface.TOPICS),
             Battery.of(battery), camera=camera, start_s=start_s, timestep_s=scene.TIMESTEP_S,
+            paint=textures.paint,
         )  # fmt: skip
         self.tractor = Tractor(self.model, self.data)
         self.judge = Judge(
