@@ -3,13 +3,34 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 import random
 from typing import Any
 
 import pytest
 
+from rai_missions.worlds.orchard.layout import Layout
+from rai_missions.worlds.orchard.planner import Lattice
+
 PERSON = {"kind": "person", "heeds_after": 99, "lingers_s": 900.0, "across_m": 0.0}
+
+
+@pytest.mark.parametrize("blocked", [(), (1,), (0, 2)])
+def test_a_way_that_must_cost_less_is_the_cheapest_way_or_none(blocked: tuple[int, ...]) -> None:
+    lattice = Lattice(Layout(4, 12.0))
+    starts = [((), lattice.nearest(*lattice.layout.home[:2])), ((), lattice.mouth(2, east=True, heading=0))]
+
+    def passable(alley: int) -> bool:
+        return alley not in blocked
+
+    for alley, east in itertools.product(range(4), (True, False)):
+        goal = lattice.mouth(alley, east=east, heading=2 if east else 0)
+        found = lattice.way(starts, goal.__eq__, passable)
+        assert found is not None
+        cost = found[0]
+        assert lattice.way(starts, goal.__eq__, passable, math.nextafter(cost, math.inf)) == found
+        assert lattice.way(starts, goal.__eq__, passable, cost) is None
 
 
 def test_it_waits_for_the_first_continue(rig: Any) -> None:

@@ -8,7 +8,7 @@ an obstacle; the controller that it handed over to does, by `proceed`, `replan` 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import Literal
 
 from rai_missions.worlds.orchard.path_follower import Follower
@@ -20,6 +20,7 @@ __all__ = ("STOP_AT_M", "Autonomy", "Word")
 Word = Literal["STOPPED", "DRIVING", "REVERSING", "CHANGING_PATH", "FINISHED"]
 """The states of the upstream demo."""
 Starts = list[tuple[tuple[PathSegment, ...], LatticePlace]]
+Way = tuple[float, tuple[PathSegment, ...]]
 STOP_AT_M, WAIT_AT_M = 5.0, 1.5
 """In an alley it hands over for what is nearer than the first; on a headland it waits while something is nearer than
 the second."""
@@ -187,22 +188,31 @@ class Autonomy:
         starts: Starts = self._starts() if leaving is None else [((), leaving.end)]
         left = self._undone - ({leaving.alley} if leaving is not None else set())
         for tries in range(self._attempts):
-            choices = [self._way_into(alley, starts) for alley in sorted(left) if self._tries[alley] == tries]
-            ways = [way for way in choices if way is not None]
-            if ways:
-                _, moves = min(ways, key=lambda way: way[0])
+            found = self._nearest_of([alley for alley in sorted(left) if self._tries[alley] == tries], starts)
+            if found is not None:
+                _, moves = found
                 self._blocked.discard(moves[-1].alley)
                 (self._follower.extend if leaving is not None else self._follower.take)(moves)
                 return
         if leaving is None:
             self._is_parked, self.word = True, "FINISHED"
 
-    def _way_into(self, alley: int, starts: Starts) -> tuple[float, tuple[PathSegment, ...]] | None:
-        """To one of an alley's mouths – after a failed attempt the other one – and through it."""
+    def _nearest_of(self, alleys: Iterable[int], starts: Starts) -> Way | None:
+        """The cheapest way into any of these; of several that cost the same the first."""
+        best: Way | None = None
+        for alley in alleys:
+            best = self._way_into(alley, starts, math.inf if best is None else best[0]) or best
+        return best
+
+    def _way_into(self, alley: int, starts: Starts, below: float = math.inf) -> Way | None:
+        """To one of an alley's mouths – after a failed attempt the other one – and through it, if it costs less."""
         ends = (not self._from_east[alley],) if self._tries[alley] else (True, False)
         mouths = {self._lattice.mouth(alley, east=east, heading=2 if east else 0) for east in ends}
         found = self._lattice.way(
-            starts, lambda place: place in mouths, lambda other: other != alley and self._is_passable(other)
+            starts,
+            lambda place: place in mouths,
+            lambda other: other != alley and self._is_passable(other),
+            below,
         )
         if found is None:
             return None

@@ -86,13 +86,15 @@ class Lattice:
         starts: list[tuple[tuple[PathSegment, ...], LatticePlace]],
         is_goal: Callable[[LatticePlace], bool],
         passable: Callable[[int], bool],
+        below: float = math.inf,
     ) -> tuple[float, tuple[PathSegment, ...]] | None:
-        """The cheapest way to a goal: its cost and its moves, those of its start included.
+        """The cheapest way to a goal: its cost and its moves, those of its start included; None if there is none.
 
         Args:
             starts: Moves that come first in any case, and the place that they lead to.
             is_goal: Whether a place is where to go.
             passable: Whether an alley may be driven through.
+            below: Only a way that costs less is wanted.
         """
         order = itertools.count()
         queue = [(_cost(moves), next(order), place, moves) for moves, place in starts]
@@ -100,6 +102,8 @@ class Lattice:
         seen: set[tuple[LatticePlace, int]] = set()
         while queue:
             cost, _, place, moves = heapq.heappop(queue)
+            if cost >= below:
+                return None
             if is_goal(place):
                 return cost, moves
             ahead = moves[-1].ahead if moves else 1
