@@ -199,7 +199,8 @@ def found(thing: Any, place: str = "") -> Iterator[Reference]:
 def written_keys(thing: Any, place: str = "") -> Iterator[KeyValue]:
     """The mission's keys that the fields of a written thing name as written."""
     kind: Any = type(thing)
-    every = _found(thing, _written_fields(kind), place)
+    uses = _written_fields(kind)
+    every = _found(thing, uses, place) if uses else ()
     return (KeyValue(name, here, refers.written) for refers, name, here in every if refers.written)
 
 
@@ -207,7 +208,7 @@ def _found(thing: Any, uses: Iterable[FieldUse], place: str) -> list[Reference]:
     into: list[Reference] = []
     for name, word, hint in uses:
         given = getattr(thing, name)
-        if given is not None:
+        if given or (given is not None and isinstance(hint, Refers)):  # most lists of most things are empty
             _find(given, hint, f"{place}/{word}", into)
     return into
 
@@ -258,7 +259,7 @@ def inside(thing: Any, place: str = "") -> Iterator[tuple[str, Any]]:
     into: list[tuple[str, Any]] = []
     for name, word, hint in _holding_fields(kind):
         given = getattr(thing, name)
-        if given is not None:
+        if (given is not None) if hint is HELD else given:
             _gather(given, hint, f"{place}/{word}", into)
     return iter(into)
 

@@ -70,8 +70,8 @@ def misspelled_answerers(survey: MissionIndex) -> Found:
     """`ask` names agent, operator, rules or another answerer; nothing that only resembles one of the three."""
     for asked, place, _ in survey.asked:
         for index, name in enumerate(asked.ask):
-            close = difflib.get_close_matches(name, ANSWERERS, n=1, cutoff=0.75)
-            if name not in ANSWERERS and close and _offering(name) is None:
+            close = () if name in ANSWERERS else difflib.get_close_matches(name, ANSWERERS, n=1, cutoff=0.75)
+            if close and _offering(name) is None:
                 yield f"{place}/ask/{index}", f"no one is called '{name}'; did you mean '{close[0]}'?"
             elif name in asked.ask[:index]:
                 yield f"{place}/ask/{index}", f"'{name}' is asked twice; raise 'attempts' instead"
