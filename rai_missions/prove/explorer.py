@@ -284,22 +284,21 @@ class Space(StateGraph):
         ahead = codec.ahead()
         change = self._stores.change(
             written, added, tuple(goals if is_absolute else goals[many:]), self.environment.rest.rivals,
-            ahead.kept, is_absolute=is_absolute,
+            ahead.kept, ahead.question, is_absolute=is_absolute,
         )  # fmt: skip
         levels = codec.levels() if codec.loops else ()
         return Arrival(
-            way, happening.kind, has_moved, None, codec.core(), codec.take(), change, ahead.question, chart.mode,
-            levels, kept, happening.is_of_goal,
+            way, happening.kind, has_moved, None, codec.core(), codec.take(), change, chart.mode, levels,
+             kept, happening.is_of_goal,
         )  # fmt: skip
 
     def _arrive(self, source: int, arrival: Arrival, before: Store) -> None:
         """Take note of a step and of the state it leads to."""
-        ended, change, question = arrival.ended, arrival.change, arrival.question
-        if change is None or question is None:
-            store, answer, key = before, b"", arrival.core
+        change, store, answer = arrival.change, before, b""
+        if change is None:
+            key = arrival.core
         else:
-            store = self._stores.after(before, change)
-            answer = question.of(store)
+            store, answer = self._stores.after(before, change)
             key = arrival.core + answer
         number = self._numbers.get(key)
         if number is None:
@@ -307,21 +306,27 @@ class Space(StateGraph):
                 self.meter.is_full = True
                 self.cut.add(max(source, 0))
                 return
-            number = self._add(key, source, arrival.way)
-            if ended is not None:
-                self.ends[number] = ended[0]
-            elif arrival.state is not None:
-                self._frontier.append((number, arrival.core, Place(arrival.state, store)))
-                if arrival.levels:
-                    self.levels[number] = {loop: Level(ended, core + answer) for loop, ended, core in arrival.levels}
-                if arrival.mode == "canceling":
-                    self.canceling.add(number)
-        is_circle = source == number and not (arrival.kind == "time" and arrival.has_moved)
-        if source >= 0 and not is_circle:  # what changes nothing leads nowhere
-            kept = arrival.kept
-            if kept is not None and self._goal_words and not arrival.is_of_goal:
-                kept |= self._goal_words
-            self.join(source, number, arrival.kind, kept)
+            number = self._find(key, source, arrival, store, answer)
+        kind = arrival.kind
+        if source < 0 or (source == number and not (kind == "time" and arrival.has_moved)):
+            return  # what changes nothing leads nowhere
+        kept = arrival.kept
+        if kept is not None and self._goal_words and not arrival.is_of_goal:
+            kept |= self._goal_words
+        self.join(source, number, kind, kept)
+
+    def _find(self, key: bytes, source: int, arrival: Arrival, store: Store, answer: bytes) -> int:
+        """Take note of a state that is new; its number."""
+        number = self._add(key, source, arrival.way)
+        if arrival.ended is not None:
+            self.ends[number] = arrival.ended[0]
+        elif arrival.state is not None:
+            self._frontier.append((number, arrival.core, Place(arrival.state, store)))
+            if arrival.levels:
+                self.levels[number] = {loop: Level(ended, core + answer) for loop, ended, core in arrival.levels}
+            if arrival.mode == "canceling":
+                self.canceling.add(number)
+        return number
 
     # -- what is wrong --------------------------------------------------------------------------------------------
 

@@ -31,8 +31,6 @@ class Arrival(NamedTuple):
     """That of the state afterwards; of an end what distinguishes it from others."""
     state: SavedState | None = None
     change: StoreChange | None = None
-    question: StoreQuery | None = None
-    """Asks for what makes a difference of the store afterwards."""
     mode: str = ""
     levels: tuple[tuple[Loop, int, bytes], ...] = ()
     """Loops that run, how many of their rounds have ended, and the core but for this."""

@@ -94,6 +94,8 @@ class StoreChange(NamedTuple):
     """Of each goal what makes a difference afterwards."""
     kept: Kept
     """Of each key what may be read of it afterwards; None where that is nothing."""
+    question: StoreQuery
+    """Asks for all that makes a difference afterwards."""
 
 
 Rivals = Callable[[Goal], tuple[Any, ...] | None]
@@ -146,7 +148,8 @@ class Stores:
         self._numbers = count()
         self._found: dict[bytes, Store] = {}
         self._changes: dict[bytes, StoreChange] = {}
-        self._after: dict[tuple[int, int], Store] = {}
+        self._after: dict[tuple[int, int], tuple[Store, bytes]] = {}
+        """Numbers of a store and a change → the store afterwards, and what its question finds there."""
         self._questions: dict[frozenset[Any], StoreQuery] = {}
 
     def store(self, keys: Mapping[str, Any], goals: tuple[Goal, ...]) -> Store:
@@ -163,9 +166,19 @@ class Stores:
 
     def change(
         self, written: Mapping[str, Any], added: Mapping[str, int], goals: tuple[Goal, ...], rivals: Rivals,
-        kept: Kept, *, is_absolute: bool,
+        kept: Kept, question: StoreQuery, *, is_absolute: bool,
     ) -> StoreChange:  # fmt: skip
-        """The one that does this."""
+        """The one that does this.
+
+        Args:
+            written: Key → its new entry.
+            added: Key → what is added to its number.
+            goals: Those that were given up, or all that are left.
+            rivals: Of each goal what makes a difference afterwards.
+            kept: Of each key what may be read of it afterwards.
+            question: Asks for all that makes a difference afterwards; the same wherever `kept` is.
+            is_absolute: No other goals are left.
+        """
         entries = [(key, tuple(entry)) for key, entry in sorted(written.items())]
         mark = fingerprint((entries, sorted(added.items()), _plain(goals), is_absolute, id(rivals), id(kept)))
         found = self._changes.get(mark)
@@ -173,25 +186,26 @@ class Stores:
             if len(self._changes) >= REMEMBERED:
                 self._changes.clear()
             found = self._changes[mark] = StoreChange(
-                next(self._numbers), written, added, goals, is_absolute, rivals, kept
+                next(self._numbers), written, added, goals, is_absolute, rivals, kept, question
             )
         return found
 
-    def after(self, store: Store, change: StoreChange) -> Store:
-        """What becomes of a store by a change."""
-        if not (change.written or change.added or change.goals or store.goals or store.keys):
-            return store
+    def after(self, store: Store, change: StoreChange) -> tuple[Store, bytes]:
+        """What becomes of a store by a change, and all that makes a difference of it then."""
         place = store.number, change.number
         found = self._after.get(place)
-        if found is None:
+        if found is not None:
+            return found
+        new = store
+        if change.written or change.added or change.goals or store.goals or store.keys:
             goals = change.goals if change.is_absolute else (*store.goals, *change.goals)
             keys = {**store.keys, **change.written}
             for key, more in change.added.items():
                 value, at = keys[key]
                 keys[key] = Stamped(clamped(self._bounds, key, value + more), at)
             keys = {key: entry for key, each in keys.items() if (entry := change.kept(key, each)) is not None}
-            found = self.store(keys, first_alike(goals, change.rivals))
-            self._after[place] = found
+            new = self.store(keys, first_alike(goals, change.rivals))
+        found = self._after[place] = new, change.question.of(new)
         return found
 
     # -- what is asked --------------------------------------------------------------------------------------------
