@@ -218,5 +218,5 @@ def end(
     state.pending.clear()
     state.settling.clear()
     state.draft.internal.clear()
-    state.draft.starting, state.laid_by, state.asked = [], (), ""
+    state.draft.starting, state.laid_by, state.frozen, state.asked = [], (), {}, ""
     state.mode = "ended"

@@ -20,7 +20,7 @@ from rai_missions.engine.program import Program
 from rai_missions.engine.reports import handle_late
 from rai_missions.engine.running import begin, leave_activity, request_control
 from rai_missions.engine.state import RunState, refuse
-from rai_missions.engine.step import control_note
+from rai_missions.engine.step import Handover, control_note
 from rai_missions.errors import suggestion
 from rai_missions.event import Event, is_taken
 from rai_missions.states.state import HOLDERS
@@ -84,7 +84,12 @@ def _get_control(program: Program, state: RunState, name: str) -> None:
 
 def _freeze(program: Program, state: RunState, controls: frozenset[str]) -> None:
     """The states that need one of these are held from now on."""
-    nodes = program.graph.nodes
+    nodes, draft = program.graph.nodes, state.draft
+    # What was asked for in this step, before control was taken, would reach the robot afterwards, and take it away.
+    unasked = [each for each in draft.effects if isinstance(each, Handover) and each.to in controls]
+    if unasked:
+        draft.effects = [each for each in draft.effects if each not in unasked]
+        state.asked = ""
     state.frozen = {**state.frozen, **dict.fromkeys(controls, run_at(state))}
     laid = {name for name in state.pending if nodes[name].control in controls}
     laid |= {node.name for node in state.config.atomic if node.control in controls and not node.activity}

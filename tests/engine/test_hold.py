@@ -51,6 +51,22 @@ def test_a_start_waits_without_a_deadline_and_is_asked_for_again_at_the_hand_bac
     assert of(made.send(Event("agent", 10_002.0, {"by": "mission"}, "control")), StartGoal)
 
 
+def test_control_that_is_taken_in_the_step_that_asks_for_it_is_not_asked_for() -> None:
+    """A process that was held up learns of both at once; its request would come after the operator's, and undo it."""
+    made = begun({"a": {"transitions": [transition(after_s=1, to="b")]}, "b": {**ACT, "control": "agent"}})
+    step = taken(made, 2.0)
+    assert step.entered == ("b",) and made.held == {"b"} and not of(step, Handover)
+    assert of(given(made, "autonomy", 3.0), Handover) == [Handover("agent")]
+
+
+def test_a_run_that_has_ended_holds_nothing() -> None:
+    made = begun({"b": {**ACT, "control": "autonomy"}})
+    taken(made, 1.0)
+    assert made.held == {"b"}
+    commanded(made, "cancel", 2.0)
+    assert (made.outcome, made.held) == ("canceled", frozenset())
+
+
 def test_a_start_whose_handover_is_under_way_waits_too() -> None:
     made = begun({"b": {**ACT, "control": "agent", "handover_s": 5}})
     taken(made, 4.0)
