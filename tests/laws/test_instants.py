@@ -141,7 +141,7 @@ def test_who_looks_at_everything_all_the_time_sees_nothing_else_happen(seed: int
 @pytest.mark.timeout(3600)
 def test_ten_thousand_runs_agree(kind: type[Recorded]) -> None:
     compared = sum(agree(seed, kind) for seed in range(10_000))
-    assert compared > 9_000
+    assert compared > 8_500
 
 
 # -- the smallest cases -----------------------------------------------------------------------------------------------

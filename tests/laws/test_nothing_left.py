@@ -20,7 +20,7 @@ from rai_missions.engine.activities.action import GoalActivity, GoalMachine
 from rai_missions.engine.activities.goal_ledger import obstruction
 from rai_missions.engine.activities.ticker import TickResult, TreeState
 from rai_missions.engine.activities.tree import TreeActivity
-from rai_missions.engine.hold import live as live_activities
+from rai_missions.engine.hold import awake, free
 from rai_missions.engine.macrostep import enabled
 from rai_missions.engine.step import CallService, StartGoal, Step
 from rai_missions.engine.trees import CompiledTrees
@@ -40,7 +40,7 @@ lenient = settings(suppress_health_check=list(HealthCheck))
 
 
 def left(chart: Chart, step: Step, ends: dict[str, str]) -> Iterator[str]:
-    """What could fire or tick, in words.
+    """What could fire or tick, in words; what is held waits until control is given back.
 
     Args:
         chart: After the step.
@@ -50,14 +50,14 @@ def left(chart: Chart, step: Step, ends: dict[str, str]) -> Iterator[str]:
     program, run = chart.program, chart.state
     if chart.mode not in ("running", "canceling") or chart.outcome is not None or run.final is not None:
         return
-    for transition in enabled(run, run.config.eventless, []):
+    for transition in enabled(run, free(run, run.config.eventless), []):
         yield f"{transition.place} could fire"
-    for name in run.settling:
+    for name in run.settling.keys() - chart.held:
         requires = program.graph.nodes[name].requires
         assert requires is not None
         if requires.test(run) is True:
             yield f"'{name}' could be reached"
-    for name, machine, state in live_activities(program, run):
+    for name, machine, state in awake(program, run):
         if isinstance(state, TreeActivity):
             if name not in step.resting:
                 yield from unticked(chart, name, state, ends)
