@@ -248,9 +248,21 @@ class Runner(RunCommands):
         if self._waits:
             self._loop(lambda: chart.outcome is not None or not self._waits)
             self._write_arguments()
+        self._take_readings()
         holder = self._executor.holder
         if holder is not None and holder != chart.holder and chart.outcome is None:
             self._step(lambda: chart.send(Event(holder, self._clock.now(), {"by": "robot"}, "control")))
+
+    def _take_readings(self) -> None:
+        """Take what the robot has reported so far: what need not be there may wait behind what must."""
+        for _ in range(self._mailbox.waiting):
+            event = None if self._mailbox.urgent or self._chart.outcome is not None else self._mailbox.take()
+            if event is None:
+                break
+            if event.kind != "write":
+                self._mailbox.put_back([event])
+                break
+            self._take(event)
 
     def _write_arguments(self) -> None:
         chart = self._chart

@@ -212,6 +212,23 @@ def test_a_robot_key_never_received_refuses_the_start_and_nothing_is_performed()
     assert "battery" in rig.book.notes[0], "the journal has why there was no run"
 
 
+def test_what_came_with_the_last_fact_that_must_be_there_is_known_at_the_start() -> None:
+    keys = {**KEYS, "battery": {**KEYS["battery"], "optional": False}}
+    states = {
+        "looking": {
+            "transitions": [
+                {"when": {"fresh": "there"}, "to": "end"},
+                {"when": {"not": {"fresh": "there"}}, "to": "blind"},
+            ]
+        },
+        "end": {"final": "aborted"},
+        "blind": {"final": "failed"},
+    }
+    rig = Rig(mission(states, blackboard=keys))
+    rig.stage.play({0.5: lambda: (rig.publish("/battery", percentage=0.8), rig.publish("/there", data=True))})
+    assert rig.run().outcome == "aborted"
+
+
 def test_a_run_starts_as_soon_as_all_is_received() -> None:
     keys = {**KEYS, "battery": {**KEYS["battery"], "optional": False}}
     rig = Rig(mission({"end": {"final": "aborted"}}, blackboard=keys))
