@@ -143,6 +143,14 @@ def test_the_mean_of_many_looks_is_as_exact_as_it_is_reported_to_be() -> None:
     assert thing["sigma_m"] == 0.001, "what the looks have in common no mean takes away"
 
 
+def test_a_thing_that_a_look_shows_elsewhere_lies_still_only_after_as_many_looks_there() -> None:
+    tracks, is_at_rest = Tracks(), list[bool]()
+    for x in (*[0.5] * LEAD, *[0.503] * 4):
+        tracks.add([sighting(x)], lambda *_: False)
+        is_at_rest += [one["at_rest"] for one in tracks.things()]
+    assert is_at_rest[-5:] == [True, False, False, False, True]
+
+
 def test_what_was_carried_out_of_sight_keeps_its_name() -> None:
     tracks = Tracks()
     for number in range(LEAD + 2):

@@ -101,10 +101,13 @@ class ObjectTrack:
         return away < max(mine[:2]) / 2 and abs(gap) < BORNE_M
 
     def add(self, sighting: ClassifiedBody, growth_m: float = GROWTH_M) -> None:
+        """Take in a look that shows it; one that shows it elsewhere is the first of those that it lies still in."""
         self.looks += 1
         self.seen_through = self.missed = 0
         self.classes.append(sighting.thing)
-        self.poses.append(_kept(self.poses[-1], sighting.seen, growth_m) if self.poses else sighting.seen)
+        if self.poses and _is_elsewhere(self.pose, sighting.seen):
+            self.poses.clear()
+        self.poses.append(_kept(self.pose, sighting.seen, growth_m) if self.poses else sighting.seen)
 
     def miss(self, *, is_seen_through: bool) -> None:
         self.missed += 1
@@ -214,16 +217,18 @@ class Tracks:
         return name
 
 
-def _kept(before: SeenBody, now: SeenBody, growth_m: float) -> SeenBody:
-    """The pose that counts after another look.
+def _is_elsewhere(before: SeenBody, now: SeenBody) -> bool:
+    """Whether a look shows a thing farther from where it was than noise explains."""
+    return math.dist(before[1:4], now[1:4]) > SIGMAS * now.sigma_m
 
-    A thing that is where it was, as far as can be seen, has the mean of its looks, each weighed by the inverse of its
-    variance. A thing that is hidden by now keeps what was measured much better before, trusted less by `growth_m` with
-    each look. What the looks have in common (an edge that is hidden in all) no mean takes away: the mean counts as at
-    most `BETTER` times as exact as the look.
+
+def _kept(before: SeenBody, now: SeenBody, growth_m: float) -> SeenBody:
+    """The pose that counts after another look, which shows the thing where it was.
+
+    It is the mean of its looks, each weighed by the inverse of its variance. A thing that is hidden by now keeps what
+    was measured much better before, trusted less by `growth_m` with each look. What the looks have in common (an edge
+    that is hidden in all) no mean takes away: the mean counts as at most `BETTER` times as exact as the look.
     """
-    if math.dist(before[1:4], now[1:4]) > SIGMAS * now.sigma_m:
-        return now
     grown = before.sigma_m + growth_m
     if grown < now.sigma_m / BETTER:
         return before._replace(share=now.share, sigma_m=grown)
