@@ -42,6 +42,7 @@ class ClaimWords:
         self.allowed = {kind: Phrases(each, {}) for kind, each in data["allowed"].items()}
         self._past, self._past_pattern = frozenset(data["past"]), re.compile(data["past_pattern"])
         self._progressive = re.compile(data["progressive_pattern"])
+        self._counted = re.compile(rf"\b(?:{data['counted_pattern']})", re.IGNORECASE)
 
     def __getattr__(self, name: str) -> frozenset[str]:
         """A word list of the file, by its name there.
@@ -63,6 +64,10 @@ class ClaimWords:
     def words(self, text: str) -> list[str]:
         """The words of a text; what may be a short `is` is one."""
         return self._words(POSSESSIVE.sub(" is", text) if not self.verb_second else text)
+
+    def is_counted(self, text: str) -> bool:
+        """Whether a text has a share, such as `3 of 4`, `four of four` or `75 %`: how far something is."""
+        return self._counted.search(text) is not None
 
     def share(self, words: Sequence[str]) -> float:
         """How many of the words are the language's small words; 0 to 1."""

@@ -2,7 +2,8 @@
 """Claims: which sentences of a model are about the robot or its work, and so are replaced by the status.
 
 A sentence whose subject is the robot or its work passes only with a verb of a short list; so does one that has no
-subject, or whose passive leaves open who did it. What cannot be judged, as of another language, is replaced as well.
+subject, or whose passive leaves open who did it. A share, such as `3 of 4`, never passes. What cannot be judged, as of
+another language, is replaced as well.
 Rule: in doubt it is a claim. A harmless sentence that is replaced costs a sentence; a claim that passes costs trust.
 """
 
@@ -69,6 +70,8 @@ class Claims:
             return "script"
         if not words:
             return "script" if sentence.strip(" \n.!?…-") else ""
+        if any(rules.is_counted(text) for rules in self._every):
+            return "progress"
         if self._own.harmless.fits(words):
             return ""
         if any(not each.isascii() and each not in self._letters for each in text.lower() if each.isalpha()):
