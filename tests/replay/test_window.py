@@ -37,7 +37,7 @@ Json = dict[str, Any]
 WINDOW_S = 5.0
 LONG_S = 1000.0
 """For every deadline of something that is asked for: a process that is held up comes too late for short ones."""
-DEADLINES = frozenset({"timeout_s", "handover_s", "deadline_s", "within_s", "cancel_s"})
+DEADLINES = frozenset({"timeout_s", "handover_s", "deadline_s", "within_s", "cancel_s", "timeout"})
 WITNESS: Json = {"type": "boolean", "source": "robot", "optional": True, "max_age_s": WINDOW_S}
 REPORTING = ROBOT.model_copy(update={"blackboard": {
     **ROBOT.blackboard,
