@@ -18,7 +18,7 @@ from hypothesis import strategies as st
 from rai_missions.journal import buffer
 from rai_missions.mission.mission import Mission
 from tests.replay.coroner import INSTANTS
-from tests.replay.trial import tried, worth_a_trial
+from tests.replay.trial import Received, part_within_an_instant, tried, worth_a_trial
 from tests.strategies import missions
 
 KILLS = 10_000
@@ -74,3 +74,28 @@ def test_ten_thousand_kills_at_instants_of_every_kind(
         logging.disable(logging.NOTSET)
     assert all(kinds[each] >= KILLS / 100 for each in INSTANTS), kinds
     assert compared["same"] >= runs / 3
+    assert compared["two things at one instant"] <= runs / 50
+
+
+A, B, C = (Received(2.0, "event", name, 0, "[]") for name in "abc")
+LATER = Received(3.0, "event", "a", 0, "[]")
+
+
+@pytest.mark.parametrize(
+    ("whole", "run", "is_so"),
+    [
+        ([A, B], [B, A], True),
+        ([A, B], [A], True),  # the other ended before it looked at the second
+        ([A], [B, C], True),
+        ([A, B], [A, B], False),
+        ([A, LATER], [A], False),
+        ([A, LATER], [A, B], False),
+        ([LATER, A], [B, LATER], False),
+        ([A], [], False),
+    ],
+)
+def test_runs_that_part_within_an_instant_are_those_that_took_its_things_in_another_order(
+    whole: list[Received], run: list[Received], is_so: bool
+) -> None:
+    assert part_within_an_instant(whole, run) is is_so
+    assert part_within_an_instant(run, whole) is is_so

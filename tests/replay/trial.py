@@ -25,7 +25,7 @@ from tests.replay.test_kills import Ended, has_ended, holds
 from tests.replay.test_kinds import is_mode
 from tests.strategies import EVENTS, mission_documents
 
-__all__ = ("ENDS_AT_S", "Found", "tried", "worth_a_trial")
+__all__ = ("ENDS_AT_S", "Found", "Received", "part_within_an_instant", "tried", "worth_a_trial")
 
 ENDS_AT_S = 20.0
 MOST_AT_ONCE = 60
@@ -184,10 +184,45 @@ def tried(folder: Path, mission: Mission, seed: int) -> Found:
         compared = "time was lost"
     elif doubted:
         compared = "an effect was in doubt"
+    elif ended != undisturbed and part_within_an_instant(received(folder / "whole.journal"), received(path)):
+        compared = "two things at one instant"
     else:
         assert ended == undisturbed, "the run ends as it would have without a death"
         compared = "same"
     return Found(inquest.deaths, inquest.kills, compared)
+
+
+class Received(NamedTuple):
+    """One thing that a run received."""
+
+    at: float
+    kind: str
+    name: str
+    number: int
+    data: str
+
+
+def received(path: Path) -> list[Received]:
+    """What a run received, in order: neither what its own process added nor that time passed."""
+    with read(path) as record:
+        events = [step.event for step in steps_of(list(record.rows()))]
+    return [
+        Received(each.at, each.kind, each.name, each.number, repr(sorted(each.data.items())))
+        for each in events if each.kind not in ("tick", "control") and each.name != "take_up"
+    ]  # fmt: skip
+
+
+def part_within_an_instant(whole: list[Received], run: list[Received]) -> bool:
+    """Whether two runs first differ in which of two things of one instant came first: neither order is wrong.
+
+    What the mission's end left unread in one of them counts as received after what ended it.
+    """
+    shared = next((place for place, (one, other) in enumerate(zip(whole, run, strict=False)) if one != other), None)
+    if shared is None:
+        longer, place = (whole, len(run)) if len(whole) > len(run) else (run, len(whole))
+        return 0 < place < len(longer) and longer[place].at == longer[place - 1].at
+    one, other = whole[shared], run[shared]
+    return one.at == other.at and (one in run or other in whole or run[-1].at == one.at or whole[-1].at == other.at)
 
 
 def looked_at(path: Path, yard: Yard, inquest: Inquest) -> tuple[Ended, bool]:
