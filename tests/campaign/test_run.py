@@ -17,6 +17,7 @@ import pytest
 
 from rai_missions.campaign.file import load_campaign
 from rai_missions.campaign.pool import LocalPool
+from rai_missions.campaign.ray_pool import RayPool
 from rai_missions.campaign.run import CampaignResult, Progress, plan_of, run_campaign
 from rai_missions.campaign.store import CellRecord, ResultStore
 from rai_missions.campaign.tasks import SceneTask, TaskRecord, Workplace, WorkSettings
@@ -243,20 +244,20 @@ def test_a_scene_that_cannot_be_built_fails_alone(tmp_path: Path) -> None:
 # -- what dies ---------------------------------------------------------------------------------------------------------
 
 
-class KillingPool(LocalPool):
+class KillingPool:
     """Kills one of its own workers after each of some records."""
 
-    def __init__(self, settings: WorkSettings, kills: set[int], chance: random.Random) -> None:
-        super().__init__(settings)
-        self._kills, self._chance, self.killed = kills, chance, 0
+    def __init__(self, pool: Any, kills: set[int], chance: random.Random) -> None:
+        self._pool, self._kills, self._chance, self.killed = pool, kills, chance, 0
+        self.stop, self.close = pool.stop, pool.close
 
     def results(self, tasks: Iterable[SceneTask]) -> Iterator[TaskRecord | None]:
         count = 0
-        for record in super().results(tasks):
+        for record in self._pool.results(tasks):
             count += isinstance(record, CellRecord)
-            while count in self._kills and self.pids:
-                self._kills.discard(count)
-                os.kill(self._chance.choice(self.pids), signal.SIGKILL)
+            while self._pool.pids and any(each <= count for each in self._kills):
+                self._kills.discard(min(self._kills))
+                os.kill(self._chance.choice(self._pool.pids), signal.SIGKILL)
                 self.killed += 1
             yield record
 
@@ -269,7 +270,7 @@ def killed_workers(tmp_path: Path, scenes: int, kills: int) -> None:
     pools: list[KillingPool] = []
 
     def open_pool(settings: WorkSettings) -> KillingPool:
-        pools.append(KillingPool(settings, set(chance.sample(range(1, total - 6), kills)), chance))
+        pools.append(KillingPool(LocalPool(settings), set(chance.sample(range(1, total - 6), kills)), chance))
         return pools[-1]
 
     ran(path, tmp_path / "killed.db", open_pool, workers=2)
@@ -331,6 +332,53 @@ def test_ray_gives_the_table_of_one_process(tmp_path: Path) -> None:
     command = [sys.executable, "-m", "rai_missions.cli.main", "campaign", "run", str(path), *store, "--ray"]
     assert subprocess.run([*command, "--jobs", "2"], capture_output=True, check=False).returncode == 0
     assert cells_in(tmp_path / "ray.db") == cells_in(tmp_path / "serial.db")
+
+
+@pytest.fixture
+def two_machines() -> Iterator[str]:
+    """The address of a cluster of two nodes on this machine, of one core each."""
+    pytest.importorskip("ray", reason="the extra `ray`")
+    from ray.cluster_utils import Cluster
+
+    cluster = Cluster()
+    for _ in range(2):
+        cluster.add_node(num_cpus=1, include_dashboard=False)
+    yield cluster.address
+    cluster.shutdown()
+
+
+@pytest.mark.drill
+@pytest.mark.timeout(1800)
+@pytest.mark.filterwarnings("ignore::FutureWarning", "ignore::ResourceWarning", "ignore::DeprecationWarning")
+def test_more_workers_than_cores_on_two_ray_nodes_and_a_killed_one_give_the_table_of_one_process(
+    tmp_path: Path, two_machines: str
+) -> None:
+    path = write_campaign(tmp_path, campaign_data(6))
+    ran(path, tmp_path / "serial.db")
+    pools: list[KillingPool] = []
+
+    def open_pool(settings: WorkSettings) -> KillingPool:
+        pools.append(KillingPool(RayPool(settings, two_machines), {6}, random.Random(7)))
+        return pools[-1]
+
+    result = ran(path, tmp_path / "ray.db", open_pool, workers=3)
+    assert (result.missing, pools[0].killed) == (0, 1)
+    assert cells_in(tmp_path / "ray.db") == cells_in(tmp_path / "serial.db")
+
+
+@pytest.mark.drill
+@pytest.mark.timeout(1800)
+@pytest.mark.filterwarnings("ignore::FutureWarning", "ignore::ResourceWarning", "ignore::DeprecationWarning")
+def test_a_ray_worker_that_cannot_begin_ends_the_campaign_with_its_reason(two_machines: str, tmp_path: Path) -> None:
+    path = write_campaign(tmp_path, campaign_data(1))
+    settings, tasks = WorkSettings(str(path)), list(plan_of(load_campaign(path), {}).tasks(set(), set()))
+    path.unlink()
+    pool = RayPool(settings, two_machines)
+    try:
+        with pytest.raises(UsageError, match="a worker of the campaign cannot work: .*campaign.json"):
+            list(pool.results(tasks))
+    finally:
+        pool.close()
 
 
 @pytest.mark.drill
