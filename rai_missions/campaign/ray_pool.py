@@ -89,7 +89,7 @@ class RayPool:
         self._beginning: dict[Any, Any] = {}
         self._busy: dict[Any, Work] = {}
         self._failed_starts = 0
-        words: dict[str, Any] = {"address": address} if address else {"num_cpus": settings.workers}
+        words: dict[str, Any] = {"address": address} if address else {"address": "local", "num_cpus": settings.workers}
         try:
             ray.init(
                 **words, include_dashboard=False, log_to_driver=False, logging_level="error",
