@@ -377,7 +377,7 @@ def test_a_ray_worker_that_cannot_begin_ends_the_campaign_with_its_reason(two_ma
     path.unlink()
     pool = RayPool(settings, two_machines)
     try:
-        with pytest.raises(UsageError, match="a worker of the campaign cannot work: .*campaign.json"):
+        with pytest.raises(UsageError, match=r"a worker of the campaign cannot work: .*campaign\.json"):
             list(pool.results(tasks))
     finally:
         pool.close()
