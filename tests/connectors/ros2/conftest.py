@@ -62,11 +62,17 @@ def ours(ros: None) -> Iterator[Any]:
     made.stop()
 
 
-@pytest.fixture(scope="session")
-def peer(ros: None) -> Iterator[Peer]:
-    """A process of plain rclpy that serves an action, services and topics."""
+@pytest.fixture(scope="module")
+def peer_of_module(ros: None) -> Iterator[Peer]:
+    """A process for the tests of one module, so that goals which another module's tests lost do not run in it."""
     with Peer("peer") as started:
         yield started
+
+
+@pytest.fixture
+def peer(peer_of_module: Peer) -> Peer:
+    """A process of plain rclpy that serves an action, services and topics; it runs as the test begins."""
+    return peer_of_module.still_runs()
 
 
 @pytest.fixture

@@ -45,7 +45,7 @@ class Peer:
         self._ready: Inbox[Any] = Inbox(STARTS_WITHIN_S)
         environment = {**os.environ, "PYTHONPATH": str(ROOT)}
         self._process = subprocess.Popen(
-            [sys.executable, "-W", "ignore", str(program), name],
+            [sys.executable, "-X", "faulthandler", "-W", "ignore", str(program), name],
             stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, cwd=ROOT, env=environment,
         )  # fmt: skip
         self._reader = threading.Thread(target=self._read)
@@ -62,6 +62,12 @@ class Peer:
 
     def signal(self, number: signal.Signals) -> None:
         self._process.send_signal(number)
+
+    def still_runs(self) -> Peer:
+        """This peer; an `AssertionError` where its process has ended, which no test has asked for."""
+        code = self._process.poll()
+        assert code is None, f"the peer '{self.name}' has ended with exit code {code}; it reported {self.lines.all}"
+        return self
 
     def kill(self) -> None:
         self._process.kill()

@@ -45,12 +45,13 @@ class Left(NamedTuple):
 
 
 @pytest.fixture(scope="module")
-def left(peer: Peer) -> Left:
+def left(peer_of_module: Peer) -> Left:
     """Sent by a process that was killed once their server had reported of each."""
     left = Left(uuid.uuid4().hex, uuid.uuid4().hex, uuid.uuid4().hex, dropped_id())
     sent = zip(left, (RUN, SUCCEED, ABORT, SUCCEED), ("accepted", "succeeded", "failed", "succeeded"), strict=True)
     process = subprocess.Popen(
-        [sys.executable, "-W", "ignore", "-c", SENDER, action_of(peer), json.dumps([*sent])], stdout=subprocess.PIPE
+        [sys.executable, "-W", "ignore", "-c", SENDER, action_of(peer_of_module), json.dumps([*sent])],
+        stdout=subprocess.PIPE,
     )
     assert process.stdout is not None
     with process.stdout:
