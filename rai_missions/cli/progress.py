@@ -7,6 +7,7 @@ Rule: it receives steps and prints; no other part needs anything that it keeps.
 from __future__ import annotations
 
 from collections.abc import Collection, Sequence
+from itertools import groupby
 from typing import Any, Literal, Protocol, TextIO
 
 from rai_missions.answerers.model.providers import model_words
@@ -163,9 +164,9 @@ class Lines:
         if step.ignored and not (step.why and step.event.kind != "write") and not self._verbose:
             return
         described = describe(step)
-        effects = zip(step.effects, described.effects, strict=True)
+        effects, is_write = zip(step.effects, described.effects, strict=True), step.event.kind == "write"
         does = [trimmed(words, 100) for effect, words in effects if not self._is_vain(effect)]
-        does += [f"{key} := {trimmed(value, 40)}" for key, value in step.writes if step.event.kind != "write"]
+        does += [f"{key} := {trimmed(value, 40)}" for (key, value), _again in groupby(step.writes) if not is_write]
         parts = [described.way, *does]
         if step.ignored:
             parts = [f"ignored: {step.why}" if step.why else "ignored"]

@@ -44,13 +44,13 @@ class Example(NamedTuple):
 
 
 def in_turn(field: str, *values: str) -> Callable[[Data], Data]:
-    """Fills a field of text that the stand-in type lacks, a value a goal; the last one from then on."""
+    """Fills a field of text that the type installed here lacks, a value a goal; the last one from then on."""
     left = list(values)
     return lambda _: {field: left.pop(0) if len(left) > 1 else left[0]}
 
 
 def examples() -> list[Example]:
-    """Made anew for each run, since a stand-in counts its goals."""
+    """For one run each, since a field's values are taken in turn."""
     bare: Mapping[str, Any] = {"type": FIBONACCI}
     number, radio = {**bare, "goal": {"order": {"from": "to_m"}}}, {"type": "std_srvs/srv/Trigger"}
     parts = in_turn("grip", "top", "top", "top", "side")
