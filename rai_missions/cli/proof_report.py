@@ -44,10 +44,11 @@ def limits_of(states: int | None, seconds: float, memory_mb: float) -> dict[str,
 
 
 def how_far(pace: WorkPace) -> str:
-    """How far an exploration is: `3,194 states found, 1,000 of them explored, 950 states/s`."""
+    """How far an exploration is: `3,194 states found, 1,000 of them explored, 2,194 left, 950 states/s`."""
     if not pace.total:
         return f"exploring, {pace.elapsed_s:.0f} s"
-    return f"{pace.total:,} states found, {pace.done:,} of them explored, {pace.rate:,.0f} states/s"
+    left = pace.total - pace.done
+    return f"{pace.total:,} states found, {pace.done:,} of them explored, {left:,} left, {pace.rate:,.0f} states/s"
 
 
 def write_journals(proof: Proof, mission: Mission, robot: Robot | None, output: str | None) -> dict[str, Any]:

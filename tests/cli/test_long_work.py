@@ -68,7 +68,7 @@ def test_a_pace_counts_by_the_clock_that_it_was_given() -> None:
     exploring = WorkPace(lambda: 3.0)
     assert how_far(exploring) == "exploring, 0 s"
     exploring.set(1000, 3194)
-    assert how_far(exploring) == "3,194 states found, 1,000 of them explored, 0 states/s"
+    assert how_far(exploring) == "3,194 states found, 1,000 of them explored, 2,194 left, 0 states/s"
 
 
 def test_a_replay_reports_each_step_that_it_has_done_again(tmp_path: Path) -> None:
