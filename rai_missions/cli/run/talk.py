@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 from rai_missions.cli.inputs import warn
 from rai_missions.cli.run.talk_runs import TalkRuns
 from rai_missions.cli.signals import interruptible
-from rai_missions.errors import DefinitionError, MissionError, UsageError
+from rai_missions.errors import ConnectorError, DefinitionError, MissionError, UsageError
 from rai_missions.runtime.interrupts import BY
 
 if TYPE_CHECKING:
@@ -96,6 +96,7 @@ class TalkSession:
 
         Raises:
             UsageError: The model cannot be asked, or there is no such language.
+            ConnectorError: The robot's connector cannot carry the messages of `/conversation/hri`.
         """
         from rai_missions.agents.conversation import ConversationalAgent
         from rai_missions.agents.talk.run_status import RobotWords
@@ -117,7 +118,10 @@ class TalkSession:
         agent.attach(prepared.runner, prepared.journal)
         agent.run()
         if self._hri is not None:
-            self._hri.open(agent.receive)
+            try:
+                self._hri.open(agent.receive)
+            except ConnectorError as fault:
+                raise ConnectorError(f"the profile, /conversation/hri: {fault}") from None
         return agent
 
     def _open_voice(self) -> VoiceDoor:

@@ -4,23 +4,26 @@
 from __future__ import annotations
 
 import importlib.util
+import json
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import pytest
 
+from rai_missions.cli.main import main
 from rai_missions.connectors.contract import Inbox
 from rai_missions.connectors.hri.connector import FROM_HUMAN, TO_HUMAN, VOICE_COMMANDS, HRIConnector
 from rai_missions.connectors.hri.contract import check_hri_connector
-from rai_missions.connectors.hri.message import HRIMessage
+from rai_missions.connectors.hri.message import Audio, HRIMessage
+from rai_missions.connectors.hri.parts import parts_of
 from rai_missions.connectors.ros2 import open_connector
 from rai_missions.connectors.ros2.config import read_options
 from rai_missions.errors import ConnectorError
 from rai_missions.image import Image
 
-built = pytest.mark.skipif(
-    importlib.util.find_spec("rai_interfaces") is None, reason="rai_interfaces is not built here: make ros-interfaces"
-)
+IS_BUILT = importlib.util.find_spec("rai_interfaces") is not None
+built = pytest.mark.skipif(not IS_BUILT, reason="rai_interfaces is not built here: make ros-interfaces")
 
 
 @built
@@ -49,6 +52,39 @@ def test_a_picture_file_is_refused_with_what_would_carry_it(open_ros: Callable[.
     picture = HRIMessage("look", (Image("x", 1, 1, "png", b""),))
     with pytest.raises(ConnectorError, match="images/0: a picture in 'png' travels as sensor_msgs/msg/CompressedImage"):
         HRIConnector(open_ros()).send(picture, TO_HUMAN)
+
+
+@built
+def test_pictures_and_sound_arrive_in_parts(open_ros: Callable[..., Any]) -> None:
+    robot, person = HRIConnector(open_ros()), HRIConnector(open_ros())
+    inbox: Inbox[HRIMessage] = Inbox()
+    robot.listen(FROM_HUMAN, inbox)
+    robot.connector.serve("/hri/here", "std_srvs/srv/Trigger", lambda _: {})
+    found: Inbox[Any] = Inbox()
+    person.connector.call("/hri/here", "std_srvs/srv/Trigger", {}, on_reply=found, timeout_s=30.0)
+    found.wait(bool, "the nodes met")
+    views = tuple(Image("view", 640, 480, "rgb8", bytes([shade]) * 640 * 480 * 3) for shade in (10, 200))
+    message = HRIMessage("look", views, (Audio(bytes(range(256)) * 4000, 16_000),), name="Anna", communication_id="id")
+    assert len(parts_of(message)) == 3
+    person.send(message, FROM_HUMAN)
+    (received,) = inbox.wait(bool, "a message with pictures and sound was sent")
+    assert [each.data for each in received.images] == [each.data for each in views]
+    assert (received.text, received.audios, received.name) == ("look", message.audios, "Anna")
+
+
+@pytest.mark.skipif(IS_BUILT, reason="rai_interfaces is here")
+def test_a_profile_whose_messages_no_package_defines_is_refused_by_its_key(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    mission, profile = tmp_path / "mission.json", tmp_path / "robot.json"
+    states = {"waiting": {"transitions": [{"after_s": 600, "to": "over"}]}, "over": {"final": "aborted"}}
+    mission.write_text(json.dumps({"format": 1, "name": "m", "initial": "waiting", "states": states}))
+    profile.write_text(
+        json.dumps({"format": 1, "name": "r", "connector": {"kind": "ros2"}, "conversation": {"hri": True}})
+    )
+    asked = ["run", str(mission), "--robot", str(profile), "--talk", "--no-operator", "--journal", str(tmp_path / "j")]
+    assert main(asked) == 2
+    assert "the profile, /conversation/hri: no ROS package 'rai_interfaces'" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("topic", [FROM_HUMAN, TO_HUMAN, VOICE_COMMANDS, "/robot1/from_human"])
