@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import sqlite3
+from contextlib import closing
 from pathlib import Path
 
 from hypothesis import given, settings
@@ -40,10 +41,9 @@ def test_verify_finds_each_picture_that_was_changed_or_taken_out(
             journal.write(shown(number, Image(f"c@{number}", 2, 2, encoding, lambda held=held: held)), since=0.0)  # type: ignore[misc]
     assert verify(path) == ()
     change = data.draw(st.sampled_from(sorted(CHANGES)))
-    with sqlite3.connect(path) as database:
+    with closing(sqlite3.connect(path)) as database, database:
         numbers = [number for (number,) in database.execute("SELECT rowid FROM blobs")]
         database.execute(change, (data.draw(st.sampled_from(numbers)),))
-    database.close()
     (fault,) = verify(path)
     assert fault.place.startswith("picture ") and CHANGES[change] in fault.sentence
 
@@ -52,8 +52,7 @@ def test_a_picture_in_another_shape_is_of_another_type(tmp_path: Path) -> None:
     path = tmp_path / "run.journal"
     with Journal.create(path, Header('{"format": 1, "name": "shown"}')) as journal:
         journal.write(shown(1, Image("c@1", 2, 3, "rgb8", lambda: b"18 bytes of a row")), since=0.0)
-    with sqlite3.connect(path) as database:
+    with closing(sqlite3.connect(path)) as database, database:
         database.execute("UPDATE blobs SET media_type = replace(media_type, 'width=2', 'width=3')")
-    database.close()
     (fault,) = verify(path)
     assert "width=3; height=3" in fault.sentence and "row 1 has it as" in fault.sentence
