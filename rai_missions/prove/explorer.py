@@ -272,7 +272,7 @@ class Space(StateGraph):
 
     def _arrival(self, way: Edge, happening: Stimulus, before: Store, kept: frozenset[str] | None) -> Arrival:
         chart, codec, instruments = self.environment.chart, self.environment.codec, self.environment.instruments
-        has_moved = bool(chart.state.draft.moves or instruments.turned)
+        has_moved = bool(chart.state.draft.moves or instruments.turned or any(instruments.begun.values()))
         if chart.outcome is not None:
             ended = chart.outcome, chart.why
             return Arrival(way, happening.kind, has_moved, ended, repr(ended).encode())

@@ -160,10 +160,8 @@ class OpenBoard(dict[str, Any]):
         self.counted: set[tuple[str, int]] = set()
 
     def get(self, key: str, default: Any = None) -> Any:
-        self.looked.add(key)
         found = _get(self, key, MISSING)
-        if key in self.counters:
-            self._note(key, found)
+        self.note(key, found)
         if found is MISSING:
             if key not in self.open_keys:
                 return default
@@ -172,11 +170,19 @@ class OpenBoard(dict[str, Any]):
             dict.__setitem__(self, key, found)
         return default if found is None else found
 
+    def copy(self) -> dict[str, Any]:
+        """A board to write on; what is looked at there and not written is chosen here, as long as this one is open."""
+        return WrittenBoard(self)
+
     def count(self, keys: Iterable[str]) -> None:
         """These hold numbers that are counted."""
         self.counters = frozenset(keys)
 
-    def _note(self, key: str, found: Any) -> None:
+    def note(self, key: str, found: Any) -> None:
+        """A key was looked at, and this is its entry; `MISSING` where it was not looked at before."""
+        self.looked.add(key)
+        if key not in self.counters:
+            return
         if found is MISSING or found is None:
             self.counted.add((key, 0))
         elif found[0].__class__ is Count:
@@ -216,6 +222,34 @@ class OpenBoard(dict[str, Any]):
         if isinstance(value, OpenFields) and key not in self.open_keys:  # a copy keeps what the original changes
             entry = Stamped(value.whole(), self._at)
         dict.__setitem__(self, key, entry)
+
+    def __getitem__(self, key: str) -> Any:
+        found = self.get(key)
+        if found is None:
+            raise KeyError(key)
+        return found
+
+    def __contains__(self, key: object) -> bool:
+        return self.get(str(key)) is not None
+
+
+class WrittenBoard(dict[str, Any]):
+    """What was written over an open board; everything else is looked up there.
+
+    Args:
+        board: The board below; it takes note of what is looked at, also of what is written here.
+    """
+
+    def __init__(self, board: OpenBoard) -> None:
+        super().__init__()
+        self._board = board
+
+    def get(self, key: str, default: Any = None) -> Any:
+        found = _get(self, key, MISSING)
+        if found is MISSING:
+            return self._board.get(key, default)
+        self._board.note(key, found)
+        return found
 
     def __getitem__(self, key: str) -> Any:
         found = self.get(key)

@@ -24,7 +24,7 @@ class Arrival(NamedTuple):
     way: Edge
     kind: HappeningKind
     has_moved: bool
-    """A transition was taken, or a round of a tree's loop has ended that took time."""
+    """A transition was taken, a round of a tree's loop has ended that took time, or a tree's wait has begun."""
     ended: tuple[str, str] | None
     """Outcome and why; None where the mission continues."""
     core: bytes = b""

@@ -356,6 +356,13 @@ row("a question in a tree", "", "its two options end the tree",
     {"asking": tree({"decision": {"question": "What now?", "options": {"beep": {}, "stop_here": {}}, "ask": ["agent"],
                                   "deadline_s": 10, "fallback": "stop_here"}, "then": {"beep": BEEP}},
                     ended())})  # fmt: skip
+row("a check behind a set", "ends", "what the tree has written leaves the other facts as open as they were",
+    {"looking": tree({"sequence": [ADD, {"check": CLEAR}]}, {"on": "succeeded", "to": "lost"},
+                     {"on": ["failed"], "to": "over"}), "lost": LOST})  # fmt: skip
+row("a wait behind a goal that is never confirmed", "comes to rest",
+    "the lost goal keeps the next one from starting, and the memoryless sequence waits again and again",
+    {"lifting": tree({"sequence": [{"inverter": {"action": "lift", "timeout_s": 3}}, {"wait_s": 1}, {"wait_s": 5}],
+                      "memory": False}, STOP, ended())})  # fmt: skip
 row("a question in a loop", "comes to rest", "the deadline, the fallback, and the question again, for ever",
     {"asking": tree({"repeat": -1, "child": {"decision": {
         "question": "What now?", "options": {"beep": {}, "stop_here": {}}, "ask": ["agent"], "deadline_s": 10,

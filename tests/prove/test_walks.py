@@ -64,6 +64,11 @@ def test_no_walk_sees_broken_what_was_proved() -> None:
     assert count.accepted >= 0.8 * count.drawn and count.whole > 0.5 * count.accepted and count.seen_broken
 
 
+@pytest.mark.parametrize("seed", [2473, 6193, 11458])
+def test_no_walk_sees_broken_what_was_once_proved_wrongly(seed: int) -> None:
+    assert walks(range(seed, seed + 1)).accepted
+
+
 @pytest.mark.drill
 @pytest.mark.timeout(7200)
 @pytest.mark.parametrize("part", range(10))

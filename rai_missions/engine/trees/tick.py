@@ -35,7 +35,7 @@ class TickView:
     def write(self, key: str, value: Any) -> None:
         """Let the rest of the tick see a value."""
         if not self._own:
-            self.board, self._own = dict(self.board), True
+            self.board, self._own = self.board.copy(), True
         self.board[key] = Stamped(value, self.at)
 
     def named(self, name: str, arguments: Mapping[str, Any]) -> Truth:
