@@ -105,6 +105,11 @@ VALUES: dict[str, st.SearchStrategy[Any]] = {
 HANDS = ("autonomy", "agent", "operator", "nobody")
 
 
+def facts() -> st.SearchStrategy[dict[str, Any]]:
+    """What the robot has reported before the mission starts."""
+    return st.fixed_dictionaries({}, optional=VALUES)
+
+
 def scripts() -> st.SearchStrategy[list[tuple[tuple[Any, ...], float]]]:
     """What happens, and after how many seconds; numbers represent how far back in what was started."""
     back = st.integers(0, 3)
@@ -132,11 +137,18 @@ def scripts() -> st.SearchStrategy[list[tuple[tuple[Any, ...], float]]]:
 
 
 def walked(
-    mission: Mission, script: list[tuple[tuple[Any, ...], float]], assumed: Container[str], **arguments: Any
+    mission: Mission, script: list[tuple[tuple[Any, ...], float]], assumed: Container[str], **known: Any
 ) -> list[Seen]:
-    """What the real chart came to, step by step, for as long as the invariants hold that are assumed of the robot."""
+    """What the real chart came to, step by step, for as long as the invariants hold that are assumed of the robot.
+
+    Args:
+        mission: The mission.
+        script: What happens once it has started.
+        assumed: Those invariants.
+        known: Arguments and facts; they are written before the start.
+    """
     chart, robot, at = Chart(mission), ScriptedRobot(), 0.0
-    for key, value in arguments.items():
+    for key, value in known.items():
         assert key in KEYS
         chart.write(key, value, 0.0)
     robot.follow(chart.start(0.0))

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from rai_missions.mission.mission import Mission
 from rai_missions.prove.environment import Environment
-from tests.prove.explored import WORK, Forgetless, Seeing, explored, scripts, walked
+from tests.prove.explored import WORK, Forgetless, Seeing, explored, facts, scripts, walked
 from tests.strategies import mission_documents
 
 Json = dict[str, Any]
@@ -26,15 +26,14 @@ def hold_against(document: Json, runs: list[Any], alleys: int, waypoints: list[s
     mission = Mission.model_validate(document)
     space = explored(mission, most)
     assume(space.is_whole)
-    for script in runs:
-        for number, found in enumerate(
-            walked(mission, script, space.environment.world.assumed, alleys=alleys, waypoints=waypoints)
-        ):
-            assert found in space.seen, f"step {number} of {script}"
+    given, assumed = {"alleys": alleys, "waypoints": waypoints}, space.environment.world.assumed
+    for known, script in runs:
+        for number, found in enumerate(walked(mission, script, assumed, **given, **known)):
+            assert found in space.seen, f"step {number} of {script}, started with {known}"
 
 
 def runs() -> st.SearchStrategy[list[Any]]:
-    return st.lists(scripts(), min_size=3, max_size=8)
+    return st.lists(st.tuples(facts(), scripts()), min_size=3, max_size=8)
 
 
 @settings(lenient, max_examples=6)
