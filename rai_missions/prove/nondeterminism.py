@@ -141,7 +141,20 @@ class Payload(dict[str, Any]):
         return self.known()
 
 
-class OpenBoard(dict[str, Any]):
+class AskedBoard(dict[str, Any]):
+    """A blackboard whose `get` answers for every way to look up one key."""
+
+    def __getitem__(self, key: str) -> Any:
+        found = self.get(key)
+        if found is None:
+            raise KeyError(key)
+        return found
+
+    def __contains__(self, key: object) -> bool:
+        return self.get(str(key)) is not None
+
+
+class OpenBoard(AskedBoard):
     """A blackboard on which a key has any of its values until someone looks; None is unknown.
 
     Args:
@@ -223,17 +236,8 @@ class OpenBoard(dict[str, Any]):
             entry = Stamped(value.whole(), self._at)
         dict.__setitem__(self, key, entry)
 
-    def __getitem__(self, key: str) -> Any:
-        found = self.get(key)
-        if found is None:
-            raise KeyError(key)
-        return found
 
-    def __contains__(self, key: object) -> bool:
-        return self.get(str(key)) is not None
-
-
-class WrittenBoard(dict[str, Any]):
+class WrittenBoard(AskedBoard):
     """What was written over an open board; everything else is looked up there.
 
     Args:
@@ -250,12 +254,3 @@ class WrittenBoard(dict[str, Any]):
             return self._board.get(key, default)
         self._board.note(key, found)
         return found
-
-    def __getitem__(self, key: str) -> Any:
-        found = self.get(key)
-        if found is None:
-            raise KeyError(key)
-        return found
-
-    def __contains__(self, key: object) -> bool:
-        return self.get(str(key)) is not None
