@@ -164,9 +164,10 @@ class Lines:
         if step.ignored and not (step.why and step.event.kind != "write") and not self._verbose:
             return
         described = describe(step)
-        effects, is_write = zip(step.effects, described.effects, strict=True), step.event.kind == "write"
+        effects = zip(step.effects, described.effects, strict=True)
         does = [trimmed(words, 100) for effect, words in effects if not self._is_vain(effect)]
-        does += [f"{key} := {trimmed(value, 40)}" for (key, value), _again in groupby(step.writes) if not is_write]
+        writes = groupby(step.writes if step.event.kind != "write" else ())
+        does += [f"{key} := {trimmed(value, 40)}" for (key, value), _again in writes]
         parts = [described.way, *does]
         if step.ignored:
             parts = [f"ignored: {step.why}" if step.why else "ignored"]

@@ -39,8 +39,6 @@ class Example(NamedTuple):
     """Action or service → what differs in its entry; the types installed here carry an integer, and no text."""
     goals: Mapping[str, Callable[[Data], Data]]
     """Action → the goal of the robot in Python, for one that has arrived over ROS."""
-    state: str = "done"
-    decisions: int = 1
 
 
 def in_turn(field: str, *values: str) -> Callable[[Data], Data]:
@@ -161,5 +159,5 @@ def test_the_ros_profile_of_a_new_mission_carries_a_run(example: Example, tmp_pa
         )
     assert ran.returncode == 0, ran.stdout + ran.stderr
     result = json.loads(ran.stdout)
-    assert (result["outcome"], result["state"]) == ("succeeded", example.state)
-    assert result["decisions"] >= example.decisions
+    assert (result["outcome"], result["state"]) == ("succeeded", "done")
+    assert result["decisions"] >= 1

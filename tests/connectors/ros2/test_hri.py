@@ -26,6 +26,18 @@ IS_BUILT = importlib.util.find_spec("rai_interfaces") is not None
 built = pytest.mark.skipif(not IS_BUILT, reason="rai_interfaces is not built here: make ros-interfaces")
 
 
+def met(open_ros: Callable[..., Any]) -> tuple[HRIConnector, Inbox[HRIMessage]]:
+    """A person's node, and what the robot's node, which it has found, receives of it."""
+    robot, person = HRIConnector(open_ros()), HRIConnector(open_ros())
+    inbox: Inbox[HRIMessage] = Inbox()
+    robot.listen(FROM_HUMAN, inbox)
+    robot.connector.serve("/hri/there", "std_srvs/srv/Trigger", lambda _: {})
+    found: Inbox[Any] = Inbox()
+    person.connector.call("/hri/there", "std_srvs/srv/Trigger", {}, on_reply=found, timeout_s=30.0)
+    found.wait(bool, "the nodes met")
+    return person, inbox
+
+
 @built
 @pytest.mark.usefixtures("alone")
 def test_talk_over_ros_keeps_the_contract() -> None:
@@ -34,13 +46,7 @@ def test_talk_over_ros_keeps_the_contract() -> None:
 
 @built
 def test_talk_reaches_another_node(open_ros: Callable[..., Any]) -> None:
-    robot, person = HRIConnector(open_ros()), HRIConnector(open_ros())
-    inbox: Inbox[HRIMessage] = Inbox()
-    robot.listen(FROM_HUMAN, inbox)
-    robot.connector.serve("/hri/there", "std_srvs/srv/Trigger", lambda _: {})
-    found: Inbox[Any] = Inbox()
-    person.connector.call("/hri/there", "std_srvs/srv/Trigger", {}, on_reply=found, timeout_s=30.0)
-    found.wait(bool, "the nodes met")
+    person, inbox = met(open_ros)
     long = HRIMessage("word " * 10_000, name="Anna", communication_id="id")
     person.send(long, FROM_HUMAN)
     assert inbox.wait(bool, "a long message was sent") == [long]
@@ -56,13 +62,7 @@ def test_a_picture_file_is_refused_with_what_would_carry_it(open_ros: Callable[.
 
 @built
 def test_pictures_and_sound_arrive_in_parts(open_ros: Callable[..., Any]) -> None:
-    robot, person = HRIConnector(open_ros()), HRIConnector(open_ros())
-    inbox: Inbox[HRIMessage] = Inbox()
-    robot.listen(FROM_HUMAN, inbox)
-    robot.connector.serve("/hri/here", "std_srvs/srv/Trigger", lambda _: {})
-    found: Inbox[Any] = Inbox()
-    person.connector.call("/hri/here", "std_srvs/srv/Trigger", {}, on_reply=found, timeout_s=30.0)
-    found.wait(bool, "the nodes met")
+    person, inbox = met(open_ros)
     views = tuple(Image("view", 640, 480, "rgb8", bytes([shade]) * 640 * 480 * 3) for shade in (10, 200))
     message = HRIMessage("look", views, (Audio(bytes(range(256)) * 4000, 16_000),), name="Anna", communication_id="id")
     assert len(parts_of(message)) == 3
