@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import importlib.util
+import json
 from pathlib import Path
 from typing import Any
 
@@ -181,13 +182,17 @@ def test_an_anomaly_after_a_pause_is_still_one(drive: Any) -> None:
 @pytest.mark.local_model
 @pytest.mark.skipif(importlib.util.find_spec("xllamacpp") is None, reason="no model here; `make weights` installs one")
 @pytest.mark.parametrize("obstacles", [["person"], pytest.param(["branch", "person"], marks=pytest.mark.drill)])
-def test_a_weak_model_cannot_hurt_the_mission(drive: Any, obstacles: list[str]) -> None:
-    """A real one, that chooses no better than chance."""
+def test_a_weak_model_cannot_hurt_the_mission(drive: Any, obstacles: list[str], tmp_path: Path) -> None:
+    """A real one, that chooses no better than chance; it has time enough also where others use the processor."""
     from rai_missions.answerers.model.local_server import packaged_weights
 
     if packaged_weights() is None:
         pytest.skip("no weights here; `make weights` installs them")
-    one = drive(words={"model": "local"}, alleys=len(obstacles), obstacles=obstacles)
+    mission = json.loads((TRACTOR / "mission.json").read_text(encoding="utf-8"))
+    mission["states"]["assessing"]["decision"]["deadline_s"] = 300
+    (tmp_path / "mission.json").write_text(json.dumps(mission), encoding="utf-8")
+    words = {"model": "local", "file": str(tmp_path / "mission.json")}
+    one = drive(words=words, alleys=len(obstacles), obstacles=obstacles)
     result = one.run()
     assert result.outcome in ENDS and not one.world.judge.touched
     asked = [step.question for step in one.steps if step.question and step.question.asked == "agent"]
