@@ -21,6 +21,8 @@ MOST = 1000
 """How many faults are listed one by one; anyone who has more reads no further."""
 KEY = "[key]"
 """pydantic's last step to the name of an entry, where the name and not the entry is at fault."""
+DESCRIBING = frozenset(("Entry", "Fields", "File", "Spec", "Words"))
+"""Last words of the names of classes that describe what the words before them name."""
 
 
 def faults_of(error: ValidationError, model: type[Any], data: Any, known: Iterable[str] = ()) -> Iterator[Fault]:
@@ -113,8 +115,14 @@ def _thing(model: type[Any] | None) -> str:
     if model is None:
         return "this"
     family, word = getattr(model, "family", ""), getattr(model, "word", "")
-    name = f"{family} with '{word}'" if family and word else family or model.__name__.lower()
+    name = f"{family} with '{word}'" if family and word else family or _noun(model.__name__)
     return f"{'an' if name[0] in 'aeiou' else 'a'} {name}"
+
+
+def _noun(class_name: str) -> str:
+    """What an author calls the part of a file that a class describes: `ServiceEntry` is a service."""
+    words = re.sub(r"(?<=[a-z])(?=[A-Z])", " ", class_name).split()
+    return " ".join(words[:-1] if len(words) > 1 and words[-1] in DESCRIBING else words).lower()
 
 
 def _words(model: type[Any] | None) -> list[str]:

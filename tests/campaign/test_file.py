@@ -36,7 +36,7 @@ def faults(tmp_path: Path, words: dict[str, Any]) -> str:
     ({"prices": {"openai:gpt": {"prompt": 1}}}, "'prices' is about 'openai:gpt', which 'models' has not"),
     ({"scripts": {"teller": {"*": 3}}}, "/scripts/teller/*: an answer is an option's name or an object, not 3"),
     ({"budget": {"calls": 0}}, "/budget/calls"),
-    ({"color": 1}, "/color: a campaignfile has no 'color'"),
+    ({"color": 1}, "/color: a campaign has no 'color'"),
     ({"rollouts": {"parameters": {"lift": {}}}}, "/rollouts/parameters/lift: no option 'lift'"),
 ])  # fmt: skip
 def test_a_fault_is_named_with_its_place(tmp_path: Path, words: dict[str, Any], fault: str) -> None:
