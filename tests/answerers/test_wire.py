@@ -6,8 +6,7 @@ from __future__ import annotations
 import base64
 import json
 import threading
-from collections.abc import Callable, Iterator
-from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
+from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
 import pytest
@@ -18,49 +17,10 @@ from rai_missions.answerers.model.output_modes import calls_tools, fills_schemas
 from rai_missions.engine.decision import Evidence, Limits, Question
 from rai_missions.image import Image
 from rai_missions.testing import QUESTION, ReplyCollector, answer_fault
+from tests.rigs.chat_server import Reply, Server, completion, refused
 
 if TYPE_CHECKING:
     from langchain_openai import ChatOpenAI
-
-Reply = Callable[[dict[str, Any]], tuple[int, Any]]
-
-
-class Server(ThreadingHTTPServer):
-    """Answers each request by a function, and keeps what was asked."""
-
-    daemon_threads = True
-
-    def __init__(self) -> None:
-        super().__init__(("127.0.0.1", 0), Answering)
-        self.requests: list[dict[str, Any]] = []
-        self.keys: list[str] = []
-        self.replies: list[Reply] = []
-        threading.Thread(target=self.serve_forever, kwargs={"poll_interval": 0.01}, daemon=True).start()
-
-    def model(self, **words: Any) -> ChatOpenAI:
-        from langchain_openai import ChatOpenAI  # a second of every worker's, were it loaded with the file
-
-        url = f"http://127.0.0.1:{self.server_address[1]}/v1"
-        settings = {"model": "gpt-4o", "api_key": "sk-loopback-0123456789", "max_retries": 0, "timeout": 10}
-        return ChatOpenAI(base_url=url, **{**settings, **words})
-
-
-class Answering(BaseHTTPRequestHandler):
-    server: Server
-
-    def do_POST(self) -> None:
-        asked = json.loads(self.rfile.read(int(self.headers["content-length"])))
-        self.server.requests.append(asked)
-        status, reply = self.server.replies.pop(0)(asked)
-        body = reply if isinstance(reply, bytes) else json.dumps(reply).encode()
-        self.send_response(status)
-        self.send_header("content-type", "application/json")
-        self.send_header("content-length", str(len(body)))
-        self.end_headers()
-        self.wfile.write(body)
-
-    def log_message(self, *_: Any) -> None:
-        pass
 
 
 @pytest.fixture
@@ -69,26 +29,6 @@ def server() -> Iterator[Server]:
     yield served
     served.shutdown()
     served.server_close()
-
-
-def completion(content: str | None = None, calls: list[tuple[str, str]] | None = None) -> Reply:
-    """A chat completion: a text, or calls of functions with their arguments as they are on the wire."""
-    message: dict[str, Any] = {"role": "assistant", "content": content}
-    if calls:
-        message["tool_calls"] = [
-            {"id": f"call_{number}", "type": "function", "function": {"name": name, "arguments": arguments}}
-            for number, (name, arguments) in enumerate(calls)
-        ]
-    reply = {
-        "id": "x", "object": "chat.completion", "created": 0, "model": "gpt-4o-2024-08-06",
-        "choices": [{"index": 0, "message": message, "finish_reason": "stop"}],
-        "usage": {"prompt_tokens": 90, "completion_tokens": 10, "total_tokens": 100},
-    }  # fmt: skip
-    return lambda _asked: (200, reply)
-
-
-def refused(status: int, text: str) -> Reply:
-    return lambda _asked: (status, {"error": {"message": text, "type": "invalid_request_error"}})
 
 
 def answer(model: ChatOpenAI, question: Question = QUESTION, **words: Any) -> dict[str, Any]:

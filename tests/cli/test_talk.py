@@ -20,6 +20,7 @@ import pytest
 
 from rai_missions.cli.main import main
 from rai_missions.journal import read
+from tests.rigs.chat_server import Server, completion
 
 PROGRAM = Path(sys.executable).with_name("rai-missions")
 PATIENCE_S = 60.0
@@ -113,6 +114,37 @@ def test_ctrl_c_on_the_line_cancels_the_mission(mission: Path) -> None:
         screen.type("\x03")
         screen.until("canceled: canceled by operator (interrupt)")
         assert screen.program.wait(PATIENCE_S) == 1
+
+
+@pytest.mark.long
+def test_a_named_model_answers_what_the_rules_leave_open_and_its_order_counts_once_confirmed(
+    mission: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    pytest.importorskip("langchain_openai")
+    order = json.dumps({"order": {"order": "cancel"}})
+    server = Server()
+    server.replies = [
+        completion("I have arrived at the gate. Roses like the sun."),
+        completion(calls=[("propose_order", order)]),
+    ]
+    monkeypatch.setenv("OPENAI_API_KEY", "sk-loopback-0123456789")
+    monkeypatch.setenv("OPENAI_BASE_URL", server.url)
+    with terminal(mission, "--model", "openai:gpt-4o") as screen:
+        screen.until("has started")
+        screen.type("which flowers like the sun?\r")
+        screen.until("the model thinks: Roses like the sun.")
+        screen.type("I would rather do something else today\r")
+        screen.until("Is that right?")
+        screen.type("yes\r")
+        screen.until("canceled: canceled by operator (terminal)")
+        assert screen.program.wait(PATIENCE_S) == 1
+    server.shutdown()
+    server.server_close()
+    with read(screen.journal) as record:
+        talk = [each for row in record.rows() for each in (getattr(row, "data", None) or {}).get("talk", ())]
+    texts = {kind: [each["text"] for each in talk if each["kind"] == kind] for kind in ("spoken", "replaced")}
+    assert texts["replaced"] == ["I have arrived at the gate."]
+    assert "Roses like the sun." in texts["spoken"] and "I have arrived at the gate." not in texts["spoken"]
 
 
 @pytest.mark.long

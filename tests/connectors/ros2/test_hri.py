@@ -5,6 +5,8 @@ from __future__ import annotations
 
 import importlib.util
 import json
+import subprocess
+import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -91,3 +93,50 @@ def test_a_profile_whose_messages_no_package_defines_is_refused_by_its_key(
 def test_no_part_is_dropped_for_the_next_one(topic: str) -> None:
     quality = read_options({}).quality(topic)
     assert (quality.reliability, quality.durability, quality.depth) == (None, "volatile", 1000)
+
+
+ERRAND = {
+    "format": 1, "name": "errand", "initial": "greeting",
+    "states": {
+        "greeting": {"call": "greet", "timeout_s": 60, "transitions": [{"on": "succeeded", "to": "waiting"},
+                                                                       {"on": "failed", "to": "over"}]},
+        "waiting": {"about": "waits at the gate", "transitions": [{"after_s": 600, "to": "over"}]},
+        "over": {"final": "aborted"},
+    },
+}  # fmt: skip
+ROVER = {
+    "format": 1, "name": "rover", "connector": {"kind": "ros2"},
+    "services": {"greet": {"service": "/hri/there", "type": "std_srvs/srv/Trigger"}},
+    "conversation": {"hri": True, "may": {"person": ["cancel"]}},
+}  # fmt: skip
+
+
+@pytest.mark.long
+@built
+def test_a_person_on_the_topics_asks_a_run_and_cancels_it(open_ros: Callable[..., Any], tmp_path: Path) -> None:
+    for name, content in (("errand", ERRAND), ("rover", ROVER)):
+        (tmp_path / f"{name}.json").write_text(json.dumps(content), encoding="utf-8")
+    person, spoken, greeted = HRIConnector(open_ros()), Inbox[HRIMessage](), Inbox[Any]()
+    person.listen(TO_HUMAN, spoken)
+    person.connector.serve("/hri/there", "std_srvs/srv/Trigger", lambda asked: [greeted(asked), {"success": True}][1])
+    command = [Path(sys.executable).with_name("rai-missions"), "run", "errand.json", "--robot", "rover.json", "--talk"]
+    run = subprocess.Popen(
+        command, cwd=tmp_path, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True
+    )
+    try:
+        greeted.wait(lambda _: True, "the robot's node has found the person's")
+
+        def speak(text: str, reply: str) -> None:
+            person.send(HRIMessage(text, author="ai", name="operator", communication_id=text), FROM_HUMAN)
+            spoken.wait(lambda all_: any(reply in each.text for each in all_), f"{text!r} is answered by {reply!r}")
+
+        speak("what are you doing?", "waits at the gate")
+        speak("pause", "may not")
+        speak("cancel the mission", "Is that right?")
+        speak("yes", "canceled")
+        assert run.wait(60.0) == 1
+    finally:
+        run.kill()
+        printed = run.communicate()[0]
+    assert "canceled by person operator (topic)" in printed, printed
+    assert {each.author for each in spoken.all} == {"ai"} and {each.name for each in spoken.all} == {"rover"}
