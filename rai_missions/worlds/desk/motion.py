@@ -8,7 +8,7 @@ the lift. A skill is a generator: it does what is due in a period of 10 ms and y
 from __future__ import annotations
 
 import math
-from collections.abc import Generator, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Generator, Iterable, Mapping, Sequence
 from itertools import islice
 from typing import Any, ClassVar, Literal, NamedTuple
 
@@ -16,21 +16,17 @@ import numpy as np
 
 from rai_missions.worlds.desk.footprints import SeenThing, things
 from rai_missions.worlds.desk.grasps import Grasp, HeldThing, grasps, releases, standing_on, too_wide
-from rai_missions.worlds.desk.kinematics import TILTS, Joints, Kinematics, ToolPose, Unreachable, toward
+from rai_missions.worlds.desk.kinematics import TILTS, Joints, Kinematics, ToolPose, Unreachable
 from rai_missions.worlds.desk.panda.drive import PandaDrive
 from rai_missions.worlds.desk.panda.model import HOME, MAX_WIDTH_M, TIP_BELOW_TCP_M
-from rai_missions.worlds.desk.path import SPEED_MPS, across, follow, straight
+from rai_missions.worlds.desk.path import across, follow, straight
 from rai_missions.worlds.desk.pushes import PUSH_OPENING_M, Push, pushes
 from rai_missions.worlds.desk.skill_log import LoggedDrive, ReplayedDrive, Skill, SkillDrive, SkillLog, skill
 from rai_missions.worlds.desk.trajectory import CONTROL_S, Trajectory
+from rai_missions.worlds.desk.ways import LIFT_M, WayPlanner, WayStart, leaning, transit_height
 
 __all__ = ("Ending", "Motion", "Skill", "ThingPose")
 
-LOW_M, CLEARANCE_M = 0.13, 0.025
-"""The transit's least height, and what it keeps above what stands, m."""
-LANE_M = 0.13
-"""Half of the width of the lane in which things count for the transit."""
-LIFT_M = 0.06
 FINGER_MPS = 0.2
 """How fast the fingers' distance changes."""
 SQUEEZE_M = -0.02
@@ -43,8 +39,6 @@ CLOSED_S, LOOK_S = 0.1, 3.0
 SETTLED_RAD, SETTLE_S = 0.003, 0.3
 LOST = 5
 """Periods without a force on both fingers after which what was held is lost."""
-WRIST = (-2.0, 3.5)
-"""How far the hand turns from the arm's bearing, rad."""
 ATTEMPTS = 8
 """Ways to take or release a thing that are tried for reach."""
 RELEASE_M = 0.0015
@@ -104,7 +98,7 @@ class Motion:
     def __init__(self, drive: PandaDrive, kinematics: Kinematics) -> None:
         self._logged = LoggedDrive(drive)
         self._drive: SkillDrive = self._logged
-        self._kinematics = kinematics
+        self._kinematics, self._planner = kinematics, WayPlanner(kinematics)
         self._joints: Joints = np.array(HOME)
         self._pose = self._present()
         self._came: Sequence[Joints] = ()
@@ -229,7 +223,7 @@ class Motion:
             target = yield from self._free(target, others)
         else:
             raise SkillFailure("no_room", f"there is no room for the fingers next to {name}, also after it was pushed")
-        way, grasp = self._way(_leaning(ways), others)
+        way, grasp = self._way(leaning(ways), others)
         yield from self._go(way, opening=grasp.opening_m)
         yield from self._close()
         self._held = HeldThing(target, grasp.pose)
@@ -256,7 +250,7 @@ class Motion:
         ways = list(islice(releases(held, *goal, others), ATTEMPTS))
         if not ways:
             raise SkillFailure("no_room", f"there is no room for the fingers where {name} is to be set down")
-        way, release = self._way(_leaning(ways), others, held)
+        way, release = self._way(leaning(ways), others, held)
         try:
             yield from self._go(way, holding=name)
         except SkillFailure:
@@ -310,62 +304,24 @@ class Motion:
             raise SkillFailure("covered", f"{cover.name} stands on {target.name}")
 
     def _way(
-        self, ways: Iterable[Grasp], others: Sequence[SeenThing], held: HeldThing | None = None
+        self, ends: Iterable[Grasp], others: Sequence[SeenThing], held: HeldThing | None = None
     ) -> tuple[Trajectory, Grasp]:
-        """The first of several ways that the arm can follow.
+        """The way to the first of several ends that the arm can reach.
 
         Raises:
-            Unreachable: It can follow none.
+            Unreachable: It can reach none.
         """
-        last: ToolPose | None = None
-        below, reach = TIP_BELOW_TCP_M, 0.0
+        hanging = TIP_BELOW_TCP_M, 0.0
         if held is not None:
-            below, reach = held.below_m, held.reach_m
+            hanging = held.below_m, held.reach_m
         elif self._drive.grip().is_holding:
-            below, reach = HANGS_M
-        seen = others or self._standing()
-        for grasp in ways:
-            end = self._turned(grasp.pose, math.tau if held is not None else math.pi)
-            height = max(LOW_M, self._tallest(end, seen, LANE_M + reach) + below + CLEARANCE_M)
-            try:
-                return follow(self._kinematics, across(self._pose, end, height), self._joints), grasp._replace(pose=end)
-            except Unreachable:
-                last = last or end
-        raise self._too_far(last)
+            hanging = HANGS_M
+        same = math.tau if held is not None else math.pi
+        return self._planner.first(self._start, ends, others or self._standing(), hanging, same)
 
-    def _too_far(self, pose: ToolPose | None) -> Unreachable:
-        """Why there is no way: the place itself is out of reach, or only the way to it."""
-        if pose is None:
-            return Unreachable("the gripper has no way there")
-        at, far = f"({pose.x:.3f}, {pose.y:.3f}, {pose.z:.3f}) m", math.hypot(pose.x, pose.y)
-        leaning = (pose._replace(tilt=tilt) for tilt in TILTS)
-        if not any(self._kinematics.solve(each, toward(each)) is not None for each in leaning):
-            return Unreachable(f"the gripper cannot reach {at}, {far:.2f} m from the base, however the hand leans")
-        return Unreachable(f"the gripper reaches {at}, but not from above what stands on the way")
-
-    def _turned(self, pose: ToolPose, same: float) -> ToolPose:
-        """The same pose, turned by so many of the turns that do not matter that the wrist turns least from its middle.
-
-        Args:
-            pose: Of the TCP.
-            same: The turn that makes no difference: half of one, or a whole one where the hand holds something.
-        """
-        bearing = math.atan2(pose.y, pose.x)
-        wrist = self._pose.yaw - math.atan2(self._pose.y, self._pose.x)
-        least = math.remainder(pose.yaw - bearing, same)
-        fitting = [turn for turn in (least, least - same, least + same) if WRIST[0] < turn < WRIST[1]]
-        turn = min(fitting or [least], key=lambda turn: abs(turn) + 0.3 * abs(turn - wrist))
-        return pose._replace(yaw=bearing + turn)
-
-    def _tallest(self, end: ToolPose, seen: Sequence[SeenThing], lane: float) -> float:
-        """How high what stands near the way reaches."""
-        way = across(self._pose, end, 0.5)
-        near = (
-            one.slab.top
-            for one in seen
-            if any(math.dist((one.x, one.y), knot[:2]) < lane + one.slab.radius for knot in way)
-        )
-        return max(near, default=0.0)
+    @property
+    def _start(self) -> WayStart:
+        return WayStart(self._pose, self._joints)
 
     def _go(self, way: Trajectory, *, opening: float | None = None, holding: str = "") -> Generator[None, None, None]:
         """Follow a way, opening or closing the fingers meanwhile.
@@ -404,12 +360,12 @@ class Motion:
     def _go_home(self) -> Generator[None, None, None]:
         """Straight up, over what stands, and to where the cameras see the desk."""
         home = self._kinematics.pose(np.array(HOME))
-        height = max(LOW_M, self._tallest(home, self._standing(), LANE_M) + CLEARANCE_M + TIP_BELOW_TCP_M)
+        height = transit_height(self._pose, home, self._standing())
         try:
             knots = across(self._pose, home, height)
             way = follow(self._kinematics, knots, self._joints, end=np.array(HOME))
         except Unreachable:
-            yield from self._go(self._back_out(height))
+            yield from self._go(self._planner.back_out(self._joints, self._came, height))
             way = Trajectory([self._joints, np.array(HOME)], [0.0])
         yield from self._go(way, opening=MAX_WIDTH_M)
 
@@ -419,17 +375,8 @@ class Motion:
         try:
             way = follow(self._kinematics, straight(self._pose, up), self._joints)
         except Unreachable:
-            way = self._back_out(up.z)
+            way = self._planner.back_out(self._joints, self._came, up.z)
         yield from self._go(way)
-
-    def _back_out(self, height: float) -> Trajectory:
-        """The way by which the gripper came, back to a height: where it came down, it can go up."""
-        back = [self._joints]
-        for joints in self._came:
-            back.append(joints)
-            if self._kinematics.place(joints)[0][2] >= height:
-                break
-        return Trajectory(back, [LIFT_M / SPEED_MPS] * (len(back) - 1))
 
     def _free(self, target: SeenThing, others: Sequence[SeenThing]) -> Generator[None, None, SeenThing]:
         """Push a thing out from between its neighbours, and look where it is then.
@@ -505,10 +452,3 @@ class Motion:
             if self._is_unwanted:
                 raise SkillStopped
             yield
-
-
-def _leaning(ways: Sequence[Grasp]) -> Iterator[Grasp]:
-    """Each way from straight above, then each with more and more of a lean."""
-    for lean in TILTS:
-        for way in ways:
-            yield way._replace(pose=way.pose._replace(tilt=lean, z=way.pose.z + 0.009 * abs(math.sin(lean))))
