@@ -122,7 +122,8 @@ class OpenWorld:
         """What a state may work out: any of its outcomes, with any value that can come with it.
 
         Of values that are the same in all that may be read of them once the state has ended so, one represents all:
-        the step, and every later one, reads the same of each, and differs in nothing else.
+        the step, and every later one, reads the same of each, and differs in nothing else. Where no guard looks into
+        what an outcome comes with, the value that has it, and nothing in it, represents all.
         """
         state, fitting = node.state, dict[str, list[Any]]()
         assert state is not None
@@ -130,7 +131,8 @@ class OpenWorld:
         known = [value for value in self.values.of(into) if value is not None]
         for outcome in outcomes:
             later = live.with_outcome(node, outcome, outcomes)
-            can_come = [value for value in known if state.comes_with(outcome, value, looked)] or [{}]
+            can_come = [value for value in known if state.comes_with(outcome, value, looked)]
+            can_come = can_come or [max(known, key=len, default={})]
             fitting[outcome] = list({repr(later.of(into, value)): value for value in reversed(can_come)}.values())[::-1]
 
         def compute(*given: Any) -> Computed:

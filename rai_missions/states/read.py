@@ -47,7 +47,8 @@ class Read(State, word="read"):
         return frozenset(("succeeded", "unclear", "refused"))
 
     def comes_with(self, outcome: str, value: Mapping[str, Any], looked: Collection[str]) -> bool:
-        return "goal" not in looked or bool(value.get("goal")) == (outcome == "succeeded")
+        goal = value.get("goal")
+        return "goal" not in looked or (bool(goal) if outcome == "succeeded" else goal is None)
 
     def type_needs(self) -> Iterator[TypeNeed]:
         yield TypeNeed("/read", self.read_, "string", "a request is read from a string")

@@ -123,3 +123,24 @@ def test_a_goal_that_the_author_wrote_is_tried_and_not_proved(keys: Json, sample
     if "given" in keys:
         document["states"]["waiting"]["transitions"][0]["do"] = [{"set": "wanted", "from": "given"}]
     assert Values(Mission.model_validate(document), RobotFacts()).learned.sampled == sampled
+
+
+def test_a_goal_that_was_read_is_known_also_where_no_guard_looks_into_goals() -> None:
+    keys: Json = {
+        "request": {"type": "string", "source": "argument"}, "objects": {"type": "object", "source": "robot"},
+        "reading": {"type": "object"}, "wanted": {"type": "object"}, "plan": {"type": "object"},
+    }  # fmt: skip
+    copied = {"set": "wanted", "from": "reading.goal"}
+    states: Json = {
+        "reading_it": {"read": "request", "over": "objects", "into": "reading", "transitions": [
+            {"on": "succeeded", "to": "planning", "do": [copied]},
+            {"on": ["unclear", "refused"], "to": "unread", "do": [copied]}, {"on": "rejected", "to": "none"},
+        ]},
+        "planning": {"plan": "wanted", "over": "objects", "into": "plan", "transitions": [
+            {"on": ["succeeded", "failed"], "to": "planned"}, {"on": "rejected", "to": "unplanned"},
+        ]},
+        "unread": {"transitions": [{"when": {"fresh": "wanted"}, "to": "odd"}, {"after_s": 1, "to": "none"}]},
+        **{name: {"final": "aborted"} for name in ("planned", "unplanned", "odd", "none")},
+    }  # fmt: skip
+    given = {"format": 1, "name": "m", "initial": "reading_it", "blackboard": keys, "states": states}
+    assert set(prove(Mission.model_validate(given)).never) == {"unplanned", "odd"}

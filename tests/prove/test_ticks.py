@@ -53,7 +53,7 @@ def holds(tree: Json) -> None:
     assume(space.is_whole)
     for values in product(*FACTS.values()):
         known = {key: value for key, value in zip(FACTS, values, strict=True) if value is not None}
-        (started,) = walked(mission, [], (), **known)
+        (started,) = walked(mission, [], {}, **known)
         assert started in space.seen, f"started with {known}"
 
 
