@@ -21,6 +21,7 @@ from rai_missions.campaign.scene_sources import ScenesEntry
 from rai_missions.check import check
 from rai_missions.check import faults_of as mission_faults
 from rai_missions.errors import DefinitionError, Fault, pointer, suggestion
+from rai_missions.mission.file_kinds import mistaken
 from rai_missions.mission.json_reader import read_json
 from rai_missions.mission.schema import schema_of
 from rai_missions.model import Integer, Json, MissionModel, Name, Number, Text, fault
@@ -182,6 +183,8 @@ def load_campaign(path: str | os.PathLike[str], *, models: Iterable[str] = ()) -
     data = read_json(source)
     if not isinstance(data, Mapping):
         raise DefinitionError([Fault("", f"a campaign is a JSON object, not {shown(data)}")], str(source))
+    if found := tuple(mistaken(data, "campaign")):
+        raise DefinitionError(found, str(source))
     try:
         file = CampaignFile.model_validate({key: item for key, item in data.items() if key != "$schema"})
         file = file.replaced(models) if (models := tuple(models)) else file

@@ -16,6 +16,7 @@ from rai_missions.errors import DefinitionError, Fault, UsageError
 from rai_missions.guards import Guard, In, Not
 from rai_missions.guards.guard import made
 from rai_missions.keys import Key
+from rai_missions.mission.file_kinds import mistaken
 from rai_missions.mission.include_rules import Chain, included_file, inclusion_faults, questions, refused, shared_key
 from rai_missions.mission.json_reader import MAX_BYTES, MAX_DEPTH, read_json
 from rai_missions.mission.mission import BUILT_IN_EVENTS, Mission
@@ -51,6 +52,8 @@ def read_mission(file: Path) -> Mission:
     data = read_json(file)
     if not isinstance(data, Mapping):
         raise DefinitionError([Fault("", f"a mission is a JSON object, not {shown(data)}")], str(file))
+    if found := tuple(mistaken(data, "mission")):
+        raise DefinitionError(found, str(file))
     try:
         return Mission.model_validate(data)
     except ValidationError as error:

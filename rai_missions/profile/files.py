@@ -15,6 +15,7 @@ from typing import Any
 from pydantic import ValidationError
 
 from rai_missions.errors import DefinitionError, Fault, UsageError
+from rai_missions.mission.file_kinds import mistaken
 from rai_missions.mission.json_reader import parse_json, read_json
 from rai_missions.profile.profile import Robot
 from rai_missions.redaction import shown
@@ -83,6 +84,8 @@ def identity_folder(robot: Robot, file: str | os.PathLike[str]) -> Path | None:
 def _robot(data: Any, source: str) -> Robot:
     if not isinstance(data, Mapping):
         raise DefinitionError([Fault("", f"a robot profile is a JSON object, not {shown(data)}")], source)
+    if found := tuple(mistaken(data, "profile")):
+        raise DefinitionError(found, source)
     try:
         return Robot.model_validate(data)
     except ValidationError as error:

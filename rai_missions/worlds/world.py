@@ -16,7 +16,7 @@ from types import UnionType
 from typing import Any, Protocol, Union, get_args, get_origin, get_type_hints
 
 from rai_missions.connectors.connector import Connector
-from rai_missions.errors import UsageError
+from rai_missions.errors import UsageError, suggestion
 from rai_missions.kinds import PackageOffer, offered
 
 __all__ = ("WORLDS", "World", "open_world", "world_offer")
@@ -67,6 +67,18 @@ def world_offer(name: str) -> PackageOffer | None:
     return offered("rai_missions.worlds", name, WORLDS)
 
 
+def check_world(name: str) -> PackageOffer:
+    """Who has the world of a name.
+
+    Raises:
+        UsageError: No one, or two packages do.
+    """
+    offer = world_offer(name)
+    if offer is None:
+        raise UsageError(f"there is no world {name!r}{suggestion(name, sorted(WORLDS))}")
+    return offer
+
+
 def open_world(name: str, **options: Any) -> World:
     """Make a world.
 
@@ -77,9 +89,7 @@ def open_world(name: str, **options: Any) -> World:
     Raises:
         UsageError: No such world or option, or the packages that it needs are not installed.
     """
-    offer = world_offer(name)
-    if offer is None:
-        raise UsageError(f"no world {name!r}; there are: {', '.join(sorted(WORLDS))}")
+    offer = check_world(name)
     world = offer.load() if name not in WORLDS else _ours(name)
     known = list(inspect.signature(world).parameters)
     unknown = sorted(set(options) - set(known))

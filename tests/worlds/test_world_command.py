@@ -45,7 +45,7 @@ def test_it_states_what_it_serves_and_ends_in_good_order(graph: Graph, number: s
     [
         (["orchard"], "name where the world is to run: 'rai-missions world orchard --ros' puts it on the ROS graph"),
         (["orchard", "--ros", "--option", "alleys"], "--option alleys: write KEY=VALUE"),
-        (["orchrd", "--ros"], "no world 'orchrd'; there are: "),
+        (["orchrd", "--ros"], "there is no world 'orchrd'; did you mean 'orchard'?"),
         (["orchard", "--ros", "--option", "trees=5"], "the world 'orchard' has no option 'trees'; there are: seed, "),
         (["orchard", "--ros", "--option", "obstacles=cow"], "obstacles: 'cow' is no list; give a kind for"),
         (["orchard", "--ros", "--option", "alleys=two"], "the world 'orchard' cannot be opened with alleys=\"two\": "),

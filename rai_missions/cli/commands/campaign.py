@@ -22,9 +22,9 @@ class CampaignOptions(NamedTuple):
     """What a campaign takes.
 
     Args:
-        deed: run: ask what is missing in the store; check: read the file and all that it names, and count the cells;
-            label: label the scenes alone; report: write the report of a store; compare: what is better in one of two
-            stores, and what is noise.
+        subcommand: run: ask what is missing in the store; check: read the file and all that it names, and count the
+            cells; label: label the scenes alone; report: write the report of a store; compare: what is better in one
+            of two stores, and what is noise.
         file: For run, check and label the campaign's file; for report and compare a store.
         other: For compare: the other store.
         store: Where the results are. Without it: the name of the campaign with .db, in the working directory.
@@ -37,7 +37,7 @@ class CampaignOptions(NamedTuple):
             name with .html.
     """
 
-    deed: Annotated[Literal["run", "check", "label", "report", "compare"], Argument(is_positional=True)]
+    subcommand: Annotated[Literal["run", "check", "label", "report", "compare"], Argument(is_positional=True)]
     file: Annotated[str, Argument("FILE", is_positional=True, files=("*.json", "*.db"))]
     other: Annotated[str | None, Argument("RESULTS", is_positional=True, files=("*.db",))] = None
     store: Annotated[str | None, Argument("RESULTS", files=("*.db",))] = None
@@ -64,16 +64,16 @@ def campaign(options: CampaignOptions) -> int:
     """
     from rai_missions.errors import UsageError
 
-    if (options.deed == "compare") != (options.other is not None):
-        raise UsageError("compare needs two stores: rai-missions campaign compare A.db B.db; other deeds take one file")
-    if options.deed == "compare":
+    if (options.subcommand == "compare") != (options.other is not None):
+        raise UsageError("compare needs two stores: rai-missions campaign compare A.db B.db; the others take one file")
+    if options.subcommand == "compare":
         from rai_missions.campaign.compare import compare
 
         print(compare(options.file, str(options.other)).text())
         return 0
-    if options.deed == "report":
+    if options.subcommand == "report":
         return _report(options.file, options.report)
-    return _check(options) if options.deed == "check" else _run(options)
+    return _check(options) if options.subcommand == "check" else _run(options)
 
 
 def _report(store: str, page: str | None) -> int:
@@ -127,10 +127,10 @@ def _run(options: CampaignOptions) -> int:
 
     with ResultStore(path, writes=True) as store, LongWork(lambda: shown[0]):
         result = run_campaign(
-            loaded, store, settings, open_pool=open_pool, labels_alone=options.deed == "label", on_progress=note
+            loaded, store, settings, open_pool=open_pool, labels_alone=options.subcommand == "label", on_progress=note
         )
         labelled = len(store.labels())
-    if options.deed == "label":
+    if options.subcommand == "label":
         print(f"{labelled} scenes have labels, in {result.seconds:.1f} s; results: {path}")
         return 0
     print(_words(result, path))

@@ -11,13 +11,13 @@ __all__ = ("schema",)
 
 
 @command()
-def schema(of: Annotated[Literal["mission", "robot", "map", "campaign"], Argument()] = "mission") -> int:
+def schema(kind: Annotated[Literal["mission", "robot", "map", "campaign"], Argument()] = "mission") -> int:
     """Print the JSON Schema of missions, robot profiles, migration maps or campaigns.
 
     An editor that knows the schema completes names and marks faults while you write.
 
     Args:
-        of: The kind of file.
+        kind: The kind of file.
 
     Exit status:
         0 it was printed, 2 the input is at fault
@@ -27,20 +27,20 @@ def schema(of: Annotated[Literal["mission", "robot", "map", "campaign"], Argumen
     """
     import json
 
-    print(json.dumps(_schema(of), indent=2, ensure_ascii=False))
+    print(json.dumps(_schema(kind), indent=2, ensure_ascii=False))
     return 0
 
 
-def _schema(of: str) -> Any:
-    if of == "robot":
+def _schema(kind: str) -> Any:
+    if kind == "robot":
         from rai_missions.profile.schema import robot_schema
 
         return robot_schema()
-    if of == "campaign":
+    if kind == "campaign":
         from rai_missions.campaign.file import campaign_schema
 
         return campaign_schema()
-    if of == "map":
+    if kind == "map":
         from rai_missions.replay.migrate import map_schema
 
         return map_schema()

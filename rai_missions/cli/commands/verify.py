@@ -30,7 +30,7 @@ def verify(journal: JournalFile) -> int:
         warn(found.warning)
         faults = faults_in(found.path)
         for fault in faults:
-            print(fault)
+            print(fault if fault.place else f"{journal}: {fault.sentence}")
         if faults:
             return 1
         with Record(found.path) as record:

@@ -17,7 +17,7 @@ __all__ = ("whoami",)
 
 @command()
 def whoami(
-    deed: Literal["build", "ask", "show"],
+    subcommand: Literal["build", "ask", "show"],
     folder: Annotated[str, Argument("FOLDER")],
     question: Annotated[str, Argument("QUESTION")] = "",
     *,
@@ -30,7 +30,7 @@ def whoami(
     the network, and no link is followed out of the folder.
 
     Args:
-        deed: build: bring the index up to date; ask: quote what the documents have on a question; show: what the
+        subcommand: build: bring the index up to date; ask: quote what the documents have on a question; show: what the
             folder holds, and what is missing to read or search it.
         folder: The identity folder.
         question: For ask: in free words, English.
@@ -48,12 +48,12 @@ def whoami(
     from rai_missions.embodiment import Library
     from rai_missions.errors import UsageError
 
-    if (deed == "ask") != bool(question.strip()):
+    if (subcommand == "ask") != bool(question.strip()):
         raise UsageError("a QUESTION is for ask, and ask needs one: rai-missions whoami ask FOLDER QUESTION")
     library = Library(Path(folder), Path(index) if index is not None else None)
-    if deed == "build":
+    if subcommand == "build":
         return _build(library)
-    return _ask(library, question, count) if deed == "ask" else _show(library, Path(folder))
+    return _ask(library, question, count) if subcommand == "ask" else _show(library, Path(folder))
 
 
 def _build(library: Library) -> int:

@@ -36,7 +36,7 @@ def world(
     """Put a simulated robot on ROS, in a process of its own.
 
     Args:
-        world: house or orchard.
+        world: desk, house or orchard, or a world of another package.
         ros: On the ROS 2 graph.
         domain: The ROS domain, instead of ROS_DOMAIN_ID.
         seed: Decides what no option sets. Without it: the world's own seed.
@@ -53,7 +53,9 @@ def world(
     from rai_missions.cli.inputs import read_pairs
     from rai_missions.cli.world_server import serve_world
     from rai_missions.errors import UsageError
+    from rai_missions.worlds.world import check_world
 
+    check_world(world)
     if not ros:
         raise UsageError(
             f"name where the world is to run: 'rai-missions world {world} --ros' puts it on the ROS graph; "

@@ -54,7 +54,8 @@ def run_mission(options: RunOptions) -> int:
     needed = [name for name, key in mission.blackboard.items() if key.source == "robot" and not key.optional]
     if needed and not options.robot and not options.resume:
         raise UsageError(
-            f"the mission must receive {', '.join(needed)} from a robot; give its profile: --robot PROFILE"
+            f"the mission must receive {', '.join(needed)} from a robot; "
+            "give its profile, or its program in Python: --robot FILE"
         )
     lines = _lines(mission, options)
     config = replace(_config(options, mission, lines), named=named)

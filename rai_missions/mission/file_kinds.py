@@ -1,0 +1,34 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The kinds of JSON files that authors write, distinguished by their words: one given in place of another is named."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import Any, Literal
+
+from rai_missions.errors import Fault
+
+__all__ = ("FileKind", "mistaken")
+
+FileKind = Literal["mission", "profile", "campaign"]
+WORDS: Mapping[FileKind, tuple[str, ...]] = {
+    "mission": ("states", "initial"), "profile": ("connector",), "campaign": ("scenes", "models"),
+}  # fmt: skip
+"""What only a file of the kind has."""
+HINTS: Mapping[tuple[FileKind, FileKind], str] = {
+    ("mission", "profile"): "this is a robot's profile; name a mission, and give this file with --robot",
+    ("mission", "campaign"): "this is a campaign; rai-missions campaign runs it",
+    ("profile", "mission"): "this is a mission; --robot takes a robot's profile, or its program in Python",
+    ("profile", "campaign"): "this is a campaign; --robot takes a robot's profile, or its program in Python",
+    ("campaign", "mission"): "this is a mission; a campaign names one as its 'mission'",
+    ("campaign", "profile"): "this is a robot's profile; a campaign names one as its 'robot'",
+}
+"""Kind that is wanted, kind that is there → what the author reads."""
+
+
+def mistaken(data: Mapping[str, Any], wanted: FileKind) -> Iterator[Fault]:
+    """The fault of a file that is of another kind than the one that is wanted; none where its words fit either."""
+    if not any(word in data for word in WORDS[wanted]):
+        found = [kind for kind, words in WORDS.items() if all(word in data for word in words)]
+        if len(found) == 1:
+            yield Fault("", HINTS[wanted, found[0]])
