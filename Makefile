@@ -57,7 +57,7 @@ fmt: .venv/.ready-dev ## Format, and mend what a linter can mend
 check: .venv/.ready-dev ## Formatting, linters, types, the import contracts, words and prose
 	$(BIN)/ruff format --check .
 	$(BIN)/ruff check .
-	$(BIN)/mypy rai_missions visualize missions $(wildcard tests/typing)
+	$(BIN)/mypy rai_missions visualize missions benchmarks $(wildcard tests/typing)
 	$(BIN)/lint-imports
 	$(BIN)/python scripts/prose.py
 	$(BIN)/python scripts/words.py

@@ -165,7 +165,7 @@ def python_statemachine_peer(case: str) -> Send:
     reader.parse_scxml(case, scxml_text(document(case)))
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
-        machine = reader.start()
+        machine: Any = reader.start()  # type: ignore[no-untyped-call]
     send: Send = machine.send
     return send
 
@@ -175,14 +175,14 @@ def python_statemachine_native(case: str) -> Send:
 
     if case == "flat":
 
-        class Flat(StateChart):
+        class Flat(StateChart[Any]):
             s, t = State(initial=True), State()
             a, b = s.to(t), t.to(s)
 
         return Flat().send
     if case == "guarded":
 
-        class Guarded(StateChart):
+        class Guarded(StateChart[Any]):
             s, t = State(initial=True), State()
             a, b = s.to(t, cond="may", on="add"), t.to(s, cond="may", on="add")
             n = 0

@@ -58,7 +58,8 @@ def base(speaker: subprocess.Popen[bytes]) -> dict[str, list[float]]:
     from geometry_msgs.msg import Twist
 
     rclpy.init(domain_id=DOMAIN)
-    node, took = rclpy.create_node("base"), {way: [] for way in WAYS}  # type: dict[str, list[float]]
+    node = rclpy.create_node("base")
+    took: dict[str, list[float]] = {way: [] for way in WAYS}
 
     def on_message(way: str, message: Any) -> None:
         if message.linear.x:

@@ -139,7 +139,12 @@ def seen_in_browser(folder: Path, viewers: int) -> None:
     made: list[float] = []
     flood = Flood(folder, paged=True)
     keep: Callable[[Step], None] = flood._see
-    flood.watch._step = lambda step: (made.append(time.time()), keep(step))  # type: ignore[union-attr]
+
+    def seen(step: Step) -> None:
+        made.append(time.time())
+        keep(step)
+
+    flood.watch._step = seen  # type: ignore[union-attr]
     with sync_playwright() as running:
         browser = running.chromium.launch(executable_path=found, args=["--no-sandbox"])
         windows = [browser.new_page() for _ in range(viewers)]

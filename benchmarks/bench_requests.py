@@ -105,7 +105,7 @@ def _predicates(goal: Sequence[Mapping[str, Any]]) -> Iterator[tuple[Any, ...]]:
 
 
 def _orders(wanted: Sequence[Mapping[str, Any]]) -> Iterator[list[Any]]:
-    choices = [
+    choices: list[list[list[Any]]] = [
         [
             [{"on": [above, below]} for below, above in itertools.pairwise(order)]
             for order in itertools.permutations(names)

@@ -95,7 +95,7 @@ def guard_now() -> Guard:
 
 
 def guard_of(data: Any) -> Guard:
-    return cast(Guard, TypeAdapter(AnyOf[Guard]).validate_python(data))
+    return TypeAdapter(AnyOf[Guard]).validate_python(data)
 
 
 def holds(guard: Guard, fact: Fact | None) -> bool:

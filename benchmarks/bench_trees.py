@@ -32,7 +32,7 @@ Status = py_trees.common.Status
 
 class View(NamedTuple):
     at: float
-    board: Mapping[str, Stamped]
+    board: dict[str, Stamped]
     active: frozenset[str] = frozenset()
     entered: Mapping[str, float] = {}
     held: Mapping[str, float] = {}

@@ -155,8 +155,8 @@ def false_orders(bench: Bench, scale: int) -> None:
             print(f"  {len(found)} orders of {count} windows so far", flush=True)
     for seed in range(20 * scale):
         level, kind = (100, 400, 1600)[seed % 3], ("white", "pink")[seed % 2]
-        sound = noise(kind, 3 * RATE_HZ, random) * level
-        texts = [each.text for each in bench.of(FileSound(bytes(sound.clip(-32768, 32767).astype("<i2").tobytes())))]
+        loud = noise(kind, 3 * RATE_HZ, random) * level
+        texts = [each.text for each in bench.of(FileSound(bytes(loud.clip(-32768, 32767).astype("<i2").tobytes())))]
         found += [f"{kind} noise became {text!r}" for text in texts if text in PHRASES]
         count += 1
     print(f"  {len(found)} orders of {count} windows ({time.monotonic() - begun:.0f} s)")

@@ -23,13 +23,13 @@ from benchmarks.bench_stop import EMPTY, PERIOD_S, PICTURE, ROUNDS, loaded, prin
 
 KINDS = {"plain": "plain rclpy", "mission": "a mission", "gate": "the gate"}
 LAYOUTS = {"together": "", "roomy": ", our profile", "apart": ", camera apart"}
-VARIABLE = "FASTRTPS_DEFAULT_PROFILES_FILE"
+VARIABLES = ("FASTRTPS_DEFAULT_PROFILES_FILE", "FASTDDS_DEFAULT_PROFILES_FILE")
 COMMANDS_S, PATIENCE_S = 0.01, 60
 
 
 def other(*words: str) -> subprocess.Popen[bytes]:
     """Another process; it has no profile of Fast DDS but its own."""
-    environment = {name: value for name, value in os.environ.items() if name != VARIABLE}
+    environment = {name: value for name, value in os.environ.items() if name not in VARIABLES}
     return subprocess.Popen(
         [sys.executable, "-W", "ignore", "-m", *words], cwd=Path(__file__).parents[1], env=environment
     )
@@ -66,7 +66,8 @@ def plain_process() -> None:
     from test_msgs.action import Fibonacci
 
     rclpy.init()
-    node, goals = rclpy.create_node("plain"), []  # type: ignore[var-annotated]
+    node = rclpy.create_node("plain")
+    goals: list[Any] = []
     move = ActionClient(node, Fibonacci, "/move")
     move.wait_for_server()
 
@@ -83,9 +84,13 @@ def plain_process() -> None:
         move.send_goal_async(Fibonacci.Goal()).add_done_callback(accepted)
 
     node.create_subscription(Image, "/camera", lambda _message: None, 10)
-    node.create_subscription(
-        Empty, "/stop", lambda _message: (unwanted.set(), goals and goals[-1].cancel_goal_async()), 10
-    )
+
+    def stop(_message: Any) -> None:
+        unwanted.set()
+        if goals:
+            goals[-1].cancel_goal_async()
+
+    node.create_subscription(Empty, "/stop", stop, 10)
     start()
     rclpy.spin(node)
 
@@ -231,9 +236,9 @@ def measured(kind: str, *, is_apart: bool) -> list[float]:
 
 def robot_process(kind: str, layout: str) -> None:
     if layout == "roomy":
-        from rai_missions.connectors.ros2.fastdds import PICTURES
+        from rai_missions.connectors.ros2.fastdds import edition
 
-        os.environ[VARIABLE] = str(PICTURES)
+        os.environ[edition().variable] = str(edition().pictures)
     print_times(f"over ROS 2, {KINDS[kind]}{LAYOUTS[layout]}", measured(kind, is_apart=layout == "apart"))
     os._exit(0)
 
