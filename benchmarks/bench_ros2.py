@@ -19,6 +19,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
+from benchmarks.figures import figure
 from rai_missions.runtime.run_options import RunObserver
 
 ROUNDS, GAP_S, IDLE_S, MISSIONS = 400, 0.004, 5.0, 100
@@ -250,6 +251,9 @@ def print_times(name: str, spent: list[float], floor: list[float] | None = None)
     if floor is not None:
         line += f"{1e3 * (middle - statistics.median(floor)):>+10.3f}{middle / statistics.median(floor):>8.2f}"
     print(line, flush=True)
+    peer = ("plain rclpy", 1e3 * statistics.median(floor)) if floor is not None else None
+    figure(f"ROS 2, wall, median: {name}", 1e3 * middle, "ms", peer=peer)
+    figure(f"ROS 2, wall, p99: {name}", 1e3 * late, "ms")
     return spent
 
 

@@ -116,7 +116,8 @@ def written(own: Measured, base: Measured | None, given: argparse.Namespace, fai
     lines = [
         "# Performance",
         "",
-        f"Written by `{command_of(given)}`: the median of {given.rounds} rounds, and their spread.",
+        f"Written by `{command_of(given)}`.",
+        f"A figure is the median of {given.rounds} rounds, next to their spread.",
         "Times are CPU times unless a name has another word. A ratio compares two values of the same run.",
         "",
         *(f"- {what}: {value}" for what, value in about(given.base).items()),
