@@ -236,6 +236,8 @@ class PythonRobot:
 
 
 def _check_name(what: str, name: Any, taken: Mapping[str, Any] | tuple[()]) -> None:
+    if inspect.isfunction(name):
+        raise UsageError(f"{what}: the decorator takes a name; write @robot.{what}({cut_repr(name.__name__, 60)})")
     if not isinstance(name, str) or not NAME.fullmatch(name):
         raise UsageError(
             f"{what}: {cut_repr(name, 60)} is no name; it begins with a letter and has letters, digits and '_' alone, "

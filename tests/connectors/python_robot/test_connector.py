@@ -405,6 +405,7 @@ def test_an_event_outside_a_run_or_that_no_mission_has_is_dropped_and_reported(
     ("make", "sentence"),
     [
         (lambda r: r.fact("Battery"), "'Battery' is no name"),
+        (lambda r: r.action(test_a_robot_is_in_one_run_at_a_time), "write @robot.action('test_a_robot"),
         (lambda r: (r.service("horn")(lambda q: None), r.service("horn")), "service 'horn' has a function already"),
         (lambda r: r.action("drive")(lambda goal: None), "action 'drive': '<lambda>' is called with (goal, run)"),
         (lambda r: r.fact("x")(lambda a: None), "fact 'x': '<lambda>' is called with ()"),
