@@ -6,6 +6,7 @@ Rule: what goes wrong in the file is the author's to mend and comes with its lin
 
 from __future__ import annotations
 
+import ast
 import hashlib
 import sys
 import traceback
@@ -14,12 +15,14 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
-from rai_missions.errors import DefinitionError, Fault
+from rai_missions.errors import DefinitionError, Fault, suggestion
 from rai_missions.mission.json_reader import file_bytes
 from rai_missions.mission.mission import Mission
 from rai_missions.redaction import shown
 
 __all__ = ("call_offered", "run_file", "run_mission_file")
+
+OURS = "rai_missions"
 
 
 def run_mission_file(file: Path) -> Mission:
@@ -59,7 +62,8 @@ def run_file(file: Path, source: bytes) -> ModuleType:
     except SyntaxError as error:
         raise DefinitionError([Fault("", f"line {error.lineno or 1}: not Python: {error.msg}")], name) from None
     except (Exception, SystemExit) as error:
-        raise _from(error, path, name) from error
+        hint = _place_of_import(error, source) if isinstance(error, ImportError) else ""
+        raise _from(error, path, name, hint) from error
     return module
 
 
@@ -75,7 +79,7 @@ def call_offered(function: Callable[[], Any], file: Path) -> Any:
         raise _from(error, file.resolve(), str(file)) from error
 
 
-def _from(error: BaseException, path: Path, name: str) -> DefinitionError:
+def _from(error: BaseException, path: Path, name: str, hint: str = "") -> DefinitionError:
     """An error raised in the file, with the innermost line of the file that led to it."""
     lines = [frame.lineno for frame in traceback.extract_tb(error.__traceback__) if frame.filename == str(path)]
     where = f"line {lines[-1]}: " if lines else ""
@@ -83,7 +87,24 @@ def _from(error: BaseException, path: Path, name: str) -> DefinitionError:
         inside = f" in {error.source}" if error.source else ""
         return DefinitionError((Fault(fault.place, f"{where}{fault.sentence}{inside}") for fault in error.faults), name)
     text = str(error).strip()
-    return DefinitionError([Fault("", f"{where}{type(error).__name__}" + (f": {text}" if text else ""))], name)
+    return DefinitionError([Fault("", f"{where}{type(error).__name__}" + (f": {text}" if text else "") + hint)], name)
+
+
+def _place_of_import(error: ImportError, source: bytes) -> str:
+    """Of a name that a file imports from a package of ours, which does not have it: where it is, or one like it."""
+    package = sys.modules.get(error.name or "")
+    if package is None or package.__name__.split(".")[0] != OURS:
+        return ""
+    imports = [each for each in ast.walk(ast.parse(source)) if isinstance(each, ast.ImportFrom)]
+    names = [alias.name for each in imports if each.module == package.__name__ for alias in each.names]
+    for name in names:
+        if not hasattr(package, name):
+            homes = [each for each, module in list(sys.modules.items())
+                     if each.split(".")[0] == OURS and name in getattr(module, "__all__", ())]  # fmt: skip
+            if homes:
+                return f"; it is in {min(homes, key=len)}"
+            return suggestion(name, [each for each in dir(package) if not each.startswith("_")])
+    return ""
 
 
 def _refused(sentence: str, file: Path) -> DefinitionError:

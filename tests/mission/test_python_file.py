@@ -82,3 +82,21 @@ def test_a_file_may_define_dataclasses_and_be_called_anything(tmp_path: Path) ->
 
 def test_the_twin_of_the_guides_tractor_equals_its_json() -> None:
     assert load(DATA / "tractor_design.py") == load(DATA / "tractor_design.json")
+
+
+IMPORTS = {
+    "from rai_missions import Mission, Action": "; it is in rai_missions.states",
+    "from rai_missions import (\n    Mision,\n)": "; did you mean 'Mission'?",
+    "from rai_missions.states import Sequence": "; it is in rai_missions.states.tree",
+    "from os import rai_missions": "'os'",
+}
+
+
+@pytest.mark.parametrize("text", IMPORTS)
+def test_a_name_that_a_package_of_ours_lacks_is_reported_with_the_place_where_it_is(tmp_path: Path, text: str) -> None:
+    path = tmp_path / "m.py"
+    path.write_text(text, encoding="utf-8")
+    with pytest.raises(DefinitionError) as caught:
+        load(path)
+    assert "ImportError" in str(caught.value) and IMPORTS[text] in str(caught.value)
+    assert ("; " in str(caught.value)) == IMPORTS[text].startswith("; ")
