@@ -28,7 +28,7 @@ from rai_missions.connectors.local import LocalConnector
 from rai_missions.runtime.clock import SimulatedClock
 from rai_missions.runtime.runner import Runner
 from rai_missions.testing import call
-from rai_missions.tools import Allowed, Toolbox
+from rai_missions.tools import Allowlist, Toolbox
 from tests.drills.yard import Yard, yard_mission, yard_robot
 
 SEEDS, LONGEST_S = 20, 5.0
@@ -244,7 +244,7 @@ def react(script: Script, seed: int) -> Seen:
         from langgraph.prebuilt import create_react_agent
 
         connector, yard = yard_of(seed)
-        box = Toolbox(connector, Allowed(write=("/yard/*",)), now=lambda: yard.at)
+        box = Toolbox(connector, Allowlist(write=("/yard/*",)), now=lambda: yard.at)
         model = Scripted(script, seed)
         loop = create_react_agent(model, list(box.tools), prompt=GOAL)
     replies: list[str] = []
@@ -284,7 +284,7 @@ def goes_alone(yard: Yard) -> None:
 
 def ours(script: Script, seed: int) -> Seen:
     connector, yard = yard_of(seed)
-    box = Toolbox(connector, Allowed(), now=lambda: yard.at)
+    box = Toolbox(connector, Allowlist(), now=lambda: yard.at)
     model = Scripted(script, seed)
     agent = DecisionAgent(model, None, box.read_only)
     runner = Runner(

@@ -113,13 +113,13 @@ class FieldUse(NamedTuple):
 
 
 @dataclass(frozen=True, slots=True)
-class _Listed:
+class _ListHint:
     item: Any
     one_or_many: bool = False
 
 
 @dataclass(frozen=True, slots=True)
-class _Worded:
+class _MapHint:
     word: Any
     item: Any
 
@@ -139,8 +139,8 @@ def _fields_of(kind: Any) -> tuple[FieldUse, ...]:
     for name, field in kind.model_fields.items():
         marked = [each for each in field.metadata if isinstance(each, Refers)]
         hint = marked[0] if marked else _hint(field.annotation)
-        if isinstance(hint, _Listed):
-            hint = _Listed(hint.item, any(isinstance(each, OneOrMany) for each in field.metadata))
+        if isinstance(hint, _ListHint):
+            hint = _ListHint(hint.item, any(isinstance(each, OneOrMany) for each in field.metadata))
         if hint is not None:
             uses.append(FieldUse(name, field.alias or name, hint))
     return tuple(uses)
@@ -166,9 +166,9 @@ def _holding_fields(kind: Any) -> tuple[FieldUse, ...]:
 
 def _parts(hint: Any) -> Iterator[Any]:
     """What the values of a hint are made of: each a `Refers`, `HELD`, or None."""
-    if isinstance(hint, _Worded):
+    if isinstance(hint, _MapHint):
         yield from (*_parts(hint.word), *_parts(hint.item))
-    elif isinstance(hint, _Listed):
+    elif isinstance(hint, _ListHint):
         yield from _parts(hint.item)
     else:
         yield hint
@@ -183,10 +183,10 @@ def _hint(annotation: Any) -> Any:
         return next((hint for each in given if (hint := _hint(each)) is not None), None)
     if origin is tuple:
         item = _hint(given[0])
-        return None if item is None else _Listed(item)
+        return None if item is None else _ListHint(item)
     if origin is dict:
         word, item = map(_hint, given)
-        return None if word is None and item is None else _Worded(word, item)
+        return None if word is None and item is None else _MapHint(word, item)
     return HELD if hasattr(annotation, "model_fields") else None
 
 
@@ -221,11 +221,11 @@ def _find(given: Any, hint: Any, place: str, into: list[Reference]) -> None:
             into.append(Reference(hint, given, place))
         elif (word := reference_word(given, OPERAND_WORDS)) is not None:
             into.append(Reference(PATH, given[word], f"{place}/{word}"))
-    elif isinstance(hint, _Listed):
+    elif isinstance(hint, _ListHint):
         bare = hint.one_or_many and len(given) == 1
         for index, item in enumerate(given):
             _find(item, hint.item, place if bare else f"{place}/{index}", into)
-    elif isinstance(hint, _Worded):
+    elif isinstance(hint, _MapHint):
         for word, item in given.items():
             here = f"{place}/{escaped(word)}"
             _find(word, hint.word, here, into)
@@ -267,10 +267,10 @@ def inside(thing: Any, place: str = "") -> Iterator[tuple[str, Any]]:
 def _gather(given: Any, hint: Any, place: str, into: list[tuple[str, Any]]) -> None:
     if hint is HELD:
         into.append((place, given))
-    elif isinstance(hint, _Listed):
+    elif isinstance(hint, _ListHint):
         for index, item in enumerate(given):
             _gather(item, hint.item, f"{place}/{index}", into)
-    elif isinstance(hint, _Worded):
+    elif isinstance(hint, _MapHint):
         for word, item in given.items():
             _gather(item, hint.item, f"{place}/{escaped(word)}", into)
 
@@ -287,9 +287,9 @@ def rewritten(given: Any, hint: Any, change: Callable[[Sort, Any], Any]) -> Any:
         return None
     if isinstance(hint, Refers):
         return _referring(given, hint.sort, change)
-    if isinstance(hint, _Listed):
+    if isinstance(hint, _ListHint):
         return tuple(rewritten(item, hint.item, change) for item in given)
-    if isinstance(hint, _Worded):
+    if isinstance(hint, _MapHint):
         return {rewritten(word, hint.word, change): rewritten(item, hint.item, change) for word, item in given.items()}
     if hint is None:
         return given

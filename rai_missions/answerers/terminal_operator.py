@@ -14,7 +14,7 @@ from collections.abc import Callable, Mapping
 from functools import partial
 from typing import IO, Any, TextIO
 
-from rai_missions.answerers.model.pending import Pending
+from rai_missions.answerers.model.pending import PendingQuestion
 from rai_missions.answerers.question_text import Blank, blanks, chosen, question_lines
 from rai_missions.answerers.terminal_input import LineReader, in_foreground
 from rai_missions.connectors.worker import Worker
@@ -38,7 +38,7 @@ class OperatorAgent:
 
     def __init__(self, source: IO[Any] | None = None, sink: TextIO | None = None) -> None:
         self._source, self._sink = source, sink
-        self._open: dict[int, Pending] = {}
+        self._open: dict[int, PendingQuestion] = {}
         self._lock = threading.Lock()
         self._desk: tuple[LineReader, Worker] | None = None
         """What reads the terminal, and the thread that it does so on."""
@@ -58,7 +58,7 @@ class OperatorAgent:
 
     def ask(self, question: Question, answer: Callable[[Mapping[str, Any]], None]) -> None:
         """Put a question behind those that are open."""
-        pending = Pending(question, answer)
+        pending = PendingQuestion(question, answer)
         fd = self._terminal()
         if fd is None:
             pending.reply({"absent": "no terminal"})
@@ -87,13 +87,13 @@ class OperatorAgent:
         except (AttributeError, OSError, ValueError):  # no stream, none with a descriptor, or a closed one
             return None
 
-    def _serve(self, pending: Pending, reader: LineReader) -> None:
+    def _serve(self, pending: PendingQuestion, reader: LineReader) -> None:
         reply = self._reply(pending, reader) if pending.open else None
         if reply is not None:
             pending.reply(reply)
         self.withdraw(pending.question.number)
 
-    def _reply(self, pending: Pending, reader: LineReader) -> dict[str, Any] | None:
+    def _reply(self, pending: PendingQuestion, reader: LineReader) -> dict[str, Any] | None:
         """What the person answers; None where no one waits for it any more."""
         try:
             return self._asked(pending, reader)
@@ -106,7 +106,7 @@ class OperatorAgent:
         except Exception as error:  # noqa: BLE001 - the screen is gone, or a schema is stranger than we can show
             return {"absent": f"the question could not be shown: {cut(error, 250)}"}
 
-    def _asked(self, pending: Pending, reader: LineReader) -> dict[str, Any]:
+    def _asked(self, pending: PendingQuestion, reader: LineReader) -> dict[str, Any]:
         question = pending.question
         reader.forget()
         self._write("\n".join(("", *question_lines(question, pending.left_s), "")))
@@ -116,7 +116,7 @@ class OperatorAgent:
             self._fill(blank, parameters, pending, reader)
         return {"option": offer.name, "parameters": parameters, "why": "the operator chose it"}
 
-    def _choice(self, question: Question, pending: Pending, reader: LineReader) -> Offer:
+    def _choice(self, question: Question, pending: PendingQuestion, reader: LineReader) -> Offer:
         count = len(question.options)
         while True:
             typed = self._typed("Number or name (Ctrl-D to pass): ", pending, reader)
@@ -125,7 +125,7 @@ class OperatorAgent:
                 return offer
             self._write(f"That is none of them; type a number from 1 to {count}, or a name.\n")
 
-    def _fill(self, blank: Blank, parameters: dict[str, Any], pending: Pending, reader: LineReader) -> None:
+    def _fill(self, blank: Blank, parameters: dict[str, Any], pending: PendingQuestion, reader: LineReader) -> None:
         while True:
             try:
                 parameters[blank.name] = blank.value(self._typed(blank.prompt(), pending, reader))
@@ -136,7 +136,7 @@ class OperatorAgent:
             else:
                 return
 
-    def _typed(self, prompt: str, pending: Pending, reader: LineReader) -> str:
+    def _typed(self, prompt: str, pending: PendingQuestion, reader: LineReader) -> str:
         """The next line; a wake that was meant for another question is slept over."""
         self._write(prompt)
         while pending.open and pending.left_s > 0:

@@ -15,7 +15,7 @@ from typing import NamedTuple
 
 from rai_missions.campaign.budget import CallPace
 from rai_missions.campaign.cells import Cell, ordered
-from rai_missions.campaign.embodiments import Embodied
+from rai_missions.campaign.embodiments import RobotView
 from rai_missions.campaign.file import CampaignFile, PriceEntry
 from rai_missions.campaign.models import CampaignModels, CellReply, is_chat, provider_of
 from rai_missions.campaign.questions import AskedScene
@@ -24,7 +24,7 @@ from rai_missions.engine.decision import Evidence, Question, Verdict
 from rai_missions.event import Event
 from rai_missions.redaction import cut
 
-__all__ = ("Asking", "question_record", "shown_question")
+__all__ = ("AskSettings", "question_record", "shown_question")
 
 MILLION = 1_000_000
 LONGEST = 20_000
@@ -32,7 +32,7 @@ LONGEST = 20_000
 FREE = PriceEntry()
 
 
-def shown_question(question: Question, body: Embodied, order: str) -> Question:
+def shown_question(question: Question, body: RobotView, order: str) -> Question:
     """A question with its options in an order, and with what the documents of an embodiment state on it."""
     names = ordered([each.name for each in question.options], order)
     offers = {each.name: each for each in question.options}
@@ -42,7 +42,7 @@ def shown_question(question: Question, body: Embodied, order: str) -> Question:
     ).apart()  # fmt: skip
 
 
-def question_record(asked: AskedScene, embodiment: str, body: Embodied) -> QuestionRecord:
+def question_record(asked: AskedScene, embodiment: str, body: RobotView) -> QuestionRecord:
     """What a model is asked in a scene under an embodiment, for the report."""
     from rai_missions.answerers.model.prompt import messages_of
 
@@ -56,14 +56,14 @@ def question_record(asked: AskedScene, embodiment: str, body: Embodied) -> Quest
     )  # fmt: skip
 
 
-class Asking(NamedTuple):
+class AskSettings(NamedTuple):
     """How cells are asked in a worker."""
 
     file: CampaignFile
     models: CampaignModels
     paces: Mapping[str, CallPace]
     """Provider → how fast this worker may ask it."""
-    bodies: Mapping[str, Embodied]
+    bodies: Mapping[str, RobotView]
     """Embodiment → what it shows."""
     is_over: threading.Event
     """Set when no further call may be begun."""

@@ -14,13 +14,13 @@ from rai_missions.embodiment import Identity
 from rai_missions.errors import UsageError, suggestion
 from rai_missions.redaction import shown
 
-__all__ = ("EMBODIMENTS", "Embodied", "embodied")
+__all__ = ("EMBODIMENTS", "RobotView", "embodied")
 
 EMBODIMENTS = ("none", "description", "documents", "pictures")
 """Nothing; who it is; what its build and its documents state on the question; its picture and the camera's as well."""
 
 
-class Embodied(NamedTuple):
+class RobotView(NamedTuple):
     """A robot as a question shows it."""
 
     identity: Identity | None = None
@@ -31,7 +31,7 @@ class Embodied(NamedTuple):
     """Whether the pictures of the question are shown."""
 
 
-def embodied(name: str, identity_folder: Path | None, about: str = "") -> Embodied:
+def embodied(name: str, identity_folder: Path | None, about: str = "") -> RobotView:
     """The embodiment of that name.
 
     Args:
@@ -46,14 +46,14 @@ def embodied(name: str, identity_folder: Path | None, about: str = "") -> Embodi
     if name not in EMBODIMENTS:
         raise UsageError(f"no embodiment {shown(name)}{suggestion(name, EMBODIMENTS)}")
     if name == "none":
-        return Embodied()
+        return RobotView()
     if identity_folder is None:
         raise UsageError(f"the embodiment '{name}' shows the robot's identity, and its profile names none")
     identity = Identity.read(identity_folder)
     if name == "description":
-        return Embodied(replace(identity, images=(), body=None))
+        return RobotView(replace(identity, images=(), body=None))
     passages = identity.recall(about).passages if about else ()
     quotes = tuple(f"{each.source}: {each.text}" for each in passages)
     if name == "documents":
-        return Embodied(replace(identity, images=()), quotes)
-    return Embodied(identity, quotes, pictures=True)
+        return RobotView(replace(identity, images=()), quotes)
+    return RobotView(identity, quotes, pictures=True)

@@ -27,8 +27,8 @@ if TYPE_CHECKING:
     from rai_missions.answerers.model.chat import Abilities, Chat, Conversation
     from rai_missions.answerers.model.output_modes import AnswerForm, Mode
     from rai_missions.answerers.model.parse_reply import ModelReply
-    from rai_missions.answerers.model.pending import Pending
-    from rai_missions.campaign.embodiments import Embodied
+    from rai_missions.answerers.model.pending import PendingQuestion
+    from rai_missions.campaign.embodiments import RobotView
     from rai_missions.keys import Key
 
 __all__ = ("CampaignModels", "CellReply", "is_chat", "model_digest", "provider_of")
@@ -109,7 +109,7 @@ class CampaignModels:
 
     def ask(
         self, model: str, question: Question, view: View, *, scene: SceneRecord, labels: Mapping[str, str],
-        embodiment: tuple[str, Embodied],
+        embodiment: tuple[str, RobotView],
     ) -> CellReply:  # fmt: skip
         """Put a question to a model and wait for the answer.
 
@@ -150,7 +150,7 @@ class CampaignModels:
         line: Any = script.get(scene.kind, script.get(ANY_KIND, {"absent": f"no line for '{scene.kind}'"}))
         return ScriptAnswerer({question.state: [line]})
 
-    def _agent(self, model: str, embodiment: tuple[str, Embodied]) -> tuple[WatchedChat, DecisionAgent]:
+    def _agent(self, model: str, embodiment: tuple[str, RobotView]) -> tuple[WatchedChat, DecisionAgent]:
         from rai_missions.answerers.model.agent import DecisionAgent
 
         name, body = embodiment
@@ -216,22 +216,22 @@ class WatchedChat:
     def close(self) -> None:
         self._chat.close()
 
-    def abilities(self, pending: Pending) -> Abilities:
+    def abilities(self, pending: PendingQuestion) -> Abilities:
         return self.noting(lambda: self._chat.abilities(pending))
 
-    def converse(self, mode: Mode, form: AnswerForm, pending: Pending) -> Conversation:
+    def converse(self, mode: Mode, form: AnswerForm, pending: PendingQuestion) -> Conversation:
         return WatchedConversation(self, self.noting(lambda: self._chat.converse(mode, form, pending)))
 
     def noting(self, do: Callable[[], T]) -> T:
         """Do something, and note the type of what it raises, where the model was not asked because of it."""
-        from rai_missions.answerers.model.chat import Absent, Ended, Raised
+        from rai_missions.answerers.model.chat import Absent, ModelExit, ModelFault
 
         try:
             return do()
-        except Raised as raised:
+        except ModelFault as raised:
             self.raised = raised.kind
             raise
-        except (Absent, Ended) as gone:
+        except (Absent, ModelExit) as gone:
             self.raised = type(gone).__name__
             raise
 

@@ -13,7 +13,7 @@ from contextlib import ExitStack
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from rai_missions.campaign.asking import Asking, question_record
+from rai_missions.campaign.asking import AskSettings, question_record
 from rai_missions.campaign.budget import CallPace
 from rai_missions.campaign.cells import Cell
 from rai_missions.campaign.embodiments import embodied
@@ -84,7 +84,7 @@ class Workplace:
         bodies = {name: embodied(name, subject.identity, subject.text) for name in file.embodiments}
         paces = {name: CallPace(rate, settings.workers) for name, rate in file.rates.items()}
         recorded = _recorded(Path(settings.recorded)).get if settings.recorded else None
-        self._asking = Asking(file, models, paces, bodies, self.is_over, recorded)
+        self._asking = AskSettings(file, models, paces, bodies, self.is_over, recorded)
 
     def __enter__(self) -> Workplace:
         return self

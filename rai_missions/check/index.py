@@ -23,7 +23,7 @@ from rai_missions.states.effects import Effect
 from rai_missions.states.tree import TreeNode
 
 __all__ = (
-    "EffectUse", "GuardUse", "KeyWrite", "MissionIndex", "Read", "RobotUse", "Scope", "StateRef", "TransitionRef",
+    "EffectUse", "GuardUse", "KeyWrite", "MissionIndex", "PathUse", "RobotUse", "Scope", "StateRef", "TransitionRef",
 )  # fmt: skip
 
 
@@ -75,7 +75,7 @@ class Scope(NamedTuple):
     """A `timeout` of the tree around it bounds it."""
 
 
-class Read(NamedTuple):
+class PathUse(NamedTuple):
     """A path that something looks at."""
 
     path: str
@@ -141,7 +141,7 @@ class MissionIndex:
         self.parts: list[tuple[str, Guard, GuardUse]] = []
         """Every guard and all inside it: its place, itself, and the whole."""
         self.effects: list[EffectUse] = []
-        self.reads: list[Read] = []
+        self.reads: list[PathUse] = []
         self.writes: list[KeyWrite] = []
         self.uses: list[RobotUse] = []
         self.nodes: list[tuple[TreeNode, str]] = []
@@ -201,7 +201,7 @@ class MissionIndex:
     def _refer(self, thing: MissionModel, place: str, scope: Scope) -> None:
         for refers, name, here in thing.references(place):
             if refers.sort == "path":
-                self.reads.append(Read(name, here, scope))
+                self.reads.append(PathUse(name, here, scope))
             elif refers.sort == "state":
                 self.state_names.append((here, name))
             elif refers.sort in INTERFACES:

@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import NamedTuple
 
-from rai_missions.check.index import MissionIndex, Read, Scope
+from rai_missions.check.index import MissionIndex, PathUse, Scope
 from rai_missions.check.name_table import Lexicon
 from rai_missions.keys import Key
 from rai_missions.states import Option
@@ -35,7 +35,7 @@ def key_of(survey: MissionIndex, path: str) -> str | None:
     return survey.keys.meant(root)
 
 
-def meaning(survey: MissionIndex, read: Read) -> Meaning:
+def meaning(survey: MissionIndex, read: PathUse) -> Meaning:
     """What a path means where it is."""
     root, *fields = read.path.split(".")
     key = survey.mission.blackboard.get(root)

@@ -28,7 +28,7 @@ def overlapping_transitions(survey: MissionIndex) -> Found:
         transitions = [*group]
         if len(transitions) == 1:
             continue
-        earlier, leaving = Earlier(survey.mission.events), Leaving()
+        earlier, leaving = Earlier(survey.mission.events), TimedExits()
         for transition in transitions:
             when = transition.definition.when
             guard, after_s, words = form(when), transition.definition.after_s, _triggers(transition)
@@ -94,7 +94,7 @@ def _near(one: Sequence[GuardedTransition], other: Sequence[GuardedTransition]) 
         yield one[index] if index < len(one) else other[index - len(one)]
 
 
-class Leaving:
+class TimedExits:
     """The transitions that leave a state at some time, whatever is known.
 
     Kept are the times at which a transition leaves that comes before all those that leave sooner: the sooner, the later

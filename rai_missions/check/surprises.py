@@ -51,7 +51,7 @@ def rival_actions(survey: MissionIndex) -> Found:
     """Of two actions in regions of one parallel, one handles `rejected`: they may need the same of the robot."""
     used = ((use, use.scope.owner) for use in survey.uses if use.sort == "action")
     places = {spot: use.named_at for use, spot in used if spot is not None and use.user is spot.state}
-    acting = Acting(survey, sorted(places, key=lambda spot: spot.index))
+    acting = ActionStates(survey, sorted(places, key=lambda spot: spot.index))
     for spot in acting.spots:
         rivals = acting.rivals(spot)
         first = next((acting.spots[start] for start, end in rivals if start < end), None)
@@ -65,7 +65,7 @@ def rival_actions(survey: MissionIndex) -> Found:
         )
 
 
-class Acting:
+class ActionStates:
     """The states with an action, in document order, and which of them may run next to one.
 
     Args:

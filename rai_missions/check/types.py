@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from rai_missions.check.index import KeyWrite, MissionIndex, Read, Scope
+from rai_missions.check.index import KeyWrite, MissionIndex, PathUse, Scope
 from rai_missions.check.paths import meaning
 from rai_missions.guards.compare import NUMBERS, comparable
 from rai_missions.keys import Key, type_error
@@ -19,10 +19,10 @@ Found = Iterator[tuple[str, str]]
 
 
 def _kind(survey: MissionIndex, path: str, scope: Scope) -> str | None:
-    return meaning(survey, Read(path, "", scope)).kind
+    return meaning(survey, PathUse(path, "", scope)).kind
 
 
-class _Declared:
+class _DeclaredTypes:
     """What is declared where a guard is."""
 
     def __init__(self, survey: MissionIndex, scope: Scope) -> None:
@@ -40,14 +40,14 @@ def mismatched_comparisons(survey: MissionIndex) -> Found:
     """A comparison is between values of one type, and `<` between numbers or strings."""
     for place, part, ruled in survey.parts:
         if part.word != "near":
-            yield from ((place + inner, why) for inner, why in part.type_faults(_Declared(survey, ruled.scope)))
+            yield from ((place + inner, why) for inner, why in part.type_faults(_DeclaredTypes(survey, ruled.scope)))
 
 
 def mismatched_poses(survey: MissionIndex) -> Found:
     """`near` measures between two poses that are given in one frame."""
     for place, part, ruled in survey.parts:
         if part.word == "near":
-            yield from ((place + inner, why) for inner, why in part.type_faults(_Declared(survey, ruled.scope)))
+            yield from ((place + inner, why) for inner, why in part.type_faults(_DeclaredTypes(survey, ruled.scope)))
 
 
 def mismatched_lists(survey: MissionIndex) -> Found:

@@ -21,7 +21,7 @@ __all__ = ("WaysOut",)
 Lead = tuple[TransitionRef, StateRef | None]
 
 
-class Freeing:
+class FreeTransitions:
     """The transitions of one owner that can fire while nothing runs, and lead somewhere.
 
     Args:
@@ -77,7 +77,7 @@ class WaysOut:
 
     def __init__(self, survey: MissionIndex) -> None:
         self._survey = survey
-        self._known: dict[tuple[StateRef | None, bool], Freeing] = {}
+        self._known: dict[tuple[StateRef | None, bool], FreeTransitions] = {}
         self._hopeful: dict[bool, list[tuple[TransitionRef, StateRef | None]]] = {}
 
     def here(self, spot: StateRef) -> bool:
@@ -113,11 +113,11 @@ class WaysOut:
             self._hopeful[in_parallel] = found
         return any(only is not spot for _, only in self._hopeful[in_parallel])
 
-    def _freeing(self, owner: StateRef | None, in_parallel: bool) -> Freeing:
+    def _freeing(self, owner: StateRef | None, in_parallel: bool) -> FreeTransitions:
         key = (owner, in_parallel)
         if key not in self._known:
             transitions = owner.transitions if owner is not None else _own_transitions(self._survey)
-            self._known[key] = Freeing(self._survey, owner, transitions, in_parallel=in_parallel)
+            self._known[key] = FreeTransitions(self._survey, owner, transitions, in_parallel=in_parallel)
         return self._known[key]
 
 

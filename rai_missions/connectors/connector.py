@@ -19,12 +19,12 @@ __all__ = (
     "HostsActions",
     "Message",
     "Mode",
-    "Parametrized",
     "RawMessage",
     "Reply",
     "Report",
     "SupportsAdoption",
     "SupportsDiscoveryCount",
+    "SupportsParameters",
     "SupportsPreconnect",
     "SupportsRawMessages",
     "Surveyor",
@@ -158,7 +158,7 @@ class SupportsAdoption(Protocol):
 
 
 @runtime_checkable
-class Parametrized(Protocol):
+class SupportsParameters(Protocol):
     """A connector whose node can be given parameters by who starts the process."""
 
     def parameters(self) -> Mapping[str, Any]:

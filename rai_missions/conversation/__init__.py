@@ -10,13 +10,12 @@ from rai_missions.conversation.dialogue import Dialogue
 from rai_missions.conversation.inputs import ModelText, OrderEnd, SpeechEnd, Utterance
 from rai_missions.conversation.outputs import AskModel, DropModel, Order, Output, Silence, Speech, TalkNote, TalkTurn
 from rai_missions.conversation.settings import Settings, permissions
-from rai_missions.conversation.view import Happening, KeyView, MissionView, ProgressView, StatusView
+from rai_missions.conversation.view import KeyView, MissionView, ProgressView, RunEvent, StatusView
 
 __all__ = (
     "AskModel",
     "Dialogue",
     "DropModel",
-    "Happening",
     "KeyView",
     "MissionView",
     "ModelText",
@@ -24,6 +23,7 @@ __all__ = (
     "OrderEnd",
     "Output",
     "ProgressView",
+    "RunEvent",
     "Settings",
     "Silence",
     "Speech",

@@ -80,7 +80,7 @@ class Claims:
         for rules in self._every:
             theirs = rules.words(text)
             if rules is self._own or rules.share(theirs) >= max(share, LEAST_SHARE):
-                kind = _Judged(rules, text, names).kind
+                kind = _JudgedSentence(rules, text, names).kind
                 if kind:
                     return kind
         return self._unknown(words, share)
@@ -105,7 +105,7 @@ def _names(view: StatusView) -> frozenset[str]:
     return frozenset([*own, *keys, *(word for word in view.robot.lower().partition(",")[0].split() if word)])
 
 
-class _Judged:
+class _JudgedSentence:
     """One sentence, judged by the words of one language."""
 
     def __init__(self, rules: ClaimWords, text: str, names: frozenset[str]) -> None:

@@ -14,7 +14,7 @@ from rai_missions.conversation.inputs import ModelText, OrderEnd, SpeechEnd, Utt
 from rai_missions.conversation.outputs import AskModel, DropModel, Order, Output, Silence, Speech, TalkNote
 from rai_missions.conversation.settings import Settings, permissions
 from rai_missions.conversation.start_phrases import StartPhrase
-from rai_missions.conversation.view import Happening, KeyView, MissionView, ProgressView, StatusView
+from rai_missions.conversation.view import KeyView, MissionView, ProgressView, RunEvent, StatusView
 from rai_missions.engine.decision import Offer, Question
 from rai_missions.errors import UsageError, suggestion
 
@@ -61,7 +61,7 @@ def view_from(data: Mapping[str, Any], before: StatusView = StatusView()) -> Sta
     if "progress" in data:
         fields["progress"] = tuple(ProgressView(**each) for each in data["progress"])
     if "happened" in data:
-        fields["happened"] = tuple(Happening(**each) for each in data["happened"])
+        fields["happened"] = tuple(RunEvent(**each) for each in data["happened"])
     if data.get("question") is not None:
         fields["question"] = _question(data["question"])
         fields["confirm"] = frozenset(data["question"].get("confirm", ()))

@@ -14,7 +14,7 @@ from rai_missions.conversation.model_side import ModelSide
 from rai_missions.conversation.order_side import OrderSide
 from rai_missions.conversation.outputs import Output, TalkTurn
 from rai_missions.conversation.settings import Settings
-from rai_missions.conversation.speaking import Speaking
+from rai_missions.conversation.speaking import SpeechSide
 from rai_missions.conversation.talk import Talk
 from rai_missions.conversation.view import StatusView
 
@@ -36,7 +36,7 @@ class Dialogue:
 
     def __init__(self, settings: Settings = SETTINGS, view: StatusView = NO_RUN) -> None:
         self._talk = Talk(settings, view)
-        self._speaking = Speaking(self._talk)
+        self._speaking = SpeechSide(self._talk)
         self._orders = OrderSide(self._talk, self._speaking)
         self._models = ModelSide(self._talk, self._speaking, self._orders)
 

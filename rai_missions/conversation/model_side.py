@@ -13,7 +13,7 @@ from rai_missions.conversation.model_turns import ModelTurn, ModelTurns, Waiting
 from rai_missions.conversation.order_side import OrderSide
 from rai_missions.conversation.outputs import AskModel, DropModel
 from rai_missions.conversation.sentences import SentenceStream
-from rai_missions.conversation.speaking import Speaking
+from rai_missions.conversation.speaking import SpeechSide
 from rai_missions.conversation.talk import Talk
 from rai_missions.plain_data import plain
 from rai_missions.redaction import cut
@@ -32,7 +32,7 @@ class ModelSide:
         orders: Where an order that a model proposes is judged.
     """
 
-    def __init__(self, talk: Talk, speaking: Speaking, orders: OrderSide) -> None:
+    def __init__(self, talk: Talk, speaking: SpeechSide, orders: OrderSide) -> None:
         self._talk, self._speaking, self._orders = talk, speaking, orders
         self._turns = ModelTurns(talk.settings)
         self._claims = Claims(talk.settings.language)

@@ -28,7 +28,7 @@ from rai_missions.conversation.named import option_place
 from rai_missions.conversation.outputs import Mapper, Order
 from rai_missions.conversation.senses import Sense
 from rai_missions.conversation.settings import ORDERS
-from rai_missions.conversation.speaking import Speaking
+from rai_missions.conversation.speaking import SpeechSide
 from rai_missions.conversation.start_phrases import StartPhrases
 from rai_missions.conversation.state_answers import Asker, is_alive
 from rai_missions.conversation.talk import Talk
@@ -46,7 +46,7 @@ STARTING_S = 30.0
 LONGEST_REASON = 200
 
 
-class Judged(NamedTuple):
+class JudgedOrder(NamedTuple):
     """An order that may count, and where it comes from."""
 
     sense: Sense
@@ -67,14 +67,14 @@ class OrderSide:
         speaking: Where texts go out.
     """
 
-    def __init__(self, talk: Talk, speaking: Speaking) -> None:
+    def __init__(self, talk: Talk, speaking: SpeechSide) -> None:
         self._talk, self._speaking = talk, speaking
         phrases = StartPhrases(talk.settings.phrases, talk.settings.names, talk.language)
         self._grammar = Grammar(talk.language, phrases)
         self._count = 0
         self._pending: Confirmable | None = None
-        self._requests: deque[Judged] = deque()
-        self._under_way: dict[int, Judged] = {}
+        self._requests: deque[JudgedOrder] = deque()
+        self._under_way: dict[int, JudgedOrder] = {}
         self._ordered: dict[tuple[str, str], deque[str]] = defaultdict(lambda: deque(maxlen=REMEMBERED))
         self._ended_run: str | None = talk.view.run if talk.view.mode and not is_alive(talk.view) else None
         self._starting_until = float("-inf")
@@ -181,7 +181,7 @@ class OrderSide:
             self._refuse_permission("stop", utterance, number)
             return "handled"
         language, view = self._talk.language, self._talk.view
-        self._put(Judged(STOP, utterance, number, "grammar", language.text("order_stop")))
+        self._put(JudgedOrder(STOP, utterance, number, "grammar", language.text("order_stop")))
         self._speaking.silence(is_total=True)
         if self._pending is not None:
             self._void("stop")
@@ -209,7 +209,7 @@ class OrderSide:
             self._refuse_permission(sense.name, utterance, number)
             return
         words = order_words(sense, view, language)
-        judged = Judged(sense, utterance, number, mapper, words)
+        judged = JudgedOrder(sense, utterance, number, mapper, words)
         self._talk.note("mapped", number=number, order=_data(sense), mapper=mapper)
         if self._is_impossible(judged):
             return
@@ -225,7 +225,7 @@ class OrderSide:
         is_starting = sense.name == "start" and self._talk.now < self._starting_until
         return is_starting or is_request(sense, self._talk.view)
 
-    def _is_impossible(self, judged: Judged) -> bool:
+    def _is_impossible(self, judged: JudgedOrder) -> bool:
         """Whether the order is refused, because it is not possible now; the person is informed."""
         sense, settings = judged.sense, self._talk.settings
         if self._is_request(sense):
@@ -239,11 +239,11 @@ class OrderSide:
             self._refuse(judged, "not_now", why=why.rstrip("."))
         return bool(why)
 
-    def _refuse(self, judged: Judged, form: str, **values: object) -> None:
+    def _refuse(self, judged: JudgedOrder, form: str, **values: object) -> None:
         self._talk.note("refused", number=judged.number, order=judged.sense.name, by=form)
         self._speaking.reply(form, judged.utterance, judged.number, **values)
 
-    def _settle(self, judged: Judged) -> None:
+    def _settle(self, judged: JudgedOrder) -> None:
         """The order counts: it is given out, or waits for the end of the mission."""
         if self._is_request(judged.sense):
             self._requests.append(judged)
@@ -258,7 +258,7 @@ class OrderSide:
         values = {"mission": spoken(sense.mission), "option": spoken(sense.option)}
         self._speaking.reply(f"done_{sense.name}", judged.utterance, judged.number, **values)
 
-    def _put(self, judged: Judged) -> None:
+    def _put(self, judged: JudgedOrder) -> None:
         """Give the order out."""
         self._count += 1
         sense, utterance, question = judged.sense, judged.utterance, self._talk.view.question
@@ -285,7 +285,7 @@ class OrderSide:
 
     # -- confirmations -------------------------------------------------------------------------------------------------
 
-    def _read_back(self, judged: Judged) -> None:
+    def _read_back(self, judged: JudgedOrder) -> None:
         if self._pending is not None:
             self._void("replaced")
         rests_on = binding(judged.sense, self._talk.view)
@@ -341,7 +341,7 @@ class OrderSide:
         self._pending = None
         self._talk.note("confirmed", number=number, order=_data(pending.sense), sentence=cut(utterance.text, 2_000))
         confirmed = cut(utterance.text, 2_000)
-        judged = Judged(pending.sense, pending.utterance, number, pending.mapper, pending.words, confirmed)
+        judged = JudgedOrder(pending.sense, pending.utterance, number, pending.mapper, pending.words, confirmed)
         if not self._is_impossible(judged):
             self._settle(judged)
 

@@ -10,17 +10,17 @@ from rai_missions.conversation.outputs import NoteKind, Priority, Silence, Speec
 from rai_missions.conversation.reports import MissionReport, Reports
 from rai_missions.conversation.talk import Talk
 
-__all__ = ("Speaking",)
+__all__ = ("SpeechSide",)
 
 
-class Outstanding(NamedTuple):
+class OutstandingSpeech(NamedTuple):
     """A speech whose end has not been reported."""
 
     speech: Speech
     until: float
 
 
-class Speaking:
+class SpeechSide:
     """Gives out speech and reports, and follows what becomes of them.
 
     Args:
@@ -30,7 +30,7 @@ class Speaking:
     def __init__(self, talk: Talk) -> None:
         self._talk = talk
         self._keys = 0
-        self._open: dict[str, Outstanding] = {}
+        self._open: dict[str, OutstandingSpeech] = {}
         self.reports = Reports(talk.language, talk.settings.results)
 
     def reply(self, name: str, to: Utterance, number: int = 0, /, **values: object) -> Speech:
@@ -46,7 +46,7 @@ class Speaking:
         speech = Speech(f"s{self._keys}", text, priority, way, to=to, reply_to=reply_to)
         if report is not None:
             speech = speech._replace(report=report.identity, uncut=report.uncut, repeated=report.repeated)
-        self._open[speech.key] = Outstanding(speech, self._talk.now + self._talk.settings.speech_s)
+        self._open[speech.key] = OutstandingSpeech(speech, self._talk.now + self._talk.settings.speech_s)
         self._talk.add_robot(speech)
         self._talk.put(speech)
         return speech

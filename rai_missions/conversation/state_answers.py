@@ -13,7 +13,7 @@ from rai_missions.conversation.language import Language, spoken
 from rai_missions.conversation.named import unit_of
 from rai_missions.conversation.senses import Sense
 from rai_missions.conversation.values import about_words, duration, key_sentence, value_words
-from rai_missions.conversation.view import Happening, StatusView
+from rai_missions.conversation.view import RunEvent, StatusView
 from rai_missions.engine.decision import Question
 from rai_missions.engine.modes import ALIVE
 
@@ -228,7 +228,7 @@ class StateAnswers:
         )
         return f"{text} {self._ended(view)}" if view.mode and not is_alive(view) else text
 
-    def _line(self, happening: Happening, view: StatusView) -> str:
+    def _line(self, happening: RunEvent, view: StatusView) -> str:
         template: str = self.language.data["happenings"][happening.kind]
         table = {"control": "holders", "ended": "modes"}.get(happening.kind)
         name = self.language.word(table, happening.name) if table else spoken(happening.name)

@@ -12,7 +12,7 @@ from typing import Any, Literal, NamedTuple
 from rai_missions.engine.decision import Question
 from rai_missions.keys import Source, TypeName
 
-__all__ = ("Happening", "HappeningKind", "KeyView", "MissionView", "ProgressView", "StatusView")
+__all__ = ("HappeningKind", "KeyView", "MissionView", "ProgressView", "RunEvent", "StatusView")
 
 HappeningKind = Literal["entered", "event", "command", "answered", "control", "ended"]
 
@@ -54,7 +54,7 @@ class ProgressView(NamedTuple):
     """The mission's sentence about that key."""
 
 
-class Happening(NamedTuple):
+class RunEvent(NamedTuple):
     """One thing that happened in the run."""
 
     kind: HappeningKind
@@ -113,7 +113,7 @@ class StatusView(NamedTuple):
     missions: tuple[MissionView, ...] = ()
     """What can be started, this one included."""
     progress: tuple[ProgressView, ...] = ()
-    happened: tuple[Happening, ...] = ()
+    happened: tuple[RunEvent, ...] = ()
     """The last things that happened, oldest first; the run keeps a bounded number."""
     since: float | None = None
     """Since when the active states are as they are, on the run's clock."""

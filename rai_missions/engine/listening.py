@@ -9,10 +9,10 @@ from typing import Any
 
 from rai_missions.engine.activities.activity import Machine, listens
 
-__all__ = ("Listening",)
+__all__ = ("WatchedNames",)
 
 
-class Listening(AbstractSet[str]):
+class WatchedNames(AbstractSet[str]):
     """Names of keys, and of states by their `presence`. A tree is asked about one name, not for all that it reads.
 
     Args:

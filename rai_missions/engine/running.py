@@ -13,7 +13,7 @@ from rai_missions.engine.activities.tree import TreeActivity, limit_of
 from rai_missions.engine.activities.tree_rounds import Rounds
 from rai_missions.engine.blackboard import write_key
 from rai_missions.engine.hold import awake, drop_reports, holder_of, is_held, live
-from rai_missions.engine.listening import Listening
+from rai_missions.engine.listening import WatchedNames
 from rai_missions.engine.nodes import Node
 from rai_missions.engine.program import Program
 from rai_missions.engine.state import RunState, Trigger
@@ -233,4 +233,4 @@ def reads(program: Program, state: RunState) -> AbstractSet[str]:
             found |= machine.reads(activity)
     if state.settling or state.final is not None:
         found |= frozenset({"*"})
-    return Listening(found, tuple(trees)) if trees else found
+    return WatchedNames(found, tuple(trees)) if trees else found

@@ -35,7 +35,7 @@ from rai_missions.gate.state import (
     PublishStatus,
     Refuse,
     Request,
-    TimePassed,
+    TimeUpdate,
     status_of,
 )
 from rai_missions.redaction import cut, logger
@@ -159,7 +159,7 @@ class GateAgent:
 
     def tick(self) -> None:
         """Do what is due."""
-        self._take(TimePassed)
+        self._take(TimeUpdate)
 
     def ask(self, to: str, by: str) -> Mapping[str, Any]:
         """Ask for control to go to someone; the answer is a std_srvs/srv/Trigger's."""

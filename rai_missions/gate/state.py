@@ -27,7 +27,7 @@ __all__ = (
     "PublishStatus",
     "Refuse",
     "Request",
-    "TimePassed",
+    "TimeUpdate",
     "status_of",
 )  # fmt: skip
 
@@ -79,13 +79,13 @@ class Alive(NamedTuple):
     who: str
 
 
-class TimePassed(NamedTuple):
+class TimeUpdate(NamedTuple):
     """Time has passed."""
 
     at: float
 
 
-GateEvent = Request | ActuatorCommand | Alive | TimePassed
+GateEvent = Request | ActuatorCommand | Alive | TimeUpdate
 
 
 # -- what is done ------------------------------------------------------------------------------------------------------

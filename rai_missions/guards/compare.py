@@ -6,7 +6,7 @@ from __future__ import annotations
 import json
 import operator
 from collections.abc import Callable, Iterator, Mapping
-from typing import Annotated, Any, ClassVar, Self
+from typing import Annotated, Any, ClassVar, NamedTuple, Self
 
 from pydantic import Field, model_validator
 
@@ -17,20 +17,39 @@ from rai_missions.kinds import OPERAND, OPERAND_WORDS, reference_word
 from rai_missions.model import Json, KeyPath, Path, Value, fault
 from rai_missions.redaction import clipped
 
-__all__ = ("NEGATED", "Compare", "comparable", "holds", "json_text")
+__all__ = ("OPERATORS", "OPPOSITES", "ORDERED", "Compare", "Operator", "comparable", "holds", "json_text")
 
 OperandValue = Annotated[Json, OPERAND]
-OPERATORS: Mapping[str, Callable[[Any, Any], Any]] = {
-    "==": operator.eq,
-    "!=": operator.ne,
-    "<": operator.lt,
-    "<=": operator.le,
-    ">": operator.gt,
-    ">=": operator.ge,
-    "in": lambda left, right: left in right,
+
+
+class Operator(NamedTuple):
+    """How a key is compared: all that there is to one word of `{"key": …}`, next to its field in `Compare`."""
+
+    field: str
+    """Its field in `Compare`."""
+    symbol: str
+    """As a picture has it."""
+    opposite: str
+    """The operator of a form that is true exactly where this one is false, of values that are known."""
+    apply: Callable[[Any, Any], Any]
+    orders: bool = False
+    """It takes values that have an order."""
+    takes_list: bool = False
+    """Its operand is a list, or a key that holds one."""
+
+
+OPERATORS: Mapping[str, Operator] = {
+    "==": Operator("equal", "is", "!=", operator.eq),
+    "!=": Operator("unequal", "is not", "==", operator.ne),
+    "<": Operator("less", "<", ">=", operator.lt, orders=True),
+    "<=": Operator("at_most", "≤", ">", operator.le, orders=True),
+    ">": Operator("greater", ">", "<=", operator.gt, orders=True),
+    ">=": Operator("at_least", "≥", "<", operator.ge, orders=True),
+    "in": Operator("within", "is one of", "not in", lambda left, right: left in right, takes_list=True),
 }
-NEGATED = {"==": "!=", "!=": "==", "<": ">=", ">=": "<", ">": "<=", "<=": ">"}
-SYMBOLS = {"==": "is", "!=": "is not", "<": "<", "<=": "≤", ">": ">", ">=": "≥", "in": "is one of"}
+ORDERED = frozenset(word for word, each in OPERATORS.items() if each.orders)
+OPPOSITES = {word: each.opposite for word, each in OPERATORS.items()} | {"not in": "in"}
+"""Operator → its opposite, of forms: those have `not in` too."""
 
 
 class Compare(Guard, word="key"):
@@ -55,9 +74,6 @@ class Compare(Guard, word="key"):
 
     example: ClassVar[str] = '{"key": "battery", "%s": 0.3}'
     meant: ClassVar[Mapping[str, str]] = SIGNS
-    WORDS: ClassVar[Mapping[str, str]] = {
-        "==": "equal", "!=": "unequal", "<": "less", "<=": "at_most", ">": "greater", ">=": "at_least", "in": "within",
-    }  # fmt: skip
 
     def __init__(
         self, key: KeyPath, *, equal: Value = None, unequal: Value = None, less: Value = None, at_most: Value = None,
@@ -66,26 +82,30 @@ class Compare(Guard, word="key"):
 
     @model_validator(mode="after")
     def _one_operator(self) -> Self:
-        given = [word for word, field in self.WORDS.items() if getattr(self, field) is not None]
+        given = [word for word, each in OPERATORS.items() if getattr(self, each.field) is not None]
         if len(given) != 1:
             raise fault(
                 "operator",
-                f"a comparison has one of {', '.join(self.WORDS)}, this has {', '.join(given) if given else 'none'};"
+                f"a comparison has one of {', '.join(OPERATORS)}, this has {', '.join(given) if given else 'none'};"
                 f" write it like {self.example % '<'}",
             )
-        if given == ["in"] and not isinstance(self.within, list | Mapping):
-            raise fault("operator", f"'in' takes a list of values or a key that holds one, not {self.within!r}")
+        if self._operator.takes_list and not isinstance(self.operand, list | Mapping):
+            raise fault("operator", f"'{self.op}' takes a list of values or a key that holds one, not {self.operand!r}")
         return self
 
     @property
     def op(self) -> str:
         """The operator as it is written."""
-        return next(word for word, field in self.WORDS.items() if getattr(self, field) is not None)
+        return next(word for word, each in OPERATORS.items() if getattr(self, each.field) is not None)
+
+    @property
+    def _operator(self) -> Operator:
+        return OPERATORS[self.op]
 
     @property
     def operand(self) -> Any:
         """What the key is compared with: a JSON value, or the path of `other`."""
-        return getattr(self, self.WORDS[self.op])
+        return getattr(self, self._operator.field)
 
     @property
     def other(self) -> str | None:
@@ -95,7 +115,7 @@ class Compare(Guard, word="key"):
         return None if word is None else str(operand[word])
 
     def compile(self, site: Site) -> Test:
-        left, apply, other = Operand(self.key, site), OPERATORS[self.op], self.other
+        left, apply, other = Operand(self.key, site), self._operator.apply, self.other
         equality = self.op in ("==", "!=")
         if other is not None:
             right = Operand(other, site)
@@ -110,24 +130,26 @@ class Compare(Guard, word="key"):
         if kind is not None and (sentence := self._misfit(kind, types)):
             yield TypeFault("/key", sentence)
             return
-        other = types.kind(self.other) if kind is not None and self.other is not None and self.op == "in" else None
-        if other not in (None, "list"):
-            yield TypeFault("/in", f"'in' takes a list, and '{self.other}' is of type '{other}'; compare with ==")
+        if kind is None or self.other is None or not self._operator.takes_list:
+            return
+        if (other := types.kind(self.other)) not in (None, "list"):
+            sentence = f"'{self.op}' takes a list, and '{self.other}' is of type '{other}'; compare with =="
+            yield TypeFault(f"/{self.op}", sentence)
 
     def _misfit(self, kind: str, types: Types) -> str:
         """Why it cannot be evaluated for a value of a type; empty if it can."""
-        path, op = self.key, self.op
+        path, op = self.key, self._operator
         if kind == "image":
             remedy = f'ask for {{"fresh": "{path}"}}, or compare a key that holds what is seen'
             return f"'{path}' is an image, which cannot be compared; {remedy}"
-        if op in ("<", "<=", ">", ">=") and kind not in ("number", "integer", "string"):
+        if op.orders and kind not in ("number", "integer", "string"):
             return f"'{path}' is of type '{kind}', which has no order; compare it with == or !="
         if self.other is not None:
             other = types.kind(self.other)
-            if op != "in" and other is not None and not comparable(kind, other):
+            if not op.takes_list and other is not None and not comparable(kind, other):
                 return f"'{path}' is of type '{kind}' and '{self.other}' of type '{other}'; compare keys of one type"
             return ""
-        if op == "in":
+        if op.takes_list:
             wrong = [item for item in self.operand if not _can_be(kind, item)]
             given = json_text(wrong[0]) if wrong else ""
             return f"'{path}' is of type '{kind}' and never {given}; list values of that type" if wrong else ""
@@ -137,11 +159,7 @@ class Compare(Guard, word="key"):
         return ""
 
     def form(self, wanted: bool, depth: int) -> Form:
-        op, operand = self.op, self.operand
-        if not wanted and op == "in":
-            return Atom("compare", self.key, "not in", _hashable(operand), self.other)
-        if not wanted:
-            op = NEGATED[op]
+        op, operand = self.op if wanted else OPPOSITES[self.op], self.operand
         if isinstance(operand, bool) and op == "!=":
             op, operand = "==", not operand  # a boolean that is not the one is the other, or unknown
         return Atom("compare", self.key, op, _hashable(operand), self.other)
@@ -161,7 +179,7 @@ class Compare(Guard, word="key"):
     def distinguish(self, by: Distinctions) -> None:
         if self.other is not None:
             by.join(self.key, self.other, self.op)
-        elif self.op == "in":
+        elif self._operator.takes_list:
             for item in self.operand:
                 by.compare(self.key, "==", item)
         else:
@@ -169,7 +187,7 @@ class Compare(Guard, word="key"):
 
     def words(self) -> str:
         operand = self.other or _in_words(self.operand)
-        return f"{self.key} {SYMBOLS[self.op]} {operand}"
+        return f"{self.key} {self._operator.symbol} {operand}"
 
 
 def _in_words(value: Any) -> str:
@@ -267,7 +285,7 @@ def holds(value: Any, op: str, operand: Any) -> bool:
     if op in ("==", "!="):
         return isinstance(value, bool) is isinstance(operand, bool) and _equal(value, operand) is (op == "==")
     try:
-        return bool(OPERATORS[op](value, operand))
+        return bool(OPERATORS[op].apply(value, operand))
     except TypeError:
         return False
 

@@ -10,7 +10,7 @@ import itertools
 from collections.abc import Iterator
 from typing import Any
 
-from rai_missions.guards.compare import NEGATED, holds
+from rai_missions.guards.compare import OPPOSITES, ORDERED, holds
 from rai_missions.guards.form import ALWAYS, DEEP, NEVER, Atom, Form, Junction, form_of
 from rai_missions.guards.guard import Guard
 
@@ -86,14 +86,14 @@ def _atom_implies(one: Atom, other: Atom) -> bool:
 
 def _ranges(op: str, bound: Any, other_op: str, other_bound: Any) -> bool:
     """Whether one side of a bound lies within what another comparison allows."""
-    if op not in ("<", "<=", ">", ">="):
+    if op not in ORDERED:
         return False
     strict, down = len(op) == 1, op[0] == "<"
     try:
         if other_op == "!=":
             beyond = other_bound > bound if down else other_bound < bound
             return bool(beyond or (strict and other_bound == bound))
-        if other_op not in ("<", "<=", ">", ">=") or (other_op[0] == "<") is not down:
+        if other_op not in ORDERED or (other_op[0] == "<") is not down:
             return False
         within = bound < other_bound if down else bound > other_bound
         return bool(within or (bound == other_bound and (strict or len(other_op) == 2)))
@@ -146,6 +146,4 @@ def _opposite(atom: Atom) -> Atom:
     """What is false exactly where the atom is true, for what is known."""
     if atom.kind != "compare":
         return atom._replace(op="" if atom.op else "not")
-    if atom.op in ("in", "not in"):
-        return atom._replace(op="not in" if atom.op == "in" else "in")
-    return atom._replace(op=NEGATED[atom.op])
+    return atom._replace(op=OPPOSITES[atom.op])

@@ -161,7 +161,7 @@ def _blob_faults(record: Record) -> Iterator[Fault]:
         yield Fault(f"picture {digest:.12}…", sentence)
 
 
-class Shown(NamedTuple):
+class StoredPicture(NamedTuple):
     """A picture whose bytes a journal keeps, as its rows state."""
 
     row: int
@@ -170,16 +170,16 @@ class Shown(NamedTuple):
     """As what, by the rows that have it."""
 
 
-def _shown(record: Record) -> dict[str, Shown]:
+def _shown(record: Record) -> dict[str, StoredPicture]:
     """Hash → a picture that a question has shown; a row that cannot be read is a fault of its own."""
-    found: dict[str, Shown] = {}
+    found: dict[str, StoredPicture] = {}
     for number, _, content, _ in record.raw():
         if not isinstance(content, str) or "sha256" not in content:
             continue
         with suppress(ValueError, KeyError, TypeError, RecursionError):
             for picture in pictures_in(json.loads(content)):
                 kind = media_type(picture["encoding"], picture["width"], picture["height"])
-                found.setdefault(str(picture["sha256"]), Shown(number, set())).types.add(kind)
+                found.setdefault(str(picture["sha256"]), StoredPicture(number, set())).types.add(kind)
     return found
 
 

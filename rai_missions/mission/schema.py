@@ -10,6 +10,7 @@ from collections.abc import Iterable, Mapping
 from typing import Any
 
 from rai_missions.guards import Compare, GoalIs, Guard
+from rai_missions.guards.compare import OPERATORS
 from rai_missions.mission.mission import Mission
 from rai_missions.model import FAMILY, MissionModel, TaggedModel
 from rai_missions.states import State, Transition
@@ -26,6 +27,8 @@ STRONGER = {("Guard", "in"): ("key", "goal"), ("State", "states"): ("each",)}
 """A kind's word that is also a word of other kinds, which then decide."""
 VALUE = {"type": ["string", "number", "boolean", "object", "array"]}
 """Any JSON value but null, which is no value."""
+LISTED = {"type": ["array", "object"]}
+"""A list, or a key that holds one."""
 
 
 def _one_of(*words: str) -> dict[str, Any]:
@@ -35,8 +38,8 @@ def _one_of(*words: str) -> dict[str, Any]:
 
 SET = _one_of("value", "from", "add") | {"properties": {"value": VALUE}}
 RULES: Mapping[str, Mapping[str, Any]] = {
-    Compare.__name__: _one_of(*Compare.WORDS)
-    | {"properties": dict.fromkeys(Compare.WORDS, VALUE) | {"in": {"type": ["array", "object"]}}},
+    Compare.__name__: _one_of(*OPERATORS)
+    | {"properties": {word: LISTED if each.takes_list else VALUE for word, each in OPERATORS.items()}},
     GoalIs.__name__: {
         "if": {"properties": {"is": {"const": "said"}}, "required": ["is"]},
         "then": {"required": ["in"]},

@@ -21,7 +21,7 @@ NOTHING: Mapping[str, Any] = {}
 WORDS = {False: "this does not hold", None: "this is unknown"}
 
 
-class Seen(NamedTuple):
+class FrozenView(NamedTuple):
     """A `View` of one moment, taken from a chart that continues meanwhile."""
 
     at: float
@@ -56,7 +56,7 @@ class ClosedOptions:
             view: The run, to be read.
             at: Now, on the run's clock.
         """
-        seen = Seen(at, dict(view.board), view.active, dict(view.entered), dict(view.held))
+        seen = FrozenView(at, dict(view.board), view.active, dict(view.entered), dict(view.held))
         found: dict[int, dict[str, str]] = {}
         for question in questions:
             tests = self._tests_of(question.owner)

@@ -10,7 +10,7 @@ import json
 from collections.abc import Mapping
 from typing import Any
 
-from rai_missions.connectors.connector import Connector, Parametrized
+from rai_missions.connectors.connector import Connector, SupportsParameters
 from rai_missions.errors import UsageError, suggestion
 from rai_missions.mission.mission import Mission
 from rai_missions.profile import plain
@@ -21,7 +21,7 @@ __all__ = ("arguments_of", "parameters_of")
 def parameters_of(connector: Connector) -> Mapping[str, Any]:
     """What the connector's node was given; nothing where it takes no parameters. The connector is started."""
     inside: object = connector
-    return inside.parameters() if isinstance(inside, Parametrized) else {}
+    return inside.parameters() if isinstance(inside, SupportsParameters) else {}
 
 
 def arguments_of(parameters: Mapping[str, Any], mission: Mission, given: Mapping[str, Any]) -> dict[str, Any]:

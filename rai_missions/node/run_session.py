@@ -36,7 +36,7 @@ COMMANDS = {"pause": "pause", "resume": "resume", "cancel": "cancel", "e_stop": 
 OVER = "the mission has ended"
 
 
-class Waiting(NamedTuple):
+class PendingCommand(NamedTuple):
     """An order that the run has yet to take."""
 
     order: Command
@@ -68,7 +68,7 @@ class RunSession:
         self.error = ""
         """Why it broke off, if it did."""
         self._lock = threading.Lock()
-        self._waiting: dict[str, Waiting] = {}
+        self._waiting: dict[str, PendingCommand] = {}
         runner.drop_if(self.is_overdue)
         self._asked = {each.number: each for each in runner.view.questions}
         self._thread: threading.Thread | None = None
@@ -148,7 +148,7 @@ class RunSession:
             is_over, is_full = self.is_over, len(self._waiting) >= MOST_WAITING and order.command != "e_stop"
             if not is_over and not is_full:
                 until = math.inf if lasts(order) else time.monotonic() + GOOD_FOR_S
-                self._waiting[request] = Waiting(order, on_reply, until)
+                self._waiting[request] = PendingCommand(order, on_reply, until)
         if is_over or is_full:
             on_reply(CommandReply(False, OVER if is_over else "too many orders wait already; ask again", order.id))
         elif order.command == "e_stop":

@@ -93,7 +93,7 @@ def prove(
         progress: Receives the number of states found and of states done, every hundred states.
     """
     with _few_collections():
-        return _Proving(mission, ticker, terms, Limits(most, seconds, memory_mb, work, continues), progress).proof()
+        return _ProofRun(mission, ticker, terms, Limits(most, seconds, memory_mb, work, continues), progress).proof()
 
 
 @contextmanager
@@ -107,7 +107,7 @@ def _few_collections() -> Iterator[None]:
         gc.set_threshold(*before)
 
 
-class _Proving:
+class _ProofRun:
     """One proof in the making: of all runs, then of those in which the operator leaves the mission alone."""
 
     def __init__(

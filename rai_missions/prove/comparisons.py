@@ -10,6 +10,7 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from rai_missions.engine.robot_facts import RobotFacts
+from rai_missions.guards.compare import ORDERED
 from rai_missions.keys import Key
 from rai_missions.mission.mission import Mission
 from rai_missions.prove.parts import guards_in, parts, writes_in
@@ -21,8 +22,6 @@ from rai_missions.states.effects import Raise, Set, references
 __all__ = ("Comparisons",)
 
 NUMBERS = ("number", "integer")
-ORDER = ("<", "<=", ">", ">=")
-WHOLES = ("object", "list", "pose", "image")
 
 
 class Comparisons:
@@ -80,7 +79,7 @@ class Comparisons:
 
     def compare(self, path: str, op: str, operand: Any) -> None:
         self.atoms.setdefault(path, []).append((op, operand))
-        if isinstance(operand, dict | list) or (isinstance(operand, str) and op in ORDER):
+        if isinstance(operand, dict | list) or (isinstance(operand, str) and op in ORDERED):
             self._odd.add(path)
 
     def join(self, path: str, other: str, op: str = "") -> None:

@@ -16,7 +16,7 @@ from rai_missions.prove.limits import MOST_STATES, Limits, Meter
 from rai_missions.prove.loops import Level, Loop
 from rai_missions.prove.state_graph import Edge, StateGraph
 from rai_missions.prove.state_key import Place
-from rai_missions.prove.step_cache import Arrival, CachedStep, Known, Made, StepCache, joined
+from rai_missions.prove.step_cache import Arrival, CachedStep, CaseTable, StepCache, StepOutcome, joined
 from rai_missions.prove.stimulus import Stimulus
 from rai_missions.prove.store import ALL_GOALS, Store
 
@@ -47,7 +47,7 @@ class Inside(NamedTuple):
     """The number of the set of what waits for time."""
     goal_words: frozenset[str]
     """What of it waits on account of these goals."""
-    whole: Known[CachedStep]
+    whole: CaseTable[CachedStep]
     """All that everything there comes to."""
 
 
@@ -171,7 +171,7 @@ class Space(StateGraph):
         self._goals_here = [each for each in others if each.kind == "time"]
         self._goal_words = frozenset(each.words for each in self._goals_here)
         waiting = self.wait(number, self._goal_words.union(each.words for each in self._here))
-        inside = self._places.get(place) or Inside(waiting, self._goal_words, Known())
+        inside = self._places.get(place) or Inside(waiting, self._goal_words, CaseTable())
         if self._has_stores:
             self._places[place] = inside
         return inside
@@ -211,7 +211,7 @@ class Space(StateGraph):
             if made is None:
                 made = self._make(happening, at, place, source, chosen)
                 if self._has_stores:
-                    before.ways.setdefault(chosen, Known()).add(self._stores.question(made.asked), store, made)
+                    before.ways.setdefault(chosen, CaseTable()).add(self._stores.question(made.asked), store, made)
             steps += 1
             asked |= made.asked
             if made.arrival is not None:
@@ -227,7 +227,7 @@ class Space(StateGraph):
             before.whole.add(self._stores.question(asked), store, course)
         return course
 
-    def _make(self, happening: Stimulus, at: int, place: Place, source: int, chosen: tuple[int, ...]) -> Made:
+    def _make(self, happening: Stimulus, at: int, place: Place, source: int, chosen: tuple[int, ...]) -> StepOutcome:
         """Let it happen in one way."""
         environment, arrival = self.environment, None
         chart, world, instruments = environment.chart, environment.world, environment.instruments
@@ -251,7 +251,7 @@ class Space(StateGraph):
             self.learn(source, way, is_paused=is_idle)
             arrival = self._arrival(way, happening, place.store, kept)
         asked = instruments.asked.union(self._stores.looked_at(read, written, self._counted()))
-        return Made(arrival, frozenset(asked), environment.choices.next())
+        return StepOutcome(arrival, frozenset(asked), environment.choices.next())
 
     def _counted(self) -> set[tuple[str, int]]:
         """Numbers that were counted, and what had been added to each when it was looked at; none in a long step."""

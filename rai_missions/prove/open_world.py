@@ -11,7 +11,7 @@ from functools import partial
 from typing import Any
 
 from rai_missions.engine import Chart
-from rai_missions.engine.activities.computing import Computed
+from rai_missions.engine.activities.computing import ComputedResult
 from rai_missions.engine.nodes import CompiledGuard, Node
 from rai_missions.guards.guard import Truth
 from rai_missions.keys import Stamped
@@ -118,7 +118,7 @@ class OpenWorld:
             return OpenSight(Sights([each for each in self.values.of(key) if each is not None], self.choices.pick))
         return None
 
-    def anything_of(self, node: Node, into: str, live: LooksAhead) -> Callable[..., Computed]:
+    def anything_of(self, node: Node, into: str, live: LooksAhead) -> Callable[..., ComputedResult]:
         """What a state may work out: any of its outcomes, with any value that can come with it.
 
         Of values that are the same in all that may be read of them once the state has ended so, one represents all:
@@ -135,9 +135,9 @@ class OpenWorld:
             can_come = can_come or [max(known, key=len, default={})]
             fitting[outcome] = list({repr(later.of(into, value)): value for value in reversed(can_come)}.values())[::-1]
 
-        def compute(*given: Any) -> Computed:
+        def compute(*given: Any) -> ComputedResult:
             outcome = self.choices.pick(tuple(fitting))
-            return Computed(outcome, self.choices.pick(fitting[outcome]))
+            return ComputedResult(outcome, self.choices.pick(fitting[outcome]))
 
         return compute
 

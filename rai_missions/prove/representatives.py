@@ -290,7 +290,7 @@ def _distinct(poses: list[Any], others: list[Any], radii: list[float]) -> Iterat
 
 def _found_out(atoms: Iterable[tuple[str, Any]], value: Any) -> tuple[Any, ...]:
     """What each comparison makes of a value, and whether there is one."""
-    made = [truth(OPERATORS[op], value, operand, equality=op in ("==", "!=")) for op, operand in atoms]
+    made = [truth(OPERATORS[op].apply, value, operand, equality=op in ("==", "!=")) for op, operand in atoms]
     return (value is None, *made)
 
 

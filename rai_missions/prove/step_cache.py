@@ -15,7 +15,7 @@ from rai_missions.prove.state_key import SavedState
 from rai_missions.prove.stimulus import HappeningKind
 from rai_missions.prove.store import Store, StoreChange, StoreQuery
 
-__all__ = ("Arrival", "CachedStep", "Known", "Made", "StepCache", "joined")
+__all__ = ("Arrival", "CachedStep", "CaseTable", "StepCache", "StepOutcome", "joined")
 
 
 class Arrival(NamedTuple):
@@ -46,7 +46,7 @@ class Arrival(NamedTuple):
         return self.core, change, self.kind, self.has_moved, self.kept, self.is_of_goal
 
 
-class Made(NamedTuple):
+class StepOutcome(NamedTuple):
     """One way in which a happening can go, as it was made."""
 
     arrival: Arrival | None
@@ -82,7 +82,7 @@ MOST_KNOWN = 1_000
 """What is remembered of one happening, or of one way of it; a counter without end would fill the memory."""
 
 
-class Known(Generic[Kind]):
+class CaseTable(Generic[Kind]):
     """What happens where certain questions have certain answers."""
 
     __slots__ = ("_by_question", "_many")
@@ -112,7 +112,7 @@ class StepCache:
     __slots__ = ("ways", "whole")
 
     def __init__(self) -> None:
-        self.whole = Known[CachedStep]()
+        self.whole = CaseTable[CachedStep]()
         """All that it came to."""
-        self.ways: dict[tuple[int, ...], Known[Made]] = {}
+        self.ways: dict[tuple[int, ...], CaseTable[StepOutcome]] = {}
         """What is chosen before the first alternative always is → the ways that went so."""

@@ -46,7 +46,7 @@ def restore(path: Path, journal: Path) -> str:
     Raises:
         DefinitionError: It is no recording of a run, or it is damaged.
     """
-    seen = _Seen(path)
+    seen = _FilePass(path)
     copied(journal, seen.parts(), str(path))
     if not seen.is_ours:
         what = "an MCAP file, but no recording of a mission" if seen.is_mcap else "no MCAP file"
@@ -58,7 +58,7 @@ def restore(path: Path, journal: Path) -> str:
     return f"{path} is cut off: its recording was killed or the disk was full; it is read up to row {seen.rows - 1}"
 
 
-class _Seen:
+class _FilePass:
     """One reading of a file, from its beginning to its end or to where it was cut off."""
 
     def __init__(self, path: Path) -> None:

@@ -11,19 +11,19 @@ from typing import TYPE_CHECKING
 from rai_missions.errors import lazy_names
 
 if TYPE_CHECKING:
-    from rai_missions.tools.allowlist import Allowed
+    from rai_missions.tools.allowlist import Allowlist
     from rai_missions.tools.recall import recall_tool
     from rai_missions.tools.result import ToolResult
     from rai_missions.tools.tool import RobotTool
     from rai_missions.tools.toolbox import Toolbox
 
-__all__ = ("Allowed", "RobotTool", "ToolResult", "Toolbox", "recall_tool")
+__all__ = ("Allowlist", "RobotTool", "ToolResult", "Toolbox", "recall_tool")
 
 if not TYPE_CHECKING:
     __getattr__, __dir__ = lazy_names(
         globals(),
         {
-            "allowlist": ("Allowed",),
+            "allowlist": ("Allowlist",),
             "recall": ("recall_tool",),
             "result": ("ToolResult",),
             "tool": ("RobotTool",),

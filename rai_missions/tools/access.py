@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The tools' only way to the robot: each name is judged where it is touched, each wait has an end.
 
-Rule: nothing here reaches the connector before `Allowed` has been asked about that very name.
+Rule: nothing here reaches the connector before `Allowlist` has been asked about that very name.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from typing import Any, NamedTuple, TypeVar
 from rai_missions.connectors.connector import Close, Connector, Data, Message, Mode, Reply
 from rai_missions.errors import ConnectorError, UsageError
 from rai_missions.redaction import cut_repr
-from rai_missions.tools.allowlist import Allowed, Deed
+from rai_missions.tools.allowlist import Allowlist, Deed
 from rai_missions.tools.latest import Latest
 
 __all__ = ("LONGEST_WAIT_S", "AllowedConnector", "Sample", "until")
@@ -57,7 +57,7 @@ class AllowedConnector:
         now: Seconds on the clock that stamps the connector's messages.
     """
 
-    def __init__(self, connector: Connector, allowed: Allowed, now: Callable[[], float]) -> None:
+    def __init__(self, connector: Connector, allowed: Allowlist, now: Callable[[], float]) -> None:
         self.allowed, self.now = allowed, now
         self._connector = connector
         self._lock = threading.Lock()

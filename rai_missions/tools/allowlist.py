@@ -14,7 +14,7 @@ from typing import Literal
 from rai_missions.errors import UsageError
 from rai_missions.redaction import cut_repr
 
-__all__ = ("Allowed", "Deed")
+__all__ = ("Allowlist", "Deed")
 
 Deed = Literal["read", "write"]
 LONGEST_NAME = 255
@@ -26,7 +26,7 @@ SHOWN = 12
 
 
 @dataclass(frozen=True)
-class Allowed:
+class Allowlist:
     """The names that tools may use, as patterns: `*` represents any characters, the slash too; `?` for one.
 
     Raises:

@@ -19,7 +19,7 @@ from rai_missions.tools.detections import Detection, detections_of
 from rai_missions.tools.latest import Latest
 from rai_missions.tools.ranging import PinholeCamera, Range, camera_of, cloud_points, depth_points, ranged
 from rai_missions.tools.result import ToolResult
-from rai_missions.tools.transforms import Found, Frames, Transform, yaw_of
+from rai_missions.tools.transforms import Frames, Transform, TransformLookup, yaw_of
 
 __all__ = ("GeometryTools",)
 
@@ -112,7 +112,7 @@ class GeometryTools:
             move = self._lookup(camera_frame, cloud_frame, None, ends).transform
         return lambda each: ranged(*cloud_points(seen.data, camera, each.box, move))
 
-    def _lookup(self, target: str, source: str, at: float | None, ends: float) -> Found:
+    def _lookup(self, target: str, source: str, at: float | None, ends: float) -> TransformLookup:
         """A transform, as soon as it is known."""
         self._listen(ends)
         while True:

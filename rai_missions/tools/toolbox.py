@@ -12,7 +12,7 @@ from rai_missions.connectors.connector import Connector
 from rai_missions.tools import arguments as args
 from rai_missions.tools.access import AllowedConnector, until
 from rai_missions.tools.actuators import ActuatorTools
-from rai_missions.tools.allowlist import Allowed
+from rai_missions.tools.allowlist import Allowlist
 from rai_missions.tools.geometry import GeometryTools
 from rai_missions.tools.goals import GoalState, ToolGoals
 from rai_missions.tools.navigation import NavigationTools
@@ -34,8 +34,8 @@ class Toolbox:
         now: Seconds on the clock that stamps the connector's messages: the run's.
     """
 
-    def __init__(self, connector: Connector, allowed: Allowed | None = None, *, now: Callable[[], float]) -> None:
-        self.allowed = allowed or Allowed()
+    def __init__(self, connector: Connector, allowed: Allowlist | None = None, *, now: Callable[[], float]) -> None:
+        self.allowed = allowed or Allowlist()
         self._reach = AllowedConnector(connector, self.allowed, now)
         self._goals = ToolGoals(self._reach)
         self.looking, self.measuring = SensorTools(self._reach), GeometryTools(self._reach)

@@ -18,7 +18,7 @@ from typing import Any, NamedTuple
 from rai_missions.errors import ConnectorError, UsageError
 from rai_missions.redaction import cut_repr
 
-__all__ = ("Found", "Frames", "Quaternion", "Transform", "Vector", "product", "rotated", "stamp_of", "yaw_of")
+__all__ = ("Frames", "Quaternion", "Transform", "TransformLookup", "Vector", "product", "rotated", "stamp_of", "yaw_of")
 
 Vector = tuple[float, float, float]
 Quaternion = tuple[float, float, float, float]
@@ -56,7 +56,7 @@ class Transform(NamedTuple):
         return Transform((x, y, z), between(self.rotation, other.rotation, share))
 
 
-class Found(NamedTuple):
+class TransformLookup(NamedTuple):
     """What a lookup found."""
 
     transform: Transform
@@ -137,7 +137,7 @@ class Frames:
         """All frames, parents too."""
         return tuple(sorted({*self._tracks, *(track.parent for track in self._tracks.values())}))
 
-    def lookup(self, target: str, source: str, at: float | None = None) -> Found:
+    def lookup(self, target: str, source: str, at: float | None = None) -> TransformLookup:
         """The pose of `source` in `target`.
 
         Args:
@@ -154,7 +154,11 @@ class Frames:
             if at is None and moving:
                 at = min(track.samples[-1][0] for track in moving)
             found = self._along(down, at).inverse() @ self._along(up, at)
-            return Found(found, at, min(track.received_at for track in moving)) if moving else Found(found, None, None)
+            return (
+                TransformLookup(found, at, min(track.received_at for track in moving))
+                if moving
+                else TransformLookup(found, None, None)
+            )
 
     def _ways(self, target: str, source: str) -> tuple[list[str], list[str]]:
         """The frames below the first that both share: from the source up, and from the target up."""

@@ -223,7 +223,7 @@ class RepeatBehaviour(DecoratorBehaviour, decorators.Repeat):
         self.success = memory.get("success", 0)
 
 
-class _Timed(decorators.Timeout):
+class _TickTimeout(decorators.Timeout):
     """py_trees' Timeout, with the time of the tick, and at the deadline as well as after it."""
 
     round: Tick
@@ -238,7 +238,7 @@ class _Timed(decorators.Timeout):
         return self.decorated.status
 
 
-class TimeoutBehaviour(DecoratorBehaviour, _Timed):
+class TimeoutBehaviour(DecoratorBehaviour, _TickTimeout):
     def kept(self) -> dict[str, Any]:
         return {"until": self.finish_time} if self.status is RUNNING else {}
 

@@ -15,7 +15,7 @@ from collections.abc import Mapping, Sequence
 from difflib import SequenceMatcher
 from typing import Any, NamedTuple
 
-__all__ = ("LEAST", "LEAST_STOP", "Fused", "evidence_in", "fused")
+__all__ = ("LEAST", "LEAST_STOP", "FusedTurn", "evidence_in", "fused")
 
 LEAST, LEAST_ALONE = 5.5, 8.5
 """What the evidence for a phrase must come to, in nats, where the second agrees; where it does not."""
@@ -34,7 +34,7 @@ MOST = 30.0
 STOP = "stop"
 
 
-class Fused(NamedTuple):
+class FusedTurn(NamedTuple):
     """A turn as both recognisers read it."""
 
     text: str
@@ -43,7 +43,7 @@ class Fused(NamedTuple):
     """The same by each recogniser that reads it."""
 
 
-def fused(text: str, first: Mapping[str, float], second: Mapping[str, float], phrases: Sequence[str]) -> Fused:
+def fused(text: str, first: Mapping[str, float], second: Mapping[str, float], phrases: Sequence[str]) -> FusedTurn:
     """The text of a turn.
 
     Args:
@@ -55,8 +55,8 @@ def fused(text: str, first: Mapping[str, float], second: Mapping[str, float], ph
     plain = " ".join("".join(each if each.isalnum() or each == "'" else " " for each in text.lower()).split())
     phrase = plain if plain in phrases else _phrase(plain, first, second, phrases)
     if phrase:
-        return Fused(phrase, (phrase,) * (2 if phrase in second else 1))
-    return Fused(text, (text,)) if plain else Fused("")
+        return FusedTurn(phrase, (phrase,) * (2 if phrase in second else 1))
+    return FusedTurn(text, (text,)) if plain else FusedTurn("")
 
 
 def _phrase(plain: str, first: Mapping[str, float], second: Mapping[str, float], phrases: Sequence[str]) -> str:

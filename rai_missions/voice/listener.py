@@ -15,7 +15,7 @@ from rai_missions.connectors.process.frames import Broken
 from rai_missions.connectors.sound.connector import RATE_HZ, SoundFrame
 from rai_missions.connectors.worker import SerialQueue
 from rai_missions.redaction import logger
-from rai_missions.voice.fusion import Fused, evidence_in, fused
+from rai_missions.voice.fusion import FusedTurn, evidence_in, fused
 from rai_missions.voice.kind import SHORT_S
 from rai_missions.voice.process import SpeechProcess, SpeechReply, sound_in, text_in
 from rai_missions.voice.turns import TurnDetector, TurnEvent, TurnFrame, TurnSettings
@@ -240,7 +240,7 @@ class SpeechListener:
         self._given.discard(number)
 
 
-def words_of(known: OfferReplies, settings: ListenSettings) -> Fused:
+def words_of(known: OfferReplies, settings: ListenSettings) -> FusedTurn:
     """The text of a turn, and each recogniser's own."""
     first, second = (reply.data if reply is not None and not reply.fault else {} for reply in known)
     one, other = (evidence_in(data, settings.phrases) for data in (first, second))

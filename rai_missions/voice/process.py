@@ -46,7 +46,7 @@ class SpeechReply(NamedTuple):
 OnReply = Callable[[SpeechReply], object]
 
 
-class Asked(NamedTuple):
+class PendingOrder(NamedTuple):
     """An order whose reply is waited for."""
 
     on_reply: OnReply
@@ -77,7 +77,7 @@ class SpeechProcess:
         self._life: ProcessLife | None = None
         self._is_ready, self._replied, self._is_open = threading.Event(), False, False
         self._absent = ""
-        self._asked: dict[int, Asked] = {}
+        self._asked: dict[int, PendingOrder] = {}
         self._numbers = itertools.count(1)
         self._timers = Worker(f"{sort}'s timers")
         self.restarts = 0
@@ -131,7 +131,7 @@ class SpeechProcess:
                 number = next(self._numbers)
                 within_s = self._within_s + (0.0 if self._replied else START_S)
                 cancel = self._timers.after(within_s, lambda: self._give_up(number, life))
-                self._asked[number] = Asked(on_reply, on_part, cancel)
+                self._asked[number] = PendingOrder(on_reply, on_part, cancel)
         if fault:
             on_reply(SpeechReply(fault=f"the {self.sort} '{self.name}': {fault}"))
             return
@@ -223,7 +223,7 @@ class SpeechProcess:
             each.on_reply(SpeechReply(fault=sentence))
         self._on_fault(sentence)
 
-    def _drop_asked(self) -> list[Asked]:
+    def _drop_asked(self) -> list[PendingOrder]:
         asked, self._asked = list(self._asked.values()), {}
         for each in asked:
             each.cancel()

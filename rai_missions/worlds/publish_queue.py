@@ -12,7 +12,7 @@ from typing import Any, ClassVar
 
 from rai_missions.connectors.connector import ActionServer, Connector, Data, Report, SupportsPreconnect
 
-__all__ = ("Guarded", "Outbox")
+__all__ = ("LockedServer", "Outbox")
 
 
 class Outbox:
@@ -69,7 +69,7 @@ class Outbox:
             one()
 
 
-class Guarded:
+class LockedServer:
     """An action server behind the world's lock."""
 
     def __init__(self, server: ActionServer, outbox: Outbox) -> None:

@@ -18,7 +18,7 @@ from rai_missions.worlds.battery import Battery
 from rai_missions.worlds.branching import branched
 from rai_missions.worlds.camera import Camera
 from rai_missions.worlds.goal_server import SupportsHeir
-from rai_missions.worlds.publish_queue import Guarded, Outbox
+from rai_missions.worlds.publish_queue import LockedServer, Outbox
 
 __all__ = ("Simulation",)
 
@@ -104,7 +104,7 @@ class Simulation:
         for (name, type_name), answer in services.items():
             self._closes.append(connector.serve(name, type_name, self._locked(answer)))
         for name, type_name, server in actions:
-            self._closes.append(connector.offer(name, type_name, Guarded(server, self._outbox)))
+            self._closes.append(connector.offer(name, type_name, LockedServer(server, self._outbox)))
             if isinstance(server, SupportsHeir) and isinstance(connector, SupportsAdoption):
                 server.continue_with(partial(connector.adopt_goal, name))
 

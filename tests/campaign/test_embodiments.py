@@ -10,7 +10,7 @@ import pytest
 
 from rai_missions.answerers.model.prompt import messages_of
 from rai_missions.campaign.asking import shown_question
-from rai_missions.campaign.embodiments import EMBODIMENTS, Embodied, embodied
+from rai_missions.campaign.embodiments import EMBODIMENTS, RobotView, embodied
 from rai_missions.embodiment import Identity
 from rai_missions.engine.decision import Evidence, Offer, Question
 from rai_missions.errors import UsageError
@@ -22,11 +22,11 @@ CAMERA = Image.of_file("camera@1.000", png(8, 8, bytes(192)))
 
 
 @pytest.fixture(scope="module")
-def bodies() -> dict[str, Embodied]:
+def bodies() -> dict[str, RobotView]:
     return {name: embodied(name, FOLDER, ASKED) for name in EMBODIMENTS}
 
 
-def content(body: Embodied) -> tuple[str, int]:
+def content(body: RobotView) -> tuple[str, int]:
     """The text that a model is shown, and how many pictures."""
     question = Question(
         1, "assessing", "agent", ASKED, (Offer("drive_over"), Offer("replan")),
@@ -40,7 +40,7 @@ def content(body: Embodied) -> tuple[str, int]:
 
 
 @pytest.mark.long
-def test_each_embodiment_shows_what_the_one_before_shows_and_more(bodies: dict[str, Embodied]) -> None:
+def test_each_embodiment_shows_what_the_one_before_shows_and_more(bodies: dict[str, RobotView]) -> None:
     identity = Identity.read(FOLDER)
     texts, pictures = zip(*(content(bodies[name]) for name in EMBODIMENTS), strict=True)
     description = identity.description.strip()
@@ -54,7 +54,7 @@ def test_each_embodiment_shows_what_the_one_before_shows_and_more(bodies: dict[s
     assert "<facts>" in texts[0] and "(you are not shown it)" in texts[2] and "(you are not shown it)" not in texts[3]
 
 
-def test_quotations_name_their_source_and_are_facts_not_instructions(bodies: dict[str, Embodied]) -> None:
+def test_quotations_name_their_source_and_are_facts_not_instructions(bodies: dict[str, RobotView]) -> None:
     text, _ = content(bodies["documents"])
     inside = text.rpartition("<facts>")[2].rpartition("</facts>")[0]
     for quote in bodies["documents"].documents:
@@ -66,4 +66,4 @@ def test_what_is_not_there_is_refused_with_what_would_be_right() -> None:
         embodied("descripton", FOLDER)
     with pytest.raises(UsageError, match="its profile names none"):
         embodied("pictures", None)
-    assert embodied("none", None) == Embodied()
+    assert embodied("none", None) == RobotView()

@@ -19,7 +19,7 @@ from rai_missions.gate.state import (
     GateEvent,
     GateRules,
     Request,
-    TimePassed,
+    TimeUpdate,
 )
 from rai_missions.runtime.lifecycle import HOLDERS
 
@@ -51,7 +51,7 @@ def _one(at: float) -> st.SearchStrategy[GateEvent]:
         _command(at),
         st.builds(Request, st.just(at), st.sampled_from([*HOLDERS, "bob"]), st.sampled_from([*COMMANDERS, "eve"])),
         st.builds(Alive, st.just(at), WHO),
-        st.builds(TimePassed, st.just(at)),
+        st.builds(TimeUpdate, st.just(at)),
     )
 
 

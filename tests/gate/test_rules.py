@@ -26,7 +26,7 @@ from rai_missions.gate.state import (
     PublishStatus,
     Refuse,
     Request,
-    TimePassed,
+    TimeUpdate,
     status_of,
 )
 from rai_missions.runtime.lifecycle import HOLDERS, Control
@@ -142,7 +142,7 @@ def test_every_change_and_every_answer_is_reported_and_the_status_is_never_older
 
 @given(terms, happenings)
 def test_reporting_the_time_more_often_changes_no_verdict(given_: GateRules, happened: Sequence[GateEvent]) -> None:
-    ticked = [each for one in happened for each in (TimePassed(one.at), one, TimePassed(one.at))]
+    ticked = [each for one in happened for each in (TimeUpdate(one.at), one, TimeUpdate(one.at))]
     plain, often = (
         [each for each in deeds(given_, all_) if not isinstance(each, PublishStatus)] for all_ in (happened, ticked)
     )
@@ -152,7 +152,12 @@ def test_reporting_the_time_more_often_changes_no_verdict(given_: GateRules, hap
 def test_a_silent_holder_loses_control_and_its_next_command_is_refused() -> None:
     done = deeds(
         AGENT_ALONE,
-        [Request(1.0, "agent", "agent"), ActuatorCommand(1.4, "agent", "/c", {}), TimePassed(1.8), TimePassed(1.9)],
+        [
+            Request(1.0, "agent", "agent"),
+            ActuatorCommand(1.4, "agent", "/c", {}),
+            TimeUpdate(1.8),
+            TimeUpdate(1.9),
+        ],
     )
     assert [type(each) for each in done if not isinstance(each, PublishStatus)] == [
         ControlChange,
@@ -168,12 +173,12 @@ def test_a_silent_holder_loses_control_and_its_next_command_is_refused() -> None
 
 def test_a_heartbeat_keeps_control_and_a_stranger_s_does_not() -> None:
     asked = Request(0.0, "agent", "agent")
-    assert live(AGENT_ALONE, [asked, Alive(0.4, "agent"), TimePassed(0.8)])[-1].after.holder == "agent"
-    assert live(AGENT_ALONE, [asked, Alive(0.4, "operator"), TimePassed(0.8)])[-1].after.holder == "autonomy"
+    assert live(AGENT_ALONE, [asked, Alive(0.4, "agent"), TimeUpdate(0.8)])[-1].after.holder == "agent"
+    assert live(AGENT_ALONE, [asked, Alive(0.4, "operator"), TimeUpdate(0.8)])[-1].after.holder == "autonomy"
 
 
 def test_the_safe_one_that_falls_silent_leaves_no_one() -> None:
-    lived = live(GateRules(leases={"autonomy": 1.0}), [TimePassed(1.0)])
+    lived = live(GateRules(leases={"autonomy": 1.0}), [TimeUpdate(1.0)])
     assert lived[-1].after.holder == "nobody"
 
 

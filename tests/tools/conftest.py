@@ -12,7 +12,7 @@ import pytest
 
 from rai_missions.connectors.connector import Connector, Data
 from rai_missions.connectors.local import LocalConnector
-from rai_missions.tools import Allowed, Toolbox
+from rai_missions.tools import Allowlist, Toolbox
 from tests.connectors.ros2.conftest import ros
 from tests.connectors.test_mqtt import ABSENT as NO_BROKER
 from tests.connectors.test_mqtt import Broker
@@ -30,7 +30,7 @@ class Tried(NamedTuple):
     now: Callable[[], float]
 
     def box(self, **words: Any) -> Toolbox:
-        return Toolbox(self.connector, Allowed(**{"write": ("*",), **words}), now=self.now)
+        return Toolbox(self.connector, Allowlist(**{"write": ("*",), **words}), now=self.now)
 
 
 class Replying:

@@ -14,13 +14,13 @@ from hypothesis import strategies as st
 from rai_missions.connectors.connector import Close, Data, Message, Mode, Reply, Report
 from rai_missions.connectors.local import LocalConnector
 from rai_missions.errors import UsageError
-from rai_missions.tools import Allowed, Toolbox
+from rai_missions.tools import Allowlist, Toolbox
 from rai_missions.tools.access import AllowedConnector
 
 NAMES = ("/a", "/a/b", "/a/b/e_stop", "/cmd_vel", "/cmd_vel/request", "/tf", "/tf_static", "/x")
 PATTERNS = ("*", "/a", "/a/*", "*/e_stop", "/cmd_vel", "/tf*", "/?")
 patterns = st.lists(st.sampled_from(PATTERNS), max_size=2).map(tuple)
-allowed = st.builds(Allowed, read=patterns, write=patterns, never=patterns)
+allowed = st.builds(Allowlist, read=patterns, write=patterns, never=patterns)
 
 
 class Noting(LocalConnector):
@@ -52,7 +52,7 @@ class Noting(LocalConnector):
         super().send_goal(action, type_name, goal, goal_id=goal_id, on_report=on_report)
 
 
-def expected(rules: Allowed, name: str, deed: str) -> bool:
+def expected(rules: Allowlist, name: str, deed: str) -> bool:
     """The law, reported again in another way: by the plain strings."""
     parents = [name[:end] for end in range(1, len(name) + 1) if end == len(name) or name[end] == "/"]
     if any(matches(pattern, parent) for pattern in rules.never for parent in parents):
@@ -71,7 +71,7 @@ def matches(pattern: str, name: str) -> bool:
 
 
 @given(allowed, st.sampled_from(NAMES), st.sampled_from(["read", "write"]))
-def test_never_goes_before_write_and_write_before_read(rules: Allowed, name: str, deed: Any) -> None:
+def test_never_goes_before_write_and_write_before_read(rules: Allowlist, name: str, deed: Any) -> None:
     assert rules.allows(name, deed) == expected(rules, name, deed)
 
 
@@ -102,7 +102,7 @@ some_calls = st.lists(st.sampled_from(NAMES).flatmap(lambda name: st.sampled_fro
 
 @given(allowed, some_calls)
 def test_no_tool_touches_a_name_that_is_not_allowed_whatever_is_asked(
-    rules: Allowed, asked: list[tuple[str, dict[str, Any]]]
+    rules: Allowlist, asked: list[tuple[str, dict[str, Any]]]
 ) -> None:
     connector = Noting()
     connector.start()
@@ -123,7 +123,7 @@ def test_no_tool_touches_a_name_that_is_not_allowed_whatever_is_asked(
 def test_what_is_allowed_is_touched() -> None:
     connector = Noting()
     connector.start()
-    box = Toolbox(connector, Allowed(write=("/a",)), now=time.monotonic)
+    box = Toolbox(connector, Allowlist(write=("/a",)), now=time.monotonic)
     box.acting.publish_message("/a", {}, type_name="t")
     box.looking.receive_message("/x", timeout_s=0)
     assert connector.touched == {("/a", "write"), ("/x", "read")}
@@ -132,7 +132,7 @@ def test_what_is_allowed_is_touched() -> None:
 def test_the_way_to_the_robot_judges_each_name_itself() -> None:
     connector = Noting()
     connector.start()
-    reach = AllowedConnector(connector, Allowed(read=("/x",)), time.monotonic)
+    reach = AllowedConnector(connector, Allowlist(read=("/x",)), time.monotonic)
     attempts: list[Callable[[], object]] = [
         lambda: reach.publish("/x", "t", {}),
         lambda: reach.call("/x", "t", {}, 0.0),
@@ -169,13 +169,13 @@ def test_nothing_may_be_written_where_no_one_states_it() -> None:
     ],
 )
 def test_a_name_in_disguise_is_refused(name: str, message: str) -> None:
-    why = Allowed(write=("*",), never=("/cmd_vel",)).refusal(name, "write")
+    why = Allowlist(write=("*",), never=("/cmd_vel",)).refusal(name, "write")
     assert why.startswith("refused: ")
     assert message in why
 
 
 def test_a_refusal_reports_what_is_allowed() -> None:
-    rules = Allowed(read=("/tractor1/*",), write=("/tractor1/flash",))
+    rules = Allowlist(read=("/tractor1/*",), write=("/tractor1/flash",))
     assert (
         rules.refusal("/x", "read") == "refused: '/x' may not be read; what may be read: /tractor1/*, /tractor1/flash"
     )
@@ -185,14 +185,14 @@ def test_a_refusal_reports_what_is_allowed() -> None:
 @pytest.mark.parametrize("given_", ["/a", (3,), ("",)])
 def test_patterns_are_a_list_of_texts(given_: Any) -> None:
     with pytest.raises(UsageError, match="'never' is a list of patterns"):
-        Allowed(never=given_)
+        Allowlist(never=given_)
 
 
 def test_the_mode_of_a_connector_that_has_none_is_reported() -> None:
     class TopicsOnly(LocalConnector):
         modes: frozenset[Mode] = frozenset({"topics"})
 
-    box = Toolbox(TopicsOnly(), Allowed(write=("*",)), now=time.monotonic)
+    box = Toolbox(TopicsOnly(), Allowlist(write=("*",)), now=time.monotonic)
     with pytest.raises(UsageError, match="this robot's connector carries no actions; it carries topics"):
         box.looking.list_actions()
     with pytest.raises(UsageError, match="carries no actions"):

@@ -5,13 +5,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 
-from rai_missions.conversation import Happening
+from rai_missions.conversation import RunEvent
 from rai_missions.engine.step import Step
 
 __all__ = ("happenings",)
 
 
-def happenings(step: Step, states: Mapping[str, str], events: Mapping[str, str]) -> Iterator[Happening]:
+def happenings(step: Step, states: Mapping[str, str], events: Mapping[str, str]) -> Iterator[RunEvent]:
     """What a step made happen, in order.
 
     Args:
@@ -21,16 +21,16 @@ def happenings(step: Step, states: Mapping[str, str], events: Mapping[str, str])
     """
     event, by = step.event, str(step.event.data.get("by", ""))
     if event.kind == "event" and not step.ignored:
-        yield Happening("event", event.name, step.at, events.get(event.name, ""))
+        yield RunEvent("event", event.name, step.at, events.get(event.name, ""))
     elif event.kind == "command" and not step.refusal:
-        yield Happening("command", event.name, step.at, by=by)
+        yield RunEvent("command", event.name, step.at, by=by)
     elif event.kind == "control" and not step.refusal:
-        yield Happening("control", event.name, step.at, by=by)
+        yield RunEvent("control", event.name, step.at, by=by)
     for verdict in step.verdicts:
         if verdict.accepted or verdict.kind == "fallback":
-            yield Happening("answered", verdict.option, step.at, by=verdict.by)
+            yield RunEvent("answered", verdict.option, step.at, by=verdict.by)
     for move in step.moves:
         for name in move.entered:
-            yield Happening("entered", name, step.at, states.get(name, ""))
+            yield RunEvent("entered", name, step.at, states.get(name, ""))
     if step.outcome:
-        yield Happening("ended", step.outcome, step.at, step.why)
+        yield RunEvent("ended", step.outcome, step.at, step.why)

@@ -19,10 +19,10 @@ from langchain_core.messages import BaseMessage
 from langchain_core.tools import BaseTool
 
 from rai_missions.agents.talk.prompt import forms, talk_messages
-from rai_missions.answerers.model.chat import Absent, BudgetExceeded, Chat, Ended, Raised, ThreadChat
+from rai_missions.answerers.model.chat import Absent, BudgetExceeded, Chat, ModelExit, ModelFault, ThreadChat
 from rai_missions.answerers.model.output_modes import Mode, modes_of
 from rai_missions.answerers.model.parse_reply import ModelReply
-from rai_missions.answerers.model.pending import Pending
+from rai_missions.answerers.model.pending import PendingQuestion
 from rai_missions.answerers.model.tool_calls import look_up, shown
 from rai_missions.connectors.worker import Worker
 from rai_missions.conversation import AskModel, ModelText, StatusView
@@ -66,7 +66,7 @@ class TalkModel:
         self._chat: Chat = ThreadChat(model) if isinstance(model, BaseChatModel) else model
         self._identity, self._tools = identity, tools
         self._lock = threading.Lock()
-        self._pending: dict[int, Pending] = {}
+        self._pending: dict[int, PendingQuestion] = {}
         self._threads: set[threading.Thread] = set()
         self._deadlines = Worker("conversation's deadlines")
         self._clean = Redaction().text
@@ -106,7 +106,7 @@ class TalkModel:
         """
         seconds = max(0.5, request.until - request.at)
         question = Question(request.number, "conversation", "agent", request.text, (), budget=Limits(seconds=seconds))
-        pending = Pending(question, lambda answer: on_text(_model_text(request.number, answer)))
+        pending = PendingQuestion(question, lambda answer: on_text(_model_text(request.number, answer)))
         thread = threading.Thread(
             target=self._work, args=(request, view, pending), name=f"sentence {request.number}", daemon=True
         )
@@ -122,12 +122,12 @@ class TalkModel:
         pending.when_closed(self._deadlines.after(seconds, lambda: pending.reply(late)))
         thread.start()
 
-    def _work(self, request: AskModel, view: Callable[[], StatusView], pending: Pending) -> None:
+    def _work(self, request: AskModel, view: Callable[[], StatusView], pending: PendingQuestion) -> None:
         try:
             answer = self._answer(request, view, pending)
-        except (Absent, BudgetExceeded, Ended) as ended:
+        except (Absent, BudgetExceeded, ModelExit) as ended:
             answer = {"failed": cut(ended, 300)}
-        except Raised as error:
+        except ModelFault as error:
             answer = {"failed": f"the model raised {error.kind}: {first_line(error.what)}"}
         except BaseException as error:  # noqa: BLE001 - even an exit that a package asks for is only a failed answer
             answer = {"failed": f"the model raised {type(error).__name__}: {first_line(error)}"}
@@ -137,20 +137,20 @@ class TalkModel:
                 del self._pending[request.number]
         pending.reply(answer)
 
-    def _answer(self, request: AskModel, view: Callable[[], StatusView], pending: Pending) -> dict[str, Any]:
+    def _answer(self, request: AskModel, view: Callable[[], StatusView], pending: PendingQuestion) -> dict[str, Any]:
         able = self._chat.abilities(pending)
         tools = {tool.name: tool for tool in self._tools(view)}
         *firsts, last = modes_of(schemas=able.schemas, tools=able.tools, wanted="auto", uses_tools=bool(tools))
         for mode in firsts:
             try:
                 return self._converse(request, pending, mode, tools, images=able.images)
-            except Raised as error:
+            except ModelFault as error:
                 if not error.unfit:
                     raise
         return self._converse(request, pending, last, tools, images=able.images)
 
     def _converse(
-        self, request: AskModel, pending: Pending, mode: Mode, tools: Mapping[str, BaseTool], *, images: bool
+        self, request: AskModel, pending: PendingQuestion, mode: Mode, tools: Mapping[str, BaseTool], *, images: bool
     ) -> dict[str, Any]:
         given = tools if mode == "tools" else {}
         exchange = self._chat.converse(mode, forms(request, given), pending)

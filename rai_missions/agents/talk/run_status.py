@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 
 from rai_missions.agents.talk.happenings import happenings
 from rai_missions.agents.talk.progress import progress
-from rai_missions.conversation import Happening, KeyView, MissionView, StatusView
+from rai_missions.conversation import KeyView, MissionView, RunEvent, StatusView
 from rai_missions.engine.decision import Question
 from rai_missions.engine.step import Step
 from rai_missions.keys import Blackboard, Key, stale_at
@@ -46,7 +46,7 @@ class RunStatus:
         self._states = {name: state.about for _, name, state in self._mission.walk()}
         self._events = {name: event.about for name, event in self._mission.events.items()}
         self._missions = (mission_view(self._mission),)
-        self._happened: deque[Happening] = deque(maxlen=MOST_HAPPENINGS)
+        self._happened: deque[RunEvent] = deque(maxlen=MOST_HAPPENINGS)
         self._status: Status | None = None
         self._since: float | None = None
         self._mode, self._mode_by = runner.view.mode, ""

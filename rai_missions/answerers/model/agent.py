@@ -16,11 +16,11 @@ from typing import Any, Literal, get_args
 from langchain_core.language_models import BaseChatModel
 from langchain_core.tools import BaseTool
 
-from rai_missions.answerers.model.chat import Absent, BudgetExceeded, Chat, Ended, Raised, ThreadChat
+from rai_missions.answerers.model.chat import Absent, BudgetExceeded, Chat, ModelExit, ModelFault, ThreadChat
 from rai_missions.answerers.model.conversation import ModelConfig, ModelConversation
 from rai_missions.answerers.model.output_modes import Mode
 from rai_missions.answerers.model.parse_reply import ParsedReply
-from rai_missions.answerers.model.pending import Pending
+from rai_missions.answerers.model.pending import PendingQuestion
 from rai_missions.answerers.model.secrets import secrets_of
 from rai_missions.answerers.model.tool_calls import is_read_only
 from rai_missions.connectors.worker import Worker
@@ -88,7 +88,7 @@ class DecisionAgent:
         self._at_once, self._longest_s = at_once, longest_s
         self._unfit: set[Mode] = set()
         self._lock = threading.Lock()
-        self._pending: dict[int, Pending] = {}
+        self._pending: dict[int, PendingQuestion] = {}
         self._threads: set[threading.Thread] = set()
         self._deadlines = Worker("deadlines")
 
@@ -115,7 +115,7 @@ class DecisionAgent:
 
     def ask(self, question: Question, answer: Callable[[Mapping[str, Any]], None]) -> None:
         """Think about a question on a thread of its own."""
-        pending = Pending(question, answer, longest_s=self._longest_s)
+        pending = PendingQuestion(question, answer, longest_s=self._longest_s)
         conversation = ModelConversation(pending, self._config, frozenset(self._unfit))
         # Python cannot end a thread that hangs in a model: a daemon does not hold up the program's end.
         thread = threading.Thread(
@@ -157,9 +157,9 @@ class DecisionAgent:
             reply = conversation.think()
         except Absent as absent:
             return self._journaled(conversation, {"absent": cut(absent, LONGEST_WHY)})
-        except (BudgetExceeded, Ended) as ended:
+        except (BudgetExceeded, ModelExit) as ended:
             reply = ParsedReply(failed=str(ended))
-        except Raised as error:
+        except ModelFault as error:
             reply = ParsedReply(failed=f"the model raised {error.kind}: {first_line(error.what)}")
         except BaseException as error:  # noqa: BLE001 - even an exit that a package asks for is only a failed answer
             reply = ParsedReply(failed=f"the model raised {type(error).__name__}: {first_line(error)}")

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """What a decision needs of a chat model, wherever the model lives: on a thread of this process, or in one of its own.
 
-Rule: whatever a model raises comes out as `Raised`; of its replies, no more than is read.
+Rule: whatever a model raises comes out as `ModelFault`; of its replies, no more than is read.
 """
 
 from __future__ import annotations
@@ -15,9 +15,19 @@ from langchain_core.messages import AIMessage, BaseMessage
 
 from rai_missions.answerers.model.output_modes import AnswerForm, Mode, bound, calls_tools, fills_schemas, takes_images
 from rai_missions.answerers.model.parse_reply import LONGEST, ModelReply, reply_of
-from rai_missions.answerers.model.pending import Pending
+from rai_missions.answerers.model.pending import PendingQuestion
 
-__all__ = ("Abilities", "Absent", "BudgetExceeded", "Chat", "Conversation", "Ended", "Raised", "ThreadChat", "name_of")
+__all__ = (
+    "Abilities",
+    "Absent",
+    "BudgetExceeded",
+    "Chat",
+    "Conversation",
+    "ModelExit",
+    "ModelFault",
+    "ThreadChat",
+    "name_of",
+)
 
 UNFIT = frozenset({400, 415, 422, 500, 501})
 """HTTP statuses by which servers refuse a form of answer that they do not know; the next mode may do."""
@@ -30,7 +40,7 @@ class BudgetExceeded(BaseException):
     """
 
 
-class Raised(Exception):
+class ModelFault(Exception):
     """The model, or its provider's package, raised.
 
     Args:
@@ -44,7 +54,7 @@ class Raised(Exception):
         self.kind, self.what, self.unfit = kind, what, unfit
 
     @classmethod
-    def by(cls, error: BaseException) -> Raised:
+    def by(cls, error: BaseException) -> ModelFault:
         """What an exception is to whatever asked."""
         unfit = isinstance(error, NotImplementedError) or getattr(error, "status_code", None) in UNFIT
         return cls(type(error).__name__, error, unfit=unfit)
@@ -54,7 +64,7 @@ class Absent(Exception):
     """There is no model to be asked; the text states why."""
 
 
-class Ended(Exception):
+class ModelExit(Exception):
     """The model's process ended while it was asked; the text states how."""
 
 
@@ -99,7 +109,7 @@ class Chat(Protocol):
     def open(self) -> None:
         """Get ready to be asked; never waits. A model that was not opened is opened by the first question."""
 
-    def abilities(self, pending: Pending) -> Abilities:
+    def abilities(self, pending: PendingQuestion) -> Abilities:
         """What it can do; may wait for it until the question is closed.
 
         Raises:
@@ -108,7 +118,7 @@ class Chat(Protocol):
             BudgetExceeded: The question was closed before it was known.
         """
 
-    def converse(self, mode: Mode, form: AnswerForm, pending: Pending) -> Conversation:
+    def converse(self, mode: Mode, form: AnswerForm, pending: PendingQuestion) -> Conversation:
         """Begin to ask it, in a mode in which it can be asked."""
 
     def close(self) -> None:
@@ -131,14 +141,14 @@ class ThreadChat:
     def open(self) -> None:
         """It is there."""
 
-    def abilities(self, pending: Pending) -> Abilities:
+    def abilities(self, pending: PendingQuestion) -> Abilities:
         return Abilities.of(self._model)
 
-    def converse(self, mode: Mode, form: AnswerForm, pending: Pending) -> Conversation:
+    def converse(self, mode: Mode, form: AnswerForm, pending: PendingQuestion) -> Conversation:
         try:
             return ThreadConversation(self._model, mode, form, lambda: pending.open)
         except Exception as error:
-            raise Raised.by(error) from error
+            raise ModelFault.by(error) from error
 
     def close(self) -> None:
         """Nothing is held."""
@@ -166,7 +176,7 @@ class ThreadConversation:
         except BudgetExceeded:
             raise
         except BaseException as error:  # even an exit that a model asks for is only a failed answer
-            raise Raised.by(error) from error
+            raise ModelFault.by(error) from error
         if not isinstance(answer, AIMessage):
             return None
         self._messages.append(answer)

@@ -12,10 +12,10 @@ from typing import Any, NamedTuple
 from langchain_core.messages import BaseMessage
 from langchain_core.tools import BaseTool
 
-from rai_missions.answerers.model.chat import Abilities, BudgetExceeded, Chat, Conversation, Raised
+from rai_missions.answerers.model.chat import Abilities, BudgetExceeded, Chat, Conversation, ModelFault
 from rai_missions.answerers.model.output_modes import Mode, form_of, modes_of
 from rai_missions.answerers.model.parse_reply import ModelReply, ParsedReply, read
-from rai_missions.answerers.model.pending import Pending
+from rai_missions.answerers.model.pending import PendingQuestion
 from rai_missions.answerers.model.prompt import messages_of
 from rai_missions.answerers.model.tool_calls import ToolLookup, look_up, shown
 from rai_missions.embodiment.identity import Identity
@@ -50,7 +50,7 @@ class ModelConversation:
         without: The modes that its server is known to refuse.
     """
 
-    def __init__(self, pending: Pending, config: ModelConfig, without: Collection[Mode] = ()) -> None:
+    def __init__(self, pending: PendingQuestion, config: ModelConfig, without: Collection[Mode] = ()) -> None:
         self.pending, self.config, self.without = pending, config, without
         self.tools = {name: config.tools[name] for name in pending.question.tools if name in config.tools}
         self.calls = self.tokens_in = self.tokens_out = 0
@@ -75,7 +75,7 @@ class ModelConversation:
         for mode in firsts:
             try:
                 reading, called = self._converse(mode, images=shows)
-            except Raised as error:
+            except ModelFault as error:
                 if not error.unfit:
                     raise
                 self.unfit.append(mode)

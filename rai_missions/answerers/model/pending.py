@@ -14,13 +14,13 @@ from typing import Any
 
 from rai_missions.engine.decision import Question
 
-__all__ = ("GRACE_S", "Pending")
+__all__ = ("GRACE_S", "PendingQuestion")
 
 GRACE_S = 0.5
 """How much longer than its question the work on it may last: the run's clock decides first that time is over."""
 
 
-class Pending:
+class PendingQuestion:
     """One question that someone thinks about.
 
     Args:

@@ -48,10 +48,10 @@ def open_toolbox(
         for name, place in named.items():
             log.warning("%s: the tool '%s' is not there: the robot's profile has no 'tools'", place, name)
         return None
-    from rai_missions.tools import Allowed, Toolbox
+    from rai_missions.tools import Allowlist, Toolbox
 
     rules = robot.tools
-    box = Toolbox(connector, Allowed(read=rules.read, write=rules.write, never=rules.never), now=now)
+    box = Toolbox(connector, Allowlist(read=rules.read, write=rules.write, never=rules.never), now=now)
     look, every = {tool.name for tool in box.read_only}, {tool.name for tool in box.tools}
     faults = [
         Fault(place, f"the tool '{name}' acts, and a decision may only look{suggestion(name, look)}")

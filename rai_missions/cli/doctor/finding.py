@@ -12,7 +12,7 @@ from typing import Any, Literal, NamedTuple
 
 from rai_missions.redaction import cut
 
-__all__ = ("MachineFinding", "Tried", "tried")
+__all__ = ("MachineFinding", "ProbeResult", "tried")
 
 PROBE = "rai_missions.cli.doctor.probe"
 
@@ -29,7 +29,7 @@ class MachineFinding(NamedTuple):
         return f"{self.status:8}{self.what}" + (f": {self.remedy}" if self.remedy else "")
 
 
-class Tried(NamedTuple):
+class ProbeResult(NamedTuple):
     """What came of something tried in a process of its own."""
 
     value: Any = None
@@ -37,7 +37,7 @@ class Tried(NamedTuple):
     """Why there is no value, in a sentence."""
 
 
-def tried(what: str, given: Any, environment: Mapping[str, str], *, within_s: float = 30.0) -> Tried:
+def tried(what: str, given: Any, environment: Mapping[str, str], *, within_s: float = 30.0) -> ProbeResult:
     """Try one of the probes; it may crash, hang or print anything.
 
     Args:
@@ -58,11 +58,11 @@ def tried(what: str, given: Any, environment: Mapping[str, str], *, within_s: fl
             check=False,
         )
     except subprocess.TimeoutExpired:
-        return Tried(fault=f"nothing came back within {within_s:g} s")
+        return ProbeResult(fault=f"nothing came back within {within_s:g} s")
     lines = done.stdout.splitlines()
     if done.returncode == 0 and lines:
-        return Tried(json.loads(lines[-1]))
+        return ProbeResult(json.loads(lines[-1]))
     words = [line.strip() for line in done.stderr.splitlines() if line.strip()]
     if done.returncode < 0:
-        return Tried(fault=f"it crashed ({signal.Signals(-done.returncode).name})")
-    return Tried(fault=cut(words[-1], 300) if words else f"it ended with {done.returncode}")
+        return ProbeResult(fault=f"it crashed ({signal.Signals(-done.returncode).name})")
+    return ProbeResult(fault=cut(words[-1], 300) if words else f"it ended with {done.returncode}")

@@ -11,7 +11,7 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import NamedTuple
 
-from rai_missions.cli.doctor.finding import MachineFinding, Tried, tried
+from rai_missions.cli.doctor.finding import MachineFinding, ProbeResult, tried
 from rai_missions.connectors.connector import Mode
 from rai_missions.connectors.registry import CONNECTORS, connector_offer
 from rai_missions.errors import suggestion
@@ -152,7 +152,7 @@ def _fields(robot: Robot, given: Mapping[str, str]) -> Iterator[MachineFinding]:
     asked: list[tuple[str, Kind]] = [
         (source.type, "srv" if source.service is not None else "msg") for _, _, source in listened(None, robot)
     ]
-    found = tried("fields", asked, given) if asked else Tried([])
+    found = tried("fields", asked, given) if asked else ProbeResult([])
     if found.fault:
         yield MachineFinding("missing", f"the fields that '{robot.name}' names cannot be looked up", found.fault)
         return

@@ -26,7 +26,7 @@ from rai_missions.cli.live_terminal import STYLES
 from rai_missions.cli.progress import Lines, Tone, trimmed
 from rai_missions.mission.mission import Mission
 
-__all__ = ("TalkLines", "Typing", "line_words", "open_typing")
+__all__ = ("LineInput", "TalkLines", "line_words", "open_typing")
 
 WAYS = {"rules": "robot", "model": "robot, the model thinks", "unknown": "robot"}
 UNHEARD = {"cut": " (interrupted)", "failed": " (not spoken)"}
@@ -104,7 +104,7 @@ class TypedLines(NamedTuple):
     """Called once nothing more is typed."""
 
 
-class Typing:
+class LineInput:
     """Reads what is typed, line by line, until `stop`.
 
     Args:
@@ -145,7 +145,7 @@ class Typing:
         raise NotImplementedError
 
 
-class PlainTyping(Typing):
+class PlainInput(LineInput):
     """Whole lines from a terminal or a pipe, edited by the terminal itself."""
 
     def __init__(self, to: TypedLines, fd: int) -> None:
@@ -159,7 +159,7 @@ class PlainTyping(Typing):
         return self._reader.line(math.inf)
 
 
-class EditedTyping(Typing):
+class EditedInput(LineInput):
     """A line with history and editing, beneath what is printed, above the state of the run.
 
     Args:
@@ -194,7 +194,7 @@ class EditedTyping(Typing):
 
 def open_typing(
     receive: TakeLine, refuse: Callable[[str], object], foot: Callable[[], str], on_end: Callable[[], object]
-) -> Typing | None:
+) -> LineInput | None:
     """What reads standard input; None where there is nothing to be read.
 
     Args:
@@ -212,5 +212,5 @@ def open_typing(
         from importlib.util import find_spec
 
         if find_spec("prompt_toolkit") is not None:
-            return EditedTyping(to, foot)
-    return PlainTyping(to, fd)
+            return EditedInput(to, foot)
+    return PlainInput(to, fd)

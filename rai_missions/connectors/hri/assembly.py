@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 from rai_missions.connectors.hri.message import MOST_BYTES, MOST_ITEMS, MOST_TEXT, HRIMessage, size_of
 
-__all__ = ("Assembly", "Received")
+__all__ = ("Assembly", "ReceivedMessage")
 
 MOST_PARTS = 1000
 """Of one message."""
@@ -28,7 +28,7 @@ Sender = tuple[str, str, str]
 """Author, name and communication id: whose parts belong together."""
 
 
-class Received(NamedTuple):
+class ReceivedMessage(NamedTuple):
     """A message that was received: whole, or what there is of it and why there is no more."""
 
     message: HRIMessage
@@ -67,7 +67,7 @@ class Assembly:
         """The earliest instant at which `expire` has something to report; None while nothing is incomplete."""
         return min(map(self._due, self._open.values()), default=None)
 
-    def add(self, part: HRIMessage, at: float) -> tuple[Received, ...]:
+    def add(self, part: HRIMessage, at: float) -> tuple[ReceivedMessage, ...]:
         """What a part completes, and what is to be reported of it.
 
         Args:
@@ -76,16 +76,20 @@ class Assembly:
         """
         sender = (part.author, part.name, part.communication_id)
         if part.seq_no == 0 and (part.seq_end or not part.communication_id):
-            return (Received(replace(part, seq_end=True)),)
+            return (ReceivedMessage(replace(part, seq_end=True)),)
         if not part.communication_id:
-            return (Received(part, why=f"part {part.seq_no} has no communication_id, by which the others are known"),)
+            return (
+                ReceivedMessage(part, why=f"part {part.seq_no} has no communication_id, by which the others are known"),
+            )
         if part.seq_no >= MOST_PARTS:
-            return (Received(part, why=f"part {part.seq_no}: a message has {MOST_PARTS} parts at the most"),)
+            return (ReceivedMessage(part, why=f"part {part.seq_no}: a message has {MOST_PARTS} parts at the most"),)
         if hash(part) in self._ended.get(sender, ()):
-            return (Received(part, duplicated=1, why=f"part {part.seq_no} of a message that has ended came again"),)
+            return (
+                ReceivedMessage(part, duplicated=1, why=f"part {part.seq_no} of a message that has ended came again"),
+            )
         return self._join(sender, part, at)
 
-    def expire(self, at: float) -> tuple[Received, ...]:
+    def expire(self, at: float) -> tuple[ReceivedMessage, ...]:
         """What has waited for long enough: first parts that were the whole message, and messages that are given up."""
         found = []
         for sender, sequence in tuple(self._open.items()):
@@ -93,22 +97,22 @@ class Assembly:
                 found.append(self._end(sender, "" if sequence.is_lone else self._lateness(sequence)))
         return tuple(found)
 
-    def _join(self, sender: Sender, part: HRIMessage, at: float) -> tuple[Received, ...]:
+    def _join(self, sender: Sender, part: HRIMessage, at: float) -> tuple[ReceivedMessage, ...]:
         sequence = self._open.get(sender) or self._open.setdefault(sender, _Sequence(at, at))
         if sequence.parts.get(part.seq_no) == part:
             sequence.duplicated += 1
             return ()
         if why := sequence.refusal(part):
-            return (Received(part, why=why),)
+            return (ReceivedMessage(part, why=why),)
         if why := sequence.excess(part):
-            return (self._end(sender, why), Received(part, why=why))
+            return (self._end(sender, why), ReceivedMessage(part, why=why))
         sequence.take(part, at)
         self._held += _size(part)
         if sequence.is_whole:
             return (self._end(sender),)
         return tuple(self._make_room())
 
-    def _make_room(self) -> Iterator[Received]:
+    def _make_room(self) -> Iterator[ReceivedMessage]:
         while len(self._open) > self._most_open:
             yield self._end(next(iter(self._open)), f"more than {self._most_open} messages are incomplete")
         while self._held > self._most_held:
@@ -124,7 +128,7 @@ class Assembly:
         what = f"parts {', '.join(map(str, lacking))}" if lacking else "the last part"
         return f"{what} did not come within {self._within_s:g} s"
 
-    def _end(self, sender: Sender, why: str = "") -> Received:
+    def _end(self, sender: Sender, why: str = "") -> ReceivedMessage:
         sequence = self._open.pop(sender)
         self._held -= sequence.size
         self._ended[sender] = frozenset(map(hash, sequence.parts.values()))
@@ -185,7 +189,7 @@ class _Sequence:
             return f"it has more than {MOST_ITEMS} pictures or pieces of sound"
         return ""
 
-    def received(self, why: str = "") -> Received:
+    def received(self, why: str = "") -> ReceivedMessage:
         parts = [self.parts[number] for number in sorted(self.parts)]
         message = replace(
             parts[0], text="".join(each.text for each in parts), seq_no=0, seq_end=self.end is not None,
@@ -194,7 +198,7 @@ class _Sequence:
         )  # fmt: skip
         count = max(self.parts) + 1 if self.end is None else self.end + 1
         missing = tuple(number for number in range(count) if number not in self.parts)
-        return Received(message, missing, self.duplicated, self.reordered, why)
+        return ReceivedMessage(message, missing, self.duplicated, self.reordered, why)
 
 
 def _size(part: HRIMessage) -> int:

@@ -11,7 +11,7 @@ import uuid
 from collections.abc import Callable
 
 from rai_missions.connectors.connector import Close, Connector, Message
-from rai_missions.connectors.hri.assembly import Assembly, Received
+from rai_missions.connectors.hri.assembly import Assembly, ReceivedMessage
 from rai_missions.connectors.hri.message import Author, HRIMessage
 from rai_missions.connectors.hri.parts import parts_of
 from rai_missions.connectors.hri.parts_inbox import PartsInbox
@@ -33,7 +33,7 @@ STRING = "std_msgs/msg/String"
 LONE_S = 0.3
 """RAI's microphones mark no end: a person's first part is the whole message where no other came for so long."""
 Later = Callable[[float, Work], Work]
-OnFault = Callable[[Received | ConnectorError], object]
+OnFault = Callable[[ReceivedMessage | ConnectorError], object]
 
 
 class HRIConnector:
@@ -137,12 +137,12 @@ class HRIConnector:
         return close
 
 
-def _passing(on_message: Callable[[HRIMessage], object]) -> Callable[[Received], object]:
+def _passing(on_message: Callable[[HRIMessage], object]) -> Callable[[ReceivedMessage], object]:
     return lambda found: on_message(found.message)
 
 
-def _logged(fault: Received | ConnectorError) -> None:
-    if isinstance(fault, Received):
+def _logged(fault: ReceivedMessage | ConnectorError) -> None:
+    if isinstance(fault, ReceivedMessage):
         log.warning("a message of '%s' is not whole: %s", cut(fault.message.name, 40), cut(fault.why, 200))
     else:
         log.warning("%s", cut(fault, 300))

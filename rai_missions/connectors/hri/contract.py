@@ -11,7 +11,7 @@ from dataclasses import replace
 
 from rai_missions.connectors.connector import Connector
 from rai_missions.connectors.contract import Inbox
-from rai_missions.connectors.hri.assembly import Received
+from rai_missions.connectors.hri.assembly import ReceivedMessage
 from rai_missions.connectors.hri.connector import FROM_HUMAN, TO_HUMAN, HRIConnector
 from rai_missions.connectors.hri.message import MOST_TEXT, Audio, HRIMessage
 from rai_missions.connectors.hri.parts import parts_of
@@ -59,7 +59,7 @@ def _carries_every_field(hri: HRIConnector) -> None:
 
 def _joins_a_long_message(hri: HRIConnector) -> None:
     inbox: Inbox[HRIMessage] = Inbox()
-    faults: Inbox[Received | ConnectorError] = Inbox()
+    faults: Inbox[ReceivedMessage | ConnectorError] = Inbox()
     hri.listen(FROM_HUMAN, inbox, on_fault=faults)
     for name in ("Anna", "Ben"):
         hri.send(HRIMessage(f"{name}: {LONG}", name=name), FROM_HUMAN)
@@ -80,20 +80,20 @@ def _joins_what_comes_mixed(hri: HRIConnector) -> None:
 
 def _reports_a_lost_part(hri: HRIConnector) -> None:
     inbox: Inbox[HRIMessage] = Inbox()
-    faults: Inbox[Received | ConnectorError] = Inbox()
+    faults: Inbox[ReceivedMessage | ConnectorError] = Inbox()
     hri.listen(FROM_HUMAN, inbox, on_fault=faults)
     first, second, *rest = parts_of(HRIMessage(LONG), "lossy")
     for each in (first, first, *rest):
         hri.send(each, FROM_HUMAN)
     (fault,) = faults.wait(bool, "a part was lost")
-    assert isinstance(fault, Received) and fault.missing == (1,), f"the lost part is named: {fault}"
+    assert isinstance(fault, ReceivedMessage) and fault.missing == (1,), f"the lost part is named: {fault}"
     assert fault.duplicated == 1 and fault.message.text == LONG.replace(second.text, "", 1), "with what there was"
     assert not inbox.all, "half a message is no message"
 
 
 def _reports_what_is_no_message(hri: HRIConnector) -> None:
     inbox: Inbox[HRIMessage] = Inbox()
-    faults: Inbox[Received | ConnectorError] = Inbox()
+    faults: Inbox[ReceivedMessage | ConnectorError] = Inbox()
     hri.listen(FROM_HUMAN, inbox, on_fault=faults)
     broken = {"audio": [1, 2, 3], "sample_rate": 16_000, "channels": 2}
     hri.connector.publish(FROM_HUMAN, TYPE, {"text": "x" * 10_000_000})

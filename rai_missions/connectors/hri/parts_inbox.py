@@ -10,7 +10,7 @@ import threading
 from collections.abc import Callable, Iterable
 from functools import partial
 
-from rai_missions.connectors.hri.assembly import Assembly, Received
+from rai_missions.connectors.hri.assembly import Assembly, ReceivedMessage
 from rai_missions.connectors.hri.message import HRIMessage
 from rai_missions.connectors.worker import SerialQueue, Work
 
@@ -28,7 +28,7 @@ class PartsInbox:
     """
 
     def __init__(
-        self, assembly: Assembly, on_received: Callable[[Received], object], now: Callable[[], float],
+        self, assembly: Assembly, on_received: Callable[[ReceivedMessage], object], now: Callable[[], float],
         later: Callable[[float, Work], Work],
     ) -> None:  # fmt: skip
         self._assembly, self._on_received, self._now, self._later = assembly, on_received, now, later
@@ -56,7 +56,7 @@ class PartsInbox:
             self._pass(self._assembly.expire(self._now()))
         self._queue.run()
 
-    def _pass(self, found: Iterable[Received]) -> None:
+    def _pass(self, found: Iterable[ReceivedMessage]) -> None:
         """The lock is held: what is found is queued, and passed on once it is not."""
         for each in () if self._is_closed else found:
             self._queue.put(partial(self._on_received, each))

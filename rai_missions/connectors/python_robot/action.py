@@ -28,11 +28,11 @@ LIBRARIES = tuple({sysconfig.get_path(each) for each in ("stdlib", "purelib", "p
 """Where an author has written nothing: the place of a fault is the last line outside of them."""
 
 
-class Canceled:
+class CancelResult:
     """What `run.cancel()` gives, to be returned."""
 
 
-CANCELED = Canceled()
+CANCELED = CancelResult()
 
 
 class GoalRun(Generic[E]):
@@ -54,7 +54,7 @@ class GoalRun(Generic[E]):
         """The mission wants the goal to end: stop what moves, and `return run.cancel()`."""
         return self._is_canceled
 
-    def cancel(self) -> Canceled:
+    def cancel(self) -> CancelResult:
         """Return this: the goal has ended because it was canceled."""
         return CANCELED
 
@@ -74,7 +74,7 @@ class GoalRun(Generic[E]):
 
     def finish(self, returned: Any) -> None:
         """The function has returned."""
-        if isinstance(returned, Canceled):
+        if isinstance(returned, CancelResult):
             self.report("canceled")
             return
         try:

@@ -20,7 +20,7 @@ from rai_missions.connectors.ros2.services import MANY
 from rai_missions.errors import ConnectorError
 from rai_missions.redaction import logger
 
-__all__ = ("Served",)
+__all__ = ("ServedAction",)
 
 log = logger(__name__)
 
@@ -39,7 +39,7 @@ class _Goal:
     """The server has just refused to cancel it."""
 
 
-class Served:
+class ServedAction:
     """One action that is served. Made and destroyed on the runtime's thread; closed from any."""
 
     def __init__(self, runtime: Runtime, action: str, cls: Any, server: ActionServer) -> None:
@@ -167,7 +167,7 @@ class Served:
 class _Entity(RclpyServer):  # type: ignore[misc]
     """rclpy's action server, whose goals are answered when the answer is known and concluded when they end."""
 
-    def __init__(self, served: Served, runtime: Runtime, action: str, cls: Any) -> None:
+    def __init__(self, served: ServedAction, runtime: Runtime, action: str, cls: Any) -> None:
         self._served = served
         self._decision = GoalResponse.REJECT
         super().__init__(

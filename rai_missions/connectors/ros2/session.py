@@ -22,7 +22,7 @@ from rai_missions.connectors.connector import (
     Report,
 )
 from rai_missions.connectors.ros2.action_client import ClientGoal
-from rai_missions.connectors.ros2.action_server import Served
+from rai_missions.connectors.ros2.action_server import ServedAction
 from rai_missions.connectors.ros2.config import Options
 from rai_missions.connectors.ros2.goal_client import GoalClient
 from rai_missions.connectors.ros2.node_thread import Runtime, Work, guarded
@@ -60,7 +60,7 @@ class Session:
         self._publications: dict[str, Publication] = {}
         self._clients: dict[str, Client] = {}
         self._goal_clients: dict[str, GoalClient] = {}
-        self._served: dict[str, Service | Served] = {}
+        self._served: dict[str, Service | ServedAction] = {}
         self._calls: set[_Once] = set()
         self._goals: dict[str, Callable[[str], None]] = {}
         self._sent: dict[str, ClientGoal] = {}
@@ -131,7 +131,7 @@ class Session:
     def serve(self, service: str, cls: Any, answer: Answer) -> Close:
         return self._keep(service, lambda: Service(self.runtime, service, cls, answer))
 
-    def _keep(self, name: str, make: Callable[[], Service | Served]) -> Close:
+    def _keep(self, name: str, make: Callable[[], Service | ServedAction]) -> Close:
         with self._lock:
             if name in self._served:
                 raise UsageError(f"{name} is served already; close the first server before another")
@@ -148,7 +148,7 @@ class Session:
     # -- actions ---------------------------------------------------------------------------------------------------
 
     def offer(self, action: str, cls: Any, server: ActionServer) -> Close:
-        return self._keep(action, lambda: Served(self.runtime, action, cls, server))
+        return self._keep(action, lambda: ServedAction(self.runtime, action, cls, server))
 
     def _goal_client(self, action: str, cls: Any) -> GoalClient:
         if action not in self._goal_clients:
@@ -226,7 +226,7 @@ class Session:
                 client.hasten()
             self._is_silent = True
             with self._lock:
-                served = tuple(each for each in self._served.values() if isinstance(each, Served))
+                served = tuple(each for each in self._served.values() if isinstance(each, ServedAction))
                 self._goals.clear()
             for each in served:
                 each.close()

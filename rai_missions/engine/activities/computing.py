@@ -13,10 +13,10 @@ from rai_missions.engine.activities.activity import ActivityHost, Machine, Outco
 from rai_missions.event import Event
 from rai_missions.guards.guard import Operand, Site
 
-__all__ = ("Computed", "ComputingMachine")
+__all__ = ("ComputedResult", "ComputingMachine")
 
 
-class Computed(NamedTuple):
+class ComputedResult(NamedTuple):
     """What was worked out."""
 
     outcome: str
@@ -38,13 +38,13 @@ class ComputingMachine(Machine):
     """
 
     def __init__(
-        self, owner: str, site: Site, given: Sequence[str], into: str, compute: Callable[..., Computed], *,
+        self, owner: str, site: Site, given: Sequence[str], into: str, compute: Callable[..., ComputedResult], *,
         follows: bool = False,
     ) -> None:  # fmt: skip
         self.owner, self.site, self.into, self.compute, self.follows = owner, site, into, compute, follows
         self.given = [(path, Operand(path, site)) for path in given]
 
-    def computing(self, compute: Callable[..., Computed]) -> ComputingMachine:
+    def computing(self, compute: Callable[..., ComputedResult]) -> ComputingMachine:
         """The same with another function: a proof's."""
         return ComputingMachine(self.owner, self.site, [path for path, _ in self.given], self.into, compute)
 

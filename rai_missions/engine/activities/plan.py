@@ -6,7 +6,7 @@ from __future__ import annotations
 from typing import Any
 
 from rai_missions.engine.activities.activity import Bench, machine_of
-from rai_missions.engine.activities.computing import Computed, ComputingMachine
+from rai_missions.engine.activities.computing import ComputedResult, ComputingMachine
 from rai_missions.errors import DefinitionError
 from rai_missions.planning import Plan as Planned
 from rai_missions.planning import Refusal, plan_data, planned, read_goal, read_scene
@@ -15,7 +15,7 @@ from rai_missions.states.plan import Plan
 __all__ = ()
 
 
-def _planned(wanted: Any, seen: Any) -> Computed:
+def _planned(wanted: Any, seen: Any) -> ComputedResult:
     try:
         goal, scene = read_goal(wanted), read_scene(seen)
     except DefinitionError:
@@ -23,7 +23,7 @@ def _planned(wanted: Any, seen: Any) -> Computed:
     else:
         found = goal if isinstance(goal, Refusal) else planned(goal, scene)
     value = plan_data(found)
-    return Computed("failed" if value["reason"] else "succeeded", value, value["about"])
+    return ComputedResult("failed" if value["reason"] else "succeeded", value, value["about"])
 
 
 @machine_of.register(Plan)

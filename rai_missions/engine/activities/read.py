@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from rai_missions.engine.activities.activity import Bench, machine_of
-from rai_missions.engine.activities.computing import Computed, ComputingMachine
+from rai_missions.engine.activities.computing import ComputedResult, ComputingMachine
 from rai_missions.errors import DefinitionError
 from rai_missions.planning import read_scene
 from rai_missions.states.read import Read
@@ -15,7 +15,7 @@ from rai_missions.states.read import Read
 __all__ = ()
 
 
-def _read(request: Any, seen: Any, last: Any) -> Computed:
+def _read(request: Any, seen: Any, last: Any) -> ComputedResult:
     from rai_missions.planning.reading import read_answer  # a grammar with its languages
 
     offered = last.get("candidates") if isinstance(last, Mapping) else None
@@ -25,7 +25,7 @@ def _read(request: Any, seen: Any, last: Any) -> Computed:
         about = "what is seen cannot be read"
         value = {"goal": None, "question": "", "candidates": [], "reason": "unreadable", "about": about}
     outcome = "succeeded" if value["goal"] is not None else "unclear" if value["question"] else "refused"
-    return Computed(outcome, value, value["about"])
+    return ComputedResult(outcome, value, value["about"])
 
 
 @machine_of.register(Read)

@@ -17,10 +17,10 @@ from rai_missions.mission.mission import Mission
 from rai_missions.replay.play.choice import Input, PlayChoice, perform
 from rai_missions.replay.play.offers import OpenChoices
 
-__all__ = ("Click", "Done", "Play")
+__all__ = ("Click", "Play", "PlayStep")
 
 
-class Done(NamedTuple):
+class PlayStep(NamedTuple):
     """A step of a play, with what its row in a journal needs."""
 
     step: Step
@@ -37,7 +37,7 @@ class Click(NamedTuple):
     words: str
     values: Mapping[str, Any]
     inputs: tuple[Input, ...]
-    done: tuple[Done, ...]
+    done: tuple[PlayStep, ...]
     active: frozenset[str]
     """The active states afterwards."""
     before: Chart
@@ -89,11 +89,11 @@ class Play:
             raise UsageError(f"'{name}' cannot happen now{suggestion(name, choices)}")
         choice, given = choices[name], dict(values or {})
         chart = self.chart.branch()
-        inputs, done = tuple(choice.inputs(chart, given)), list[Done]()
+        inputs, done = tuple(choice.inputs(chart, given)), list[PlayStep]()
         for each in inputs:
             steps, since = perform(chart, each), chart.at
             for step in steps:
-                done.append(Done(step, since, chart.quiet and step.event.kind in ("write", "tick")))
+                done.append(PlayStep(step, since, chart.quiet and step.event.kind in ("write", "tick")))
                 since = chart.at
         click = Click(choice.name, choice.words, given, inputs, tuple(done), chart.active, self.chart)
         self.chart, self._choices = chart, None

@@ -13,7 +13,7 @@ from typing import Any
 
 from rai_missions.connectors.connector import Data, Report
 from rai_missions.worlds.desk.kinematics import ToolPose
-from rai_missions.worlds.desk.motion import Ending, Motion, Skill, ThingPose
+from rai_missions.worlds.desk.motion import Motion, Skill, SkillEnd, ThingPose
 from rai_missions.worlds.goal_server import GoalServer, Later, RunningGoal
 
 __all__ = ("MOVE", "PICK", "PLACE", "ArmServer", "MoveArm", "PickAt", "PlaceAt")
@@ -111,5 +111,5 @@ def _written(pose: ToolPose) -> dict[str, float]:
     return {"x": round(pose.x, 4), "y": round(pose.y, 4), "z": round(pose.z, 4), "yaw": round(pose.yaw, 4)}
 
 
-def _result(ending: Ending) -> dict[str, Any]:
+def _result(ending: SkillEnd) -> dict[str, Any]:
     return {"success": ending.end == "succeeded", "reason": ending.reason, "message": ending.message}

@@ -25,7 +25,7 @@ from rai_missions.worlds.desk.skill_log import LoggedDrive, ReplayedDrive, Skill
 from rai_missions.worlds.desk.trajectory import CONTROL_S, Trajectory
 from rai_missions.worlds.desk.ways import LIFT_M, WayPlanner, WayStart, leaning, transit_height
 
-__all__ = ("Ending", "Motion", "Skill", "ThingPose")
+__all__ = ("Motion", "Skill", "SkillEnd", "ThingPose")
 
 FINGER_MPS = 0.2
 """How fast the fingers' distance changes."""
@@ -55,7 +55,7 @@ class ThingPose(NamedTuple):
     yaw: float
 
 
-class Ending(NamedTuple):
+class SkillEnd(NamedTuple):
     """How a skill ended."""
 
     end: Literal["succeeded", "failed", "canceled"]
@@ -64,7 +64,7 @@ class Ending(NamedTuple):
     message: str = ""
 
 
-Course = Generator[None, None, Ending]
+Course = Generator[None, None, SkillEnd]
 """A skill under way."""
 OWN = ("_joints", "_pose", "_came", "_width", "_held")
 """What a skill writes."""
@@ -110,7 +110,7 @@ class Motion:
         self._skill: Course | None = None
         self._log: SkillLog | None = None
         self._is_unwanted = False
-        self.ending: Ending | None = None
+        self.ending: SkillEnd | None = None
         """Of the last skill; None while one runs."""
 
     @property
@@ -148,13 +148,13 @@ class Motion:
         except StopIteration as over:
             self._end(over.value)
         except SkillStopped:
-            self._end(Ending("canceled", "", "canceled"))
+            self._end(SkillEnd("canceled", "", "canceled"))
         except SkillFailure as refused:
-            self._end(Ending("failed", refused.reason, str(refused)))
+            self._end(SkillEnd("failed", refused.reason, str(refused)))
         except Unreachable as unreachable:
-            self._end(Ending("failed", "cannot_reach", str(unreachable)))
+            self._end(SkillEnd("failed", "cannot_reach", str(unreachable)))
 
-    def _end(self, ending: Ending) -> None:
+    def _end(self, ending: SkillEnd) -> None:
         self._skill, self._log, self.ending = None, None, ending
         self._logged.readings.clear()
 
@@ -194,13 +194,13 @@ class Motion:
         yield from self._set_gripper(after)
         if grasp and not self._drive.grip().is_holding:
             raise SkillFailure("not_held", "the fingers closed on nothing")
-        return Ending("succeeded")
+        return SkillEnd("succeeded")
 
     @skill
     def home(self) -> Course:
         """Raise the gripper and go where the cameras see the desk."""
         yield from self._go_home()
-        return Ending("succeeded")
+        return SkillEnd("succeeded")
 
     @skill
     def pick(self, name: str, place: ThingPose) -> Course:
@@ -232,7 +232,7 @@ class Motion:
             self._held = None
             yield from self._go_home()
             raise SkillFailure("not_held", f"after the lift the fingers do not press on {name}")
-        return Ending("succeeded")
+        return SkillEnd("succeeded")
 
     @skill
     def place(self, name: str, place: ThingPose) -> Course:
@@ -259,7 +259,7 @@ class Motion:
         yield from self._open(release.opening_m)
         self._held = None
         yield from self._go_home()
-        return Ending("succeeded")
+        return SkillEnd("succeeded")
 
     # ── What they are made of ─────────────────────────────────────────────────────────────────────────────────────
 

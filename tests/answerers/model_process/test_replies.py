@@ -12,7 +12,7 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from langchain_core.messages import AIMessage, HumanMessage, SystemMessage, ToolMessage
 
-from rai_missions.answerers.model.chat import Abilities, BudgetExceeded, Raised
+from rai_missions.answerers.model.chat import Abilities, BudgetExceeded, ModelFault
 from rai_missions.answerers.model.parse_reply import LONGEST, ModelReply, read, reply_of
 from rai_missions.answerers.model.process.words import (
     LONGEST_NAME,
@@ -43,7 +43,7 @@ def test_any_reply_is_read_or_refused(message: dict[str, Any]) -> None:
     for reader in (reply_in, abilities_in):
         try:
             made = reader(message)
-        except (Broken, Raised, BudgetExceeded):
+        except (Broken, ModelFault, BudgetExceeded):
             continue
         if isinstance(made, ModelReply):
             assert read(made, QUESTION) is not None

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rai_missions.connectors.hri.assembly import Assembly, Received
+from rai_missions.connectors.hri.assembly import Assembly, ReceivedMessage
 from rai_missions.connectors.hri.message import Audio, HRIMessage
 from rai_missions.connectors.hri.parts import parts_of
 from rai_missions.errors import UsageError
@@ -56,7 +56,7 @@ def part(number: int, text: str = "x", end: bool = False, name: str = "", ident:
     return HRIMessage(text, (), (), "human", name, ident, number, end)
 
 
-def whys(found: tuple[Received, ...]) -> list[str]:
+def whys(found: tuple[ReceivedMessage, ...]) -> list[str]:
     return [each.why for each in found]
 
 
@@ -64,11 +64,11 @@ def test_a_lone_first_part_is_the_message_of_a_program_that_marks_no_end() -> No
     assembly = Assembly()
     assert assembly.add(part(0, "stop"), 1.0) == ()
     assert assembly.due == 1.3 and assembly.expire(1.2) == ()
-    assert assembly.expire(1.3) == (Received(part(0, "stop")),)
+    assert assembly.expire(1.3) == (ReceivedMessage(part(0, "stop")),)
 
 
 def test_a_message_without_an_id_is_whole() -> None:
-    assert Assembly().add(part(0, "go", ident=""), 0.0) == (Received(part(0, "go", True, ident="")),)
+    assert Assembly().add(part(0, "go", ident=""), 0.0) == (ReceivedMessage(part(0, "go", True, ident="")),)
     (found,) = Assembly().add(part(3, "go", ident=""), 0.0)
     assert found.why == "part 3 has no communication_id, by which the others are known"
 

@@ -22,12 +22,12 @@ from rai_missions.worlds.desk.actions import MOVE, PICK, PLACE
 from rai_missions.worlds.desk.arm import TOPICS, Arm
 from rai_missions.worlds.desk.kinematics import ToolPose
 from rai_missions.worlds.desk.manipulator import MOVE_TO
-from rai_missions.worlds.desk.motion import Ending, Skill, ThingPose
+from rai_missions.worlds.desk.motion import Skill, SkillEnd, ThingPose
 from rai_missions.worlds.desk.panda.model import HOME, fragment
 from rai_missions.worlds.desk.scene import build, settle
 from rai_missions.worlds.desk.scene_file import desk_objects
 from rai_missions.worlds.desk.truth import DeskTruth, truth_of
-from rai_missions.worlds.publish_queue import Guarded, Outbox
+from rai_missions.worlds.publish_queue import LockedServer, Outbox
 
 pytestmark = pytest.mark.sim
 
@@ -88,7 +88,7 @@ class Bench:
         if self.periods % 20 == 0:
             self.look()
 
-    def run(self, skill: Skill, stop: Stop = lambda _bench: False) -> Ending:
+    def run(self, skill: Skill, stop: Stop = lambda _bench: False) -> SkillEnd:
         self.arm.motion.begin(skill)
         is_stopped, until = False, self.at + 60
         while self.arm.motion.is_busy:
@@ -103,10 +103,10 @@ class Bench:
     def where(self, name: str) -> ThingPose:
         return ThingPose(*(self.seen[name][axis] for axis in ("x", "y", "z", "yaw")))
 
-    def pick(self, name: str) -> Ending:
+    def pick(self, name: str) -> SkillEnd:
         return self.run(self.arm.motion.pick(name, self.where(name)))
 
-    def put(self, name: str, x: float, y: float, z: float, yaw: float = 0.0) -> Ending:
+    def put(self, name: str, x: float, y: float, z: float, yaw: float = 0.0) -> SkillEnd:
         return self.run(self.arm.motion.place(name, ThingPose(x, y, z, yaw)))
 
     def is_home(self) -> bool:
@@ -132,10 +132,10 @@ def test_what_is_taken_is_held_after_the_lift_and_stands_where_it_was_to_be() ->
         "corn": (0.55, 0.0, 0.022), "tomato": (0.65, -0.3, 0.027),
     }  # fmt: skip
     for name, goal in goals.items():
-        assert bench.pick(name) == Ending("succeeded")
+        assert bench.pick(name) == SkillEnd("succeeded")
         assert bench.truth().held == name
         assert bench.arm.gripper()["holding"]
-        assert bench.put(name, *goal, yaw=0.4) == Ending("succeeded")
+        assert bench.put(name, *goal, yaw=0.4) == SkillEnd("succeeded")
         assert bench.truth().held == ""
         assert not bench.arm.gripper()["holding"]
         assert bench.off(name, *goal) < 0.004, name
@@ -161,7 +161,7 @@ def test_a_cube_among_four_that_touch_is_pushed_free_and_taken(yaw: float) -> No
         cube(colour, 0.5 + cos * x - sin * y, sin * x + cos * y, yaw)
         for colour, (x, y) in zip(COLOURS, corners, strict=False)
     ))  # fmt: skip
-    assert bench.pick("red_cube") == Ending("succeeded")
+    assert bench.pick("red_cube") == SkillEnd("succeeded")
     assert bench.truth().held == "red_cube"
 
 
@@ -171,7 +171,7 @@ def test_next_to_the_walls_of_a_bin_and_of_a_tray_a_thing_is_let_fall_from_above
     )
     for name, x, y in (("red_cube", 0.35, -0.284), ("blue_cube", 0.57, 0.4)):
         assert bench.pick(name).end == "succeeded"
-        assert bench.put(name, x, y, 0.027, yaw=0.3) == Ending("succeeded")
+        assert bench.put(name, x, y, 0.027, yaw=0.3) == SkillEnd("succeeded")
         one = bench.truth().things[name]
         assert one.z < 0.06
         assert math.dist((one.x, one.y), (x, y)) < 0.06
@@ -190,13 +190,13 @@ def test_what_cannot_be_taken_is_refused_with_the_reason_before_anything_is_touc
         thing("bin", 0.5, -0.4), cube("yellow", 0.5, -0.4, floor=1),
     )  # fmt: skip
     before = bench.truth().things
-    assert bench.pick("red_cube") == Ending("failed", "covered", "green_cube stands on red_cube")
-    assert bench.pick("tray") == Ending("failed", "too_wide", "tray is wider than the gripper opens")
+    assert bench.pick("red_cube") == SkillEnd("failed", "covered", "green_cube stands on red_cube")
+    assert bench.pick("tray") == SkillEnd("failed", "too_wide", "tray is wider than the gripper opens")
     far = bench.pick("blue_cube")
     assert far.reason == "cannot_reach"
     assert "0.95 m from the base, however the hand leans" in far.message
     assert bench.pick("yellow_cube").reason == "no_room"
-    assert bench.put("red_cube", 0.4, 0.0, 0.022) == Ending(
+    assert bench.put("red_cube", 0.4, 0.0, 0.022) == SkillEnd(
         "failed", "nothing_held", "the gripper does not hold red_cube"
     )
     for name, one in bench.truth().things.items():
@@ -273,7 +273,7 @@ class Peer:
             self.connector.subscribe(f"/{name}", "", self._receive)
         self.outbox.open(self.connector)
         for name, type_name, server in self.bench.arm.actions(self.outbox, 0.0):
-            self.connector.offer(name, type_name, Guarded(server, self.outbox))
+            self.connector.offer(name, type_name, LockedServer(server, self.outbox))
         for (name, type_name), answer in self.bench.arm.services(self.outbox).items():
             self.connector.serve(name, type_name, answer)
         self.replies: list[Reply] = []

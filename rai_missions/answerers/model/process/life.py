@@ -13,7 +13,7 @@ import threading
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
-from rai_missions.answerers.model.chat import Abilities, Absent, BudgetExceeded, Ended
+from rai_missions.answerers.model.chat import Abilities, Absent, BudgetExceeded, ModelExit
 from rai_missions.answerers.model.parse_reply import ModelReply
 from rai_missions.answerers.model.process.words import abilities_in, reply_in
 from rai_missions.connectors.process.frames import Broken
@@ -194,8 +194,8 @@ class Life:
 
     # -- on the thread of the process ----------------------------------------------------------------------------------
 
-    def _ended(self) -> Ended:
-        return Ended(f"the model's process ended: {self.why or 'it was closed'}")
+    def _ended(self) -> ModelExit:
+        return ModelExit(f"the model's process ended: {self.why or 'it was closed'}")
 
     def _release_all(self) -> None:
         with self._lock:
@@ -247,7 +247,7 @@ class Life:
         try:
             call.release(reply_in(message))
         except Broken as broken:
-            call.release(Ended(f"the model's process was ended: {broken}"))
+            call.release(ModelExit(f"the model's process was ended: {broken}"))
             raise
         except BaseException as raised:  # noqa: BLE001 - what the model raised goes to whatever asked
             call.release(raised)

@@ -16,7 +16,7 @@ from langchain_core.messages import BaseMessage
 from rai_missions.answerers.model.chat import Abilities, Absent, BudgetExceeded
 from rai_missions.answerers.model.output_modes import AnswerForm, Mode
 from rai_missions.answerers.model.parse_reply import ModelReply
-from rai_missions.answerers.model.pending import Pending
+from rai_missions.answerers.model.pending import PendingQuestion
 from rai_missions.answerers.model.process.life import Life
 from rai_missions.answerers.model.process.words import packed
 from rai_missions.connectors.process.life import PATIENCE_S
@@ -70,12 +70,12 @@ class ModelProcess:
             self._timers.start()
             self._begin()
 
-    def abilities(self, pending: Pending) -> Abilities:
+    def abilities(self, pending: PendingQuestion) -> Abilities:
         able = self._current().wait_able(pending.when_closed)
         self._name = able.name
         return able
 
-    def converse(self, mode: Mode, form: AnswerForm, pending: Pending) -> Exchange:
+    def converse(self, mode: Mode, form: AnswerForm, pending: PendingQuestion) -> Exchange:
         life = self._current()
         if not life.heeds_within(PROMPT_S) or life.lingering >= MOST_LINGERING:
             self._replace(life)
@@ -170,7 +170,7 @@ class Exchange:
     """A conversation with the model in its process."""
 
     def __init__(
-        self, model: ModelProcess, life: Life, number: int, mode: Mode, form: AnswerForm, pending: Pending
+        self, model: ModelProcess, life: Life, number: int, mode: Mode, form: AnswerForm, pending: PendingQuestion
     ) -> None:
         self._model, self._life, self._number, self._pending = model, life, number, pending
         self._first = {"do": "begin", "mode": mode, "schema": form.schema, "tools": list(form.tools)}

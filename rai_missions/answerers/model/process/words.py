@@ -12,7 +12,7 @@ from typing import Any
 
 from langchain_core.messages import BaseMessage, HumanMessage, SystemMessage, ToolMessage
 
-from rai_missions.answerers.model.chat import Abilities, BudgetExceeded, Raised
+from rai_missions.answerers.model.chat import Abilities, BudgetExceeded, ModelFault
 from rai_missions.answerers.model.parse_reply import CALLS, LONGEST, ModelReply, plain, too_long, too_many
 from rai_missions.connectors.process.frames import Broken
 from rai_missions.redaction import Redaction, cut, redacted
@@ -103,7 +103,7 @@ def reply_words(answer: ModelReply | BaseException | None) -> dict[str, Any]:
     if isinstance(answer, BudgetExceeded):
         return {"spent": cut(answer, LONGEST_NAME)}
     if isinstance(answer, BaseException):
-        raised = answer if isinstance(answer, Raised) else Raised.by(answer)
+        raised = answer if isinstance(answer, ModelFault) else ModelFault.by(answer)
         what = cut(raised.what, LONGEST_WORDS)
         return {"raised": cut(raised.kind, LONGEST_NAME), "what": what, "unfit": raised.unfit}
     if answer is None:
@@ -135,7 +135,7 @@ def reply_in(message: Mapping[str, Any]) -> ModelReply | None:
     """
     if "raised" in message:
         kind, what = _text(message, "raised", LONGEST_NAME), _text(message, "what", LONGEST_WORDS)
-        raise Raised(kind, what, unfit=message.get("unfit") is True)
+        raise ModelFault(kind, what, unfit=message.get("unfit") is True)
     if "spent" in message:
         raise BudgetExceeded(_text(message, "spent", LONGEST_NAME))
     if message.get("nothing") is True:
