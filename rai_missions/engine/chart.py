@@ -342,10 +342,10 @@ class Chart:
         return frozenset(self.state.goals).union(self.state.calls, *each)
 
     @property
-    def open_goals(self) -> int:
+    def awaited_goals(self) -> int:
         """How many goals have an end that has not been confirmed and that the run waits for.
 
-        Not those that `Result` and the status call `open_goals`: these are `loose_goals`.
+        Those that are left unconfirmed, `open_goals` of `Result` and of the status, are `loose_goals`.
         """
         return awaited(self.state.goals)
 

@@ -42,12 +42,12 @@ class RunServer:
         """Start the mission for a goal."""
         given = mapping_in(goal.get("arguments", ""), "arguments")
         if isinstance(given, str):
-            receipt = CommandReply(False, given, goal_id)
+            reply = CommandReply(False, given, goal_id)
         else:
-            receipt = self._commands.ask(from_ros(Command("start", who(goal.get("by")), goal_id, arguments=given)))
-        if not receipt.success:
-            self._refused(receipt)
-            report(Report(goal_id, "rejected", {}, receipt.why))
+            reply = self._commands.ask(from_ros(Command("start", who(goal.get("by")), goal_id, arguments=given)))
+        if not reply.success:
+            self._refused(reply)
+            report(Report(goal_id, "rejected", {}, reply.why))
             return
         report(Report(goal_id, "accepted", {}))
         with self._lock:
@@ -62,10 +62,10 @@ class RunServer:
             self._is_unwanted = True
             self._commands.submit(Command("cancel", "operator (~/run)", goal_id, role="operator"), ignore_reply)
 
-    def follow(self, bulletin: StatusMessage) -> None:
+    def follow(self, status: StatusMessage) -> None:
         """What the mission is doing now."""
         with self._lock:
-            self._latest = bulletin
+            self._latest = status
             self._feed()
 
     def _feed(self) -> None:

@@ -63,7 +63,7 @@ class Command(NamedTuple):
     by: str = "operator"
     """Who wants it by their own word, for people; it grants nothing."""
     id: str = ""
-    """The client's own; its receipt carries it."""
+    """The client's own; its reply carries it."""
     arguments: Mapping[str, Any] = NOTHING
     to: str = ""
     question: int = 0
@@ -87,7 +87,7 @@ CALLED = {dict: "an object", str: "text", int: "a whole number"}
 
 
 def read_order(text: Any) -> Command | CommandReply:
-    """An order from its JSON, or why it is none; the receipt carries the order's id where that could be read."""
+    """An order from its JSON, or why it is none; the reply carries the order's id where that could be read."""
     given = mapping_in(text, "an order")
     if isinstance(given, str):
         return CommandReply(False, given)
@@ -146,7 +146,7 @@ def untaken(order: Command) -> str:
     return f"the run has not taken it yet; {then}, and what became of it is reported then"
 
 
-def ignore_reply(_receipt: CommandReply) -> None:
+def ignore_reply(_reply_of: CommandReply) -> None:
     """No one asks what became of an order."""
 
 

@@ -70,18 +70,18 @@ class CommandServer:
 
     def ask(self, order: Command, within_s: float = PATIENCE_S) -> CommandReply:
         """Take an order and wait, for a moment, for what becomes of it."""
-        receipts: list[CommandReply] = []
+        replies: list[CommandReply] = []
         is_answered = threading.Event()
 
-        def receive(receipt: CommandReply) -> None:
-            receipts.append(receipt)
+        def receive(reply: CommandReply) -> None:
+            replies.append(reply)
             is_answered.set()
 
         self.submit(order, receive)
         session = self.live
         if session is None or not session.is_here:  # a run that asks its own node would wait for itself
             is_answered.wait(within_s)
-        return receipts[0] if receipts else CommandReply(False, untaken(order), order.id)
+        return replies[0] if replies else CommandReply(False, untaken(order), order.id)
 
     def attend(self, session: RunSession) -> None:
         """A run is about to begin."""

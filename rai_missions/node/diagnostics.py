@@ -21,31 +21,31 @@ NOTHING: Mapping[str, SourceState] = {}
 
 
 def level(
-    bulletin: StatusMessage, stale: Sequence[str] = (), strangers: int = 0, sources: Mapping[str, SourceState] = NOTHING
+    status: StatusMessage, stale: Sequence[str] = (), strangers: int = 0, sources: Mapping[str, SourceState] = NOTHING
 ) -> tuple[int, str]:
     """The level and the sentence.
 
     Args:
-        bulletin: What the mission is doing.
+        status: What the mission is doing.
         stale: Keys of the robot that are older than they may be, while the mission runs.
         strangers: Other nodes that have spoken under the same name.
         sources: Robot key → what is known of the readings of its source.
     """
-    if bulletin.fault:
-        return ERROR, bulletin.fault
-    if bulletin.mode in ("failed", "aborted"):
-        moving = f"; {may_move(bulletin.open_goals)}" if bulletin.open_goals else ""
-        return ERROR, f"{bulletin.mode}: {bulletin.why}{moving}"
-    if bulletin.open_goals:
-        return ERROR, may_move(bulletin.open_goals)
+    if status.fault:
+        return ERROR, status.fault
+    if status.mode in ("failed", "aborted"):
+        moving = f"; {may_move(status.open_goals)}" if status.open_goals else ""
+        return ERROR, f"{status.mode}: {status.why}{moving}"
+    if status.open_goals:
+        return ERROR, may_move(status.open_goals)
     if strangers:
-        return WARN, f"another node is called {bulletin.node} too; give one of them another name with --node"
-    if bulletin.mode in ("paused", "canceling"):
-        return WARN, bulletin.mode
-    if bulletin.waits:
-        return WARN, bulletin.waits
-    if bulletin.questions:
-        asked = bulletin.questions[0].question
+        return WARN, f"another node is called {status.node} too; give one of them another name with --node"
+    if status.mode in ("paused", "canceling"):
+        return WARN, status.mode
+    if status.waits:
+        return WARN, status.waits
+    if status.questions:
+        asked = status.questions[0].question
         return WARN, cut(f"question {asked.number} waits for {asked.asked}: {asked.text}", 300)
     if stale:
         return WARN, f"not fresh: {', '.join(stale)}"
@@ -53,7 +53,7 @@ def level(
         return WARN, cut(f"received and not understood: {misread}", 300)
     if offsets := _offsets(sources):
         return WARN, offsets
-    return OK, bulletin.mode
+    return OK, status.mode
 
 
 def _misread(sources: Mapping[str, SourceState]) -> str:
@@ -66,31 +66,31 @@ def _offsets(sources: Mapping[str, SourceState]) -> str:
 
 
 def array_of(
-    bulletin: StatusMessage, *, at: float, stale: Sequence[str] = (), strangers: int = 0,
+    status: StatusMessage, *, at: float, stale: Sequence[str] = (), strangers: int = 0,
     sources: Mapping[str, SourceState] = NOTHING, robot: str = "",
 ) -> dict[str, Any]:  # fmt: skip
     """The fields of a `diagnostic_msgs/msg/DiagnosticArray`.
 
     Args:
-        bulletin: What the mission is doing.
+        status: What the mission is doing.
         at: Wall time, in seconds since 1970.
         stale: As for `level`.
         strangers: As for `level`.
         sources: As for `level`.
         robot: The robot's name.
     """
-    found, message = level(bulletin, stale, strangers, sources)
+    found, message = level(status, stale, strangers, sources)
     values = {
-        "mission": f"{bulletin.mission} {bulletin.version}".strip(), "run": bulletin.run,
-        "lifecycle": bulletin.lifecycle, "mode": bulletin.mode, "control": bulletin.control,
-        "active": ", ".join(bulletin.active), "revision": str(bulletin.revision), "stale": ", ".join(stale),
+        "mission": f"{status.mission} {status.version}".strip(), "run": status.run,
+        "lifecycle": status.lifecycle, "mode": status.mode, "control": status.control,
+        "active": ", ".join(status.active), "revision": str(status.revision), "stale": ", ".join(stale),
         "clock offsets": _offsets(sources), "not understood": cut(_misread(sources), 1000),
-        "instance": bulletin.instance,
-        "open_goals": may_move(bulletin.open_goals),
+        "instance": status.instance,
+        "open_goals": may_move(status.open_goals),
     }  # fmt: skip
     status = {
         "level": found,
-        "name": f"{bulletin.node}: mission",
+        "name": f"{status.node}: mission",
         "message": message,
         "hardware_id": robot,
         "values": [{"key": key, "value": value} for key, value in values.items()],

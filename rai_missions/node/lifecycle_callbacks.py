@@ -62,9 +62,9 @@ class LifecycleCallbacks:
             raise UsageError("the mission is being canceled; deactivate the node when that has ended")
         if session is not None and session.mode in ("ready", "running"):
             word = "cancel" if session.mode == "ready" else "pause"
-            receipt = self._commands.ask(Command(word, "operator (deactivate)", role="operator"))
-            if not receipt.success and self._commands.live is not None:
-                raise UsageError(receipt.why)
+            reply = self._commands.ask(Command(word, "operator (deactivate)", role="operator"))
+            if not reply.success and self._commands.live is not None:
+                raise UsageError(reply.why)
             self._is_to_resume = word == "pause"
         self._commands.close(INACTIVE)
         finish("")

@@ -28,6 +28,7 @@ from rai_missions.node.services import STRING
 from rai_missions.node.status_message import StatusMessage, step_fields, step_text, text_of
 from rai_missions.node.transport import LOG_TOPIC, PACKAGE, Carrier
 from rai_missions.redaction import cut, logger
+from rai_missions.runtime.lifecycle import Status
 
 __all__ = ("StatusPublisher",)
 
@@ -112,27 +113,25 @@ class StatusPublisher:
             self._outlet.post(lambda: self._publish_status(latest))
 
     def _now(self) -> StatusMessage:
-        """How things are, under the revision of the last bulletin."""
+        """How things are, under the revision of the last status."""
         session, (mission, version), (label, fault) = self._session(), self._about(), self._lifecycle()
-        last = self._last
-        bulletin = IDLE._replace(
-            revision=last.revision, node=self._name.path, instance=self._instance, mission=mission, version=version,
-            lifecycle=label, fault=fault,
+        idle = IDLE._replace(
+            revision=self._last.revision, node=self._name.path, instance=self._instance, mission=mission,
+            version=version, lifecycle=label, fault=fault,
         )  # fmt: skip
         if session is None:
-            return bulletin
-        status, result = session.status, session.result
-        return bulletin._replace(
+            return idle
+        result = session.result
+        status = session.status or Status(0, session.mode, self._last.control, ())
+        now = idle._replace(
             run=session.runner.run_id, mode=session.mode, questions=session.questions(),
-            control=status.control if status is not None else last.control,
-            active=status.active if status is not None else (),
-            outcome=session.mode if session.is_over else "",
-            waits=status.waits if status is not None and not session.is_over else "",
-            held_by=status.held_by if status is not None and not session.is_over else "",
-            held_since=status.held_since or 0.0 if status is not None and not session.is_over else 0.0,
-            open_goals=result.open_goals if result is not None else status.open_goals if status is not None else (),
-            why=session.error or (result.why if result is not None else status.why if status is not None else ""),
+            control=status.control, active=status.active,
+            open_goals=status.open_goals if result is None else result.open_goals,
+            why=session.error or (status.why if result is None else result.why),
         )  # fmt: skip
+        if session.is_over:
+            return now._replace(outcome=session.mode)
+        return now._replace(waits=status.waits, held_by=status.held_by, held_since=status.held_since or 0.0)
 
     def step(self, step: Step, run: str) -> None:
         """A step was made; one that changed nothing is left out."""
@@ -147,9 +146,9 @@ class StatusPublisher:
         self._outlet.post(lambda: self._publish("transition_event", EVENT_TYPE, fields))
         self.changed()
 
-    def reply(self, receipt: CommandReply) -> None:
+    def reply(self, reply: CommandReply) -> None:
         """Report what became of an order."""
-        text = text_of({"id": receipt.id, "success": receipt.success, "why": receipt.why})
+        text = text_of({"id": reply.id, "success": reply.success, "why": reply.why})
         self._outlet.post(lambda: self._publish("reply", STRING, {"data": text}))
 
     def receive(self, message: Message) -> None:
@@ -165,14 +164,14 @@ class StatusPublisher:
 
     # -- on the publisher's thread --------------------------------------------------------------------------------
 
-    def _publish_status(self, bulletin: StatusMessage) -> None:
-        self._publish("status", STRING, {"data": text_of(bulletin.data())})
+    def _publish_status(self, status: StatusMessage) -> None:
+        self._publish("status", STRING, {"data": text_of(status.data())})
         if self._carrier.typed:
-            self._publish("mission_status", f"{PACKAGE}/msg/MissionStatus", bulletin.fields())
-        if bulletin.control != self._holder:
-            self._holder = bulletin.control
-            self._publish("control", STRING, {"data": bulletin.control})
-        self._on_status(bulletin)
+            self._publish("mission_status", f"{PACKAGE}/msg/MissionStatus", status.fields())
+        if status.control != self._holder:
+            self._holder = status.control
+            self._publish("control", STRING, {"data": status.control})
+        self._on_status(status)
         self._diagnose()
 
     def _publish_step(self, step: Step, run: str) -> None:
@@ -183,11 +182,11 @@ class StatusPublisher:
 
     def _diagnose(self) -> None:
         with self._lock:
-            bulletin = self._last
+            status = self._last
         session = self._session()
         stale, sources = (session.stale(), session.sources()) if session is not None else ((), {})
         fields = array_of(
-            bulletin, at=time.time(), stale=stale, strangers=len(self._strangers), sources=sources, robot=self._robot()
+            status, at=time.time(), stale=stale, strangers=len(self._strangers), sources=sources, robot=self._robot()
         )
         self._carrier.connector.publish("/diagnostics", DIAGNOSTICS, fields)
 
@@ -195,5 +194,5 @@ class StatusPublisher:
         self._carrier.connector.publish(self._name.below(name), type_name, fields)
 
 
-def _numbers(bulletin: StatusMessage) -> tuple[int, ...]:
-    return tuple(each.question.number for each in bulletin.questions)
+def _numbers(status: StatusMessage) -> tuple[int, ...]:
+    return tuple(each.question.number for each in status.questions)

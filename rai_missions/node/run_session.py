@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """One run, the orders that it was given, and what became of each.
 
-Rule: an order is an event in the run's mailbox like any other; its receipt is what the Step made of it.
+Rule: an order is an event in the run's mailbox like any other; its reply is what the Step made of it.
 """
 
 from __future__ import annotations
@@ -240,7 +240,7 @@ class RunSession:
         """Report to the client of an order what this step did."""
         waiting = self._waiting.pop(_request(step.event), None) if self._waiting else None
         if waiting is not None:
-            waiting.on_reply(_receipt(waiting.order, step))
+            waiting.on_reply(_reply_of(waiting.order, step))
 
     def _follow_questions(self, step: Step) -> bool:
         if not self._asked and not any(isinstance(effect, Ask) for effect in step.effects):
@@ -261,11 +261,11 @@ class RunSession:
 def _harmless(on_reply: ReplyCallback) -> ReplyCallback:
     """A client that cannot be reached any more, by a connection that is gone, does no harm to the run."""
 
-    def reply(receipt: CommandReply) -> None:
+    def reply(reply: CommandReply) -> None:
         try:
-            on_reply(receipt)
+            on_reply(reply)
         except Exception:
-            log.exception("what became of order '%s' could not be reported", receipt.id)
+            log.exception("what became of order '%s' could not be reported", reply.id)
 
     return reply
 
@@ -282,7 +282,7 @@ def _signed(order: Command) -> str:
     return order.by if is_signed else f"operator ({order.by})"
 
 
-def _receipt(order: Command, step: Step) -> CommandReply:
+def _reply_of(order: Command, step: Step) -> CommandReply:
     if order.command == "answer":
         if step.kept:
             return CommandReply(True, "it is judged once the run is resumed, or control is given back", order.id)

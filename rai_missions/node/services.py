@@ -74,5 +74,5 @@ def serve_typed_orders(connector: Connector, name: NodeName, commands: CommandSe
     return [connector.serve(name.below(word), f"{PACKAGE}/srv/{kind}", act) for word, kind, act in served]
 
 
-def _answered(receipt: CommandReply) -> dict[str, Any]:
-    return {"success": receipt.success, "message": receipt.why}
+def _answered(reply: CommandReply) -> dict[str, Any]:
+    return {"success": reply.success, "message": reply.why}

@@ -17,7 +17,9 @@ from rai_missions.redaction import cut
 __all__ = ("OpenQuestion", "StatusMessage", "step_fields", "step_text", "text_of")
 
 CUT = 2_000
-"""Characters of a text that a bulletin quotes."""
+"""Characters of a text that a status quotes."""
+JSON_ALONE = frozenset(("instance", "waits", "fault", "at"))
+"""Words of a status that `MissionStatus` has no field for; `at` is its stamp."""
 
 
 class OpenQuestion(NamedTuple):
@@ -25,7 +27,7 @@ class OpenQuestion(NamedTuple):
 
     question: Question
     left_s: float
-    """Seconds until its time is over, when the bulletin was written."""
+    """Seconds until its time is over, when the status was written."""
 
     def fields(self) -> dict[str, Any]:
         """As `rai_missions_msgs/msg/Question`."""
@@ -93,9 +95,8 @@ class StatusMessage(NamedTuple):
 
     def fields(self) -> dict[str, Any]:
         """As `rai_missions_msgs/msg/MissionStatus`."""
-        words = ("revision", "node", "lifecycle", "mission", "version", "run", "mode", "control", "outcome",
-                 "held_by", "held_since")  # fmt: skip
-        return {word: getattr(self, word) for word in words} | {
+        typed = {word: value for word, value in self._asdict().items() if word not in JSON_ALONE}
+        return typed | {
             "stamp": self.at,
             "active": list(self.active),
             "questions": [each.fields() for each in self.questions],

@@ -51,7 +51,7 @@ class WebCommands:
             self._reply(order, on_reply, CommandReply(False, why), has_arrived=False)
         else:
             self._session.submit(
-                order, lambda receipt: self._reply(order, on_reply, receipt, has_arrived=_has_arrived(order, receipt))
+                order, lambda reply: self._reply(order, on_reply, reply, has_arrived=_has_arrived(order, reply))
             )
 
     def _refuses(self, order: Command) -> str:
@@ -69,20 +69,20 @@ class WebCommands:
             return f"question {order.question} is not for the operator; {question.asked} is asked"
         return ""
 
-    def _reply(self, order: Command, on_reply: ReplyCallback, receipt: CommandReply, *, has_arrived: bool) -> None:
+    def _reply(self, order: Command, on_reply: ReplyCallback, reply: CommandReply, *, has_arrived: bool) -> None:
         """What the engine has received is in the journal with its answer; the rest is noted here."""
-        if not receipt.success and not has_arrived:
+        if not reply.success and not has_arrived:
             what = f"{order.command} {order.to or order.option}".strip()
             try:
-                self._note(f"refused: {cut(what, 100)} by {order.by}: {cut(receipt.why, 300)}")
+                self._note(f"refused: {cut(what, 100)} by {order.by}: {cut(reply.why, 300)}")
             except Exception:  # noqa: BLE001 - the engine itself finds out that the journal is lost
                 pass
-        on_reply(receipt.success, receipt.why)
+        on_reply(reply.success, reply.why)
 
 
-def _has_arrived(order: Command, receipt: CommandReply) -> bool:
+def _has_arrived(order: Command, reply: CommandReply) -> bool:
     """The engine has taken it as an event."""
-    return order.command != "control" and not receipt.dropped
+    return order.command != "control" and not reply.dropped
 
 
 def from_page(order: Command) -> Command:

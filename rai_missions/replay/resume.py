@@ -84,7 +84,7 @@ def resumption(
         began = row.since if last is None else began
         last = row.step
         decisions += last.questions
-    if chart.outcome is not None and not chart.open_goals and not under.unsure:
+    if chart.outcome is not None and not chart.awaited_goals and not under.unsure:
         raise UsageError(f"the run of {record.path} has ended, {chart.outcome}: {chart.why}; start a new one")
     replayer.stop_replaying()
     arguments = {name: value for name, value in record.header.arguments.items() if name in mission.blackboard}

@@ -191,7 +191,7 @@ class Runner(RunCommands):
 
     def _is_settled(self) -> bool:
         """Nothing that the ended mission has begun is waited for, and all that was reported of it is taken."""
-        if self._chart.open_goals or self._executor.handovers.letting_go or self._executor.is_concluding:
+        if self._chart.awaited_goals or self._executor.handovers.letting_go or self._executor.is_concluding:
             return False
         return self._mailbox.empty or not self._executor.hosts_actions
 

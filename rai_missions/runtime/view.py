@@ -76,12 +76,12 @@ class RunView:
         return self._chart.unheard
 
     @property
-    def open_goals(self) -> int:
+    def awaited_goals(self) -> int:
         """How many goals have an end that has not been confirmed and that the run waits for.
 
-        Not those that `Result` and the status call `open_goals`: these are `loose_goals`.
+        Those that are left unconfirmed, `open_goals` of `Result` and of the status, are `loose_goals`.
         """
-        return self._chart.open_goals
+        return self._chart.awaited_goals
 
     @property
     def loose_goals(self) -> tuple[OpenGoal, ...]:

@@ -155,7 +155,7 @@ def _run(seed: str, random: Random, folder: Path, steps: list[Step], mission: Mi
     trial = Trial(seed, result, yard, steps, model, wall_s)
     if yard.goals:
         trial.faults.append(f"goals left running: {list(yard.goals.values())}")
-    if runner.view.open_goals:
+    if runner.view.awaited_goals:
         trial.faults.append("the engine left goals open")
     connector.stop()
     return trial

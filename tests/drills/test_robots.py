@@ -81,7 +81,7 @@ def in_a_field(mission: Mission, seed: int, incoming: Rates, outgoing: Rates, fo
     return [
         *([f"it ended as '{result.outcome}'"] if result.outcome not in ENDS else []),
         *([f"it took {result.duration_s} s"] if result.duration_s > ENDS_S + 45 else []),
-        *(["the engine left goals open"] if runner.view.open_goals else []),
+        *(["the engine left goals open"] if runner.view.awaited_goals else []),
         *([f"its journal does not replay: {again.difference}"] if not again.holds else []),
         *([f"ran {again.outcome}, replayed {result.outcome}"] if again.outcome != result.outcome else []),
         *(f"goal {goal} runs on" for goal in unowned(field.goals, runner, steps)),
@@ -200,7 +200,7 @@ def with_the_tractor(seed: int, incoming: Rates, outgoing: Rates) -> list[str]:
         *(["a false success"] if result.outcome == "succeeded" and not world.counter.alleys else []),
         *([f"it ended as '{result.outcome}'"] if result.outcome not in ENDS else []),
         *([f"it took {result.duration_s} s"] if result.duration_s > 1800 else []),
-        *(["goals are open"] if prepared.runner.view.open_goals else []),
+        *(["goals are open"] if prepared.runner.view.awaited_goals else []),
     ]
 
 

@@ -42,7 +42,7 @@ def test_a_stop_cancels_a_goal_that_a_pause_keeps_and_starts_it_again_when_resum
     stopped = commanded(made, "stop", 2.0)
     assert (stopped.mode, canceled(stopped)) == ("paused", [number])
     made.send(Event("canceled", 3.0, {}, "result", number))
-    assert made.mode == "paused" and made.open_goals == 0
+    assert made.mode == "paused" and made.awaited_goals == 0
     resumed = commanded(made, "resume", 4.0)
     assert [type(each) for each in resumed.effects] == [StartGoal] and resumed.mode == "running"
 

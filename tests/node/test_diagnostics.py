@@ -49,9 +49,9 @@ ASKED = (OpenQuestion(Question(4, "asking", "operator", "Which way?", ()), 5.0),
 def test_the_level_reports_how_bad_it_is(
     changed: dict[str, Any], around: dict[str, Any], expected: tuple[int, str]
 ) -> None:
-    bulletin = RUNNING._replace(**changed)
-    assert level(bulletin, **around) == expected
-    (status,) = array_of(bulletin, at=1.0, **around)["status"]
+    status = RUNNING._replace(**changed)
+    assert level(status, **around) == expected
+    (status,) = array_of(status, at=1.0, **around)["status"]
     assert (status["level"], status["message"]) == expected and status["name"] == "/errand: mission"
 
 

@@ -94,8 +94,8 @@ def test_anyone_who_cannot_be_reported_what_became_of_an_order_ends_no_run() -> 
     rig = Rig({"idle": {}})
     course, asked = RunSession(rig.runner, None), list[CommandReply]()
 
-    def gone(receipt: CommandReply) -> None:
-        asked.append(receipt)
+    def gone(reply: CommandReply) -> None:
+        asked.append(reply)
         raise ConnectorError("the broker is gone")
 
     rig.stage.play({

@@ -383,7 +383,7 @@ def test_whatever_is_commanded_the_run_ends_and_no_goal_outlives_it(script: list
     canceled = {*rig.move.canceled, *rig.turn.canceled}
     reported = {"end", "die"} & {name for _, name in script}
     assert reported or set(ended) == canceled, "every goal was canceled"
-    assert rig.runner.view.open_goals == 0
+    assert rig.runner.view.awaited_goals == 0
     assert result.outcome in MODES and seen[-1].mode == result.outcome
     assert [step.seq for step in rig.book.steps] == sorted({step.seq for step in rig.book.steps})
 

@@ -165,11 +165,11 @@ class Pages:
 
     async def _carry(self, desk: CommandSink, text: str, command: str) -> Response:
         loop = asyncio.get_running_loop()
-        receipt: asyncio.Future[tuple[bool, str]] = loop.create_future()
+        reply: asyncio.Future[tuple[bool, str]] = loop.create_future()
 
         def settle(success: bool, why: str) -> None:
-            if not receipt.done():
-                receipt.set_result((success, why))
+            if not reply.done():
+                reply.set_result((success, why))
 
         def on_result(success: bool, why: str) -> None:
             with suppress(RuntimeError):  # the server has ended
@@ -177,7 +177,7 @@ class Pages:
 
         desk.submit(text, on_result)
         try:
-            success, why = await asyncio.wait_for(receipt, PATIENCE_S)
+            success, why = await asyncio.wait_for(reply, PATIENCE_S)
         except TimeoutError:
             then = (
                 "it will as soon as it can"
