@@ -88,11 +88,11 @@ def array_of(
         "instance": status.instance,
         "open_goals": may_move(status.open_goals),
     }  # fmt: skip
-    status = {
+    diagnostic = {
         "level": found,
         "name": f"{status.node}: mission",
         "message": message,
         "hardware_id": robot,
         "values": [{"key": key, "value": value} for key, value in values.items()],
     }
-    return {"header": {"stamp": at}, "status": [status]}
+    return {"header": {"stamp": at}, "status": [diagnostic]}
