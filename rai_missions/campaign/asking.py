@@ -30,6 +30,10 @@ MILLION = 1_000_000
 LONGEST = 20_000
 """Characters of a raw answer that are kept."""
 FREE = PriceEntry()
+GONE = "Absent"
+"""The type by which a model that cannot be opened is known: asking it again would open it no better."""
+LONGEST_PAUSE_S = 300.0
+"""A provider that wants to be left alone for longer is asked by the next run."""
 
 
 def shown_question(question: Question, body: RobotView, order: str) -> Question:
@@ -82,17 +86,20 @@ class AskSettings(NamedTuple):
         question = shown_question(asked.question, self.bodies[cell.embodiment], cell.option_order)
         if self.file.answer_s is not None:
             question = question._replace(until=question.at + self.file.answer_s)
-        used, latency_s = Usage(), 0.0
+        used, latency_s, pause_s = Usage(), 0.0, 0.0
         reply: CellReply | None = None
         for attempt in range(1 + (self.file.retries if is_chat(cell.model, self.file) else 0)):
-            if self._waits(cell.model, 2.0 ** (attempt - 1) if attempt else 0.0):
+            if self._waits(cell.model, pause_s):
                 return None
+            if self.recorded is None:
+                self.models.open(cell.model, question, (cell.embodiment, self.bodies[cell.embodiment]))
             began = time.perf_counter()
             reply = self._reply(cell, question, asked, labels)
             latency_s, one = time.perf_counter() - began, Usage.of(reply)
             self._note(cell.model, one)
             used = Usage(*map(sum, zip(used, one, strict=True)))
-            if not reply.raised:
+            pause_s = max(2.0**attempt, reply.after_s)
+            if not reply.raised or reply.raised == GONE or pause_s > LONGEST_PAUSE_S:
                 break
         assert reply is not None
         record = _record(key, cell, reply, asked)

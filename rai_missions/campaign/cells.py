@@ -26,7 +26,7 @@ CODE = (
     "answerers", "embodiment", "engine", "guards", "mission", "planning", "profile", "runtime", "states", "worlds",
 )  # fmt: skip
 """Packages through which a scene becomes a question, and an answer a verdict."""
-MODULES = ("campaign/asking.py", "campaign/models.py", "campaign/questions.py", "campaign/rollout.py")
+MODULES = tuple(f"campaign/{each}.py" for each in ("asking", "models", "questions", "rollout", "watched_chat"))
 """Modules of this package for which the same is true."""
 PACKAGE = Path(__file__).parents[1]
 

@@ -7,7 +7,7 @@ Rule: a file names things; nothing in it is executed. Paths are read from the fi
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Annotated, Any, Literal, NamedTuple
 
@@ -36,6 +36,10 @@ __all__ = (
 CONSTANT, OWN = "constant:", ("rules", "oracle")
 """What begins the name of an answerer that always gives one answer; the other answerers that are no model."""
 ANY_KIND = "*"
+ABOUT_MODELS = ("prices", "scripts")
+"""Fields with an entry a model."""
+BASE = "base"
+"""The word by which a campaign names another, whose fields it takes unless it has them itself."""
 
 
 def _listed(given: Any) -> Any:
@@ -132,22 +136,21 @@ class CampaignFile(MissionModel):
         for field in ("models", "embodiments", "orders"):
             if twice := _repeated(getattr(self, field)):
                 raise fault(field, f"'{field}' names {shown(twice)} more than once; keep one")
-        for word, table in (("prices", self.prices), ("scripts", self.scripts)):
+        for word, table in ((word, getattr(self, word)) for word in ABOUT_MODELS):
             if unknown := next((name for name in table if name not in self.models), None):
                 raise fault(
                     word,
                     f"'{word}' is about {shown(unknown)}, which 'models' has not{suggestion(unknown, self.models)}",
                 )
+        providers = {name.partition(":")[0] for name in self.models}
+        if unknown := next((name for name in self.rates if name not in providers), None):
+            near = suggestion(unknown, providers)
+            raise fault("rates", f"'rates' is about {shown(unknown)}, of which 'models' has none{near}")
         return self
 
     def replaced(self, models: Iterable[str]) -> CampaignFile:
         """The same campaign with other models."""
-        kept = tuple(models)
-        only = {
-            word: {name: each for name, each in self.written().get(word, {}).items() if name in kept}
-            for word in ("prices", "scripts")
-        }
-        return CampaignFile.model_validate({**self.written(), **only, "models": list(kept)})
+        return CampaignFile.model_validate(_with_models(self.written(), list(models)))
 
 
 class LoadedCampaign(NamedTuple):
@@ -179,14 +182,12 @@ def load_campaign(path: str | os.PathLike[str], *, models: Iterable[str] = ()) -
         DefinitionError: The file, or one that it names, is at fault; every fault of a file at once.
         UsageError: A file is not there.
     """
+    from rai_missions.campaign.checks import faults_in
+
     source = Path(path)
-    data = read_json(source)
-    if not isinstance(data, Mapping):
-        raise DefinitionError([Fault("", f"a campaign is a JSON object, not {shown(data)}")], str(source))
-    if found := tuple(mistaken(data, "campaign")):
-        raise DefinitionError(found, str(source))
+    data = _over_its_base(_read(source), source)
     try:
-        file = CampaignFile.model_validate({key: item for key, item in data.items() if key != "$schema"})
+        file = CampaignFile.model_validate(data)
         file = file.replaced(models) if (models := tuple(models)) else file
     except ValidationError as error:
         raise DefinitionError(faults_of(error, CampaignFile, data), str(source)) from None
@@ -194,53 +195,68 @@ def load_campaign(path: str | os.PathLike[str], *, models: Iterable[str] = ()) -
     subject = CampaignSubject.read(folder / file.mission, folder / file.robot, file.decision, file.arguments)
     if found := tuple(mission_faults(check(subject.mission))):
         raise DefinitionError(found, file.mission)
-    if found := tuple(_faults(file, subject)):
+    if found := tuple(faults_in(file, subject)):
         raise DefinitionError(found, str(source))
     return LoadedCampaign(file, folder, subject)
 
 
 def campaign_schema() -> dict[str, Any]:
-    """The JSON Schema of a campaign file."""
+    """The JSON Schema of a campaign file; what one needs, one over a base may leave to it."""
     schema = schema_of(CampaignFile, "A campaign of rai_missions")
-    return {**schema, "properties": {"$schema": {"type": "string"}, **schema["properties"]}}
+    about = "Another campaign's file: its fields are this one's, unless they are here. It has no base of its own."
+    words = {"$schema": {"type": "string"}, BASE: {"type": "string", "minLength": 1, "description": about}}
+    needed = {"required": schema.pop("required")}
+    return {**schema, "properties": {**words, **schema["properties"]}, "anyOf": [{"required": [BASE]}, needed]}
 
 
-def _faults(file: CampaignFile, subject: CampaignSubject) -> Iterator[Fault]:
-    """What only mission and profile show."""
-    states = [name for _, name, _ in subject.mission.walk()]
-    if not subject.asked:
-        known = suggestion(file.decision, states) if file.decision not in states else "; name a decision"
-        yield Fault("/decision", f"'{file.decision}' is no decision of the mission{known}")
-        return
-    for at, model in enumerate(file.models):
-        if why := _unfit(model, file, subject):
-            yield Fault(pointer(("models", at)), why)
-    for tried in file.rollouts.parameters:
-        if tried not in subject.options:
-            yield Fault(
-                pointer(("rollouts", "parameters", tried)), f"no option '{tried}'{suggestion(tried, subject.options)}"
-            )
-    for name, script in file.scripts.items():
-        for kind, line in script.items():
-            option = line.get("option") if isinstance(line, Mapping) else line
-            if not isinstance(option, str | None):
-                yield Fault(
-                    pointer(("scripts", name, kind)), f"an answer is an option's name or an object, not {shown(line)}"
-                )
+def _read(source: Path) -> dict[str, Any]:
+    """A campaign file's content, which is an object.
+
+    Raises:
+        DefinitionError: It is none.
+        UsageError: It is not there.
+    """
+    data = read_json(source)
+    if not isinstance(data, Mapping):
+        raise DefinitionError([Fault("", f"a campaign is a JSON object, not {shown(data)}")], str(source))
+    if found := tuple(mistaken(data, "campaign")):
+        raise DefinitionError(found, str(source))
+    return {key: item for key, item in data.items() if key != "$schema"}
 
 
-def _unfit(model: str, file: CampaignFile, subject: CampaignSubject) -> str:
-    """Why a model cannot be asked, as far as its name shows; empty where it may."""
-    if model in OWN or model in file.scripts or model == "local":
-        return ""
-    if model.startswith(CONSTANT):
-        option = model.removeprefix(CONSTANT)
-        return "" if option in subject.options else f"no option '{option}'{suggestion(option, subject.options)}"
-    provider, _, name = model.partition(":")
-    if provider and name:
-        return ""
-    near = suggestion(model, (*OWN, *file.scripts))
-    return f"'{model}' names no model: rules, oracle, constant:OPTION, local, a script, or PROVIDER:NAME{near}"
+def _over_its_base(data: dict[str, Any], source: Path) -> dict[str, Any]:
+    """The fields of a campaign with those of its base that it has not itself.
+
+    Raises:
+        DefinitionError: Its base is no campaign's file, or has a base, too.
+        UsageError: Its base is not there.
+    """
+    base = data.pop(BASE, "")
+    if not isinstance(base, str):
+        raise DefinitionError([Fault(pointer((BASE,)), f"a base is a file's name, not {shown(base)}")], str(source))
+    if not base:
+        return data
+    below = _read(source.parent / base)
+    if BASE in below:
+        sentence = f"the base {shown(base)} has a base, too; name {shown(below[BASE])}, or write out what differs"
+        raise DefinitionError([Fault(pointer((BASE,)), sentence)], str(source))
+    for word in ("mission", "robot"):
+        if isinstance(path := below.get(word), str):
+            below[word] = os.path.join(os.path.dirname(base), path)
+    models = data.get("models")
+    return {**(_with_models(below, models) if isinstance(models, list) else below), **data}
+
+
+def _with_models(data: Mapping[str, Any], models: list[Any]) -> dict[str, Any]:
+    """A campaign's fields with other models, and with what is about these alone."""
+    providers = {str(each).partition(":")[0] for each in models}
+    known = {**dict.fromkeys(ABOUT_MODELS, models), "rates": providers}
+    only = {
+        word: {name: each for name, each in data[word].items() if name in names}
+        for word, names in known.items()
+        if isinstance(data.get(word), Mapping)
+    }
+    return {**data, **only, "models": models}
 
 
 def _repeated(names: Iterable[str]) -> str:

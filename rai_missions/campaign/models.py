@@ -6,12 +6,11 @@ Rule: an answerer is asked as a run asks it. What a model's provider raised is k
 
 from __future__ import annotations
 
-import json
 import queue
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from rai_missions.answerers.rules import RulesAnswerer
 from rai_missions.answerers.script import ScriptAnswerer
@@ -24,16 +23,12 @@ from rai_missions.profile import Robot
 
 if TYPE_CHECKING:
     from rai_missions.answerers.model.agent import DecisionAgent
-    from rai_missions.answerers.model.chat import Abilities, Chat, Conversation
-    from rai_missions.answerers.model.output_modes import AnswerForm, Mode
-    from rai_missions.answerers.model.parse_reply import ModelReply
-    from rai_missions.answerers.model.pending import PendingQuestion
+    from rai_missions.answerers.model.chat import Chat
     from rai_missions.campaign.embodiments import RobotView
+    from rai_missions.campaign.watched_chat import WatchedChat
     from rai_missions.keys import Key
 
 __all__ = ("CampaignModels", "CellReply", "is_chat", "model_digest", "provider_of")
-
-T = TypeVar("T")
 
 PATIENCE_S = 10.0
 """How much longer than its question's time an answer is waited for; a `DecisionAgent` gives up long before."""
@@ -50,6 +45,8 @@ class CellReply(NamedTuple):
     """The type of what kept the model from being asked; empty where it was."""
     texts: tuple[str, ...] = ()
     """What the model wrote, as it came."""
+    after_s: float = 0.0
+    """Seconds after which the provider wants to be asked again, where it refused; 0: it gave none."""
 
 
 def is_chat(model: str, file: CampaignFile) -> bool:
@@ -107,6 +104,17 @@ class CampaignModels:
     def __exit__(self, *_: object) -> None:
         self._closing.close()
 
+    def open(self, model: str, question: Question, embodiment: tuple[str, RobotView]) -> None:
+        """Wait until a model can be asked, or is known to be absent; other answerers are always there.
+
+        Args:
+            model: Its name in the campaign.
+            question: What it is to be asked.
+            embodiment: As for `ask`.
+        """
+        if is_chat(model, self._file):
+            self._agent(model, embodiment)[0].wait_until_open(question)
+
     def ask(
         self, model: str, question: Question, view: View, *, scene: SceneRecord, labels: Mapping[str, str],
         embodiment: tuple[str, RobotView],
@@ -128,6 +136,8 @@ class CampaignModels:
             return CellReply(_at_once(self._answerer(model, question, view, scene, labels), question))
         chat, agent = self._agent(model, embodiment)
         chat.forget()
+        if absent := chat.wait_until_open(question):
+            return CellReply({"absent": absent}, chat.raised)
         answers: queue.SimpleQueue[Mapping[str, Any]] = queue.SimpleQueue()
         agent.ask(question, answers.put)
         try:
@@ -135,7 +145,9 @@ class CampaignModels:
         except queue.Empty:
             agent.withdraw(question.number)
             answer = {"failed": "no answer"}
-        return CellReply(answer, "" if "option" in answer else chat.raised, tuple(chat.texts))
+        if "option" in answer or not chat.raised:
+            return CellReply(answer, texts=tuple(chat.texts))
+        return CellReply(answer, chat.raised, tuple(chat.texts), chat.after_s)
 
     def _answerer(
         self, model: str, question: Question, view: View, scene: SceneRecord, labels: Mapping[str, str]
@@ -152,6 +164,7 @@ class CampaignModels:
 
     def _agent(self, model: str, embodiment: tuple[str, RobotView]) -> tuple[WatchedChat, DecisionAgent]:
         from rai_missions.answerers.model.agent import DecisionAgent
+        from rai_missions.campaign.watched_chat import WatchedChat
 
         name, body = embodiment
         if model not in self._chats:
@@ -186,65 +199,4 @@ def _chat_process(model: str) -> Chat:
     from rai_missions.answerers.model.providers import check_model
 
     check_model(model, memory_gib=MEMORY_GIB)
-    return ModelProcess(model, memory_gib=MEMORY_GIB)
-
-
-class WatchedChat:
-    """A chat model that notes what it was shown, what it wrote and what kept it from being asked.
-
-    Args:
-        chat: The model.
-    """
-
-    def __init__(self, chat: Chat) -> None:
-        self._chat = chat
-        self.raised = ""
-        """The type of what was raised last; empty after a reply."""
-        self.texts: list[str] = []
-
-    def forget(self) -> None:
-        """Begin the notes again, for another question."""
-        self.raised, self.texts = "", []
-
-    @property
-    def name(self) -> str:
-        return self._chat.name
-
-    def open(self) -> None:
-        self._chat.open()
-
-    def close(self) -> None:
-        self._chat.close()
-
-    def abilities(self, pending: PendingQuestion) -> Abilities:
-        return self.noting(lambda: self._chat.abilities(pending))
-
-    def converse(self, mode: Mode, form: AnswerForm, pending: PendingQuestion) -> Conversation:
-        return WatchedConversation(self, self.noting(lambda: self._chat.converse(mode, form, pending)))
-
-    def noting(self, do: Callable[[], T]) -> T:
-        """Do something, and note the type of what it raises, where the model was not asked because of it."""
-        from rai_missions.answerers.model.chat import Absent, ModelExit, ModelFault
-
-        try:
-            return do()
-        except ModelFault as raised:
-            self.raised = raised.kind
-            raise
-        except (Absent, ModelExit) as gone:
-            self.raised = type(gone).__name__
-            raise
-
-
-class WatchedConversation:
-    """One question put to a `WatchedChat`."""
-
-    def __init__(self, chat: WatchedChat, conversation: Conversation) -> None:
-        self._chat, self._conversation = chat, conversation
-
-    def ask(self, messages: Sequence[Any]) -> ModelReply | None:
-        reply = self._chat.noting(lambda: self._conversation.ask(messages))
-        self._chat.raised = ""
-        if reply is not None:
-            self._chat.texts.append(reply.text or json.dumps(list(reply.calls), default=str))
-        return reply
+    return ModelProcess(model, memory_gib=MEMORY_GIB, repeats=False)

@@ -16,7 +16,7 @@ from rai_missions.campaign.cells import Cell, cells_of, code_digest, digest
 from rai_missions.campaign.file import LoadedCampaign
 from rai_missions.campaign.models import is_chat, model_digest
 from rai_missions.campaign.pool import LocalPool, TaskPool
-from rai_missions.campaign.store import CellRecord, ResultStore, SceneRecord
+from rai_missions.campaign.store import CellRecord, LabelRecord, ResultStore, SceneRecord
 from rai_missions.campaign.tasks import SceneTask, TaskRecord, WorkSettings
 from rai_missions.errors import UsageError
 
@@ -30,19 +30,20 @@ class Progress(NamedTuple):
     """How far a campaign is."""
 
     done: int
-    """Cells with a record, earlier runs included."""
+    """Cells with a record, earlier runs included; where labels alone are made, scenes with labels."""
     total: int
     rate: float
-    """Cells a second, in this run."""
+    """Cells or scenes a second, in this run."""
     left_s: float | None
-    """Seconds until all are done, at this rate; None before the first cell."""
+    """Seconds until all are done, at this rate; None before the first."""
     money: float
+    unit: str = "cells"
 
     def words(self, currency: str) -> str:
         """In a line."""
         left = "" if self.left_s is None else f", {timedelta(seconds=round(self.left_s))} left"
         cost = f", {self.money:.2f} {currency}" if self.money else ""
-        return f"{self.done} of {self.total} cells, {self.rate:.1f} cells/s{left}{cost}"
+        return f"{self.done} of {self.total} {self.unit}, {self.rate:.1f} {self.unit}/s{left}{cost}"
 
 
 class CampaignResult(NamedTuple):
@@ -55,6 +56,8 @@ class CampaignResult(NamedTuple):
     stopped: str
     """Which part of the budget is spent; empty where it was not."""
     seconds: float
+    failures: Mapping[str, int]
+    """Why cells failed → how many did, the most first."""
 
 
 class CampaignPlan(NamedTuple):
@@ -143,6 +146,8 @@ def run_campaign(
     done = store.done()
     spending = Spending(loaded.file.budget, (each for each in store.cells() if each.status != "failed"))
     intake = Intake(store, spending, on_progress, len(done), len(plan.cells))
+    if labels_alone:
+        intake = Intake(store, spending, on_progress, len(plan.labels), len(plan.scenes), counts=LabelRecord)
     stopped = spending.spent(0.0)
     wanted = plan.label_tasks() if labels_alone else plan.tasks(done, store.shown(), rates=rates)
     tasks = [] if stopped else list(wanted)
@@ -156,7 +161,8 @@ def run_campaign(
         intake.commit()
         pool.close()
     missing = len(plan.cells.keys() - store.keys().keys())
-    return CampaignResult(store.counts(), missing, stopped if missing else "", time.monotonic() - began)
+    seconds = time.monotonic() - began
+    return CampaignResult(store.counts(), missing, stopped if missing else "", seconds, store.failures())
 
 
 class Intake:
@@ -166,15 +172,18 @@ class Intake:
         store: Where it goes.
         spending: Counts what it cost.
         on_progress: Receives how far it is.
-        done: Cells that have their record.
-        total: Cells of the campaign.
+        done: How many are done already.
+        total: How many there are.
+        counts: What is counted: cells, or scenes that have labels.
     """
 
     def __init__(
-        self, store: ResultStore, spending: Spending, on_progress: Callable[[Progress], None], done: int, total: int
-    ) -> None:
+        self, store: ResultStore, spending: Spending, on_progress: Callable[[Progress], None], done: int, total: int, *,
+        counts: type[CellRecord | LabelRecord] = CellRecord,
+    ) -> None:  # fmt: skip
         self._store, self._spending, self._on_progress = store, spending, on_progress
-        self._before, self._new, self._total = done, 0, total
+        self._before, self._total, self._counts = done, total, counts
+        self._new = set[str]()
         self._began = self._committed = time.monotonic()
         self._held: list[TaskRecord] = []
 
@@ -182,8 +191,9 @@ class Intake:
         """A record, or None where only time has passed."""
         if record is not None:
             self._held.append(record)
+        if isinstance(record, self._counts):
+            self._new.add(record[0])
         if isinstance(record, CellRecord):
-            self._new += 1
             self._spending.add(record)
         if len(self._held) >= COMMIT_RECORDS or time.monotonic() - self._committed > COMMIT_S:
             self.commit()
@@ -199,9 +209,13 @@ class Intake:
     @property
     def progress(self) -> Progress:
         """How far it is."""
-        done, seconds = self._before + self._new, time.monotonic() - self._began
-        rate = self._new / seconds if seconds > 0 else 0.0
-        return Progress(done, self._total, rate, (self._total - done) / rate if rate else None, self._spending.money)
+        new, seconds = len(self._new), time.monotonic() - self._began
+        done, rate = self._before + new, new / seconds if seconds > 0 else 0.0
+        left_s, unit = (
+            (self._total - done) / rate if rate else None,
+            "cells" if self._counts is CellRecord else "scenes",
+        )
+        return Progress(done, self._total, rate, left_s, self._spending.money, unit)
 
 
 def _check_models(loaded: LoadedCampaign) -> None:

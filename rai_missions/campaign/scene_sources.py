@@ -20,6 +20,8 @@ def _listed(given: Any) -> Any:
 
 
 Split = Literal["tune", "report"]
+MOST = 100_000
+"""So many scenes at the most: their plan is held in memory."""
 
 
 class GivenScene(MissionModel):
@@ -41,7 +43,7 @@ class ScenesEntry(MissionModel):
     given: Annotated[tuple[GivenScene, ...], BeforeValidator(_listed)] = ()
     seeds: Annotated[tuple[Integer, ...], BeforeValidator(_listed)] = ()
     """A scene each: the world that the seed alone decides."""
-    count: Annotated[Integer, Field(gt=0)] | None = None
+    count: Annotated[Integer, Field(gt=0, le=MOST)] | None = None
     """So many scenes of the generator (`campaign.scenes`), no two alike."""
     first_seed: Annotated[Integer, Field(ge=0)] = 0
     """Where the generator begins."""

@@ -290,6 +290,11 @@ class ResultStore:
         """Scene and embodiment of every question that is here."""
         return set(self._db.execute("SELECT scene, embodiment FROM question"))
 
+    def failures(self) -> dict[str, int]:
+        """Why cells failed → how many did, the most first."""
+        why = "SELECT error, count(*) FROM cell WHERE status = 'failed' GROUP BY error ORDER BY 2 DESC, 1"
+        return dict(self._db.execute(why))
+
     def counts(self) -> dict[str, int]:
         """Status → how many cells have it."""
         return dict(self._db.execute("SELECT status, count(*) FROM cell GROUP BY status"))

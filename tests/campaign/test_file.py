@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 from typing import Any
 
@@ -38,6 +39,21 @@ def faults(tmp_path: Path, words: dict[str, Any]) -> str:
     ({"budget": {"calls": 0}}, "/budget/calls"),
     ({"color": 1}, "/color: a campaign has no 'color'"),
     ({"rollouts": {"parameters": {"lift": {}}}}, "/rollouts/parameters/lift: no option 'lift'"),
+    ({"rollouts": {"later": {"opertor": {}}}}, "/rollouts/later/opertor: no decision asks 'opertor'"),
+    ({"rollouts": {"later": {"agent": {"ended": "left"}}}},
+     "/rollouts/later/agent/ended: 'ended' is no decision of the mission"),
+    ({"rollouts": {"later": {"agent": {"choosing": "lft"}}}},
+     "/rollouts/later/agent/choosing: 'choosing' has no option 'lft'; did you mean 'left'?"),
+    ({"arguments": {"deep": 1}}, "/arguments/deep: the mission takes no argument 'deep'; it takes: depth"),
+    ({"arguments": {"depth": "deep"}}, "/arguments/depth: the argument does not fit"),
+    ({"scenes": {"world": "orchrd", "seeds": [1]}},
+     "/scenes/world: there is no world 'orchrd'; did you mean 'orchard'?"),
+    ({"labels": "trials", "scenes": {"world": "house", "seeds": [1]}},
+     "/labels: nothing tries options in the world 'house', but in: orchard; have rollouts"),
+    ({"scenes": {"world": "orchard", "count": 10**9}}, "/scenes/count"),
+    ({"rates": {"opnai": {"calls_per_minute": 9}}, "models": ["openai:gpt"], "scripts": {}},
+     "'rates' is about 'opnai', of which 'models' has none; did you mean 'openai'?"),
+    ({"base": 3}, "/base: a base is a file's name, not 3"),
 ])  # fmt: skip
 def test_a_fault_is_named_with_its_place(tmp_path: Path, words: dict[str, Any], fault: str) -> None:
     assert fault in faults(tmp_path, words)
@@ -67,6 +83,36 @@ def test_other_models_replace_those_of_the_file_with_all_that_is_about_them(tmp_
     assert loaded.file.models == ("oracle", "rules")
     assert loaded.file.prices.keys() == {"rules"} and loaded.file.scripts == {}
     assert loaded.digest == load_campaign(path).digest  # the same questions
+
+
+def write(path: Path, **data: Any) -> Path:
+    path.write_text(json.dumps(data), encoding="utf-8")
+    return path
+
+
+def test_a_campaign_has_the_fields_of_its_base_but_for_its_own(tmp_path: Path) -> None:
+    prices, rates = {"openai:gpt": {"prompt": 1}}, {"openai": {"calls_per_minute": 9}}
+    models = ["rules", "teller", "openai:gpt"]
+    write_campaign(tmp_path, campaign_data(models=models, prices=prices, rates=rates, retries=5))
+    (tmp_path / "further").mkdir()
+    own = write(tmp_path / "further" / "own.json", base="../campaign.json", name="own", models=["rules", "oracle"])
+    below, file = load_campaign(tmp_path / "campaign.json"), load_campaign(own).file
+    assert (file.name, file.models, file.retries) == ("own", ("rules", "oracle"), 5)
+    assert (file.prices, file.rates, file.scripts) == ({}, {}, {})  # they are about models that it has not
+    assert load_campaign(own).digest == below.digest and file.scenes == below.file.scenes
+    alike = write(tmp_path / "alike.json", base="campaign.json")
+    assert load_campaign(alike).file == below.file
+
+
+def test_a_base_that_is_none_is_named(tmp_path: Path) -> None:
+    write_campaign(tmp_path, campaign_data())
+    middle = write(tmp_path / "middle.json", base="campaign.json")
+    with pytest.raises(DefinitionError, match=r"/base: the base 'middle.json' has a base, too; name 'campaign.json'"):
+        load_campaign(write(tmp_path / "own.json", base=middle.name))
+    with pytest.raises(UsageError, match=r"there is no file .*nowhere\.json"):
+        load_campaign(write(tmp_path / "own.json", base="nowhere.json"))
+    with pytest.raises(DefinitionError, match="mission"):
+        load_campaign(write(tmp_path / "own.json", base="mission.json"))
 
 
 def test_the_schema_takes_what_the_models_take(tmp_path: Path) -> None:

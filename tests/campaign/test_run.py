@@ -122,8 +122,10 @@ def test_labels_alone_are_made_once_and_a_part_of_them_is_made_again(tmp_path: P
     path, store = write_campaign(tmp_path, campaign_data(2, labels="rollouts")), tmp_path / "results.db"
     with ResultStore(store, writes=True) as opened:
         opened.add(labels(["s1"])[:2])  # a kill came in between
-    result = ran(path, store, labels_alone=True)
+    noted: list[Progress] = []
+    result = ran(path, store, labels_alone=True, on_progress=noted.append)
     assert result.counts == {} and result.missing == 12
+    assert (noted[-1].done, noted[-1].total) == (2, 2) and noted[-1].words("USD").startswith("2 of 2 scenes, ")
     harmless = dict.fromkeys(("left", "right", "wait"), "harmless")
     with ResultStore(store) as opened:
         assert opened.labels() == {"s0": harmless, "s1": harmless}
@@ -237,6 +239,8 @@ def test_a_scene_that_cannot_be_built_fails_alone(tmp_path: Path) -> None:
     data["scenes"]["given"][1]["options"] = {"obstacles": ["dragon"]}
     result = ran(write_campaign(tmp_path, data), tmp_path / "results.db")
     assert result.counts == {"answered": 6, "failed": 6}
+    (why,) = result.failures
+    assert result.failures[why] == 6 and "no kind 'dragon'" in why
     failed = [cell for cell in cells_in(tmp_path / "results.db") if cell.status == "failed"]
     assert {cell.scene for cell in failed} == {"s1"} and "no kind 'dragon'" in failed[0].error
 

@@ -14,7 +14,8 @@ if TYPE_CHECKING:
 
 __all__ = ("Reply", "Server", "completion", "refused")
 
-Reply = Callable[[dict[str, Any]], tuple[int, Any]]
+Reply = Callable[[dict[str, Any]], tuple[int, Any, dict[str, str]]]
+"""From what was asked to a status, a body and further headers."""
 
 
 class Server(ThreadingHTTPServer):
@@ -46,10 +47,11 @@ class Answering(BaseHTTPRequestHandler):
     def do_POST(self) -> None:
         asked = json.loads(self.rfile.read(int(self.headers["content-length"])))
         self.server.requests.append(asked)
-        status, reply = self.server.replies.pop(0)(asked)
+        status, reply, headers = self.server.replies.pop(0)(asked)
         body = reply if isinstance(reply, bytes) else json.dumps(reply).encode()
         self.send_response(status)
-        self.send_header("content-type", "application/json")
+        for name, value in ({"content-type": "application/json"} | headers).items():
+            self.send_header(name, value)
         self.send_header("content-length", str(len(body)))
         self.end_headers()
         self.wfile.write(body)
@@ -71,8 +73,10 @@ def completion(content: str | None = None, calls: list[tuple[str, str]] | None =
         "choices": [{"index": 0, "message": message, "finish_reason": "stop"}],
         "usage": {"prompt_tokens": 90, "completion_tokens": 10, "total_tokens": 100},
     }  # fmt: skip
-    return lambda _asked: (200, reply)
+    return lambda _asked: (200, reply, {})
 
 
-def refused(status: int, text: str) -> Reply:
-    return lambda _asked: (status, {"error": {"message": text, "type": "invalid_request_error"}})
+def refused(status: int, text: str, **headers: str) -> Reply:
+    """A refusal; in the names of headers `_` is `-`."""
+    named = {name.replace("_", "-"): value for name, value in headers.items()}
+    return lambda _asked: (status, {"error": {"message": text, "type": "invalid_request_error"}}, named)

@@ -6,7 +6,10 @@ Rule: whatever a model raises comes out as `ModelFault`; of its replies, no more
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+import math
+import time
+from collections.abc import Callable, Mapping, Sequence
+from email.utils import parsedate_to_datetime
 from typing import Any, NamedTuple, Protocol
 
 from langchain_core.callbacks import BaseCallbackHandler
@@ -47,17 +50,34 @@ class ModelFault(Exception):
         kind: The exception's type.
         what: The exception, or its text.
         unfit: The model cannot be asked in this way, rather than that it failed.
+        after_s: Seconds after which its server is to be asked again, by the server's own word; 0: it gave none.
     """
 
-    def __init__(self, kind: str, what: object, *, unfit: bool) -> None:
+    def __init__(self, kind: str, what: object, *, unfit: bool, after_s: float = 0.0) -> None:
         super().__init__(kind)
-        self.kind, self.what, self.unfit = kind, what, unfit
+        self.kind, self.what, self.unfit, self.after_s = kind, what, unfit, after_s
 
     @classmethod
     def by(cls, error: BaseException) -> ModelFault:
         """What an exception is to whatever asked."""
         unfit = isinstance(error, NotImplementedError) or getattr(error, "status_code", None) in UNFIT
-        return cls(type(error).__name__, error, unfit=unfit)
+        return cls(type(error).__name__, error, unfit=unfit, after_s=_after_s(error))
+
+
+def _after_s(error: BaseException) -> float:
+    """What the header `Retry-After` of a server's refusal asks for (RFC 9110, 10.2.3), in seconds from now; else 0."""
+    headers = getattr(getattr(error, "response", None), "headers", None)
+    text = headers.get("retry-after") if isinstance(headers, Mapping) else None
+    if not isinstance(text, str):
+        return 0.0
+    try:
+        seconds = float(text)
+    except ValueError:
+        try:
+            seconds = parsedate_to_datetime(text).timestamp() - time.time()
+        except ValueError:
+            return 0.0
+    return seconds if 0 < seconds < math.inf else 0.0
 
 
 class Absent(Exception):
@@ -93,8 +113,8 @@ class Conversation(Protocol):
         """The model's answer to these messages; None where it gave none.
 
         Raises:
-            Raised: The model raised.
-            Ended: Its process ended.
+            ModelFault: The model raised.
+            ModelExit: Its process ended.
             BudgetExceeded: The answer is waited for no longer, or it is longer than what is read.
         """
 
@@ -114,7 +134,7 @@ class Chat(Protocol):
 
         Raises:
             Absent: It cannot be opened.
-            Ended: Its process ended.
+            ModelExit: Its process ended.
             BudgetExceeded: The question was closed before it was known.
         """
 

@@ -15,7 +15,7 @@ import pkgutil
 import re
 from pathlib import Path
 from types import ModuleType
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from rai_missions.errors import UsageError
 from rai_missions.model import suggestion
@@ -44,11 +44,13 @@ NO_PROVIDERS = {"classic", "community", "core", "experimental", "protocol", "tes
 """Packages named like a provider's that hold no chat model of their own."""
 
 
-def open_model(spec: str) -> BaseChatModel:
+def open_model(spec: str, *, repeats: bool = True) -> BaseChatModel:
     """The chat model named: `openai:gpt-4o`, `ollama:qwen3:4b`, `local`, `local:FILE.gguf`.
 
     Args:
         spec: `PROVIDER:NAME`, where the package `langchain_PROVIDER` is installed, or `local`, a model on this machine.
+        repeats: Whether the provider's package may repeat a call that failed, as its own default is; else, as far as
+            its class has `max_retries`, the first failure is raised.
 
     Raises:
         UsageError: The name is not of that form, the provider is unknown or not installed, its key is missing, or it
@@ -62,7 +64,8 @@ def open_model(spec: str) -> BaseChatModel:
     offered = chat_class(package_of(provider))
     _need_key(spec, provider)
     try:
-        return offered(model=name)  # type: ignore[call-arg]  # every provider's class takes `model`
+        once: dict[str, Any] = {} if repeats or "max_retries" not in offered.model_fields else {"max_retries": 0}
+        return offered(model=name, **once)  # type: ignore[call-arg]  # every provider's class takes `model`
     except Exception as error:  # whatever the provider's package raises, the caller named the model
         raise UsageError(f"the model '{spec}' cannot be opened: {_why(error)}") from error
 

@@ -17,6 +17,9 @@ if TYPE_CHECKING:
 
 __all__ = ("CampaignOptions", "campaign")
 
+MOST_REASONS, LONGEST_REASON = 3, 300
+"""How many reasons of failed cells are printed after a run, and how many characters of each."""
+
 
 class CampaignOptions(NamedTuple):
     """What a campaign takes.
@@ -172,4 +175,12 @@ def _words(result: CampaignResult, path: object) -> str:
     parts += [f"{failed} failed"] if (failed := counts.get("failed", 0)) else []
     parts += [f"{result.missing} not asked"] if result.missing else []
     why = f"; {result.stopped}" if result.stopped else ""
-    return f"{', '.join(parts)}, in {result.seconds:.1f} s{why}; results: {path}"
+    reasons = [
+        f"\n  {count} failed: {_printed(error)}" for error, count in list(result.failures.items())[:MOST_REASONS]
+    ]
+    return f"{', '.join(parts)}, in {result.seconds:.1f} s{why}; results: {path}{''.join(reasons)}"
+
+
+def _printed(error: str) -> str:
+    """What a model or a package wrote, in a line that a terminal prints as it is."""
+    return "".join(each if each.isprintable() else " " for each in error)[:LONGEST_REASON]

@@ -7,6 +7,7 @@ Rule: the engine checks every reply, field by field; what is wrong breaks the pr
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
@@ -105,7 +106,8 @@ def reply_words(answer: ModelReply | BaseException | None) -> dict[str, Any]:
     if isinstance(answer, BaseException):
         raised = answer if isinstance(answer, ModelFault) else ModelFault.by(answer)
         what = cut(raised.what, LONGEST_WORDS)
-        return {"raised": cut(raised.kind, LONGEST_NAME), "what": what, "unfit": raised.unfit}
+        words = {"raised": cut(raised.kind, LONGEST_NAME), "what": what, "unfit": raised.unfit}
+        return {**words, "after_s": raised.after_s}
     if answer is None:
         return {"nothing": True}
     if len(answer.text) > LONGEST:
@@ -129,13 +131,13 @@ def reply_in(message: Mapping[str, Any]) -> ModelReply | None:
     """What came of a call, by the report of the model's process.
 
     Raises:
-        Raised: The model raised.
+        ModelFault: The model raised.
         BudgetExceeded: Its answer is longer than what is read.
         Broken: The reply is none.
     """
     if "raised" in message:
         kind, what = _text(message, "raised", LONGEST_NAME), _text(message, "what", LONGEST_WORDS)
-        raise ModelFault(kind, what, unfit=message.get("unfit") is True)
+        raise ModelFault(kind, what, unfit=message.get("unfit") is True, after_s=_seconds(message, "after_s"))
     if "spent" in message:
         raise BudgetExceeded(_text(message, "spent", LONGEST_NAME))
     if message.get("nothing") is True:
@@ -160,6 +162,12 @@ def _text(message: Mapping[str, Any], name: str, longest: int) -> str:
     if not isinstance(text, str) or len(text) > longest:
         raise Broken(f"it sent no '{name}' of {longest} characters at the most")
     return text
+
+
+def _seconds(message: Mapping[str, Any], name: str) -> float:
+    """A time above 0; 0 where there is none."""
+    given = message.get(name)
+    return given if isinstance(given, float) and 0 < given < math.inf else 0.0
 
 
 def _count(message: Mapping[str, Any], name: str) -> int:

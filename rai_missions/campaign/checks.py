@@ -1,0 +1,99 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What a campaign's file alone does not show: whether it fits its mission, its profile and its world."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from rai_missions.campaign.file import CONSTANT, OWN, CampaignFile
+from rai_missions.campaign.questions import CampaignSubject
+from rai_missions.errors import DefinitionError, Fault, UsageError, pointer, suggestion
+from rai_missions.redaction import shown
+from rai_missions.runtime.arguments import accepted
+from rai_missions.states.decision import DecisionSpec
+from rai_missions.worlds.world import check_world
+
+__all__ = ("faults_in",)
+
+
+def faults_in(file: CampaignFile, subject: CampaignSubject) -> Iterator[Fault]:
+    """The faults of a campaign whose fields are good, each for itself."""
+    states = [name for _, name, _ in subject.mission.walk()]
+    if not subject.asked:
+        known = suggestion(file.decision, states) if file.decision not in states else "; name a decision"
+        yield Fault("/decision", f"'{file.decision}' is no decision of the mission{known}")
+        return
+    yield from _of_arguments(file, subject)
+    yield from _of_world(file)
+    for at, model in enumerate(file.models):
+        if why := _unfit(model, file, subject):
+            yield Fault(pointer(("models", at)), why)
+    yield from _of_rollouts(file, subject)
+    for name, script in file.scripts.items():
+        for kind, line in script.items():
+            option = line.get("option") if isinstance(line, Mapping) else line
+            if not isinstance(option, str | None):
+                yield Fault(
+                    pointer(("scripts", name, kind)), f"an answer is an option's name or an object, not {shown(line)}"
+                )
+
+
+def _of_arguments(file: CampaignFile, subject: CampaignSubject) -> Iterator[Fault]:
+    try:
+        accepted(subject.mission, file.arguments)
+    except DefinitionError as error:
+        yield from (Fault(each.place.replace("/blackboard", "/arguments", 1), each.sentence) for each in error.faults)
+
+
+def _of_world(file: CampaignFile) -> Iterator[Fault]:
+    world = file.scenes.world
+    try:
+        check_world(world)
+    except UsageError as error:
+        yield Fault("/scenes/world", str(error))
+        return
+    if file.labels == "trials":
+        from rai_missions.campaign.labels import TRIALS  # loads the world
+
+        if world not in TRIALS:
+            known = ", ".join(TRIALS)
+            yield Fault("/labels", f"nothing tries options in the world {shown(world)}, but in: {known}; have rollouts")
+
+
+def _of_rollouts(file: CampaignFile, subject: CampaignSubject) -> Iterator[Fault]:
+    for tried in file.rollouts.parameters:
+        if tried not in subject.options:
+            yield Fault(
+                pointer(("rollouts", "parameters", tried)), f"no option '{tried}'{suggestion(tried, subject.options)}"
+            )
+    asking = {name: spec for _, name, state in subject.mission.walk() if (spec := state.question()) is not None}
+    for who, answers in file.rollouts.later.items():
+        known = sorted({each for spec in asking.values() for each in spec.ask})
+        if who not in known:
+            yield Fault(pointer(("rollouts", "later", who)), f"no decision asks '{who}'{suggestion(who, known)}")
+        for state, option in answers.items():
+            if sentence := _unfit_answer(state, option, asking):
+                yield Fault(pointer(("rollouts", "later", who, state)), sentence)
+
+
+def _unfit_answer(state: str, option: str, asking: Mapping[str, DecisionSpec]) -> str:
+    """Why a later answer of rollouts cannot be given; empty where it can."""
+    if state not in asking:
+        return f"'{state}' is no decision of the mission{suggestion(state, asking)}"
+    options: Any = asking[state].options
+    return "" if option in options else f"'{state}' has no option '{option}'{suggestion(option, options)}"
+
+
+def _unfit(model: str, file: CampaignFile, subject: CampaignSubject) -> str:
+    """Why a model cannot be asked, as far as its name shows; empty where it may."""
+    if model in OWN or model in file.scripts or model == "local":
+        return ""
+    if model.startswith(CONSTANT):
+        option = model.removeprefix(CONSTANT)
+        return "" if option in subject.options else f"no option '{option}'{suggestion(option, subject.options)}"
+    provider, _, name = model.partition(":")
+    if provider and name:
+        return ""
+    near = suggestion(model, (*OWN, *file.scripts))
+    return f"'{model}' names no model: rules, oracle, constant:OPTION, local, a script, or PROVIDER:NAME{near}"
