@@ -183,4 +183,6 @@ def _words(result: CampaignResult, path: object) -> str:
 
 def _printed(error: str) -> str:
     """What a model or a package wrote, in a line that a terminal prints as it is."""
-    return "".join(each if each.isprintable() else " " for each in error)[:LONGEST_REASON]
+    from rai_missions.redaction import cut
+
+    return "".join(each if each.isprintable() else " " for each in cut(error, LONGEST_REASON))
