@@ -16,7 +16,7 @@ from rai_missions.answerers.model.chat import Abilities, Absent, Chat, Conversat
 from rai_missions.answerers.model.pending import PendingQuestion
 from rai_missions.answerers.model.providers import open_model
 from rai_missions.answerers.test_models import ScriptedModel
-from rai_missions.campaign.asking import LONGEST_PAUSE_S, Asking
+from rai_missions.campaign.asking import LONGEST_PAUSE_S, AskSettings
 from rai_missions.campaign.embodiments import RobotView
 from rai_missions.campaign.file import LoadedCampaign
 from rai_missions.campaign.models import CampaignModels
@@ -55,7 +55,7 @@ def answered(loaded: LoadedCampaign, asked: AskedScene, chat: Chat) -> tuple[Cel
     """The record of a cell, asked three times at the most, and the pauses before it was asked again."""
     file, never = loaded.file.model_copy(update={"retries": 2}), PatientEvent()
     with CampaignModels(file, loaded.subject.robot, {}, open_chat=lambda name: chat) as models:
-        record = Asking(file, models, {}, {"none": RobotView()}, never).ask("key", CELL, asked, LABELS)
+        record = AskSettings(file, models, {}, {"none": RobotView()}, never).ask("key", CELL, asked, LABELS)
     assert record is not None
     return record, never.waits
 
