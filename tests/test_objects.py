@@ -158,7 +158,8 @@ def module_names(tree: ast.Module) -> set[str]:
 
 def local_names(function: Function) -> set[str]:
     arguments = {node.arg for node in nodes(function) if isinstance(node, ast.arg)}
-    return arguments | {n.id for n in nodes(function) if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Store)}
+    stored = {n.id for n in nodes(function) if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Store)}
+    return (arguments | stored) - {name for n in nodes(function) if isinstance(n, ast.Global) for name in n.names}
 
 
 def changed(function: Function) -> Iterator[tuple[str, str]]:
@@ -256,9 +257,10 @@ def test_no_reason_is_left_over(found: Found) -> None:
 
 def test_what_changes_a_module_or_another_object_is_found() -> None:
     tree = ast.parse(
-        "import os\nKNOWN = {}\n"
+        "import os\nKNOWN = {}\nNUMBER = 0\n"
         "def learn(name): KNOWN[name] = 1\n"
         "def forget(): KNOWN.clear()\n"
+        "def advance():\n    global NUMBER\n    NUMBER += 1\n"
         "def keep(KNOWN): KNOWN.clear()\n"
         "def show(): os.environ['A'] = '1'\n"
         "def close(other): other.is_open = False\n"
@@ -269,5 +271,5 @@ def test_what_changes_a_module_or_another_object_is_found() -> None:
         "def count(thing): thing.number = 1\n"
         "class Thing:\n    number: int\n    def end(self): self.is_shut = self.inner.is_done = False\n"
     )
-    assert changed_globals(tree) == {"KNOWN", "os.environ", "os.umask"}
+    assert changed_globals(tree) == {"KNOWN", "NUMBER", "os.environ", "os.umask"}
     assert assigned(tree) == {"mine", "other", "self.inner"}

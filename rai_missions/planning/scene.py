@@ -147,11 +147,6 @@ class Scene(MissionModel):
         """The thing of a name; None where it is not seen."""
         return next((thing for thing in self.things if thing.name == name), None)
 
-    def with_thing(self, thing: Thing) -> Scene:
-        """The scene with one thing in place of that of its name."""
-        return self.model_copy(update={"things": tuple(thing if each.name == thing.name else each
-                                                       for each in self.things)})  # fmt: skip
-
 
 def read_scene(data: Any) -> Scene:
     """A scene from plain data, as the fact `objects` has it.

@@ -233,11 +233,6 @@ class RunScene:
     # -- reporting --------------------------------------------------------------------------------------------------
 
     @property
-    def pressing(self) -> bool:
-        """More has changed than values of the blackboard."""
-        return bool(self._fields or self._lines or self._spoken)
-
-    @property
     def written(self) -> bool:
         """Values have changed that were not reported."""
         return bool(self._written)

@@ -65,9 +65,9 @@ class ModelConversation:
 
         Raises:
             BudgetExceeded: The budget is spent, or the answer is waited for no longer.
-            Raised: What the model or its provider's package raised, where no other mode is left.
+            ModelFault: What the model or its provider's package raised, where no other mode is left.
             Absent: The model cannot be opened.
-            Ended: Its process ended.
+            ModelExit: Its process ended.
         """
         able = self.config.chat.abilities(self.pending)
         *firsts, last = self._modes(able)

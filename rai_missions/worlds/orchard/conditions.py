@@ -48,11 +48,6 @@ class Conditions:
         return cls(**(options or {}))
 
     @property
-    def badness(self) -> float:
-        """How much worse a detector sees: 0 on a clear day, 1 where any of them is at its worst."""
-        return max(self.dusk, 0.8 * self.glare, self.fog, self.dust)
-
-    @property
     def thick(self) -> float:
         """How thick the air is, 0 to 1."""
         return max(self.fog, self.dust)

@@ -140,7 +140,7 @@ class Life:
 
         Raises:
             Absent: The model cannot be opened.
-            Ended: The process ended.
+            ModelExit: The process ended.
             BudgetExceeded: The question was closed.
         """
         call = PendingCall()
