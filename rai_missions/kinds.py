@@ -128,9 +128,13 @@ HELD = "held"
 """The hint of a written thing."""
 
 
-@cache
 def fields_of(kind: Any) -> tuple[FieldUse, ...]:
     """The fields of a kind that refer to something or hold written things, in their order."""
+    return _fields_of(kind)  # for type checkers a class is no argument of a cached function
+
+
+@cache
+def _fields_of(kind: Any) -> tuple[FieldUse, ...]:
     uses = []
     for name, field in kind.model_fields.items():
         marked = [each for each in field.metadata if isinstance(each, Refers)]
@@ -145,7 +149,7 @@ def fields_of(kind: Any) -> tuple[FieldUse, ...]:
 @cache
 def _naming_fields(kind: Any) -> tuple[FieldUse, ...]:
     """The fields that refer to something, next to what written things in them refer to."""
-    return tuple(use for use in fields_of(kind) if any(isinstance(each, Refers) for each in _parts(use.hint)))
+    return tuple(use for use in _fields_of(kind) if any(isinstance(each, Refers) for each in _parts(use.hint)))
 
 
 @cache
@@ -157,7 +161,7 @@ def _written_fields(kind: Any) -> tuple[FieldUse, ...]:
 @cache
 def _holding_fields(kind: Any) -> tuple[FieldUse, ...]:
     """The fields that hold written things."""
-    return tuple(use for use in fields_of(kind) if HELD in _parts(use.hint))
+    return tuple(use for use in _fields_of(kind) if HELD in _parts(use.hint))
 
 
 def _parts(hint: Any) -> Iterator[Any]:
