@@ -5,7 +5,8 @@ Rule: in each round everybody who has something to be received has one turn, so 
 another.
 
 rclpy's own executors collect every entity again each time they wait, and wait two or three times for each message: with
-hundreds of subscriptions that takes 15 ms. Here the entities are collected when they change.
+hundreds of subscriptions that takes 15 ms. Here the entities are collected when they change, and the middleware
+notifies of what arrives. Where it cannot, all entities are waited for in one wait set.
 """
 
 from __future__ import annotations
@@ -13,8 +14,7 @@ from __future__ import annotations
 import threading
 import time
 from collections import deque
-from collections.abc import Callable, Mapping
-from concurrent.futures import Future
+from collections.abc import Callable, Iterable
 from contextlib import suppress
 from functools import partial
 from typing import Any
@@ -24,14 +24,19 @@ from rclpy.event_handler import EventHandler
 from rclpy.exceptions import InvalidHandle
 from rclpy.executors import Executor, ExternalShutdownException, ShutdownException
 from rclpy.impl.implementation_singleton import rclpy_implementation as rcl
-from rclpy.subscription import Subscription
 from rclpy.task import Task
 from rclpy.waitable import NumberOfEntities, Waitable
 
+from rai_missions.connectors.ros2.notifications import Notifications, sources_of
+from rai_missions.connectors.ros2.turns import answer_request, take_message, take_response
+from rai_missions.redaction import logger
+
 __all__ = ("SingleThreadExecutor",)
 
+log = logger(__name__)
+
 Work = Callable[[], None]
-Turn = Callable[[], None]
+Take = Callable[[Any], bool]
 LONGEST_S = 1e6
 CLOCK = "/clock"
 """Is received last: time shall not continue before what was reported until then is received, however long no one
@@ -40,7 +45,9 @@ A_TURN = 10
 """How many messages one turn may bring, as many as a queue holds by default."""
 EVENTS_S = 0.1
 """How soon someone is notified that a publisher does not fit: each subscription has such an event, and none is
-urgent."""
+urgent. As often it is looked whether ROS was shut down."""
+SWEEP_S = 1.0
+"""How often all are looked at in spite of the notifications: for what has only come of age, such as an old result."""
 
 
 class SingleThreadExecutor(Executor):  # type: ignore[misc]
@@ -52,32 +59,50 @@ class SingleThreadExecutor(Executor):  # type: ignore[misc]
     Args:
         context: Of its nodes.
         run: Runs one piece of work, and sees to it that what it raises stops no one else.
+        notifications: Reports who has something to be received; closed at the end. None: all are waited for.
     """
 
-    def __init__(self, context: Context, run: Callable[[Work], None]) -> None:
+    def __init__(
+        self,
+        context: Context,
+        run: Callable[[Work], None],
+        notifications: Notifications | None,
+    ) -> None:
         self._is_stale, self._thread = True, 0
         self._to_do: deque[Work] = deque()
         self._run = run
+        self._notifications: Notifications | None = None
         super().__init__(context=context)
-        self._subscriptions: Mapping[int, Any] = {}
-        self._clients: Mapping[int, Any] = {}
-        self._services: Mapping[int, Any] = {}
+        self._takes: dict[Any, Take] = {}
+        self._ranks: dict[Any, int] = {}
+        self._pointers: dict[str, dict[int, Any]] = {}
         self._waitables: tuple[Waitable, ...] = ()
         self._events: tuple[Waitable, ...] = ()
-        self._are_events_due_at = 0.0
+        self._counts: dict[Any, int] = {}
+        self._are_events_due_at = self._is_sweep_due_at = 0.0
         self._wait_set: Any = None
         self._handles: tuple[tuple[Callable[[Any], object], tuple[Any, ...]], ...] = ()
+        self._notifications = notifications
 
     def wake(self) -> None:
         """Something was made or destroyed, or ROS shuts down."""
         self._is_stale = True
         super().wake()
+        if self._notifications is not None and threading.get_ident() != self._thread:
+            self._notifications.ring()
 
     def nudge(self) -> None:
         """End the wait of the thread that spins; from any other."""
-        guard = self._guard
-        if guard is not None:
+        notifications, guard = self._notifications, self._guard
+        if notifications is not None:
+            notifications.ring()
+        elif guard is not None:
             guard.trigger()
+
+    def shutdown(self, timeout_sec: float | None = None) -> bool:
+        """Take no more; by the thread that spins, before the nodes are destroyed."""
+        self._do_without()
+        return bool(super().shutdown(timeout_sec))
 
     def create_task(self, callback: Any, *args: Any, **kwargs: Any) -> Task:
         """Have a callback or a coroutine run by the thread that spins."""
@@ -103,93 +128,35 @@ class SingleThreadExecutor(Executor):  # type: ignore[misc]
         """
         self._thread = threading.get_ident()
         self._work_off()
-        for turn in self._wait(0.0 if self._to_do else timeout_sec):
-            self._run(turn)
+        self._wait(0.0 if self._to_do else LONGEST_S if timeout_sec is None else timeout_sec)
+        for party in sorted(self._counts, key=self._ranks.__getitem__):
+            self._run(partial(self._attend if isinstance(party, Waitable) else self._let_take, party))
         self._work_off()
 
     def _work_off(self) -> None:
         for _ in range(len(self._to_do)):
             self._run(self._to_do.popleft())
 
-    # -- waiting ---------------------------------------------------------------------------------------------------
-
-    def _wait(self, timeout_s: float | None) -> list[Turn]:
-        try:
-            if self._is_stale:
-                self._gather()
-            waitables, timeout_s = self._due(LONGEST_S if timeout_s is None else timeout_s)
-            self._fill(waitables)
-        except InvalidHandle:  # destroyed, and no one stated it
-            self._is_stale = True
-            return []
-        with self._context.handle:
-            self._wait_set.wait(int(timeout_s * 1e9))
-        if self._is_shutdown:
-            raise ShutdownException
-        if not self._context.ok():
-            raise ExternalShutdownException
-        return self._ready(waitables)
-
-    def _due(self, timeout_s: float) -> tuple[tuple[Waitable, ...], float]:
-        """The waitables of this round, and how long it may wait for the sake of those that are left out."""
-        now = time.monotonic()
-        if now < self._are_events_due_at:
-            return self._waitables, min(timeout_s, EVENTS_S)
-        self._are_events_due_at = now + EVENTS_S
-        return self._waitables + self._events, timeout_s
-
-    def _gather(self) -> None:
-        """Collect whom to wait for."""
-        self._is_stale = False
-        nodes = self.get_nodes()
-        subscriptions = [each for node in nodes for each in node.subscriptions]
-        subscriptions.sort(key=lambda each: each.topic_name == CLOCK)
-        self._subscriptions = {each.handle.pointer: each for each in subscriptions}
-        self._clients = {each.handle.pointer: each for node in nodes for each in node.clients}
-        self._services = {each.handle.pointer: each for node in nodes for each in node.services}
-        waitables = [each for node in nodes for each in node.waitables]
-        self._waitables = tuple(each for each in waitables if not isinstance(each, EventHandler))
-        self._events = tuple(each for each in waitables if isinstance(each, EventHandler))
-        count = NumberOfEntities(len(self._subscriptions), 2, 0, len(self._clients), len(self._services))
-        for waitable in waitables:
-            count += waitable.get_num_entities()
-        with self._context.handle:
-            self._wait_set = rcl.WaitSet(
-                count.num_subscriptions, count.num_guard_conditions, count.num_timers, count.num_clients,
-                count.num_services, count.num_events, self._context.handle,
-            )  # fmt: skip
-        self._handles = (
-            (self._wait_set.add_subscription, tuple(each.handle for each in self._subscriptions.values())),
-            (self._wait_set.add_client, tuple(each.handle for each in self._clients.values())),
-            (self._wait_set.add_service, tuple(each.handle for each in self._services.values())),
-        )
-
-    def _fill(self, waitables: tuple[Waitable, ...]) -> None:
-        """Each wait leaves in the set only those who are ready."""
-        wait_set = self._wait_set
-        wait_set.clear_entities()
-        for add, handles in self._handles:
-            deque(map(add, handles), maxlen=0)
-        for guard in (self._guard, self._sigint_gc):
-            wait_set.add_guard_condition(guard.handle)
-        for waitable in waitables:
-            waitable.add_to_wait_set(wait_set)
-
-    # -- turns -----------------------------------------------------------------------------------------------------
-
-    def _ready(self, waitables: tuple[Waitable, ...]) -> list[Turn]:
-        return [
-            *(partial(self._attend, each) for each in waitables if each.is_ready(self._wait_set)),
-            *(partial(_take_message, each) for each in self._found("subscription", self._subscriptions)),
-            *(partial(_take_answer, each) for each in self._found("client", self._clients)),
-            *(partial(_answer, each) for each in self._found("service", self._services)),
-        ]
-
-    def _found(self, kind: str, known: Mapping[int, Any]) -> list[Any]:
-        """Those who are ready but for what belongs to a waitable."""
-        return [known[each] for each in self._wait_set.get_ready_entities(kind) if each in known]
+    def _let_take(self, party: Any) -> None:
+        """One turn. What is taken is no longer counted, whatever its callback raises."""
+        take = self._takes[party]
+        for _ in range(A_TURN):
+            left = self._counts.get(party, 0) - 1
+            if left > 0:
+                self._counts[party] = left
+            elif self._counts.pop(party, 0) == 0:
+                return
+            try:
+                is_more = take(party)
+            except InvalidHandle:  # destroyed by someone whose turn came before, or by its own callback
+                is_more = False
+            if not is_more:
+                self._counts.pop(party, None)
+                return
 
     def _attend(self, waitable: Waitable) -> None:
+        """One turn of a waitable: what was found ready. Whether there is more is found in the next round."""
+        self._counts[waitable] = 1
         with suppress(InvalidHandle):
             work = waitable.execute(waitable.take_data())
             try:
@@ -198,41 +165,146 @@ class SingleThreadExecutor(Executor):  # type: ignore[misc]
                 return
             self.create_task(work)
 
+    # -- waiting ---------------------------------------------------------------------------------------------------
 
-def _take_message(subscription: Any) -> None:
-    with suppress(InvalidHandle):  # destroyed by someone whose turn came before, or by its own callback
-        for _ in range(A_TURN):
-            with subscription.handle:
-                taken = subscription.handle.take_message(subscription.msg_type, subscription.raw)
-            if taken is None:
-                return
-            with_info = subscription._callback_type is Subscription.CallbackType.WithMessageInfo  # noqa: SLF001
-            subscription.callback(*(taken if with_info else taken[:1]))
-
-
-def _take_answer(client: Any) -> None:
-    with suppress(InvalidHandle):
-        with client.handle:
-            header, response = client.handle.take_response(client.srv_type.Response)
-        if header is not None:
-            with suppress(KeyError):  # no one waits for it any more
-                client.get_pending_request(header.request_id.sequence_number).set_result(response)
-
-
-def _answer(service: Any) -> None:
-    with suppress(InvalidHandle):
-        with service.handle:
-            request, header = service.handle.service_take_request(service.srv_type.Request)
-        if header is None:
+    def _wait(self, timeout_s: float) -> None:
+        """Count what there is to take."""
+        try:
+            if self._is_stale:
+                self._gather()
+            if self._notifications is None:
+                self._wait_for_all(timeout_s)
+            else:
+                self._wait_for_notifications(self._notifications, timeout_s)
+        except InvalidHandle:  # destroyed, and no one stated it
+            self._is_stale = True
+            self._counts.clear()
+            self._is_sweep_due_at = 0.0
             return
-        response = service.callback(request, service.srv_type.Response())
-        if isinstance(response, Future):  # it is set on this thread
-            response.add_done_callback(lambda later: _send_later(service, later, header))
+        if self._is_shutdown:
+            raise ShutdownException
+        if not self._context.ok():
+            raise ExternalShutdownException
+
+    def _wait_for_notifications(self, notifications: Notifications, timeout_s: float) -> None:
+        counts = self._counts
+        for party, count in notifications.wait(0.0 if counts else min(timeout_s, EVENTS_S)).items():
+            counts[party] = counts.get(party, 0) + count
+        now = time.monotonic()
+        if now >= self._is_sweep_due_at:
+            self._is_sweep_due_at = now + SWEEP_S
+            waitables = self._waitables + self._events
+            ready = self._look(0.0, waitables, self._handles)
         else:
-            service.send_response(response, header)
+            waitables = tuple(each for each in counts if isinstance(each, Waitable))
+            ready = self._look(0.0, waitables) if waitables else []
+        for waitable in waitables:
+            counts.pop(waitable, None)
+        for party in ready:
+            counts.setdefault(party, 1)
 
+    def _wait_for_all(self, timeout_s: float) -> None:
+        waitables, now = self._waitables, time.monotonic()
+        if now < self._are_events_due_at:
+            timeout_s = min(timeout_s, EVENTS_S)
+        else:
+            self._are_events_due_at = now + EVENTS_S
+            waitables += self._events
+        self._counts = dict.fromkeys(self._look(timeout_s, waitables, self._handles), A_TURN)
 
-def _send_later(service: Any, response: Future[Any], header: Any) -> None:
-    with suppress(InvalidHandle):
-        if response.exception() is None:
-            service.send_response(response.result(), header)
+    def _look(
+        self,
+        timeout_s: float,
+        waitables: Iterable[Waitable],
+        handles: Iterable[tuple[Callable[[Any], object], tuple[Any, ...]]] = (),
+    ) -> list[Any]:
+        """Who has something to be received. A wait leaves only these in the set, so it is filled each time."""
+        wait_set = self._wait_set
+        wait_set.clear_entities()
+        for add, added in handles:
+            deque(map(add, added), maxlen=0)
+        for guard in (self._guard, self._sigint_gc):
+            wait_set.add_guard_condition(guard.handle)
+        for waitable in waitables:
+            waitable.add_to_wait_set(wait_set)
+        with self._context.handle:
+            wait_set.wait(int(timeout_s * 1e9))
+        found = [each for each in waitables if each.is_ready(wait_set)]
+        for kind, known in self._pointers.items() if handles else ():
+            found += (known[each] for each in wait_set.get_ready_entities(kind) if each in known)
+        return found
+
+    # -- whom to wait for ------------------------------------------------------------------------------------------
+
+    def _gather(self) -> None:
+        """Collect whom to wait for."""
+        self._is_stale = False
+        nodes = self.get_nodes()
+        subscriptions = [each for node in nodes for each in node.subscriptions]
+        subscriptions.sort(key=lambda each: each.topic_name == CLOCK)
+        clients = [each for node in nodes for each in node.clients]
+        services = [each for node in nodes for each in node.services]
+        waitables = [each for node in nodes for each in node.waitables]
+        self._waitables = tuple(each for each in waitables if not isinstance(each, EventHandler))
+        self._events = tuple(each for each in waitables if isinstance(each, EventHandler))
+        self._takes = {
+            **dict.fromkeys(subscriptions, take_message), **dict.fromkeys(clients, take_response),
+            **dict.fromkeys(services, answer_request),
+        }  # fmt: skip
+        self._ranks = {party: rank for rank, party in enumerate((*waitables, *self._takes))}
+        self._counts = {party: count for party, count in self._counts.items() if party in self._ranks}
+        self._pointers = {
+            kind: {each.handle.pointer: each for each in parties}
+            for kind, parties in (("subscription", subscriptions), ("client", clients), ("service", services))
+        }
+        count = NumberOfEntities(len(subscriptions), 2, 0, len(clients), len(services))
+        for waitable in waitables:
+            count += waitable.get_num_entities()
+        with self._context.handle:
+            self._wait_set = rcl.WaitSet(
+                count.num_subscriptions, count.num_guard_conditions, count.num_timers, count.num_clients,
+                count.num_services, count.num_events, self._context.handle,
+            )  # fmt: skip
+        self._handles = (
+            (self._wait_set.add_subscription, tuple(each.handle for each in subscriptions)),
+            (self._wait_set.add_client, tuple(each.handle for each in clients)),
+            (self._wait_set.add_service, tuple(each.handle for each in services)),
+        )
+        if self._notifications is not None:
+            self._keep_notified(self._notifications)
+
+    def _keep_notified(self, notifications: Notifications) -> None:
+        """Be notified of those who are there, and of no one else."""
+        for party in tuple(notifications):
+            if party not in self._ranks:
+                self._forget(notifications, party)
+        for party in self._ranks:
+            if party not in notifications:
+                self._is_sweep_due_at = 0.0
+                if not self._add(notifications, party):
+                    log.info("the middleware does not notify of what arrives: all are waited for")
+                    self._do_without()
+                    return
+
+    def _add(self, notifications: Notifications, party: Any) -> bool:
+        if isinstance(party, Waitable):
+            self._wait_set.clear_entities()
+            party.add_to_wait_set(self._wait_set)
+            return notifications.add(party, sources_of(self._wait_set), is_urgent=not isinstance(party, EventHandler))
+        kind = next(kind for kind, known in self._pointers.items() if known.get(party.handle.pointer) is party)
+        return notifications.add(party, [(kind, party.handle.pointer)])
+
+    def _forget(self, notifications: Notifications, party: Any) -> None:
+        try:
+            with party if isinstance(party, Waitable) else party.handle:
+                notifications.discard(party, is_alive=True)
+        except InvalidHandle:
+            notifications.discard(party, is_alive=False)
+
+    def _do_without(self) -> None:
+        """Be notified of nothing more."""
+        notifications, self._notifications = self._notifications, None
+        if notifications is not None:
+            for party in tuple(notifications):
+                self._forget(notifications, party)
+            notifications.close()

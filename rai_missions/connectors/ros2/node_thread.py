@@ -27,6 +27,7 @@ from rclpy.parameter import Parameter
 from rai_missions.connectors.ros2.config import Options
 from rai_missions.connectors.ros2.executor import SingleThreadExecutor
 from rai_missions.connectors.ros2.fastdds import carried
+from rai_missions.connectors.ros2.notifications import open_notifications
 from rai_missions.errors import ConnectorError, UsageError
 from rai_missions.redaction import logger
 
@@ -69,7 +70,7 @@ class Runtime:
         self._context = Context()
         with carried(pictures=options.pictures):
             self.node = _open_node(self._context, options)
-        self._executor = SingleThreadExecutor(self._context, self._run)
+        self._executor = SingleThreadExecutor(self._context, self._run, open_notifications())
         self._executor.add_node(self.node)
         self._thread = threading.Thread(target=self._work, name=f"ros2 {self.node.get_name()}", daemon=True)
         self._thread.start()

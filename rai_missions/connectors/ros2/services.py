@@ -144,8 +144,8 @@ class Client:
                 self._end(call, self._no_server())
 
     def _send_one(self, call: _Call) -> None:
-        call.peers = self._peers()
         call.future = self._client.call_async(call.request)
+        call.peers = self._peers()  # the request is under way meanwhile
         self._sent.add(call)
         call.future.add_done_callback(lambda future: self._answered(call, future))
 
