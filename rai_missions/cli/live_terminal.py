@@ -1,12 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
 """A run on a terminal: the lines scroll by, and below them the current state is shown.
 
-Rule: while a person is asked the terminal is theirs.
+Rule: while a person is asked the terminal is theirs: lines of steps wait until the question is closed.
 """
 
 from __future__ import annotations
 
 import io
+from collections import deque
 from collections.abc import Callable, Mapping
 from typing import Any, TextIO
 
@@ -29,6 +30,8 @@ STYLES: Mapping[Tone, str] = {
     "plain": "", "question": "cyan", "refused": "bold yellow", "remark": "yellow", "ignored": "dim",
     "succeeded": "bold green", "failed": "bold red", "aborted": "bold red", "canceled": "bold yellow",
 }  # fmt: skip
+MOST_HELD = 200
+"""Lines that wait while a person is asked; of more, the last ones are printed."""
 
 
 class Screen(Lines):
@@ -45,7 +48,10 @@ class Screen(Lines):
         self._console = Console(file=out, highlight=False)
         self._live: Live | None = None
         self._status: Status | None = None
-        self._personal: set[int] = set()
+        self._is_asked = self._holds = False
+        """Whether a person is asked here, and whether what is printed now has to wait for that."""
+        self._held: deque[tuple[str, Tone]] = deque(maxlen=MOST_HELD)
+        self._left_out = 0
 
     def lend(self, person: Person) -> Answerer:
         """A person who is asked on this terminal: the foot is removed first."""
@@ -53,6 +59,7 @@ class Screen(Lines):
 
     def close(self) -> None:
         self._hide()
+        self._release()
         super().close()
 
     def status(self, status: Status) -> None:
@@ -61,16 +68,32 @@ class Screen(Lines):
         self._status = status
 
     def step(self, step: Step) -> None:
-        questions = (effect.question for effect in step.effects if isinstance(effect, Ask))
-        asked = [question.number for question in questions if question.asked == "operator"]
-        self._personal.update(asked)
-        if step.event.kind == "proposal" or step.moves:
-            self._personal.intersection_update(asked)
+        """One step; while a person is asked, its lines wait."""
+        self._holds = self._is_asked
         super().step(step)
-        if self._personal:
+        self._holds = False
+        questions = self._view.questions if self._view is not None else ()
+        self._is_asked = any(self._is_for_a_person(question) for question in questions)
+        if self._is_asked:
             self._hide()
-        elif self._view is not None:
+            return
+        self._release()
+        if self._view is not None:
             self._show(self._foot(step.at))
+
+    def _is_for_a_person(self, question: Question) -> bool:
+        """It is asked on this terminal, by its own prompt."""
+        return question.asked == "operator" and bool(self._persons)
+
+    def _release(self) -> None:
+        """Print what has waited."""
+        held, left_out = list(self._held), self._left_out
+        self._held.clear()
+        self._left_out = 0
+        if left_out:
+            self._print(f"{'':13}meanwhile, {left_out} more lines; the journal has all steps", "remark")
+        for line, tone in held:
+            self._print(line, tone)
 
     def _show(self, foot: Group) -> None:
         if self._live is None:  # a new one each time: a stopped one would clear the lines above it
@@ -85,14 +108,19 @@ class Screen(Lines):
 
     def end(self, result: Result, picture: str = "") -> None:
         self._hide()
+        self._release()
         super().end(result, picture)
 
     def _question(self, ask: Ask) -> None:
-        if ask.question.asked == "operator":  # the operator's own prompt shows it
+        if self._is_for_a_person(ask.question):
             return
         super()._question(ask)
 
     def _print(self, line: str, tone: Tone = "plain") -> None:
+        if self._holds:
+            self._left_out += len(self._held) == MOST_HELD
+            self._held.append((line, tone))
+            return
         self._console.print(Text(line, style=STYLES[tone]), soft_wrap=True)
 
     def _foot(self, at: float) -> Group:

@@ -209,9 +209,11 @@ class Lines:
         self._print(f"{result.outcome}: {trimmed(result.why, 400)}", result.outcome)
         counts = ", ".join(f"{who} {count}" for who, count in sorted(self._answered.items())) or "none"
         asked = f"questions {self._asked} (answers that counted: {counts})"
+        # By the clock of the lines above, which has run since the robot was looked for.
+        ended_s = self._view.at if self._view is not None else result.duration_s
         lines = (
             trimmed(result.warning, 400) if result.open_goals != self._warned else "",
-            f"steps {result.steps} · {asked} · {result.duration_s:.1f} s",
+            f"steps {result.steps} · {asked} · {ended_s:.1f} s",
             result.journal and f"journal: {result.journal}",
             picture and f"picture: {picture}",
         )

@@ -4,15 +4,19 @@
 from __future__ import annotations
 
 import io
+from collections.abc import Callable, Mapping
+from typing import Any
 
 import pytest
 from rich.console import Console
 
-from rai_missions.cli.live_terminal import Screen
+from rai_missions.cli.live_terminal import MOST_HELD, Screen
 from rai_missions.cli.progress import Lines
 from rai_missions.engine import Chart
-from rai_missions.event import Event
+from rai_missions.engine.decision import Question
+from rai_missions.event import Event, Tick
 from rai_missions.mission.mission import Mission
+from rai_missions.runtime.result import Result
 from tests.rigs.runs import by_hand
 
 MISSION = Mission.model_validate(
@@ -107,3 +111,76 @@ def test_answerers_that_are_absent_are_one_line_of_the_run_and_none_of_a_questio
     assert "agent" not in body and "operator" not in body and "absent" not in body
     assert body.count(" to the fixed rules") == 2 and body.count("accepted") == 2
     assert sum(step.questions for step in steps) == 2
+
+
+BLINKING = Mission.model_validate(
+    {
+        "name": "m", "initial": "both",
+        "states": {
+            "both": {
+                "parallel": {
+                    "question": {"initial": "asking", "states": {**ASKED.written()["states"], "asking": {
+                        **ASKED.written()["states"]["asking"],
+                        "decision": {**ASKED.written()["states"]["asking"]["decision"], "ask": ["operator"]},
+                    }}},
+                    "lamp": {"initial": "lit", "states": {
+                        "lit": {"transitions": [{"after_s": 1, "to": "dark"}]},
+                        "dark": {"transitions": [{"after_s": 1, "to": "lit"}]},
+                    }},
+                },
+            },
+        },
+    }
+)  # fmt: skip
+
+
+class SilentPerson:
+    """Someone at the terminal who thinks."""
+
+    def ask(self, question: Question, answer: Callable[[Mapping[str, Any]], None]) -> None: ...
+    def withdraw(self, number: int) -> None: ...
+    def stop(self) -> None: ...
+
+
+@pytest.mark.parametrize("is_there", [True, False])
+def test_while_a_person_is_asked_lines_of_steps_wait_for_the_answer(is_there: bool) -> None:
+    out, chart = io.StringIO(), Chart(BLINKING)
+    screen = Screen(BLINKING, out)
+    if is_there:
+        screen.lend(SilentPerson())
+    screen.watch(by_hand(chart).view)
+    screen.step(chart.start(0.0))
+    assert "→ both" in out.getvalue(), "the step that asks is printed above the question"
+    assert ("question: Which?" in out.getvalue()) is not is_there, "the prompt of the person has it"
+    for second in range(1, 4):
+        screen.step(chart.send(Tick(float(second))))
+    assert ("lit → dark" in out.getvalue()) is not is_there
+    (question,) = chart.questions
+    screen.step(chart.send(Event("operator", 3.5, {"option": "left"}, "proposal", question.number)))
+    printed = out.getvalue()
+    assert printed.index("lit → dark") < printed.index("dark → lit") < printed.index("asking → over")
+    screen.close()
+
+
+def test_of_many_lines_that_waited_for_a_person_the_last_are_printed_and_the_others_counted() -> None:
+    out, chart = io.StringIO(), Chart(BLINKING)
+    screen = Screen(BLINKING, out, verbose=True)
+    screen.lend(SilentPerson())
+    screen.watch(by_hand(chart).view)
+    screen.step(chart.start(0.0))
+    for number in range(MOST_HELD + 7):
+        screen.step(chart.send(Event("unknown", number / 1000)))
+    screen.close()
+    assert "meanwhile, 7 more lines; the journal has all steps" in out.getvalue()
+
+
+def test_the_last_line_has_the_time_of_the_lines_above() -> None:
+    out, chart = io.StringIO(), Chart(MISSION)
+    lines = Lines(MISSION, out)
+    lines.watch(by_hand(chart).view)
+    for name in ("battery", "camera", "heading"):
+        chart.write(name, 1.0, 4.5)
+    for step in (chart.start(4.5), chart.send(Event("stop_now", 18.14))):
+        lines.step(step)
+    lines.end(Result("aborted", "'z' was reached", 2, duration_s=16.6))
+    assert "   18.14 s  stop_now" in out.getvalue() and " · 18.1 s\n" in out.getvalue()
