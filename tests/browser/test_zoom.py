@@ -16,7 +16,7 @@ from tests.visualize.runs import ROOT, tractor, tractor_path
 from visualize.page import review, run_of_steps
 
 SCREEN, PHONE = {"width": 1440, "height": 900}, {"width": 390, "height": 844}
-LEAST_PX, LEAST_PHONE_PX = 11, 10
+LEAST_PX = 11
 NAMES = """(() => {
   const chart = document.querySelector('svg.chart').getBoundingClientRect();
   const shown = [...document.querySelectorAll('.state')].map((each) => {
@@ -174,15 +174,27 @@ def test_on_a_phone_the_top_level_is_read_and_what_is_active_is_opened(opened: O
     assert all(played.locator(f"[data-state={name}]").count() for name in active)
 
 
-def test_on_a_phone_the_names_of_a_shipped_mission_are_whole(opened: Open) -> None:
-    window = opened(review(MISSIONS["tractor"]), viewport=PHONE)
-    window.keyboard.press("f")
-    seen, written = window.evaluate(NAMES), window.evaluate(WRITTEN)
-    assert seen["least"] >= LEAST_PHONE_PX
-    assert seen["inside"]
-    assert [each for each in written if "…" in each] == []
-    assert {"setting_ out", "replanning", "unfinished_ home"} <= set(written)
-    assert window.evaluate(SPILLED) == []
+@pytest.mark.parametrize(
+    ("name", "least_px", "some"),
+    [
+        ("tractor/mission", 10, {"setting_ out", "replanning", "unfinished_ home"}),
+        ("rosbot/assist", 10, {"low_ battery", "not_ found", "coming_ back"}),
+        ("desk/arrange", 8.99, {"not_ understood", "asking_ model", "done"}),
+    ],
+)
+def test_on_a_phone_the_names_of_a_shipped_mission_are_whole_and_all_are_seen(
+    name: str, least_px: float, some: set[str], opened: Open
+) -> None:
+    window = opened(review(load(ROOT / f"missions/{name}.json")), viewport=PHONE)
+    for fitted in (False, True):
+        if fitted:
+            window.keyboard.press("f")
+        seen, written = window.evaluate(NAMES), window.evaluate(WRITTEN)
+        assert seen["least"] >= least_px
+        assert seen["inside"]
+        assert [each for each in written if "…" in each] == []
+        assert some <= set(written)
+        assert window.evaluate(SPILLED) == []
 
 
 def test_a_zoom_by_key_keeps_the_chosen_state_else_the_active_one_in_view(opened: Open) -> None:
@@ -261,3 +273,31 @@ def test_no_label_is_crossed_or_covered(name: str, opened: Open) -> None:
     window.evaluate(NEARER)
     assert window.evaluate(CROSSED) == []
     assert window.evaluate(COVERED) == []
+
+
+THROUGH = """[...document.querySelectorAll('.state.final')].flatMap((state) => {
+  const form = state.querySelector('.second'), texts = [...state.querySelectorAll(':scope > .texts text')];
+  return texts.filter((text) => {
+    const { x, width } = text.getBBox();
+    const [y, size] = ['y', 'font-size'].map((each) => Number(text.getAttribute(each)));
+    const [, dx, dy] = text.parentNode.getAttribute('transform').match(/([-0-9.]+),([-0-9.]+)/).map(Number);
+    const inside = (atX, atY) => form.isPointInFill(new DOMPoint(atX + dx, atY + dy));
+    return [x + 0.5, x + width - 0.5].some((at) => ![y - 0.7 * size, y].every((atY) => inside(at, atY)));
+  }).map((text) => text.textContent);
+})"""
+"""Names of ends through which a line of the end's own form goes."""
+
+
+@pytest.mark.parametrize("size", [SCREEN, PHONE], ids=["screen", "phone"])
+@pytest.mark.parametrize("name", ["missions/tractor/mission", "missions/rosbot/assist", "missions/desk/arrange"])
+def test_no_line_of_an_end_runs_through_its_name_and_no_part_of_a_name_is_broken(
+    name: str, size: dict[str, int], opened: Open
+) -> None:
+    mission = load(ROOT / f"{name}.json")
+    window = opened(review(mission), viewport=size)
+    assert window.evaluate(THROUGH) == []
+    written = {name: {part.strip() for part in name.replace("_", "_ ").split()} for _, name, _ in mission.walk()}
+    for state, parts in written.items():
+        lines = window.locator(f"[data-state={state}] > .texts text").all_text_contents()
+        for line in lines if "".join(lines) == state else []:
+            assert any(line.startswith(part) for part in parts) and any(line.endswith(part) for part in parts), lines

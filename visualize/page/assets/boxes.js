@@ -6,7 +6,7 @@ const LOOKS = {
   tree: ["tree", "tree"], mission: ["mission", "mission"], states: ["states", "group"], parallel: ["parallel", "group"],
   each: ["for each", "group"], history: ["history", "plain"], final: ["final", "final"],
 };
-const LINE = 210, CELL = 128, PAD = 10, LEAD = 1.28, KNOB = 20, COUNT = 34;
+const LINE = 210, CELL = 128, PAD = 10, LEAD = 1.28, KNOB = 20, COUNT = 34, SECOND = 3.5;
 
 /** A column of texts: what is added is below what was. */
 class Column {
@@ -64,7 +64,7 @@ function nameBox(state, detail, more = 0) {
   const column = new Column(limitOf(name, detail) + (state.mark ? width(`${state.mark} `, NAME, true) : 0));
   column.add(whole, NAME, { bold: true, most: detail.lines });
   if (column.texts.some((line) => line.whole)) column.texts.forEach((line, index) => Object.assign(line, { whole, text: index === column.texts.length - 1 && detail.isShared(line.text) ? tailOf(whole, detail.limit) : line.text }));
-  const pad = detail.lines > 1 && !detail.whole ? 8 : 5, w = column.w + 2 * pad + more;
+  const pad = (detail.lines > 1 && !detail.whole ? 8 : 5) + (state.kind === "final" ? SECOND / 2 : 0), w = column.w + 2 * pad + more;
   return { w: Math.max(w, 36 + more), h: column.h + 9, texts: column.texts, cells: [], tree: null, at: [pad, 3], words: w };
 }
 

@@ -346,9 +346,9 @@ class Chart {
   /** All of it, in as much detail as can be read; with a least scale, and on a phone, what is active where all cannot be read. */
   fit(least = this.isNarrow()) {
     this.draw((plans, room) => plans.fitting(room), () => {
-      const { most } = LEVELS[this.level], readable = readableIn(this.level, this.room());
-      const [active] = [...this.state.active].reverse();
-      this.gestures.fit(least ? readable : 0, least ? this.place(active || this.first()) : null, { most, margin: this.room().margin });
+      const { most } = LEVELS[this.level], room = this.room(), [active] = [...this.state.active].reverse();
+      const readable = scaleOf(this.plan, room) >= readableIn(this.level, room) ? readableIn(this.level, room) : readableCut(this.level, room);
+      this.gestures.fit(least ? readable : 0, least ? this.place(active || this.first()) : null, { most, margin: room.margin });
     });
   }
 

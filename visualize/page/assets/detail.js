@@ -1,16 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 // How much of a chart is drawn: from afar the names, nearer the triggers, then guards, effects and all that is written.
 // Rule: a level is drawn where its texts can be read; names are never smaller than LEAST_NAME on the screen where any level
-// allows, on a phone LEAST_NARROW, and there a name is whole rather than seen together with all others.
+// allows, on a phone LEAST_NARROW, or LEAST_TOGETHER where all are seen then; and there a name is whole rather than seen
+// together with all others.
 
-const NAME = 13, LEAST_NAME = 11, LEAST_NARROW = 10, HYSTERESIS = 1.12, LARGEST = 2.4;
+const NAME = 13, LEAST_NAME = 11, LEAST_NARROW = 10, LEAST_TOGETHER = 9, HYSTERESIS = 1.12, LARGEST = 2.4;
 
 /** Coarse to fine. `limit`, `lines`: of a name; `whole`: a word that is wider than the limit, but not than this, is not cut; `area`: what a state takes at least; `readable`: the least scale. Without
  *  `signs` arrows that would end in a name, since very many lead there or it is far, are left out. */
 const LEVELS = [
   { word: "shortest names", lines: 1, limit: 44, area: 1200, readable: LEAST_NAME / NAME, most: 1.6, row: 8, apart: 8, close: 6, gutter: 16, edge: 6 },
   { word: "shorter names", lines: 1, limit: 58, area: 1500, readable: LEAST_NAME / NAME, most: 1.6, row: 9, apart: 9, close: 6, gutter: 18, edge: 6 },
-  { word: "short names", signs: true, lines: 3, limit: 66, whole: 124, area: 2000, readable: LEAST_NAME / NAME, most: 1.6, row: 10, apart: 9, close: 6, gutter: 16, edge: 6 },
+  { word: "short names", signs: true, lines: 3, limit: 66, whole: 124, area: 2000, readable: LEAST_NAME / NAME, most: 1.6, row: 10, apart: 7, close: 5, gutter: 16, edge: 6 },
   { word: "names", signs: true, lines: 2, limit: 132, area: 2200, readable: LEAST_NAME / NAME, most: 1.6, row: 13, apart: 16, close: 9, gutter: 30, edge: 10 },
   { word: "triggers", signs: true, triggers: true, limit: 210, area: 6000, readable: 0.9, most: 1.25, row: 15, apart: 20, close: 12, gutter: 40, edge: 12 },
   { word: "all", signs: true, triggers: true, all: true, limit: 210, area: 12000, readable: 0.9, most: 1.25, row: 17, apart: 26, close: 14, gutter: 48, edge: 14 },
@@ -69,9 +70,15 @@ class Plans {
   }
 }
 
-/** The least scale of a level; names alone are read somewhat smaller on a phone, which is held near. */
+/** The least scale of a level where all of it is in the room; names alone are read somewhat smaller on a phone, which is held near. */
 function readableIn(level, room) {
-  return room.narrow && !LEVELS[level].triggers ? LEAST_NARROW / NAME : LEVELS[level].readable;
+  if (!room.narrow || LEVELS[level].triggers) return LEVELS[level].readable;
+  return (level === BROKEN_NAMES ? LEAST_TOGETHER : LEAST_NARROW) / NAME;
+}
+
+/** The least scale of a layout that is too large for the room. */
+function readableCut(level, room) {
+  return Math.max(readableIn(level, room), room.narrow ? LEAST_NARROW / NAME : 0);
 }
 
 /** How large a layout is when all of it is in the room. */

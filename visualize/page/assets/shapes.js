@@ -14,11 +14,11 @@ function texts(lines, x, y) {
 function outline(state, item) {
   const { w, h } = item, look = lookOf(state)[1];
   if (state.kind === "final") {
-    const cut = state.outcome === "succeeded" ? null : 11;
-    const form = (by, name) => cut === null
-      ? draw("rect", { class: name, x: by, y: by, width: w - 2 * by, height: h - 2 * by, rx: 16 })
+    const cut = Math.min(11, 4 + h / 18); // the lower, the less, so that no line runs through the name
+    const form = (by, name) => state.outcome === "succeeded"
+      ? draw("rect", { class: name, x: by, y: by, width: w - 2 * by, height: h - 2 * by, rx: Math.min(16, h / 2) - by })
       : draw("path", { class: name, d: cornered(by, w, h, cut) });
-    return draw("g", {}, form(0, "form"), form(3.5, "second"));
+    return draw("g", {}, form(0, "form"), form(SECOND, "second"));
   }
   const square = ["decision", "tree", "call", "mission"].includes(look);
   const main = draw("rect", { class: "form", width: w, height: h, rx: square ? 1 : 9 });

@@ -25,18 +25,23 @@ function letters(text) {
   return LETTERS ? Array.from(LETTERS.segment(text), (each) => each.segment) : Array.from(text);
 }
 
-/** The pieces of a word that is wider than a line; cut behind `_`, `.` or `/` where there is one. */
+/** The pieces of a word that is wider than a line: its parts, each with the `_`, `.` or `/` behind it; a part that is wider still is cut between letters. */
 function pieces(word, size, bold, limit) {
   const found = [];
   let piece = "";
-  for (const letter of letters(word)) {
-    if (piece && width(piece + letter, size, bold) > limit) {
-      const cut = Math.max(piece.lastIndexOf("_"), piece.lastIndexOf("."), piece.lastIndexOf("/")) + 1;
-      const at = cut > piece.length / 2 ? cut : piece.length;
-      found.push(piece.slice(0, at));
-      piece = piece.slice(at);
+  for (const part of word.split(/(?<=[_./])/)) {
+    const fits = width(part, size, bold) <= limit;
+    if (piece && width(piece + part, size, bold) > limit && (fits || width(piece, size, bold) > limit / 2)) {
+      found.push(piece);
+      piece = "";
     }
-    piece += letter;
+    for (const letter of fits ? [part] : letters(part)) {
+      if (piece && width(piece + letter, size, bold) > limit) {
+        found.push(piece);
+        piece = "";
+      }
+      piece += letter;
+    }
   }
   found.push(piece);
   return found;
