@@ -15,7 +15,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
-from rai_missions.errors import DefinitionError, Fault, suggestion
+from rai_missions.errors import DefinitionError, Fault, meant, suggestion
 from rai_missions.mission.json_reader import file_bytes
 from rai_missions.mission.mission import Mission
 from rai_missions.redaction import shown
@@ -62,7 +62,7 @@ def run_file(file: Path, source: bytes) -> ModuleType:
     except SyntaxError as error:
         raise DefinitionError([Fault("", f"line {error.lineno or 1}: not Python: {error.msg}")], name) from None
     except (Exception, SystemExit) as error:
-        hint = _place_of_import(error, source) if isinstance(error, ImportError) else ""
+        hint = _place_of_import(error, source) if isinstance(error, ImportError) else meant(error)
         raise _from(error, path, name, hint) from error
     return module
 
@@ -76,7 +76,7 @@ def call_offered(function: Callable[[], Any], file: Path) -> Any:
     try:
         return function()
     except (Exception, SystemExit) as error:
-        raise _from(error, file.resolve(), str(file)) from error
+        raise _from(error, file.resolve(), str(file), meant(error)) from error
 
 
 def _from(error: BaseException, path: Path, name: str, hint: str = "") -> DefinitionError:

@@ -73,10 +73,8 @@ class RobotProgram:
             if not isinstance(offered, PythonRobot):
                 raise self._refused(f"robot() returned {shown(repr(offered))}; return a PythonRobot")
         if not isinstance(offered, PythonRobot):
-            sentence = (
-                "the file offers no 'robot'; write `robot = PythonRobot(\"name\")`, or `def robot()` for one a run"
-            )
-            raise self._refused(sentence)
+            there = "the file offers no 'robot'" if offered is None else f"its 'robot' is {shown(repr(offered))}"
+            raise self._refused(f'{there}; write `robot = PythonRobot("name")`, or `def robot()` for one a run')
         return offered
 
     def _refused(self, sentence: str) -> DefinitionError:
@@ -170,7 +168,7 @@ REMEDIES: Mapping[str, str] = {
 def _facts(robot: PythonRobot, mission: Mission, known: Iterable[str]) -> dict[str, None]:
     """The keys that it brings; one that need not be there may be written without being declared."""
     optional = [name for name, key in mission.blackboard.items() if key.source == "robot" and key.optional]
-    return dict.fromkeys([*robot.facts, *robot.written, *optional, *known])
+    return dict.fromkeys([*robot.fact_functions, *robot.written, *optional, *known])
 
 
 def _profile(robot: PythonRobot, mission: Mission, facts: Mapping[str, Any], connector: Mapping[str, Any]) -> Robot:
@@ -179,12 +177,13 @@ def _profile(robot: PythonRobot, mission: Mission, facts: Mapping[str, Any], con
         "events": {name: {"topic": EVENTS + name} for name in mission.events},
         "actions": {
             name: {"action": name, "uses": list(action.uses), "keep": action.keep, "repeat": action.repeat}
-            for name, action in robot.actions.items()
+            for name, action in robot.action_functions.items()
         },
         "services": {
-            name: {"service": name, "type": "", "repeat": service.repeat} for name, service in robot.services.items()
+            name: {"service": name, "type": "", "repeat": service.repeat}
+            for name, service in robot.service_functions.items()
         },
-        "topics": {name: {"topic": MESSAGES + name, "type": ""} for name in robot.topics},
+        "topics": {name: {"topic": MESSAGES + name, "type": ""} for name in robot.topic_functions},
         "rules": robot.rules,
     } | ({"about": robot.about} if robot.about else {})  # fmt: skip
     try:

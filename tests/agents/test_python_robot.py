@@ -320,7 +320,19 @@ def written(folder: Path, text: str, name: str = "my_robot.py") -> Path:
     ("text", "sentence"),
     [
         ("x = 1", "the file offers no 'robot'; write `robot = PythonRobot(\"name\")`"),
-        ("robot = 7", "the file offers no 'robot'"),
+        ("robot = 7", "its 'robot' is '7'; write `robot = PythonRobot"),
+        (
+            "from rai_missions import PythonRobot\nrobot = PythonRobot('t')\nrobot.facts('x')",
+            "line 3: AttributeError: 'PythonRobot' object has no attribute 'facts'; did you mean 'fact'?",
+        ),
+        (
+            "from rai_missions import PythonRobot\nrobot = PythonRobot('t')\nrobot.action('drive', use=['base'])",
+            "unexpected keyword argument 'use'; did you mean 'uses'?",
+        ),
+        (
+            "from rai_missions import PythonRobot\ndef robot():\n    made = PythonRobot('t')\n    return maed",
+            "line 4: NameError: name 'maed' is not defined; did you mean 'made'?",
+        ),
         ("def robot():\n    return 7", "robot() returned '7'; return a PythonRobot"),
         ("def robot():\n    raise OSError('no bus')", "line 2: OSError: no bus"),
         ("import no_such_driver", "line 1: ModuleNotFoundError: No module named 'no_such_driver'"),

@@ -14,6 +14,7 @@ from typing import Any, Generic, Literal, TypeVar
 
 from rai_missions.connectors.connector import Data, Report
 from rai_missions.connectors.python_robot.robot_time import Execution, RobotTime
+from rai_missions.errors import meant
 from rai_missions.redaction import cut, cut_repr, logger
 
 __all__ = ("ActionRun", "GoalRun", "fault_of", "response_of")
@@ -116,4 +117,4 @@ def fault_of(error: BaseException) -> str:
     frames = [each for each in traceback.extract_tb(error.__traceback__) if not each.filename.startswith(OURS)]
     frames = [each for each in frames if not each.filename.startswith(LIBRARIES)] or frames
     place = f" ({Path(frames[-1].filename).name}, line {frames[-1].lineno}, in {frames[-1].name})" if frames else ""
-    return cut(last, 300) + place
+    return cut(last, 300) + place + (meant(error) if "Did you mean" not in last else "")

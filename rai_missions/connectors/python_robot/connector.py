@@ -26,7 +26,7 @@ from rai_missions.connectors.python_robot.robot import (
     PythonRobot,
     ServiceFunction,
 )
-from rai_missions.connectors.python_robot.robot_time import Execution, RobotTime
+from rai_missions.connectors.python_robot.robot_time import PATIENCE_S, Execution, RobotTime
 from rai_missions.connectors.worker import Worker
 from rai_missions.connectors.wrapper import ConnectorWrapper
 from rai_missions.errors import suggestion
@@ -51,14 +51,15 @@ class PythonRobotConnector(ConnectorWrapper):
         now: Seconds on the run's clock.
         robot_time: By which functions wait; as on the wall if left out.
         events: Those that the mission declares, if they are known.
+        keys: Those whose source is the robot, if they are known.
     """
 
     def __init__(
         self, robot: PythonRobot, *, now: Callable[[], float] = time.monotonic, robot_time: RobotTime | None = None,
-        events: Collection[str] | None = None,
+        events: Collection[str] | None = None, keys: Collection[str] | None = None,
     ) -> None:  # fmt: skip
         self._robot, self._now, self.time = robot, now, robot_time or RobotTime()
-        self._events = events
+        self._events, self._keys = events, keys
         self._loop: EventLoop | None = None
         self._workers: dict[str, Worker] = {}
         self._changed = threading.Condition()
@@ -82,11 +83,13 @@ class PythonRobotConnector(ConnectorWrapper):
         self.time.open()
         self._on_end = None
         self.inner.start()
-        for name, service in self._robot.services.items():
+        for name in self._robot.written:
+            self._look_for_key(name)
+        for name, service in self._robot.service_functions.items():
             self.inner.serve(name, "", partial(self._response, name, service))
-        for name, topic in self._robot.topics.items():
+        for name, topic in self._robot.topic_functions.items():
             self.inner.subscribe(MESSAGES + name, "", partial(self._take_message, name, topic))
-        for name, action in self._robot.actions.items():
+        for name, action in self._robot.action_functions.items():
             self.inner.offer(name, "", FunctionServer(self, name, action))
 
     def stop(self) -> None:
@@ -142,7 +145,7 @@ class PythonRobotConnector(ConnectorWrapper):
             if (written := self._robot.written.get(name)) is not None:
                 age_s = time.monotonic() - written.written
                 on_message(Message(topic, {"value": written.value}, self._now() - age_s, age_s, kept=True))
-            if (fact := self._robot.facts.get(name)) is not None and fact.read is not None:
+            if (fact := self._robot.fact_functions.get(name)) is not None and fact.read is not None:
                 self._begin_poll(name, fact.read, fact.every_s)
         elif topic.startswith(EVENTS):
             self._listened.add(topic.removeprefix(EVENTS))
@@ -150,7 +153,16 @@ class PythonRobotConnector(ConnectorWrapper):
 
     def take_fact(self, name: str, value: Any) -> None:
         """A value was written; from any thread."""
+        self._look_for_key(name)
         self.inner.publish(FACTS + name, "", {"value": value})
+
+    def _look_for_key(self, name: str) -> None:
+        """Report once what is written and means nothing to this mission; a fact that is declared may be of another."""
+        keys, declared = self._keys, self._robot.fact_functions
+        if keys is not None and not (name in keys or name in declared or FACTS + name in self._puzzled):
+            self._puzzled.add(FACTS + name)
+            why = f"the mission has no such key of the robot's{suggestion(name, keys)}"
+            log.warning("the value of '%s' is dropped: %s", name, why)
 
     def take_event(self, name: str, data: Mapping[str, Any]) -> None:
         """Something has happened; from any thread."""
@@ -174,6 +186,8 @@ class PythonRobotConnector(ConnectorWrapper):
                 name, partial(self._called, read), every_s, robot_time=self.time,
                 on_value=lambda value: self.take_fact(name, value),
             )  # fmt: skip
+            if not self.time.is_steered:  # else the clock reports it
+                self._worker("facts").after(PATIENCE_S, self._polls[name].report_first)
 
     def _stop_polls(self) -> None:
         polls, self._polls = self._polls, {}
@@ -226,7 +240,7 @@ class PythonRobotConnector(ConnectorWrapper):
         timeout_s: float | None = None,
     ) -> None:  # fmt: skip
         once = OneReply(on_reply, lambda: self.inner.running)
-        own = self._robot.services.get(service) if self.inner.running else None
+        own = self._robot.service_functions.get(service) if self.inner.running else None
 
         def work() -> None:
             if once.is_given:  # it has timed out while another call was answered

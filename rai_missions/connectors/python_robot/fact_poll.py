@@ -71,6 +71,13 @@ class FactPoll:
                 has_ended = lambda: self._ended >= number or self._is_stopped  # noqa: E731
                 self._is_late = not self._changed.wait_for(has_ended, until - time.monotonic())
 
+    def report_first(self) -> None:
+        """Report where its first reading has not ended yet."""
+        with self._changed:
+            is_late = not self._ended and not self._is_stopped
+        if is_late:
+            log.warning("fact '%s': its function has not returned yet, so the key has no value", self._name)
+
     def _work(self) -> None:
         try:
             while not self._is_stopped:

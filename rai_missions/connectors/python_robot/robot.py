@@ -94,10 +94,10 @@ class PythonRobot:
         self, name: str, *, about: str = "", rules: Mapping[str, list[Mapping[str, Any]]] | None = None
     ) -> None:
         self.name, self.about, self.rules = name, about, dict(rules or {})
-        self.facts: dict[str, FactFunction] = {}
-        self.services: dict[str, ServiceFunction] = {}
-        self.actions: dict[str, ActionFunction] = {}
-        self.topics: dict[str, ServiceFunction] = {}
+        self.fact_functions: dict[str, FactFunction] = {}
+        self.service_functions: dict[str, ServiceFunction] = {}
+        self.action_functions: dict[str, ActionFunction] = {}
+        self.topic_functions: dict[str, ServiceFunction] = {}
         """What takes the messages that a mission publishes."""
         self.written: dict[str, WrittenFact] = {}
         """The newest value of each key that `write` was called for."""
@@ -116,10 +116,10 @@ class PythonRobot:
         Raises:
             UsageError: The name is none, or is taken.
         """
-        _check_name("fact", name, self.facts)
+        _check_name("fact", name, self.fact_functions)
         if every_s is not None and not every_s > 0:
             raise UsageError(f"fact '{name}': every_s is a number of seconds above 0, not {cut_repr(every_s, 40)}")
-        fact = self.facts[name] = FactFunction(every_s=EVERY_S if every_s is None else float(every_s))
+        fact = self.fact_functions[name] = FactFunction(every_s=EVERY_S if every_s is None else float(every_s))
 
         def decorate(function: F) -> F:
             _check_takes(f"fact '{name}'", function)
@@ -138,11 +138,11 @@ class PythonRobot:
         Raises:
             UsageError: The name is none, or is taken.
         """
-        _check_name("service", name, self.services)
+        _check_name("service", name, self.service_functions)
 
         def decorate(function: F) -> F:
             _check_takes(f"service '{name}'", function, "request")
-            self.services[name] = ServiceFunction(function, repeat)
+            self.service_functions[name] = ServiceFunction(function, repeat)
             return function
 
         return decorate
@@ -153,11 +153,11 @@ class PythonRobot:
         Raises:
             UsageError: The name is none, or is taken.
         """
-        _check_name("topic", name, self.topics)
+        _check_name("topic", name, self.topic_functions)
 
         def decorate(function: F) -> F:
             _check_takes(f"topic '{name}'", function, "message")
-            self.topics[name] = ServiceFunction(function)
+            self.topic_functions[name] = ServiceFunction(function)
             return function
 
         return decorate
@@ -178,7 +178,7 @@ class PythonRobot:
         Raises:
             UsageError: A name is none, or is taken.
         """
-        _check_name("action", name, self.actions)
+        _check_name("action", name, self.action_functions)
         if isinstance(uses, str):
             raise UsageError(f"action '{name}': uses is a list of names; write uses=[{cut_repr(uses, 40)}]")
         for each in uses:
@@ -186,7 +186,7 @@ class PythonRobot:
 
         def decorate(function: F) -> F:
             _check_takes(f"action '{name}'", function, "goal", "run")
-            self.actions[name] = ActionFunction(function, tuple(uses), keep, repeat)
+            self.action_functions[name] = ActionFunction(function, tuple(uses), keep, repeat)
             return function
 
         return decorate

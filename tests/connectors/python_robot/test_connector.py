@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import asyncio
 import json
+import logging
 import threading
 import time
 from collections.abc import Callable, Iterator
@@ -106,6 +107,17 @@ def fails(goal: Any, run: ActionRun) -> None:
 
 async def fails_async(goal: Any, run: AsyncActionRun) -> None:
     raise ValueError("no motor")
+
+
+def misspells(goal: Any, run: ActionRun) -> None:
+    run.cancelled  # type: ignore[attr-defined]  # noqa: B018
+
+
+def test_a_wrong_attribute_of_the_run_suggests_the_right_one(robot: PythonRobot, reached: PythonRobotConnector) -> None:
+    robot.action("drive")(misspells)
+    why = end_of(pursued(reached, "drive")).why
+    assert why.startswith("AttributeError: 'ActionRun' object has no attribute 'cancelled'")
+    assert "'canceled'?" in why
 
 
 def fails_in_a_library(goal: Any, run: ActionRun) -> None:
@@ -396,6 +408,40 @@ def test_an_event_outside_a_run_or_that_no_mission_has_is_dropped_and_reported(
         "the event 'brunch' is dropped: it is none of the mission; did you mean 'branch'?",
     ]
     reached.stop()
+
+
+def test_a_value_that_the_mission_has_no_key_for_is_reported_once_with_the_key_that_was_meant(
+    robot: PythonRobot, caplog: pytest.LogCaptureFixture
+) -> None:
+    robot.fact("of_another_mission")
+    robot.write("batery", 0.5)
+    reached = PythonRobotConnector(robot, keys=["battery", "pose"])
+    reached.start()
+    for _ in range(3):
+        robot.write("speed", 1.0)
+        for name in ("batery", "battery", "of_another_mission"):
+            robot.write(name, 0.4)
+    reached.stop()
+    assert [record.getMessage() for record in caplog.records] == [
+        "the value of 'batery' is dropped: the mission has no such key of the robot's; did you mean 'battery'?",
+        "the value of 'speed' is dropped: the mission has no such key of the robot's; there is: battery, pose",
+    ]
+
+
+def test_a_fact_whose_first_reading_does_not_return_is_named(
+    robot: PythonRobot, reached: PythonRobotConnector, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(connector, "PATIENCE_S", 0.02)
+    held, reported = threading.Event(), Inbox[str]()
+    handler = logging.Handler()
+    monkeypatch.setattr(handler, "emit", lambda record: reported(record.getMessage()))
+    monkeypatch.setattr(logging.getLogger(fact_poll.__name__), "handlers", [handler])
+    robot.fact("n", every_s=60)(held.wait)
+    reached.start()
+    reached.subscribe(f"{FACTS}n", "", Inbox())
+    messages = reported.wait(bool, "the fact is named")
+    held.set()
+    assert messages == ["fact 'n': its function has not returned yet, so the key has no value"]
 
 
 # -- what a robot is made of -------------------------------------------------------------------------------------------

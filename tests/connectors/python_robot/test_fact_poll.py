@@ -78,3 +78,13 @@ def test_who_waits_for_a_reading_that_hangs_is_let_go_by_the_end_of_the_run(robo
         each.join(max(0.0, ends - time.monotonic()))
     assert not any(each.is_alive() for each in waiting)
     hangs.set()
+
+
+def test_a_reading_that_has_ended_is_not_reported_as_late(
+    robot_time: RobotTime, caplog: pytest.LogCaptureFixture
+) -> None:
+    poll = FactPoll("x", lambda: 1.0, 60.0, robot_time=robot_time, on_value=lambda value: None)
+    refresh([poll])
+    poll.report_first()
+    poll.stop()
+    assert caplog.records == []
