@@ -9,7 +9,6 @@ Rule: a refused proposal, an ignored event and a failed action are values, never
 from __future__ import annotations
 
 import os
-import re
 import stat
 from collections.abc import Callable, Iterable, Mapping
 from importlib import import_module
@@ -90,17 +89,18 @@ def suggestion(given: str, known: Iterable[str]) -> str:
 
 
 def meant(error: BaseException) -> str:
-    """`; did you mean 'x'?` for a wrong attribute, name or keyword in someone's program; empty for any other error."""
-    text = str(error)
-    if "did you mean" in text.lower():
+    """`; did you mean 'x'?` for a wrong attribute or name in someone's program; empty for any other error.
+
+    Errors that are raised in here have a suggestion of their own.
+    """
+    frame = _frame_of(error)
+    if frame is None or str(frame.f_globals.get("__name__")).partition(".")[0] == __package__:
         return ""
     try:
         if isinstance(error, AttributeError) and error.name:
             given, known = error.name, dir(error.obj)
         elif isinstance(error, NameError) and error.name:
-            given, known = error.name, _names_at(error)
-        elif isinstance(error, TypeError) and (found := KEYWORD.search(text)):
-            given, known = found["word"], _keywords_of(found["function"], error)
+            given, known = error.name, [*frame.f_locals, *frame.f_globals, *frame.f_builtins]
         else:
             return ""
         near = nearest(given, [each for each in known if not each.startswith("_")])
@@ -109,33 +109,12 @@ def meant(error: BaseException) -> str:
     return f"; did you mean '{near}'?" if near else ""
 
 
-KEYWORD = re.compile(r"(?P<function>[\w.]+)\(\) got an unexpected keyword argument '(?P<word>\w+)'")
-
-
 def _frame_of(error: BaseException) -> FrameType | None:
     """Where it was raised."""
     last = error.__traceback__
     while last is not None and last.tb_next is not None:
         last = last.tb_next
     return last.tb_frame if last is not None else None
-
-
-def _names_at(error: BaseException) -> list[str]:
-    """The names that there are where it was raised."""
-    frame = _frame_of(error)
-    return [*frame.f_locals, *frame.f_globals, *frame.f_builtins] if frame is not None else []
-
-
-def _keywords_of(function: str, error: BaseException) -> list[str]:
-    """The parameters of a function, or of the method of a class, that is known by its name where it was called."""
-    import inspect  # heavy, and needed for a fault alone
-
-    frame = _frame_of(error)
-    first, *rest = function.split(".")
-    found: Any = {**frame.f_globals, **frame.f_locals}.get(first) if frame is not None else None
-    for step in rest:
-        found = getattr(found, step)
-    return list(inspect.signature(found).parameters)
 
 
 def in_words(what: object) -> str:

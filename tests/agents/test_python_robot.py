@@ -326,10 +326,6 @@ def written(folder: Path, text: str, name: str = "my_robot.py") -> Path:
             "line 3: AttributeError: 'PythonRobot' object has no attribute 'facts'; did you mean 'fact'?",
         ),
         (
-            "from rai_missions import PythonRobot\nrobot = PythonRobot('t')\nrobot.action('drive', use=['base'])",
-            "unexpected keyword argument 'use'; did you mean 'uses'?",
-        ),
-        (
             "from rai_missions import PythonRobot\ndef robot():\n    made = PythonRobot('t')\n    return maed",
             "line 4: NameError: name 'maed' is not defined; did you mean 'made'?",
         ),

@@ -67,7 +67,7 @@ for name, what, seconds in (
 node.create_service(Trigger, "/bin/bell", ring)
 node.create_subscription(Bool, "/bin/lamp", lambda message: None, 10)
 node.create_timer(0.1, tick)
-print("the bin robot is running; Ctrl-C ends it", flush=True)
+node.get_logger().info("the bin robot is running; Ctrl-C ends it")
 try:
     rclpy.spin(node)
 except (KeyboardInterrupt, rclpy.executors.ExternalShutdownException):
