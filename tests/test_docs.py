@@ -232,6 +232,16 @@ def test_prose_is_measured_as_its_definition_reads() -> None:
     assert found.long_lines == (len((page + table).splitlines()) + 1,)
 
 
+def test_a_decision_has_a_noun_as_title() -> None:
+    verbs = re.compile(r"\b(what|is|are|was|has|have|does|do|can|may|must|matters?)\b", re.IGNORECASE)
+    titles = {
+        path.name: path.read_text(encoding="utf-8").partition("\n")[0]
+        for path in (ROOT / "docs/decisions").glob("*.md")
+    }
+    assert [title for name, title in titles.items() if not title.startswith(f"# {name[:4]} ")] == []
+    assert [title for title in titles.values() if verbs.search(title)] == []
+
+
 def test_nothing_installs_this_package_by_a_name_on_an_index() -> None:
     files = [*ROOT.glob("rai_missions/**/*.py"), *ROOT.glob("visualize/**/*.py"), *ROOT.glob("docs/**/*.md")]
     for file in [*files, *DOCUMENTS]:
