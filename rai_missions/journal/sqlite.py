@@ -6,8 +6,10 @@ Rule: reading changes nothing, not even the folder; one process writes, and its 
 
 from __future__ import annotations
 
+import errno
 import fcntl
 import os
+import resource
 import shutil
 import sqlite3
 import tempfile
@@ -31,6 +33,8 @@ __all__ = (
     "log_of",
     "open_to_read",
     "open_to_write",
+    "out_of_files",
+    "widen",
 )  # fmt: skip
 
 SqliteError = sqlite3.Error
@@ -57,6 +61,8 @@ LONGEST_BYTES = 64 * 1024 * 1024
 WAL_HEADER, WAL_FRAME = 32, 24
 """Bytes of the header of a write-ahead log, and of each of its frames next to its page."""
 DAMAGED = "the journal is damaged: a part of its file is missing or was overwritten; give a whole copy of it"
+FEW_PAGES, MANY_PAGES = 4, -2_000
+"""SQLite's `cache_size`: four pages hold what appending a row touches; 2,000 kB, its default, hold a picture."""
 TRIES = 20
 """How often a journal that is being written is copied before its reader gives up."""
 
@@ -106,7 +112,8 @@ class Lock:
                 f"{path} is there already, and a journal is never overwritten; name another file"
             ) from None
         except OSError as error:
-            raise UsageError(f"a journal cannot be written at {path}: {error.strerror}; name another file") from None
+            cure = out_of_files() or f"{error.strerror}; name another file"
+            raise UsageError(f"a journal cannot be written at {path}: {cure}") from None
         try:
             fcntl.flock(self.descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except OSError:
@@ -150,10 +157,28 @@ def open_to_write(path: Path, *, new: bool) -> sqlite3.Connection:
         if new:
             marks = [f"PRAGMA application_id={APPLICATION}", f"PRAGMA user_version={FORMAT}"]
             connection.executescript("; ".join(["BEGIN", *marks, *TABLES.values(), "COMMIT"]))
+        for pragma in (f"cache_size={FEW_PAGES}", "shrink_memory"):  # what is set aside already is for 20 pages
+            connection.execute(f"PRAGMA {pragma}").fetchall()
     except BaseException:
         connection.close()
         raise
     return connection
+
+
+def widen(connection: sqlite3.Connection) -> None:
+    """Give a connection that writes pictures SQLite's own amount of memory; a picture takes longer without."""
+    connection.execute(f"PRAGMA cache_size={MANY_PAGES}").fetchall()
+
+
+def out_of_files() -> str:
+    """The cure where this process may open no more files; empty where it may."""
+    try:
+        os.close(os.open(os.devnull, os.O_RDONLY))
+    except OSError as error:
+        if error.errno == errno.EMFILE:
+            most = resource.getrlimit(resource.RLIMIT_NOFILE)[0]
+            return f"this process may open {most} files, and a journal takes three; raise `ulimit -n`"
+    return ""
 
 
 def open_to_read(path: Path) -> JournalReader:

@@ -23,7 +23,7 @@ from rai_missions.image import Image, media_type
 from rai_missions.journal.codec import encode
 from rai_missions.journal.json_values import to_json
 from rai_missions.journal.rows import GENESIS, Blob, Header, Raw, chained, text_of, written_header
-from rai_missions.journal.sqlite import BLOB, ROW, Closable, Lock, SqliteError, open_to_write
+from rai_missions.journal.sqlite import BLOB, ROW, Closable, Lock, SqliteError, open_to_write, out_of_files, widen
 
 __all__ = ("Journal", "versions")
 
@@ -67,7 +67,9 @@ class Journal(Closable):
         try:
             self._database = open_to_write(path, new=new)
         except SqliteError as error:
-            raise UsageError(f"a journal cannot be written at {path}: {error}; name another file") from None
+            cure = out_of_files() or f"{error}; name another file"
+            raise UsageError(f"a journal cannot be written at {path}: {cure}") from None
+        self._is_wide = False
         self._number, self._hash = -1, GENESIS
 
     @classmethod
@@ -195,6 +197,9 @@ class Journal(Closable):
         if not self._open:
             raise UsageError(f"the journal {self.path} is closed; open it again to write")
         try:
+            if not self._is_wide and any(statement is BLOB for statement, _ in statements):
+                self._is_wide = True
+                widen(self._database)
             if len(statements) > 1:
                 self._database.execute("BEGIN")
             for statement, values in statements:
