@@ -39,7 +39,7 @@ class Replay(NamedTuple):
 def replay(
     path: Path | str,
     ticker: Trees | None = None,
-    on_step: Callable[[Step], None] | None = None,
+    on_step: Callable[[Step], object] | None = None,
     mission: Mission | None = None,
     progress: Callable[[int, int], None] = lambda done, total: None,
 ) -> Replay:

@@ -153,6 +153,18 @@ def test_a_journal_that_was_altered_is_not_replayed(folder: Path, capsys: pytest
     assert "row 2" in capsys.readouterr().err
 
 
+def test_the_steps_of_a_replay_are_in_its_object(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    main(["run", "lamp.json", "--journal", "a.journal"])
+    capsys.readouterr()
+    assert main(["replay", "a.journal", "--json"]) == 0
+    plain = json.loads(capsys.readouterr().out)
+    assert main(["replay", "a.journal", "--json", "--verbose"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    trace = found.pop("trace")
+    assert (found, len(trace) > 1) == (plain, True)
+    assert trace[0]["event"]["name"] == "start" and trace[-1]["outcome"] == found["outcome"]
+
+
 def test_every_run_of_a_folder_gets_a_verdict(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     (folder / "runs/older").mkdir(parents=True)
     main(["run", "lamp.json", "--journal", "runs/a.journal"])

@@ -3,17 +3,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 from rai_missions.cli.command import Argument, JournalFile, command
 
 if TYPE_CHECKING:
+    from rai_missions.engine.step import Step
     from rai_missions.mission.mission import Mission
     from rai_missions.replay.replay import Replay
 
 __all__ = ("replay",)
 
+Follow = Callable[["Mission"], Callable[["Step"], object]]
 SUFFIXES = (".journal", ".mcap")
 """What counts as a run in a folder."""
 
@@ -34,7 +37,7 @@ def replay(
         mission: The mission, where it has behaviours in Python. It is executed.
         no_python: Refuse a mission in Python.
         json: Print one object at the end.
-        verbose: Print the steps.
+        verbose: Print the steps; with --json they are in the object, as `trace`.
 
     Exit status:
         0 every step is the same, 1 one differs, 2 the input is at fault
@@ -45,12 +48,16 @@ def replay(
     from json import dumps
 
     from rai_missions.check import load_whole
+    from rai_missions.engine.description import step_json
 
     loaded = load_whole(mission, python=not no_python) if mission else None
     if Path(journal).is_dir():
         return _replay_folder(Path(journal), loaded, json=json)
-    result = _replay(journal, loaded, verbose=verbose and not json)
-    print(dumps(_as_json(result)) if json else _sentence(journal, result))
+    trace: list[Step] = []
+    follow: Follow = (lambda _: trace.append) if json else _lines
+    result = _replay(journal, loaded, follow if verbose else None)
+    found = _as_json(result) | ({"trace": [step_json(step) for step in trace]} if verbose else {})
+    print(dumps(found) if json else _sentence(journal, result))
     return 0 if _holds(result) else 1
 
 
@@ -68,7 +75,7 @@ def _replay_folder(folder: Path, mission: Mission | None, *, json: bool) -> int:
     for path in paths:
         name = path.relative_to(folder).as_posix()
         try:
-            result = _replay(str(path), mission, verbose=False)
+            result = _replay(str(path), mission)
         except (DefinitionError, UsageError) as error:
             runs.append({"run": name, "holds": False, "fault": str(error)})
             verdict = f"cannot be read: {first_line(error, 300)}"
@@ -83,12 +90,18 @@ def _replay_folder(folder: Path, mission: Mission | None, *, json: bool) -> int:
     return 0 if holds else 1
 
 
-def _replay(journal: str, mission: Mission | None, *, verbose: bool) -> Replay:
+def _lines(mission: Mission) -> Callable[[Step], object]:
+    """Prints the steps of a run."""
     import sys
 
+    from rai_missions.cli.progress import Lines
+
+    return Lines(mission, sys.stdout).step
+
+
+def _replay(journal: str, mission: Mission | None, follow: Follow | None = None) -> Replay:
     from rai_missions.cli.inputs import warn
     from rai_missions.cli.long_work import LongWork, WorkPace
-    from rai_missions.cli.progress import Lines
     from rai_missions.journal import read
     from rai_missions.recording import journal_of
     from rai_missions.replay.rebuild import mission_of
@@ -99,8 +112,8 @@ def _replay(journal: str, mission: Mission | None, *, verbose: bool) -> Replay:
         if mission is None:
             with read(found.path) as record:
                 mission = mission_of(record)
-        if verbose:
-            return repeat(found.path, on_step=Lines(mission, sys.stdout).step, mission=mission)
+        if follow is not None:
+            return repeat(found.path, on_step=follow(mission), mission=mission)
         pace = WorkPace()
         with LongWork(lambda: f"{pace.percent} % of {pace.total:,} steps done again, {pace.rate:,.0f} steps/s"):
             return repeat(found.path, mission=mission, progress=pace.set)
