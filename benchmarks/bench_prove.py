@@ -2,8 +2,9 @@
 """How fast and in how much memory missions are proved: the shipped ones, and charts whose states multiply.
 
 `python -m benchmarks.bench_prove [REGIONS …]`: each number is a chart of so many regions of ten states each, side by
-side; six of them have a million states. A process each, so that the memory is its own. The peer is SPIN, where it and a
-C compiler are here, on the same counters as bare bytes: no claims, no guards, no timers, and a program made for them.
+side. Regions share nothing; with an `s` after the number (`5s`) they share a key: six of them have a million states. A
+process each, so that the memory is its own. The peer is SPIN, where it and a C compiler are here, on the same counters
+as bare bytes: no claims, no guards, no timers, and a program made for them.
 """
 
 from __future__ import annotations
@@ -25,12 +26,23 @@ ROOT = Path(__file__).parents[1]
 DIGITS = 10
 
 
-def counting(regions: int) -> dict[str, Any]:
-    """Counters side by side, each moved on by an event of its own."""
+def counting(regions: int, *, shared: bool = False) -> dict[str, Any]:
+    """Counters side by side, each moved on by an event of its own.
+
+    Args:
+        regions: How many.
+        shared: A key lets each begin again; the first region sets it on its way, the second resets it.
+    """
 
     def region(number: int) -> dict[str, Any]:
         names = [f"s{number}_{digit}" for digit in range(DIGITS)]
-        transitions = [{"on": f"e{number}", "to": names[(digit + 1) % DIGITS]} for digit in range(DIGITS)]
+        transitions: list[dict[str, Any]] = [
+            {"on": f"e{number}", "to": names[(digit + 1) % DIGITS]} for digit in range(DIGITS)
+        ]
+        if shared:
+            transitions[-1]["when"] = {"key": "gate", "==": True}
+        if shared and number < 2:
+            transitions[2]["do"] = [{"set": "gate", "value": number == 0}]
         return {
             "initial": names[0],
             "states": {n: {"transitions": [transition]} for n, transition in zip(names, transitions, strict=True)},
@@ -38,6 +50,7 @@ def counting(regions: int) -> dict[str, Any]:
 
     return {
         "format": 1, "name": "counting", "version": "1.0.0", "initial": "all",
+        **({"blackboard": {"gate": {"type": "boolean", "initial": False}}} if shared else {}),
         "events": {**{f"e{number}": {} for number in range(regions)}, "stop": {}},
         "states": {"all": {"parallel": {f"r{n}": region(n) for n in range(regions)}}, "over": {"final": "aborted"}},
         "transitions": [{"on": "stop", "to": "over"}],
@@ -51,15 +64,16 @@ def measure(what: str) -> dict[str, Any]:
     from rai_missions.prove import prove
 
     robot = None
-    if what.isdigit():
-        mission = Mission.model_validate(counting(int(what)))
+    if (digits := what.removesuffix("s")).isdigit():
+        mission = Mission.model_validate(counting(int(digits), shared=digits != what))
     else:
         mission = load(ROOT / "missions" / what / "mission.json")
         robot = terms(load_profile(ROOT / "missions" / what / "robot.sim.json"))
     before = time.process_time()
     proof = prove(mission, terms=robot, most=2_000_000)
+    regions = f"{digits} regions{', a key' if digits != what else ''}"
     return {
-        "what": f"{what} regions" if what.isdigit() else what, "verdict": proof.verdict, "states": proof.states,
+        "what": regions if digits.isdigit() else what, "verdict": proof.verdict, "states": proof.states,
         "steps": proof.steps, "cpu_s": time.process_time() - before,
         "memory_mb": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024,
     }  # fmt: skip
@@ -86,14 +100,14 @@ def main() -> None:
     if sys.argv[1:2] == ["--one"]:
         print(json.dumps(measure(sys.argv[2])))
         return
-    for what in ["tractor", "rosbot", *(sys.argv[1:] or ["3", "4", "5"])]:
+    for what in ["tractor", "rosbot", *(sys.argv[1:] or ["3", "5", "5s"])]:
         ran = subprocess.run(
             [sys.executable, "-m", "benchmarks.bench_prove", "--one", what], capture_output=True, text=True, check=True
         )
         result = json.loads(ran.stdout)
         pace = result["steps"] / result["cpu_s"]
         print(
-            f"{result['what']:<12} {result['verdict']:<9} {result['states']:>9} states {result['steps']:>9} steps"
+            f"{result['what']:<16} {result['verdict']:<9} {result['states']:>9} states {result['steps']:>9} steps"
             f" {result['cpu_s']:>8.2f} s CPU {pace:>8.0f} steps/s {result['memory_mb']:>6.0f} MB"
         )
         peer = None

@@ -162,8 +162,9 @@ class _ProofRun:
         if ways:
             found, ways = self._calmly(found, ways)
         names = [name for _, name, state in self._mission.walk() if state.word != "history"]
+        states, steps, depth = space.covered
         return Proof(
-            claims=tuple(found), ways=ways, states=space.states, steps=space.steps, depth=space.depth,
+            claims=tuple(found), ways=ways, states=states, steps=steps, depth=depth,
             farthest=max(space.distances(space.ends), default=0), is_whole=space.is_whole,
             stopped=space.meter.stopped, done=space.done,
             assumed=tuple(sorted(world.assumed)), in_pause=tuple(sorted(space.in_pause)),
@@ -177,10 +178,13 @@ class _ProofRun:
         self, *, wanted: Collection[str] = (), is_calm: bool = False,
         progress: Callable[[int, int], None] = lambda found, done: None,
     ) -> Space:  # fmt: skip
-        left = self._limits.seconds - (time.perf_counter() - self._began)
-        space = Space(self._environment(self._few, is_calm=is_calm), self._limits._replace(seconds=left), progress,
-                      wanted=wanted)  # fmt: skip
-        space.explore()
+        for one_by_one in (True, False):
+            left = self._limits.seconds - (time.perf_counter() - self._began)
+            environment, limits = self._environment(self._few, is_calm=is_calm), self._limits._replace(seconds=left)
+            space = Space(environment, limits, progress, wanted=wanted, one_by_one=one_by_one)
+            space.explore()
+            if not space.is_entangled:
+                break
         return space
 
     def _environment(self, mission: Mission, *, is_calm: bool = False) -> Environment:

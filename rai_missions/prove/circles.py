@@ -8,7 +8,7 @@ for ever only where nothing waits all the way round that is not taken in it.
 from __future__ import annotations
 
 from collections import defaultdict, deque
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Sequence
 
 from rai_missions.prove.state_graph import StateGraph
 
@@ -82,11 +82,16 @@ def _popped(stack: list[int], on_stack: set[int], last: int) -> list[int]:
     return part
 
 
-def _is_for_ever(part: Iterable[int], steps: Steps, waiting: Mapping[int, int], sets: list[frozenset[str]]) -> bool:
+def _is_for_ever(part: Iterable[int], steps: Steps, waiting: Sequence[int], sets: list[frozenset[str]]) -> bool:
     """Whether a run can stay among these states for ever though all that waits for time gets it."""
     states = set(part)
     inner = {kept for number in states for target, kept in steps[number] if target in states}
     if not inner:
         return False
-    all_the_way = [sets[waiting[number]] if number in waiting else frozenset[str]() for number in states]
+    all_the_way = [sets[waiting[number]] if _is_known(number, waiting) else frozenset[str]() for number in states]
     return not frozenset.intersection(*all_the_way, *(sets[kept] for kept in inner))
+
+
+def _is_known(number: int, waiting: Sequence[int]) -> bool:
+    """Whether a state was left, so that it is known what waits for time in it."""
+    return number < len(waiting) and waiting[number] >= 0

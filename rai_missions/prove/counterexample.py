@@ -85,9 +85,11 @@ def go(environment: Environment, way: Edge) -> tuple[str, str]:
         LookupError: That cannot happen here.
     """
     place = environment.codec.place()
-    happening = [*environment.happenings(), *environment.of_goals()][way.at] if way.at >= 0 else None
-    if happening is not None and happening.words != way.words:
+    every = [*environment.happenings(), *environment.of_goals()] if way.at >= 0 else []
+    alike = [each for each in every if each.words == way.words]
+    if way.at >= len(alike):
         raise LookupError(way.words)
+    happening = alike[way.at] if way.at >= 0 else None
     environment.load(place)
     environment.choices.begin(way.trail)
     environment.inputs.last_event, environment.control.found = None, None

@@ -105,14 +105,15 @@ class Environment:
         runs = any(state.activity() and not state.options for _, _, state in mission.walk())
         is_informed = bool(self.world.fleeting or self.world.predicates) or self.world.own_fade
         calls = any(True for _ in parts(mission, Call))
-        self._has_actions = any(True for kind in (Action, ActionLeaf) for _ in parts(mission, kind))
+        self.has_actions = any(True for kind in (Action, ActionLeaf) for _ in parts(mission, kind))
+        """Goals can be started."""
         self.pause_matters = runs or is_informed or bool(self.control.needed) or calls
         """Something can change while the mission is paused; else it continues as if nothing had been."""
 
     @property
     def has_stores(self) -> bool:
         """What a step asks of a store is known, and states can differ in it alone."""
-        return (bool(self.world.stored) or self._has_actions) and not self.world.own_fade
+        return (bool(self.world.stored) or self.has_actions) and not self.world.own_fade
 
     def load(self, place: Place) -> None:
         """Be in a state again."""
@@ -228,15 +229,14 @@ class Environment:
                 if known and value == (None if now is None else now.value):
                     continue
                 if value is None:
-                    yield Stimulus(
-                        f"{key} goes stale", "write", self.time.elapse(self._forget_it(key), beyond=key), stale=key
-                    )
+                    gone = self.time.elapse(self._forget_it(key), beyond=key)
+                    yield Stimulus(f"{key} goes stale", "write", gone, stale=key, key=key)
                 else:
-                    yield Stimulus(f"{key} is {_in_words(value)}", "write", self._report(key, value))
+                    yield Stimulus(f"{key} is {_in_words(value)}", "write", self._report(key, value), key=key)
         for key, written in self.chart.mission.blackboard.items():
             if written.max_age_s is not None and written.source != "robot" and board.known(key) is not None:
                 gone = self.time.elapse(self._forget_it(key), beyond=key)
-                yield Stimulus(f"{key} goes stale", "write", gone, stale=key)
+                yield Stimulus(f"{key} goes stale", "write", gone, stale=key, key=key)
         running = state.running if state.mode != "paused" else ()
         trees = [name for name in running if isinstance(self.chart.program.machines[name], TreeMachine)]
         if trees or self.world.predicates:
@@ -244,6 +244,7 @@ class Environment:
                 "time passes, and rules are looked at again",
                 "write",
                 lambda: self.time.time_passes(*trees),
+                is_tick=True,
             )
 
     def _others(self, key: str, now: Any) -> Iterator[Any]:

@@ -6,17 +6,21 @@ Rule: a step does the same wherever the mission's own keys that it looks at are 
 
 from __future__ import annotations
 
-from collections import deque
-from collections.abc import Callable, Collection
+from collections import Counter, deque
+from collections.abc import Callable, Collection, Iterable, Sequence
 from typing import NamedTuple
 
-from rai_missions.prove.counts import Count
-from rai_missions.prove.environment import RESUME, Environment
+from rai_missions.prove.environment import Environment
 from rai_missions.prove.limits import MOST_STATES, Limits, Meter
 from rai_missions.prove.loops import Level, Loop
-from rai_missions.prove.state_graph import Edge, StateGraph
-from rai_missions.prove.state_key import Place
-from rai_missions.prove.step_cache import Arrival, CachedStep, CaseTable, StepCache, StepOutcome, joined
+from rai_missions.prove.part_steps import BITS, Course, PartSteps
+from rai_missions.prove.region_parts import RegionParts, Spot
+from rai_missions.prove.regions import Regions
+from rai_missions.prove.separate_regions import EntangledError, SeparateRegions, may_be_apart
+from rai_missions.prove.state_graph import REPORTED, Edge, StateGraph
+from rai_missions.prove.state_key import Place, SavedState
+from rai_missions.prove.step_cache import NOTHING, WHOLE, Arrival, CachedStep, CaseTable, StepCache, View, both, joined
+from rai_missions.prove.step_maker import Origin, Scene, StepMaker
 from rai_missions.prove.stimulus import Stimulus
 from rai_missions.prove.store import ALL_GOALS, Store
 
@@ -59,29 +63,40 @@ class Space(StateGraph):
         limits: What it may cost; a number is that of states.
         progress: Receives the number of states found and of states done, now and then.
         wanted: Promises; once each is known to be broken, the search ends. None of these: it continues.
+        by_parts: Regions that do not look at each other are explored part by part: the same states, of fewer steps.
+        one_by_one: Regions that share nothing are explored one at a time. Where they share something, after all, the
+            search ends, and `is_entangled`.
     """
 
     def __init__(
         self, environment: Environment, limits: Limits | int = MOST_STATES,
-        progress: Progress = lambda found, done: None, *, wanted: Collection[str] = (),
+        progress: Progress = lambda found, done: None, *, wanted: Collection[str] = (), by_parts: bool = True,
+        one_by_one: bool = False,
     ) -> None:  # fmt: skip
         super().__init__()
         self.environment, self._progress, self._wanted = environment, progress, frozenset(wanted)
         self.meter = Meter(Limits(limits) if isinstance(limits, int) else limits)
+        self._by_parts, self._one_by_one = by_parts, one_by_one
+        self._apart: SeparateRegions | None = None
+        self.is_entangled = False
+        """Regions were explored one at a time, and share something: nothing was found out."""
         self._stores = environment.codec.stores
         self._every_goal = self._stores.question([ALL_GOALS])
         self.fresh = environment.codec.place()
         """Before the start."""
-        self._frontier: deque[tuple[int, bytes, Place]] = deque()
+        self._frontier: deque[tuple[int, bytes | Spot, SavedState | None, Store, int]] = deque()
         self._has_stores = False
         """States can differ in their stores alone."""
         self._courses: dict[bytes, list[StepCache]] = {}
         """Core, or core and goals, → what came of what happens there."""
-        self._here: list[Stimulus] = []
-        """What waits for time in the state that is left, but for the goals of its store."""
-        self._goals_here: list[Stimulus] = []
+        self._heads: dict[tuple[int, bytes], int] = {}
+        """Of states that are taken apart the number of a frame, with all that makes a difference of the store."""
+        self.widest = 0
+        """The most parts that a state has."""
+        self._words_here: Sequence[frozenset[str]] = ()
+        """What waits for time in each part of the state that is left, where it is taken apart."""
         self._goal_words = frozenset[str]()
-        """What waits for time on account of these goals."""
+        """What waits for time on account of the goals of the store of the state that is left."""
         self._places: dict[bytes, Inside] = {}
         """Core and goals → what is known of all states there."""
         self.ends: dict[int, str] = {}
@@ -97,6 +112,8 @@ class Space(StateGraph):
         self.in_pause: set[str] = set()
         """Invariants that a robot's reports can break while the mission is paused or held, when not every rule acts."""
         self.steps = 0
+        self.made = 0
+        """Steps that were really made; the others are repetitions."""
         self.cut: set[int] = set()
         """States out of which some step was not made, or leads where there was no room for it."""
         self.done = 0
@@ -108,24 +125,53 @@ class Space(StateGraph):
         return not self.cut and not self._frontier
 
     @property
+    def covered(self) -> tuple[int, int, int]:
+        """States and steps that were explored or are made up of such, and steps of the longest of the shortest ways."""
+        if self._apart is None or not self.is_whole:
+            return self.states, self.steps, self.depth
+        left_out = self._apart.totals()
+        return self.states + left_out.states, self.steps + left_out.steps, max(self.depth, left_out.depth)
+
+    @property
     def unfinished(self) -> list[int]:
         """States whose steps were not explored, or not all."""
-        return [*self.cut, *(number for number, _, _ in self._frontier)]
+        return [*self.cut, *(each[0] for each in self._frontier)]
 
     def explore(self) -> None:
         """Find every state, or as many as the limits allow."""
-        self._has_stores = self.environment.has_stores
-        start = Stimulus(START, "start", self.environment.begin)
-        self._each_way(start, -1, self.fresh, -1, StepCache())
-        while self._frontier and not self._is_over:
-            number, core, place = self._frontier.popleft()
-            self._leave(number, core, place)
+        environment = self.environment
+        self._has_stores = environment.has_stores
+        regions = Regions(environment.chart, environment.world)
+        parts = None
+        if self._by_parts and regions.parallels and not environment.codec.loops:
+            parts = RegionParts(environment.chart, environment.world, environment.codec, environment.rest, regions)
+            self.widest = max(len(each.members) for each in regions.parallels.values())
+        self._maker = StepMaker(environment, parts, lambda source, way, idle: self.learn(source, way, is_paused=idle))
+        owner_of = environment.inputs.owner_of
+        if parts is not None and self._one_by_one and may_be_apart(environment, regions.parallels.values()):
+            self._apart = SeparateRegions()
+        by_parts = PartSteps(self, parts, self._stores, owner_of, self._apart) if parts is not None else None
+        try:
+            self._search(by_parts)
+        except EntangledError:
+            self.is_entangled = True
+
+    def _search(self, by_parts: PartSteps | None) -> None:
+        start = Scene(Stimulus(START, "start", self.environment.begin), -1)
+        self.each_way(start, Origin(-1, self.fresh), StepCache())
+        frontier = self._frontier
+        while frontier and not self.is_over:
+            number, core, saved, store, code = frontier.popleft()
+            if saved is not None and isinstance(core, bytes):
+                self._leave(number, core, Place(saved, store))
+            elif by_parts is not None and isinstance(core, Spot):
+                by_parts.leave(number, core, store, code)
             self.done += 1
             if number % NOW_AND_THEN == 0:
                 self._progress(self.states, number)
 
     @property
-    def _is_over(self) -> bool:
+    def is_over(self) -> bool:
         """All that was wanted is known, or a limit is reached that ends the search at once."""
         return bool(self.meter.ended or (self._wanted and self._wanted <= self.flaws.keys()))
 
@@ -138,53 +184,56 @@ class Space(StateGraph):
         inside = self._places.get(with_goals)
         course = inside.whole.find(store) if inside is not None else None
         if inside is not None and course is not None and self.meter.has_room(course.steps):
-            self.waiting[number], self._goal_words = inside.waiting, inside.goal_words
-            self._again(course, number, store)
+            self.note_waiting(number, inside.waiting)
+            self._goal_words = inside.goal_words
+            self.again(course, number, store)
             return
         known, more = self._courses.get(core), self._courses.get(with_goals) if store.goals else []
         if known is None:
-            self._stop(number, place)
-        found, others = self._happenings(number, place)
+            self.stop(number, place)
+        found, others = self.scenes(number, place)
         known = known if known is not None else self._room(core, found)
         more = more if more is not None else self._room(with_goals, others)
-        inside = self._inside(number, with_goals, found, others)
+        here = Origin(number, place, waiting(found), waiting(others))
+        inside = self._inside(here, with_goals)
         courses: list[CachedStep] = []
-        for at, (happening, cache) in enumerate(zip((*found, *others), (*known, *more), strict=True)):
-            if self._is_over:
+        for scene, cache in zip((*found, *others), (*known, *more), strict=True):
+            if self.is_over:
                 self.cut.add(number)
                 return
             course = cache.whole.find(store)
             if course is not None:
-                self._again(course, number, store)
+                self.again(course, number, store)
             else:
-                place_of = -1 if happening.words == CANCEL else at - (at >= len(known) and number not in self.canceling)
-                course = self._each_way(happening, place_of, place, number, cache)
+                course = self.each_way(scene, here, cache)
             if self._has_stores:
                 courses.append(course)
         if courses:
             whole = joined(courses)
             inside.whole.add(self._stores.question(whole.asked), store, whole)
 
-    def _inside(self, number: int, place: bytes, found: list[Stimulus], others: list[Stimulus]) -> Inside:
+    def _inside(self, here: Origin, place: bytes) -> Inside:
         """What is known of all states of a core with the same goals; first of all what waits for time there."""
-        self._here = [each for each in found if each.kind == "time"]
-        self._goals_here = [each for each in others if each.kind == "time"]
-        self._goal_words = frozenset(each.words for each in self._goals_here)
-        waiting = self.wait(number, self._goal_words.union(each.words for each in self._here))
-        inside = self._places.get(place) or Inside(waiting, self._goal_words, CaseTable())
+        self._goal_words = frozenset(each.happening.words for each in here.goals)
+        words = self._goal_words.union(each.happening.words for each in here.waiting)
+        number = self.wait(here.number, words)
+        inside = self._places.get(place) or Inside(number, self._goal_words, CaseTable())
         if self._has_stores:
             self._places[place] = inside
         return inside
 
-    def _happenings(self, number: int, place: Place) -> tuple[list[Stimulus], list[Stimulus]]:
+    def scenes(self, number: int, place: Place) -> tuple[list[Scene], list[Scene]]:
         """Everything that can happen there but an e-stop; what is about goals that nothing pursues apart."""
         self.environment.load(place)
-        found, others = list(self.environment.happenings()), list(self.environment.of_goals())
+        met = Counter[str]()
+        found = [_scene(each, met) for each in self.environment.happenings()]
+        others = [_scene(each, met) for each in self.environment.of_goals()]
         if number not in self.canceling:
-            found.append(Stimulus(CANCEL, "command", self.environment.ordering("cancel")))
+            order = self.environment.ordering("cancel")
+            found.append(Scene(Stimulus(CANCEL, "command", order, is_cancel=True), -1))
         return found, others
 
-    def _room(self, place: bytes, found: list[Stimulus]) -> list[StepCache]:
+    def _room(self, place: bytes, found: list[Scene]) -> list[StepCache]:
         """Room for what comes of what happens in a place; it is not kept where nothing can be found there again."""
         room = [StepCache() for _ in found]
         if self._has_stores:
@@ -194,143 +243,157 @@ class Space(StateGraph):
             self._courses[place] = room
         return room
 
-    def _again(self, course: CachedStep, source: int, store: Store) -> None:
-        """The same happens in a state that differs in its store alone."""
+    def again(self, course: CachedStep, source: int, store: Store, spot: Spot | None = None) -> None:
+        """The same happens in a state that differs in its store alone, or in parts that make no difference."""
         self.steps += course.steps
         self.meter.spend(course.steps, self.states)
         for arrival in course.arrivals:
-            self._arrive(source, arrival, store)
+            self._arrive(source, arrival, store, spot)
 
-    def _each_way(self, happening: Stimulus, at: int, place: Place, source: int, before: StepCache) -> CachedStep:
+    def each_way(self, scene: Scene, here: Origin, before: StepCache, view: View = WHOLE) -> CachedStep:
         """Let it happen in each way in which it can; those that went so before are not gone again."""
-        store, arrivals, steps, asked = place.store, [], 0, set[object]()
+        store, arrivals, steps, asked = here.place.store, [], 0, set[object]()
+        footprint = NOTHING
         chosen: tuple[int, ...] | None = ()
+        keeps = self._has_stores or here.spot is not None
         while chosen is not None:
             ways = before.ways.get(chosen)
-            made = ways.find(store) if ways is not None else None
+            made = ways.find(store, view) if ways is not None else None
             if made is None:
-                made = self._make(happening, at, place, source, chosen)
-                if self._has_stores:
-                    before.ways.setdefault(chosen, CaseTable()).add(self._stores.question(made.asked), store, made)
+                made, work = self._maker.make(here, scene, chosen)
+                self.meter.work += work
+                self.made += 1
+                if keeps:
+                    known = before.ways.setdefault(chosen, CaseTable())
+                    known.add(self._stores.question(made.asked), store, made, view)
             steps += 1
             asked |= made.asked
+            footprint = both(footprint, made.footprint)
             if made.arrival is not None:
-                self._arrive(source, made.arrival, store)
+                self._arrive(here.number, made.arrival, store, here.spot)
                 arrivals.append(made.arrival)
             chosen = made.after
-            if self.meter.spend(1, self.states) and chosen is not None and self._is_over:
-                self.cut.add(max(source, 0))
+            if self.meter.spend(1, self.states) and chosen is not None and self.is_over:
+                self.cut.add(max(here.number, 0))
                 break
         self.steps += steps
-        course = CachedStep(arrivals, steps, frozenset(asked))
-        if self._has_stores and chosen is None:
-            before.whole.add(self._stores.question(asked), store, course)
+        course = CachedStep(arrivals, steps, frozenset(asked), footprint)
+        if keeps and chosen is None:
+            before.whole.add(self._stores.question(asked), store, course, view)
         return course
 
-    def _make(self, happening: Stimulus, at: int, place: Place, source: int, chosen: tuple[int, ...]) -> StepOutcome:
-        """Let it happen in one way."""
-        environment, arrival = self.environment, None
-        chart, world, instruments = environment.chart, environment.world, environment.instruments
-        looked = world.board.looked
-        environment.choices.begin(chosen)
-        environment.load(place)
-        is_idle = (chart.mode == "paused" and happening.words != RESUME) or (
-            environment.control.is_held and happening.kind == "write"
-        )
-        looked.clear()
-        world.board.counted.clear()
-        environment.make(happening.do)
-        self.meter.work += len(chart.state.draft.moves) + instruments.ticks
-        is_possible = world.is_possible
-        read, written = looked & world.stored, {key for key, _ in chart.state.draft.written}
-        if is_possible:
-            kept = self._left_waiting(happening) if happening.kind == "time" and environment.time.is_silent else None
-            environment.settle()
-            read |= (looked | world.asked_at_the_end) & world.stored
-            way = Edge(happening.words, at, environment.choices.trail)
-            self.learn(source, way, is_paused=is_idle)
-            arrival = self._arrival(way, happening, place.store, kept)
-        asked = instruments.asked.union(self._stores.looked_at(read, written, self._counted()))
-        return StepOutcome(arrival, frozenset(asked), environment.choices.next())
-
-    def _counted(self) -> set[tuple[str, int]]:
-        """Numbers that were counted, and what had been added to each when it was looked at; none in a long step."""
-        world = self.environment.world
-        if self.environment.instruments.is_long or not world.board.counters:
-            return set()
-        entries = {key: world.board.known(key) for key in world.asked_at_the_end & world.board.counters}
-        added = {
-            (key, each[0].added if each is not None and each[0].__class__ is Count else 0)
-            for key, each in entries.items()
-        }
-        return world.board.counted | added
-
-    def _left_waiting(self, taken: Stimulus) -> frozenset[str]:
-        """What waits for time on after a step; a step that is about no goal leaves those of the store as they are."""
-        waiting = [*self._here, *self._goals_here] if taken.is_of_goal else self._here
-        return self.environment.time.kept(waiting, taken.words)
-
-    def _arrival(self, way: Edge, happening: Stimulus, before: Store, kept: frozenset[str] | None) -> Arrival:
-        chart, codec, instruments = self.environment.chart, self.environment.codec, self.environment.instruments
-        has_moved = bool(chart.state.draft.moves or instruments.turned or any(instruments.begun.values()))
-        if chart.outcome is not None:
-            ended = chart.outcome, chart.why
-            return Arrival(way, happening.kind, has_moved, ended, repr(ended).encode())
-        written, added = codec.changed(before, is_exact=instruments.is_long)
-        goals, many = codec.given_up(), len(before.goals)
-        if happening.is_of_goal or goals[:many] != list(before.ledger.values()):
-            instruments.asked.add(ALL_GOALS)
-        is_absolute = ALL_GOALS in instruments.asked
-        ahead = codec.ahead()
-        change = self._stores.change(
-            written, added, tuple(goals if is_absolute else goals[many:]), self.environment.rest.rivals,
-            ahead.kept, ahead.question, is_absolute=is_absolute,
-        )  # fmt: skip
-        levels = codec.levels() if codec.loops else ()
-        return Arrival(
-            way, happening.kind, has_moved, None, codec.core(), codec.take(), change, chart.mode, levels,
-             kept, happening.is_of_goal,
-        )  # fmt: skip
-
-    def _arrive(self, source: int, arrival: Arrival, before: Store) -> None:
+    def _arrive(self, source: int, arrival: Arrival, before: Store, spot: Spot | None) -> None:
         """Take note of a step and of the state it leads to."""
-        change, store, answer = arrival.change, before, b""
-        if change is None:
-            key = arrival.core
-        else:
+        change, store, answer, target = arrival.change, before, b"", arrival.spot
+        key: bytes | int = arrival.core
+        if change is not None:
             store, answer = self._stores.after(before, change)
-            key = arrival.core + answer
+            if target is None:
+                key = arrival.core + answer
+            else:
+                target = (
+                    target if arrival.changed is None or spot is None else spot.moved(target.frame, arrival.changed)
+                )
+                key = self.code(target, answer)
+                if self._apart is not None and (arrival.changed is None or spot is None):
+                    depth = self._depths[source] + 1 if source >= 0 else 1
+                    self._apart.enter(key >> BITS * self.widest, target.parts, depth)
         number = self._numbers.get(key)
         if number is None:
             if self.states >= self.meter.limits.states:
                 self.meter.is_full = True
                 self.cut.add(max(source, 0))
                 return
-            number = self._find(key, source, arrival, store, answer)
+            number = self._find(key, source, arrival, store, answer, target)
         kind = arrival.kind
         if source < 0 or (source == number and not (kind == "time" and arrival.has_moved)):
             return  # what changes nothing leads nowhere
         kept = arrival.kept
         if kept is not None and self._goal_words and not arrival.is_of_goal:
             kept |= self._goal_words
+        if kept is not None and spot is not None and arrival.changed is not None:
+            kept = kept.union(*(words for group, words in enumerate(self._words_here) if group not in arrival.needs))
         self.join(source, number, kind, kept)
 
-    def _find(self, key: bytes, source: int, arrival: Arrival, store: Store, answer: bytes) -> int:
+    def repeat(
+        self, courses: Iterable[Course], steps: int, source: int, spot: Spot, store: Store, code: int
+    ) -> None:  # fmt: skip
+        """The same happens in a state of which every part and the frame are known."""
+        numbers, targets, kept, heads = self._numbers, self._targets, self._kept, self._heads
+        top = BITS * self.widest
+        inner = code & (1 << top) - 1
+        self.begin(source)
+        for course in courses:
+            for shift, arrival in course.moves:
+                number = numbers.get(code + shift)
+                if number is None:
+                    self._arrive(source, arrival, store, spot)
+                else:
+                    targets.append(number)
+                    kept.append(REPORTED)
+            for shift, frame, change, arrival in course.changes:
+                head = heads.get((frame, self._stores.after(store, change)[1]))
+                number = numbers.get(head << top | inner + shift) if head is not None else None
+                if number is None:
+                    self._arrive(source, arrival, store, spot)
+                elif number != source:
+                    targets.append(number)
+                    kept.append(REPORTED)
+            for arrival in course.ends:
+                number = numbers.get(arrival.core)
+                if number is None:
+                    self._arrive(source, arrival, store, spot)
+                elif arrival.kind != "command":
+                    targets.append(number)
+                    kept.append(REPORTED)
+            for arrival in course.others:
+                self._arrive(source, arrival, store, spot)
+        self.steps += steps
+        self.meter.spend(steps, self.states)
+
+    def code(self, spot: Spot, answer: bytes) -> int:
+        """What distinguishes a state that is taken apart: its frame and what its store answers, then its parts."""
+        code = self._heads.setdefault((spot.frame, answer), len(self._heads))
+        for part in spot.parts:
+            code = code << BITS | part
+        return code << BITS * (self.widest - len(spot.parts))
+
+    def _find(
+        self, key: bytes | int, source: int, arrival: Arrival, store: Store, answer: bytes, target: Spot | None
+    ) -> int:
         """Take note of a state that is new; its number."""
         number = self._add(key, source, arrival.way)
         if arrival.ended is not None:
             self.ends[number] = arrival.ended[0]
+        elif target is not None and isinstance(key, int):
+            self._frontier.append((number, target, None, store, key))
         elif arrival.state is not None:
-            self._frontier.append((number, arrival.core, Place(arrival.state, store)))
+            self._frontier.append((number, arrival.core, arrival.state, store, 0))
             if arrival.levels:
                 self.levels[number] = {loop: Level(ended, core + answer) for loop, ended, core in arrival.levels}
             if arrival.mode == "canceling":
                 self.canceling.add(number)
         return number
 
+    def waits(
+        self, number: int, parts: Sequence[frozenset[str]], outer: frozenset[str], of_goals: frozenset[str]
+    ) -> None:
+        """Note what waits for time in a state that is left: in each part, around them, and on account of its goals."""
+        self._words_here, self._goal_words = parts, of_goals
+        self.wait(number, outer.union(of_goals, *parts))
+
+    def waits_for_nothing(self, number: int) -> None:
+        """The same where nothing does."""
+        self._words_here, self._goal_words = (), frozenset()
+        self.note_waiting(number, self.number_of(self._goal_words))
+
+    def cut_off(self, number: int) -> None:
+        """Not every step out of a state was made."""
+        self.cut.add(number)
+
     # -- what is wrong --------------------------------------------------------------------------------------------
 
-    def _stop(self, number: int, place: Place) -> None:
+    def stop(self, number: int, place: Place) -> None:
         """An e-stop here ends the mission and every goal; it asks for nothing that is known."""
         environment, chart = self.environment, self.environment.chart
         environment.load(place)
@@ -374,3 +437,13 @@ class Space(StateGraph):
         if promise not in self.flaws:
             self.meter.refuted(self.states)
         self.flaws.setdefault(promise, Violation(promise, state, sentence, way))
+
+
+def _scene(happening: Stimulus, met: Counter[str]) -> Scene:
+    met[happening.words] += 1
+    return Scene(happening, met[happening.words] - 1)
+
+
+def waiting(found: Iterable[Scene]) -> list[Scene]:
+    """What waits for time."""
+    return [each for each in found if each.happening.kind == "time"]

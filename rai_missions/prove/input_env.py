@@ -94,9 +94,10 @@ class InputEnvironment:
             if plan is None:
                 plan = state.config.plan(name, declared=True)
             if plan and free(state, plan):  # what held states name can come right after the hand-back
-                yield Stimulus(f"event '{name}'", "event", self._bringing(name, "event", fields))
+                yield Stimulus(f"event '{name}'", "event", self._bringing(name, "event", fields), event=name)
         if self._names_doubt and not state.frozen:
-            yield Stimulus("no one knows whether it was done", "event", self._bringing("uncertain", "doubt", fields))
+            doubt = self._bringing("uncertain", "doubt", fields)
+            yield Stimulus("no one knows whether it was done", "event", doubt, event="uncertain")
 
     def _bringing(self, name: str, kind: EventKind, fields: Sequence[str]) -> Callable[[], None]:
         """An event whose payload is chosen again each time it happens."""

@@ -83,6 +83,9 @@ class LooksAhead(Protocol):
     def after(self, config: Configuration) -> Later:
         """What makes a difference from there on."""
 
+    def within(self, nodes: Iterable[Node]) -> frozenset[str]:
+        """What of it rests on these states: where all states together give the same, `after` does."""
+
     def with_outcome(self, node: Node, outcome: str, others: Collection[str]) -> Later:
         """What makes a difference once a state ends with an outcome, and not with others that it could end with."""
 
@@ -118,6 +121,13 @@ class LiveReads:
                 self._found.clear()
             found = self._found[config.key] = self._after(config)
         return found
+
+    def within(self, nodes: Iterable[Node]) -> frozenset[str]:
+        """What of it rests on these states: where all states together give the same, `after` does.
+
+        Histories apart: what they recall depends on which of their parents are active.
+        """
+        return frozenset[str]().union(*(self._live[node] for node in nodes))
 
     def _after(self, config: Configuration) -> Later:
         words = self._always.union(*(self._live[node] for node in config.nodes), self._live[self._graph.root])

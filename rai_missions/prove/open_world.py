@@ -175,6 +175,11 @@ class OpenWorld:
         return not of_the_run and bool(condition.reads) and condition.reads <= self.fleeting | {"*"}
 
     @property
+    def doubts(self) -> bool:
+        """It is asked in each state whether something that is assumed of the robot is true."""
+        return bool(self._doubted)
+
+    @property
     def is_possible(self) -> bool:
         """Nothing that is assumed of the robot is false."""
         return all(each.test(self._chart.state) is not False for each in self._doubted)

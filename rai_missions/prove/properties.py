@@ -78,6 +78,8 @@ def stuck(space: Space) -> list[int]:
 
 def lost(space: Space) -> list[int]:
     """The states from which time alone never leads to an end, or to a state in which the mission waits."""
+    if not space.has_time:
+        return []
     moving = {source for source, _ in space.edges(time_only=True)}
     resting = [number for number in range(space.states) if number not in moving]
     far = space.distances([*resting, *space.unfinished], time_only=True)

@@ -24,6 +24,7 @@ from rai_missions.prove.control_env import kept_words
 from rai_missions.prove.counts import Count, clamped
 from rai_missions.prove.liveness import Later
 from rai_missions.prove.loops import Loop
+from rai_missions.prove.nondeterminism import OpenBoard
 from rai_missions.prove.open_rounds import PREFIX, list_name
 from rai_missions.prove.open_world import NOW, OpenWorld
 from rai_missions.prove.parts import guards_in, parts
@@ -100,6 +101,7 @@ class StateCodec:
         plain_fields = [each.name for each in TABLE if each.holds in AS_IT_IS]
         unclear = set(HOLDS) ^ (keys_by_kind.keys() | INDIFFERENT | AS_IT_IS)
         assert not unclear, f"{sorted(unclear)}: to be compared as it is, by a key of its own, or not at all"
+        self._to_keys = dict(keyed)
         self._keys_of = tuple(to_key for _, to_key in keyed)
         self._keyed_values = attrgetter(*(name for name, _ in keyed))
         self._plain_values = attrgetter(*plain_fields)
@@ -216,6 +218,16 @@ class StateCodec:
         groups = [(name, [sorted(each) for each in found]) for name, found in sorted(self.groups.items())]
         return fingerprint((self._plain_values(state), keyed, groups))
 
+    def core_of(self, run: RunState, fields: Mapping[str, Any]) -> bytes:
+        """The same of what is left of a saved state: it has these fields in place of its own, and no active states."""
+        keyed = [(name, to_key(value)) for name, to_key in self._to_keys.items() if name != "config"
+                 and (value := fields.get(name, getattr(run, name)))]  # fmt: skip
+        return fingerprint((self._plain_values(run), keyed))
+
+    def key_of(self, field: str, entries: Mapping[Any, Any]) -> Any:
+        """What distinguishes some entries of a field of a saved state."""
+        return self._to_keys[field](entries)
+
     def ahead(self) -> Ahead:
         """What makes a difference of a store from here on."""
         config = self._chart.state.config
@@ -244,7 +256,8 @@ class StateCodec:
 
     def _board_key(self, board: Any) -> Any:
         idle, kept, own = self._rest.idle, self._rest.later.roots, self._world.own_keys
-        entries = sorted([entry for entry in board.entries() if entry[0] in kept and entry[0] not in own])
+        every = board.entries() if isinstance(board, OpenBoard) else board.items()
+        entries = sorted([entry for entry in every if entry[0] in kept and entry[0] not in own])
         return [(n, None if entry is None else n in idle or plain(entry[0])) for n, entry in entries]
 
     def _ages_key(self, entered: Mapping[str, float]) -> Any:

@@ -1,21 +1,73 @@
 # SPDX-License-Identifier: Apache-2.0
 """What came of a happening, to be repeated wherever it can only go the same way.
 
-Rule: a way is repeated where the store answers what the way has asked of it as it did then, and nowhere else.
+Rule: a way is repeated where the store answers what the way has asked of it as it did then, and where each part of the
+state that it could look at is the same, and nowhere else.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from typing import Generic, NamedTuple, TypeVar
+from collections.abc import Iterable, Sequence
+from typing import Generic, NamedTuple, Protocol, TypeVar
 
 from rai_missions.prove.loops import Loop
+from rai_missions.prove.region_parts import Part, Spot
 from rai_missions.prove.state_graph import Edge
 from rai_missions.prove.state_key import SavedState
 from rai_missions.prove.stimulus import HappeningKind
 from rai_missions.prove.store import Store, StoreChange, StoreQuery
 
-__all__ = ("Arrival", "CachedStep", "CaseTable", "StepCache", "StepOutcome", "joined")
+__all__ = (
+    "NOTHING", "WHOLE", "Arrival", "CachedStep", "Footprint", "CaseTable", "StepOutcome", "StepCache", "Turn", "View", "both",
+    "joined",
+)  # fmt: skip
+
+
+class View(NamedTuple):
+    """A state taken apart, as far as it is asked whether a step can be repeated there."""
+
+    numbers: tuple[int, ...]
+    parts: Sequence[Part]
+
+
+class Turn(NamedTuple):
+    """A step after which other things may be read later."""
+
+    changed: tuple[tuple[int, Part], ...]
+    """The groups whose parts it changed, and these."""
+    reads: frozenset[str]
+    """What may be read later on account of all parts."""
+
+    def fits(self, view: View) -> bool:
+        """Whether the same may be read later where the step is made in another state."""
+        parts = [*view.parts]
+        for group, part in self.changed:
+            parts[group] = part
+        return frozenset[str]().union(*(part.reads for part in parts)) == self.reads
+
+
+class Footprint(NamedTuple):
+    """Where a step goes the same way."""
+
+    needs: tuple[int, ...] = ()
+    """The groups whose parts it could look at, ascending."""
+    wakes: int = 0
+    """What it could wake the others by, as bits: see `Regions.tokens`."""
+    leaves: bool = False
+    """It leaves the parallel state: nothing may happen then in the others."""
+    turns: tuple[Turn, ...] = ()
+
+    def covers(self, view: View) -> bool:
+        """Whether it goes the same way in a state in which all that it needs is the same."""
+        if self.wakes or self.leaves:
+            for group, part in enumerate(view.parts):
+                if group not in self.needs and (self.wakes & part.wakes or (self.leaves and not part.is_quiet)):
+                    return False
+        return all(turn.fits(view) for turn in self.turns)
+
+
+NOTHING = Footprint()
+"""That of a step in a state that is not taken apart."""
 
 
 class Arrival(NamedTuple):
@@ -26,7 +78,7 @@ class Arrival(NamedTuple):
     has_moved: bool
     """A transition was taken, a round of a tree's loop has ended that took time, or a tree's wait has begun."""
     ended: tuple[str, str] | None
-    """Outcome and why; None where the mission continues."""
+    """ShareOutcome and why; None where the mission continues."""
     core: bytes = b""
     """That of the state afterwards; of an end what distinguishes it from others."""
     state: SavedState | None = None
@@ -38,12 +90,18 @@ class Arrival(NamedTuple):
     """Where time passes and the robot is silent: what waits for time on, and not from the beginning."""
     is_of_goal: bool = False
     """It came of a report, or the silence, of a goal that nothing pursues."""
+    spot: Spot | None = None
+    """The state afterwards where it is taken apart; `core` is empty then."""
+    changed: tuple[tuple[int, int], ...] | None = None
+    """The groups whose parts it has changed, and the numbers of these; None where it has left the parallel state."""
+    needs: tuple[int, ...] = ()
+    """The groups that it rests on."""
 
     @property
     def likeness(self) -> tuple[object, ...]:
         """The same for arrivals that lead alike from a state."""
         change = self.change.number if self.change is not None else self.ended
-        return self.core, change, self.kind, self.has_moved, self.kept, self.is_of_goal
+        return self.core, change, self.kind, self.has_moved, self.kept, self.is_of_goal, self.spot, self.needs
 
 
 class StepOutcome(NamedTuple):
@@ -55,6 +113,7 @@ class StepOutcome(NamedTuple):
     """What it has asked of the store: see `Stores.question`."""
     after: tuple[int, ...] | None
     """What is to be chosen for the next way; None after the last."""
+    footprint: Footprint = NOTHING
 
 
 class CachedStep(NamedTuple):
@@ -63,23 +122,42 @@ class CachedStep(NamedTuple):
     arrivals: list[Arrival]
     steps: int
     asked: frozenset[object]
+    footprint: Footprint = NOTHING
 
 
 def joined(courses: Iterable[CachedStep]) -> CachedStep:
     """All that several happenings can come to; of arrivals that lead alike the first."""
-    arrivals, steps, asked = dict[object, Arrival](), 0, set[object]()
+    arrivals, steps, asked, footprint = dict[object, Arrival](), 0, set[object](), NOTHING
     for course in courses:
         steps += course.steps
         asked |= course.asked
+        footprint = both(footprint, course.footprint)
         for each in course.arrivals:
             arrivals.setdefault(each.likeness, each)
-    return CachedStep(list(arrivals.values()), steps, frozenset(asked))
+    return CachedStep(list(arrivals.values()), steps, frozenset(asked), footprint)
 
 
-Kind = TypeVar("Kind")
+def both(one: Footprint, other: Footprint) -> Footprint:
+    """Where each of two steps goes the same way."""
+    if one is NOTHING or other is NOTHING:
+        return other if one is NOTHING else one
+    needs = tuple(sorted({*one.needs, *other.needs}))
+    return Footprint(needs, one.wakes | other.wakes, one.leaves or other.leaves, (*one.turns, *other.turns))
+
+
+class Reusable(Protocol):
+    """What can be repeated in some states."""
+
+    @property
+    def footprint(self) -> Footprint: ...
+
+
+Kind = TypeVar("Kind", bound=Reusable)
 
 MOST_KNOWN = 1_000
 """What is remembered of one happening, or of one way of it; a counter without end would fill the memory."""
+WHOLE = View((), ())
+"""A state that is not taken apart."""
 
 
 class CaseTable(Generic[Kind]):
@@ -88,21 +166,24 @@ class CaseTable(Generic[Kind]):
     __slots__ = ("_by_question", "_many")
 
     def __init__(self) -> None:
-        self._by_question: dict[StoreQuery, dict[bytes, Kind]] = {}
+        self._by_question: dict[tuple[StoreQuery, tuple[int, ...]], dict[object, list[Kind]]] = {}
         self._many = 0
 
-    def add(self, question: StoreQuery, store: Store, what: Kind) -> None:
+    def add(self, question: StoreQuery, store: Store, what: Kind, view: View = WHOLE) -> None:
         """Remember it, unless much is known already."""
         if self._many < MOST_KNOWN:
-            self._by_question.setdefault(question, {})[question.of(store)] = what
+            needs = what.footprint.needs
+            answer = question.of(store), tuple([view.numbers[group] for group in needs])
+            self._by_question.setdefault((question, needs), {}).setdefault(answer, []).append(what)
             self._many += 1
 
-    def find(self, store: Store) -> Kind | None:
+    def find(self, store: Store, view: View = WHOLE) -> Kind | None:
         """What happens with this store, if it is known."""
-        for question, found in self._by_question.items():
-            what = found.get(question.of(store))
-            if what is not None:
-                return what
+        for (question, needs), found in self._by_question.items():
+            for what in found.get((question.of(store), tuple([view.numbers[group] for group in needs])), ()):
+                footprint = what.footprint
+                if footprint is NOTHING or footprint.covers(view):
+                    return what
         return None
 
 

@@ -30,3 +30,11 @@ class Stimulus(NamedTuple):
     """The timer that runs out: its key, and the order in which it was set; `goal` and a number for a goal's end."""
     is_of_goal: bool = False
     """It is about a goal that nothing pursues."""
+    event: str = ""
+    """The event that is received, or the one that a timer raises."""
+    key: str = ""
+    """The key of which something else is known from now on."""
+    is_tick: bool = False
+    """All trees look again."""
+    is_cancel: bool = False
+    """The operator cancels."""

@@ -38,7 +38,7 @@ __all__ = (
 
 MANY = 2
 """So many alike represent any number more."""
-LEFT = 1_000_000
+LEFT = 1_000_000_000
 """From here on the goals of a store are numbered, in each state that it is put back into."""
 NONE: Bounds = {}
 REMEMBERED = 50_000

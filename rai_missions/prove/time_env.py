@@ -152,8 +152,9 @@ class TimeEnvironment:
             kind, which = key
             kinds = {"after": f"the time of transition {which} has come", "timeout": f"the time of '{which}' is over"}
             words = kinds.get(kind, f"'{self._chart.state.timers[key].name}' is due")
-            order = self._chart.state.timers[key].order
-            yield Stimulus(words, "time", self.elapse(self._ring(key)), timer=(key, order))
+            timer = self._chart.state.timers[key]
+            raised = timer.name if kind == "raise" else ""
+            yield Stimulus(words, "time", self.elapse(self._ring(key)), timer=(key, timer.order), event=raised)
         for name, until in list(self._chart.state.pending.items()):
             if until != math.inf:
                 yield Stimulus(f"no handover for '{name}' in time", "time", self.elapse(self._late(name)), owner=name)

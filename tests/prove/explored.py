@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -68,6 +68,9 @@ class Everything(NamedTuple):
 
     def after(self, config: Configuration) -> Later:
         return self.later
+
+    def within(self, nodes: Iterable[Node]) -> frozenset[str]:
+        return frozenset()
 
     def with_outcome(self, node: Node, outcome: str, others: Collection[str]) -> Later:
         return self.later

@@ -1,0 +1,284 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Which regions of a parallel state look at each other: those that do not are explored part by part.
+
+Rule: two regions are in one group if anything but the mission's own keys connects them. Where that is not known for
+certain, they are in one group, or the parallel state is explored as a whole.
+
+What connects regions is found in the text of a mission: a name that appears in two of them (a state, an event, a key
+that the robot reports), actions that exclude each other, a rule outside that names states of both. Keys of the mission
+itself connect none: what a step asks of them, and writes, is noted as it is made (`store`, `wakes`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+from typing import Any, NamedTuple
+
+from pydantic import BaseModel
+
+from rai_missions.engine import Chart
+from rai_missions.engine.activities.activity import GOALS
+from rai_missions.engine.nodes import CompiledGuard, CompiledTransition, Node
+from rai_missions.guards.guard import presence
+from rai_missions.mission.mission import BUILT_IN_EVENTS
+from rai_missions.prove.open_world import OpenWorld
+from rai_missions.prove.parts import guards_in, parts
+from rai_missions.prove.stimulus import Stimulus
+from rai_missions.states.action import Action
+from rai_missions.states.state import ANY_EVENT
+from rai_missions.states.tree.leaves import ActionLeaf
+
+__all__ = ("OUTSIDE", "TIME", "Parallel", "Regions")
+
+TIME = "#time"
+"""Something may go stale at the instant at which something else has expired."""
+ANY_KEY = "*"
+OUTSIDE, OF_GOALS = -1, -2
+"""In place of a group: what concerns the mission around the regions, and goals that nothing pursues."""
+INNER = frozenset(("states", "parallel"))
+
+
+class Parallel(NamedTuple):
+    """A parallel state whose regions are explored part by part."""
+
+    node: Node
+    group_of: Mapping[str, int]
+    """State inside it → its group."""
+    members: tuple[tuple[Node, ...], ...]
+    """Of each group its regions."""
+    key_of: Mapping[str, int]
+    """Key that the robot reports → the group that reads it."""
+    events: Mapping[str, int]
+    """Event → the group that has transitions for it; of what rules outside handle, `OUTSIDE`."""
+    handlers: Mapping[str, frozenset[int]]
+    """Event → the groups in whose text it appears."""
+    outside: Mapping[int, frozenset[str]]
+    """Group → what wakes the rules around it that name its states."""
+    named: frozenset[int]
+    """The groups whose states are named by rules around them that an event fires, or whose events these raise."""
+    trees: frozenset[int]
+    """The groups that have trees."""
+
+    @property
+    def every(self) -> frozenset[int]:
+        """All groups."""
+        return frozenset(range(len(self.members)))
+
+
+class Regions:
+    """The parallel states of a mission that are explored part by part.
+
+    Args:
+        chart: The mission.
+        world: What the surroundings can be.
+    """
+
+    def __init__(self, chart: Chart, world: OpenWorld) -> None:
+        self._chart, self._world = chart, world
+        graph, mission = chart.program.graph, chart.mission
+        self._events = frozenset(mission.events).union(BUILT_IN_EVENTS)
+        is_plain = not (
+            graph.controls or world.predicates or mission.uses or world.own_fade or world.doubts
+            or any(node.is_history for node in graph.order)
+        )  # fmt: skip
+        found = [self._parallel(node) for node in graph.order if is_plain and _is_outermost(node)]
+        self.parallels: dict[Node, Parallel] = {each.node: each for each in found if each is not None}
+        self.tokens = self._tokens()
+        """What a step may wake others by; nothing waits for anything else."""
+
+    def _tokens(self) -> Mapping[str, int]:
+        """Token → its bit; of states those that guards name."""
+        mission, facts = self._chart.mission, self._chart.terms
+        guards = [*guards_in(mission), *guards_in(facts.succeeded), *guards_in(facts.failed)]
+        states = {presence(name) for guard in guards for name in guard.states()}
+        tokens = (TIME, GOALS, ANY_KEY, *sorted(mission.blackboard), *sorted(states))
+        return {token: 1 << at for at, token in enumerate(tokens)}
+
+    def named_by(self, node: Node) -> Iterator[str]:
+        """The keys and states that the guards of a state name."""
+        for guard in guards_in(list(_own(node))):
+            yield from (path.split(".")[0] for path in guard.paths())
+            yield from map(presence, guard.states())
+
+    def mask(self, tokens: Iterable[str]) -> int:
+        """Tokens as bits; of any key also the bit of what waits for any."""
+        found = 0
+        for token in tokens:
+            found |= self.tokens.get(token, 0)
+            if not token.startswith("#"):
+                found |= self.tokens[ANY_KEY]
+        return found
+
+    # -- groups ---------------------------------------------------------------------------------------------------
+
+    def _parallel(self, node: Node) -> Parallel | None:
+        """The groups of a parallel state; None where it is explored as a whole."""
+        regions, inside = node.children, [each for each in self._chart.program.graph.order if each.inside(node)]
+        if any(each.is_each for each in inside):
+            return None
+        region_of = {each.name: at for at, top in enumerate(regions) for each in inside
+                     if each is top or each.inside(top)}  # fmt: skip
+        texts = [frozenset(self._text(top)) for top in regions]
+        around = [*self._chart.mission.transitions, *(part for each in (node, *node.ancestors) for part in _own(each))]
+        leads = JoinedNumbers(len(regions))
+        for token in self._connecting(region_of):
+            leads.join(at for at, text in enumerate(texts) if token in text or region_of.get(token) == at)
+        actions = [_actions(top) for top in regions]
+        for at, some in enumerate(actions):
+            leads.join(other for other, others in enumerate(actions) if other == at or any(
+                self._chart.terms.conflict(one, two) for one in some for two in others))  # fmt: skip
+        waiting = [*self._waiting(node), *(condition for _, condition in self._chart.program.invariants)]
+        for condition in waiting:
+            if not condition.reads.isdisjoint(self._world.fleeting):
+                return None
+            leads.join(region_of[name] for name in _states(condition) if name in region_of)
+        firing = [each for each in _transitions(node) if each.condition is not None]
+        for each in firing:
+            leads.join(region_of[name] for name in _states(each.condition) if name in region_of)
+        groups = leads.groups()
+        if len(groups) < 2:
+            return None
+        number = {at: group for group, members in enumerate(groups) for at in members}
+        group_of = {name: number[at] for name, at in region_of.items()}
+        named = {group_of[name] for each in firing for name in _states(each.condition) if name in group_of}
+        outer = frozenset(_strings(around))
+        key_of = {key: number[at] for key in sorted(self._world.fleeting) for at, text in enumerate(texts)
+                  if key in text}  # fmt: skip
+        named |= {group for key, group in key_of.items() if key in outer}
+        handlers = {event: frozenset(number[at] for at, text in enumerate(texts) if event in text)
+                    for event in self._events}  # fmt: skip
+        fired = {event for each in _transitions(node) for event in each.definition.on}
+        is_any = ANY_EVENT in fired
+        events = {event: OUTSIDE if is_any or event in fired or len(some) != 1 else min(some)
+                  for event, some in handlers.items()}  # fmt: skip
+        named |= {group for event, some in handlers.items() if event in outer - fired for group in some}
+        outside = {
+            group: frozenset().union(*(each.watched for each in waiting
+                                       if any(group_of.get(name) == group for name in _states(each))))
+            for group in range(len(groups))
+        }  # fmt: skip
+        trees = {group_of[each.name] for each in inside if each.state is not None and each.state.root() is not None}
+        members = tuple(tuple(regions[at] for at in each) for each in groups)
+        return Parallel(
+            node, group_of, members, key_of, events, handlers, outside, frozenset(named), frozenset(trees)
+        )  # fmt: skip
+
+    def _connecting(self, region_of: Mapping[str, int]) -> Iterator[str]:
+        """The words that connect regions wherever they appear in two of them."""
+        yield from (*self._events, *self._world.fleeting, *region_of)
+
+    def _text(self, top: Node) -> Iterator[str]:
+        """Every word of a region, with what a profile adds to its actions."""
+        words = set(_strings(top.state))
+        facts = self._chart.terms
+        for action in _actions(top):
+            words |= set(_strings([facts.succeeded.get(action), facts.failed.get(action)]))
+        yield from words
+        if ANY_EVENT in words:
+            yield from self._events
+
+    def _waiting(self, node: Node) -> Iterator[CompiledGuard]:
+        """The guards of rules around a parallel state that may fire without an event."""
+        for each in _transitions(node):
+            if each.condition is not None and (each.definition.eventless or each.condition.holds):
+                yield each.condition
+
+    # -- what concerns whom ---------------------------------------------------------------------------------------
+
+    def scope(self, parallel: Parallel, happening: Stimulus, owner: str) -> int:
+        """The group that something concerns; `OUTSIDE` for all else.
+
+        Args:
+            parallel: What is active.
+            happening: What can happen.
+            owner: The state whose goal, call, question or behaviour it is about.
+        """
+        if happening.is_of_goal:
+            return OF_GOALS
+        if happening.timer is not None:
+            kind, which = happening.timer[0]
+            sources = self._chart.program.graph.transitions
+            owner = sources[which].source.name if kind == "after" else which if kind == "timeout" else ""
+        elif happening.event:
+            return parallel.events.get(happening.event, OUTSIDE)
+        elif happening.key:
+            return parallel.key_of.get(happening.key, OUTSIDE)
+        owner = owner.partition("#")[0] or happening.owner
+        return parallel.group_of.get(owner, OUTSIDE)
+
+    def concerned(self, parallel: Parallel, happening: Stimulus, scope: int) -> frozenset[int]:
+        """The groups that something may look at, whatever it wakes."""
+        if scope >= 0:
+            return parallel.named | {scope}
+        if happening.event:
+            return parallel.named | parallel.handlers.get(happening.event, frozenset())
+        if happening.is_tick:
+            return parallel.named | parallel.trees
+        if happening.kind in ("time", "robot") or happening.is_cancel:
+            built_in = (parallel.handlers.get(event, frozenset()) for event in BUILT_IN_EVENTS)
+            return parallel.named.union(*built_in)
+        return parallel.every
+
+
+class JoinedNumbers:
+    """Numbers that are joined into groups.
+
+    Args:
+        many: How many there are.
+    """
+
+    def __init__(self, many: int) -> None:
+        self._lead = list(range(many))
+
+    def join(self, some: Iterable[int]) -> None:
+        """These are in one group."""
+        found = {self._lead[each] for each in some}
+        if found:
+            self._lead = [min(found) if each in found else each for each in self._lead]
+
+    def groups(self) -> list[list[int]]:
+        """Each group, ascending."""
+        return [[at for at, lead in enumerate(self._lead) if lead == first] for first in sorted(set(self._lead))]
+
+
+def _is_outermost(node: Node) -> bool:
+    return node.is_parallel and not any(each.is_parallel or each.is_each for each in node.ancestors)
+
+
+def _own(node: Node) -> Iterator[Any]:
+    """What is written in a state, without the states inside it."""
+    if node.state is not None:
+        yield from (getattr(node.state, field) for field in type(node.state).model_fields if field not in INNER)
+
+
+def _transitions(node: Node) -> list[CompiledTransition]:
+    """The transitions of a state and of those around it."""
+    return [transition for each in (node, *node.ancestors) for transition in each.transitions]
+
+
+def _states(condition: CompiledGuard | None) -> frozenset[str]:
+    if condition is None:
+        return frozenset()
+    return frozenset(name for guard in condition.guard.walk() for name in guard.states())
+
+
+def _actions(top: Node) -> frozenset[str]:
+    return frozenset(each.action for kind in (Action, ActionLeaf) for each in parts(top.state, kind))
+
+
+def _strings(value: Any) -> Iterator[str]:
+    """Every text in a part of a mission; of a path also the key that it begins with."""
+    if isinstance(value, str):
+        yield value
+        if "." in value:
+            yield value.partition(".")[0]
+    elif isinstance(value, BaseModel):
+        for part in vars(value).values():
+            yield from _strings(part)
+    elif isinstance(value, Mapping):
+        for name, part in value.items():
+            yield from _strings(name)
+            yield from _strings(part)
+    elif isinstance(value, list | tuple | set | frozenset):
+        for part in value:
+            yield from _strings(part)

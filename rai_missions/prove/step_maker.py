@@ -1,0 +1,231 @@
+# SPDX-License-Identifier: Apache-2.0
+"""One step really made: the run is put into a state, one thing happens there in one way, and it comes to rest.
+
+Rule: with the arrival comes everything that it rests on: what was asked of the store, and which parts of the state
+could be looked at (`Footprint`). What is not known of a step is taken to rest on the whole state.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from typing import NamedTuple
+
+from rai_missions.engine.activities.activity import GOALS
+from rai_missions.engine.step import Move
+from rai_missions.guards.guard import presence
+from rai_missions.prove.counts import Count
+from rai_missions.prove.environment import RESUME, Environment
+from rai_missions.prove.region_parts import Part, RegionParts, Spot
+from rai_missions.prove.regions import OUTSIDE, TIME, Parallel
+from rai_missions.prove.state_graph import Edge
+from rai_missions.prove.state_key import Place
+from rai_missions.prove.step_cache import NOTHING, Arrival, Footprint, StepOutcome, Turn
+from rai_missions.prove.stimulus import Stimulus
+from rai_missions.prove.store import ALL_GOALS
+
+__all__ = ("Origin", "Scene", "StepMaker")
+
+Learn = Callable[[int, Edge, bool], None]
+"""Takes note of what a step shows: the state it was made in, what happened, and whether the rules were at rest."""
+
+
+class Scene(NamedTuple):
+    """One thing that can happen in a state."""
+
+    happening: Stimulus
+    at: int
+    """Its place among those of the same words; -1 for what an operator or the start does."""
+    scope: int = OUTSIDE
+    """The group that it concerns; see `Regions.scope`."""
+
+
+class Origin(NamedTuple):
+    """The state in which steps are made."""
+
+    number: int
+    place: Place
+    waiting: Sequence[Scene] = ()
+    """What waits for time, but for goals that nothing pursues."""
+    goals: Sequence[Scene] = ()
+    """What waits for time on account of these."""
+    spot: Spot | None = None
+    """Where the state is taken apart, the numbers of its parts."""
+    parts: Sequence[Part] = ()
+
+    def is_last(self, scope: int) -> bool:
+        """All groups but this one have come to their ends."""
+        return all(part.is_ended for group, part in enumerate(self.parts) if group != scope)
+
+
+class StepMaker:
+    """Makes steps.
+
+    Args:
+        environment: The mission, and all that can happen to it.
+        parts: Takes states apart; None where that is not done.
+        learn: Receives what steps show.
+    """
+
+    def __init__(self, environment: Environment, parts: RegionParts | None, learn: Learn) -> None:
+        self._environment, self._parts, self._learn = environment, parts, learn
+        self._stores = environment.codec.stores
+        self._numbers = self._orders = 0
+        """The last number of a start or a question, and of a timer: the parts of two steps never have the same ones."""
+
+    def make(self, here: Origin, scene: Scene, chosen: tuple[int, ...]) -> tuple[StepOutcome, int]:
+        """Let something happen in one way; what came of it, and how many microsteps and ticks of trees it took."""
+        environment, arrival, happening = self._environment, None, scene.happening
+        chart, world, instruments = environment.chart, environment.world, environment.instruments
+        looked = world.board.looked
+        environment.choices.begin(chosen)
+        environment.load(here.place)
+        if self._parts is not None:
+            chart.state.number = max(chart.state.number, self._numbers)
+            chart.state.order = max(chart.state.order, self._orders)
+        is_idle = (chart.mode == "paused" and happening.words != RESUME) or (
+            environment.control.is_held and happening.kind == "write"
+        )
+        looked.clear()
+        world.board.counted.clear()
+        environment.make(happening.do)
+        draft = chart.state.draft
+        work, footprint = len(draft.moves) + instruments.ticks, NOTHING
+        is_possible = world.is_possible
+        read, written = looked & world.stored, {key for key, _ in draft.written}
+        if is_possible:
+            kept = self._left_waiting(here, happening)
+            environment.settle()
+            read |= (looked | world.asked_at_the_end) & world.stored
+            way = Edge(happening.words, scene.at, environment.choices.trail)
+            self._learn(here.number, way, is_idle)
+            arrival, footprint = self._arrival(way, here, scene, kept)
+        asked = instruments.asked.union(self._stores.looked_at(read, written, self._counted()))
+        self._numbers, self._orders = max(self._numbers, chart.state.number), max(self._orders, chart.state.order)
+        return StepOutcome(arrival, frozenset(asked), environment.choices.next(), footprint), work
+
+    def _counted(self) -> set[tuple[str, int]]:
+        """Numbers that were counted, and what had been added to each when it was looked at; none in a long step."""
+        world = self._environment.world
+        if self._environment.instruments.is_long or not world.board.counters:
+            return set()
+        entries = {key: world.board.known(key) for key in world.asked_at_the_end & world.board.counters}
+        added = {
+            (key, each[0].added if each is not None and each[0].__class__ is Count else 0)
+            for key, each in entries.items()
+        }
+        return world.board.counted | added
+
+    def _left_waiting(self, here: Origin, taken: Stimulus) -> list[Scene] | None:
+        """What waits for time on after a step; a step that is about no goal leaves those of the store as they are.
+
+        None where more than time makes the step, or the robot is not silent.
+        """
+        time = self._environment.time
+        if taken.kind != "time" or not time.is_silent:
+            return None
+        waiting = [*here.waiting, *here.goals] if taken.is_of_goal else [*here.waiting]
+        kept = time.kept([each.happening for each in waiting], taken.words)
+        return [each for each in waiting if each.happening.words in kept]
+
+    def _arrival(self, way: Edge, here: Origin, scene: Scene, waits: list[Scene] | None) -> tuple[Arrival, Footprint]:
+        environment, happening, before = self._environment, scene.happening, here.place.store
+        chart, codec, instruments = environment.chart, environment.codec, environment.instruments
+        moves = list(chart.state.draft.moves)
+        has_moved = bool(moves or instruments.turned or any(instruments.begun.values()))
+        wakes = self._wakes(happening, moves) if here.spot is not None else 0
+        if chart.outcome is not None:
+            ended = chart.outcome, chart.why
+            footprint, _ = self._footprint(here, scene, wakes, moves, None, has_ended=True)
+            return Arrival(way, happening.kind, has_moved, ended, repr(ended).encode()), footprint
+        written, added = codec.changed(before, is_exact=instruments.is_long)
+        goals, many = codec.given_up(), len(before.goals)
+        if happening.is_of_goal or goals[:many] != list(before.ledger.values()):
+            instruments.asked.add(ALL_GOALS)
+        is_absolute = ALL_GOALS in instruments.asked
+        ahead = codec.ahead()
+        change = self._stores.change(
+            written, added, tuple(goals if is_absolute else goals[many:]), environment.rest.rivals,
+            ahead.kept, ahead.question, is_absolute=is_absolute,
+        )  # fmt: skip
+        levels = codec.levels() if codec.loops else ()
+        mode, is_whole = chart.mode, self._parts is None or not self._parts.takes(chart.state)
+        core = codec.core() if is_whole else b""
+        saved = codec.take()
+        spot = self._parts.spot(saved) if not is_whole and self._parts is not None else None
+        footprint, changed = self._footprint(here, scene, wakes, moves, spot, has_ended=False)
+        kept = None if waits is None else frozenset(
+            each.happening.words for each in waits
+            if footprint is NOTHING or each.scope < 0 or each.scope in footprint.needs)  # fmt: skip
+        return Arrival(
+            way, happening.kind, has_moved, None, core, None if spot is not None else saved, change, mode, levels,
+            kept, happening.is_of_goal, spot, changed, footprint.needs,
+        ), footprint  # fmt: skip
+
+    # -- what a step rests on -------------------------------------------------------------------------------------
+
+    def _wakes(self, happening: Stimulus, moves: Iterable[Move]) -> int:
+        """What a step could wake something by, as bits."""
+        assert self._parts is not None
+        tokens = {key for key, _ in self._environment.chart.state.draft.written} | {happening.key} - {""}
+        tokens |= {presence(name) for move in moves for name in (*move.exited, *move.entered)}
+        if happening.kind == "time" or happening.stale:
+            tokens.add(TIME)
+        if self._environment.has_actions:
+            tokens.add(GOALS)
+        return self._parts.regions.mask(tokens)
+
+    def _footprint(
+        self, here: Origin, scene: Scene, wakes: int, moves: Sequence[Move], spot: Spot | None, *, has_ended: bool
+    ) -> tuple[Footprint, tuple[tuple[int, int], ...] | None]:  # fmt: skip
+        """Where a step goes the same way, and which parts it changes; None where it leaves the parallel state.
+
+        Why this suffices. A step begins with what happens, and continues with what that wakes. What happens is looked
+        at by the groups that it concerns, and by rules around them (`Regions.concerned`); their guards look at the
+        frame, at the store, which notes it, and at states and reported keys of their own group alone, since a name in
+        two groups makes them one. What rests is woken by keys, states, goals and time alone (`Part.wakes`): a guard
+        that waits was not true, and is asked again to no effect where nothing that it depends on has changed. A group
+        that is not woken stays as it is, and does nothing. Three things look at all groups: the end of the parallel
+        state, for which it counts whether the others have ended, and what leaving it does, which is nothing for a
+        part that is quiet; and what may be read later (`Turn`). Wherever a step does more than this allows, it rests
+        on every part.
+        """
+        if here.spot is None or self._parts is None:
+            return NOTHING, None
+        regions, frames = self._parts.regions, self._parts.frames
+        parallel = frames[here.spot.frame].parallel
+        needs = set(regions.concerned(parallel, scene.happening, scene.scope))
+        needs |= {group for group, part in enumerate(here.parts) if part.wakes & wakes}
+        leaves = has_ended or any(parallel.node.name in move.exited for move in moves)
+        if here.is_last(scene.scope) and scene.scope >= 0:
+            needs |= parallel.every
+        if leaves:
+            needs |= {group for group, part in enumerate(here.parts) if not part.is_quiet}
+            if self._may_complete(parallel, here, scene, needs, moves):
+                needs |= parallel.every
+            return Footprint(tuple(sorted(needs)), wakes, leaves=True), None
+        if spot is None or frames[spot.frame].parallel is not parallel:
+            return Footprint(tuple(sorted(parallel.every)), wakes), None
+        pairs = enumerate(zip(here.spot.parts, spot.parts, strict=True))
+        changed = tuple((group, now) for group, (before, now) in pairs if before != now)
+        after = self._parts.of(spot)
+        is_foreseen = all(
+            group == scene.scope or (group in needs and not (here.parts[group].is_ended or after[group].is_ended))
+            for group, _ in changed
+        )
+        if not is_foreseen:
+            needs |= parallel.every
+        turns: tuple[Turn, ...] = ()
+        if any(here.parts[group].reads != after[group].reads for group, _ in changed):
+            reads = frozenset[str]().union(*(part.reads for part in after))
+            turns = (Turn(tuple((group, after[group]) for group, _ in changed), reads),)
+        return Footprint(tuple(sorted(needs)), wakes, turns=turns), changed
+
+    def _may_complete(
+        self, parallel: Parallel, here: Origin, scene: Scene, needs: Iterable[int], moves: Iterable[Move]
+    ) -> bool:
+        """Whether others than the group concerned may have come to their ends before the parallel state was left."""
+        others = [move for move in moves if parallel.node.name not in move.exited]
+        entered = {parallel.group_of.get(name, scene.scope) for move in others for name in move.entered}
+        return bool(entered - {scene.scope}) or any(
+            here.parts[group].is_ended for group in needs if group != scene.scope
+        )  # fmt: skip
