@@ -13,14 +13,24 @@ from typing import NamedTuple
 from rai_missions.prove.environment import Environment
 from rai_missions.prove.limits import MOST_STATES, Limits, Meter
 from rai_missions.prove.loops import Level, Loop
-from rai_missions.prove.part_steps import BITS, Course, PartSteps
-from rai_missions.prove.region_parts import RegionParts, Spot
+from rai_missions.prove.part_steps import BITS, CHANGE, END, MOVE, Course, PartSteps
+from rai_missions.prove.region_parts import PartNumbers, RegionParts
 from rai_missions.prove.regions import Regions
 from rai_missions.prove.separate_regions import EntangledError, SeparateRegions, may_be_apart
 from rai_missions.prove.state_graph import REPORTED, Edge, StateGraph
 from rai_missions.prove.state_key import Place, SavedState
-from rai_missions.prove.step_cache import NOTHING, WHOLE, Arrival, CachedStep, CaseTable, StepCache, View, both, joined
-from rai_missions.prove.step_maker import Origin, Scene, StepMaker
+from rai_missions.prove.step_cache import (
+    NOTHING,
+    WHOLE,
+    Arrival,
+    CachedStep,
+    CaseTable,
+    PartsView,
+    StepCache,
+    both,
+    joined,
+)
+from rai_missions.prove.step_maker import StepCase, StepMaker, StepOrigin
 from rai_missions.prove.stimulus import Stimulus
 from rai_missions.prove.store import ALL_GOALS, Store
 
@@ -84,7 +94,7 @@ class Space(StateGraph):
         self._every_goal = self._stores.question([ALL_GOALS])
         self.fresh = environment.codec.place()
         """Before the start."""
-        self._frontier: deque[tuple[int, bytes | Spot, SavedState | None, Store, int]] = deque()
+        self._frontier: deque[tuple[int, bytes | PartNumbers, SavedState | None, Store, int]] = deque()
         self._has_stores = False
         """States can differ in their stores alone."""
         self._courses: dict[bytes, list[StepCache]] = {}
@@ -157,14 +167,14 @@ class Space(StateGraph):
             self.is_entangled = True
 
     def _search(self, by_parts: PartSteps | None) -> None:
-        start = Scene(Stimulus(START, "start", self.environment.begin), -1)
-        self.each_way(start, Origin(-1, self.fresh), StepCache())
+        start = StepCase(Stimulus(START, "start", self.environment.begin), -1)
+        self.each_way(start, StepOrigin(-1, self.fresh), StepCache())
         frontier = self._frontier
         while frontier and not self.is_over:
             number, core, saved, store, code = frontier.popleft()
             if saved is not None and isinstance(core, bytes):
                 self._leave(number, core, Place(saved, store))
-            elif by_parts is not None and isinstance(core, Spot):
+            elif by_parts is not None and isinstance(core, PartNumbers):
                 by_parts.leave(number, core, store, code)
             self.done += 1
             if number % NOW_AND_THEN == 0:
@@ -194,7 +204,7 @@ class Space(StateGraph):
         found, others = self.scenes(number, place)
         known = known if known is not None else self._room(core, found)
         more = more if more is not None else self._room(with_goals, others)
-        here = Origin(number, place, waiting(found), waiting(others))
+        here = StepOrigin(number, place, waiting(found), waiting(others))
         inside = self._inside(here, with_goals)
         courses: list[CachedStep] = []
         for scene, cache in zip((*found, *others), (*known, *more), strict=True):
@@ -212,7 +222,7 @@ class Space(StateGraph):
             whole = joined(courses)
             inside.whole.add(self._stores.question(whole.asked), store, whole)
 
-    def _inside(self, here: Origin, place: bytes) -> Inside:
+    def _inside(self, here: StepOrigin, place: bytes) -> Inside:
         """What is known of all states of a core with the same goals; first of all what waits for time there."""
         self._goal_words = frozenset(each.happening.words for each in here.goals)
         words = self._goal_words.union(each.happening.words for each in here.waiting)
@@ -222,7 +232,7 @@ class Space(StateGraph):
             self._places[place] = inside
         return inside
 
-    def scenes(self, number: int, place: Place) -> tuple[list[Scene], list[Scene]]:
+    def scenes(self, number: int, place: Place) -> tuple[list[StepCase], list[StepCase]]:
         """Everything that can happen there but an e-stop; what is about goals that nothing pursues apart."""
         self.environment.load(place)
         met = Counter[str]()
@@ -230,10 +240,10 @@ class Space(StateGraph):
         others = [_scene(each, met) for each in self.environment.of_goals()]
         if number not in self.canceling:
             order = self.environment.ordering("cancel")
-            found.append(Scene(Stimulus(CANCEL, "command", order, is_cancel=True), -1))
+            found.append(StepCase(Stimulus(CANCEL, "command", order, is_cancel=True), -1))
         return found, others
 
-    def _room(self, place: bytes, found: list[Scene]) -> list[StepCache]:
+    def _room(self, place: bytes, found: list[StepCase]) -> list[StepCache]:
         """Room for what comes of what happens in a place; it is not kept where nothing can be found there again."""
         room = [StepCache() for _ in found]
         if self._has_stores:
@@ -243,14 +253,14 @@ class Space(StateGraph):
             self._courses[place] = room
         return room
 
-    def again(self, course: CachedStep, source: int, store: Store, spot: Spot | None = None) -> None:
+    def again(self, course: CachedStep, source: int, store: Store, spot: PartNumbers | None = None) -> None:
         """The same happens in a state that differs in its store alone, or in parts that make no difference."""
         self.steps += course.steps
         self.meter.spend(course.steps, self.states)
         for arrival in course.arrivals:
             self._arrive(source, arrival, store, spot)
 
-    def each_way(self, scene: Scene, here: Origin, before: StepCache, view: View = WHOLE) -> CachedStep:
+    def each_way(self, scene: StepCase, here: StepOrigin, before: StepCache, view: PartsView = WHOLE) -> CachedStep:
         """Let it happen in each way in which it can; those that went so before are not gone again."""
         store, arrivals, steps, asked = here.place.store, [], 0, set[object]()
         footprint = NOTHING
@@ -282,7 +292,7 @@ class Space(StateGraph):
             before.whole.add(self._stores.question(asked), store, course, view)
         return course
 
-    def _arrive(self, source: int, arrival: Arrival, before: Store, spot: Spot | None) -> None:
+    def _arrive(self, source: int, arrival: Arrival, before: Store, spot: PartNumbers | None) -> None:
         """Take note of a step and of the state it leads to."""
         change, store, answer, target = arrival.change, before, b"", arrival.spot
         key: bytes | int = arrival.core
@@ -316,7 +326,7 @@ class Space(StateGraph):
         self.join(source, number, kind, kept)
 
     def repeat(
-        self, courses: Iterable[Course], steps: int, source: int, spot: Spot, store: Store, code: int
+        self, courses: Iterable[Course], steps: int, source: int, spot: PartNumbers, store: Store, code: int
     ) -> None:  # fmt: skip
         """The same happens in a state of which every part and the frame are known."""
         numbers, targets, kept, heads = self._numbers, self._targets, self._kept, self._heads
@@ -324,34 +334,23 @@ class Space(StateGraph):
         inner = code & (1 << top) - 1
         self.begin(source)
         for course in courses:
-            for shift, arrival in course.moves:
-                number = numbers.get(code + shift)
-                if number is None:
-                    self._arrive(source, arrival, store, spot)
+            for sort, shift, frame, change, arrival in course.arrivals:
+                if sort == MOVE:
+                    number = numbers.get(code + shift)
+                elif sort == CHANGE and change is not None:
+                    head = heads.get((frame, self._stores.after(store, change)[1]))
+                    number = numbers.get(head << top | inner + shift) if head is not None else None
                 else:
-                    targets.append(number)
-                    kept.append(REPORTED)
-            for shift, frame, change, arrival in course.changes:
-                head = heads.get((frame, self._stores.after(store, change)[1]))
-                number = numbers.get(head << top | inner + shift) if head is not None else None
+                    number = numbers.get(arrival.core) if sort == END else None
                 if number is None:
                     self._arrive(source, arrival, store, spot)
-                elif number != source:
+                elif number != source and arrival.kind != "command":
                     targets.append(number)
                     kept.append(REPORTED)
-            for arrival in course.ends:
-                number = numbers.get(arrival.core)
-                if number is None:
-                    self._arrive(source, arrival, store, spot)
-                elif arrival.kind != "command":
-                    targets.append(number)
-                    kept.append(REPORTED)
-            for arrival in course.others:
-                self._arrive(source, arrival, store, spot)
         self.steps += steps
         self.meter.spend(steps, self.states)
 
-    def code(self, spot: Spot, answer: bytes) -> int:
+    def code(self, spot: PartNumbers, answer: bytes) -> int:
         """What distinguishes a state that is taken apart: its frame and what its store answers, then its parts."""
         code = self._heads.setdefault((spot.frame, answer), len(self._heads))
         for part in spot.parts:
@@ -359,7 +358,7 @@ class Space(StateGraph):
         return code << BITS * (self.widest - len(spot.parts))
 
     def _find(
-        self, key: bytes | int, source: int, arrival: Arrival, store: Store, answer: bytes, target: Spot | None
+        self, key: bytes | int, source: int, arrival: Arrival, store: Store, answer: bytes, target: PartNumbers | None
     ) -> int:
         """Take note of a state that is new; its number."""
         number = self._add(key, source, arrival.way)
@@ -439,11 +438,11 @@ class Space(StateGraph):
         self.flaws.setdefault(promise, Violation(promise, state, sentence, way))
 
 
-def _scene(happening: Stimulus, met: Counter[str]) -> Scene:
+def _scene(happening: Stimulus, met: Counter[str]) -> StepCase:
     met[happening.words] += 1
-    return Scene(happening, met[happening.words] - 1)
+    return StepCase(happening, met[happening.words] - 1)
 
 
-def waiting(found: Iterable[Scene]) -> list[Scene]:
+def waiting(found: Iterable[StepCase]) -> list[StepCase]:
     """What waits for time."""
     return [each for each in found if each.happening.kind == "time"]

@@ -2,25 +2,25 @@
 """How a state that is taken apart is left: what each of its parts can do was made once, and is put together.
 
 Rule: of each part, and of the frame, it is known what can happen there; it is the same in every state that has them. A
-state is put together as a run, and a step made in it, only where none that was made before fits (`Footprint`).
+state is put together as a run, and a step made in it, only where none that was made before fits (`StepFootprint`).
 """
 
 from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Callable, Iterable, Sequence
-from typing import Any, Protocol
+from typing import Any, NamedTuple, Protocol
 
 from rai_missions.prove.limits import Meter
-from rai_missions.prove.region_parts import Part, RegionParts, Spot
+from rai_missions.prove.region_parts import Part, PartNumbers, RegionParts
 from rai_missions.prove.regions import OF_GOALS, OUTSIDE
 from rai_missions.prove.separate_regions import EntangledError, SeparateRegions
 from rai_missions.prove.state_key import Place
-from rai_missions.prove.step_cache import Arrival, CachedStep, CaseTable, StepCache, View, joined
-from rai_missions.prove.step_maker import Origin, Scene
+from rai_missions.prove.step_cache import Arrival, CachedStep, CaseTable, PartsView, StepCache, joined
+from rai_missions.prove.step_maker import StepCase, StepOrigin
 from rai_missions.prove.store import ALL_GOALS, Store, StoreChange, Stores
 
-__all__ = ("BITS", "Course", "PartSteps", "Search")
+__all__ = ("BITS", "CHANGE", "END", "MOVE", "Course", "PartSteps", "Search")
 
 BITS = 24
 """Of a part's number in the code of a state; there are never so many parts as states."""
@@ -30,8 +30,21 @@ SUMMARY = 4
 """So many bits lower than what parts wait for."""
 OUTER = KEPT | TREES
 """What of it decides what can happen around all parts."""
+MOVE, CHANGE, END, OTHER = range(4)
+"""It changes parts alone, or frame or store too; it ends the mission; all else."""
 MOST_STORES = 10_000
 """So many stores are remembered for each part; for others it is looked up."""
+
+
+class NotedArrival(NamedTuple):
+    """What came of a step, prepared for every state in which it happens."""
+
+    kind: int
+    shift: int
+    """The difference that its parts make to the code of a state."""
+    frame: int
+    change: StoreChange | None
+    arrival: Arrival
 
 
 class Course:
@@ -43,32 +56,27 @@ class Course:
         widest: The most parts that a state of the mission has.
     """
 
-    __slots__ = ("changes", "ends", "footprint", "moves", "others", "steps", "wakes")
+    __slots__ = ("arrivals", "footprint", "step", "steps", "wakes")
 
-    def __init__(self, step: CachedStep, spot: Spot, widest: int) -> None:
-        self.footprint, self.steps = step.footprint, step.steps
+    def __init__(self, step: CachedStep, spot: PartNumbers, widest: int) -> None:
+        self.step, self.footprint, self.steps = step, step.footprint, step.steps
         self.wakes = self.footprint.wakes << SUMMARY | self.footprint.leaves * LOUD
         """Where one of these is in the summary of a state, another part may be woken, or not be quiet."""
-        self.moves: list[tuple[int, Arrival]] = []
-        """Steps that change parts alone: the difference to the code of a state, and what came of it."""
-        self.changes: list[tuple[int, int, StoreChange, Arrival]] = []
-        """Steps that change frame or store too: the same difference, the frame, and what becomes of the store."""
-        self.ends: list[Arrival] = []
-        self.others: list[Arrival] = []
-        for arrival in step.arrivals:
-            target, change, changed = arrival.spot, arrival.change, arrival.changed
-            if arrival.kind == "time" or (arrival.kind == "command" and arrival.ended is None):
-                self.others.append(arrival)
-            elif arrival.ended is not None:
-                self.ends.append(arrival)
-            elif target is None or changed is None or change is None:
-                self.others.append(arrival)
-            else:
-                shift = sum((part - spot.parts[group]) << BITS * (widest - 1 - group) for group, part in changed)
-                if target.frame != spot.frame or not _is_nothing(change):
-                    self.changes.append((shift, target.frame, change, arrival))
-                elif changed:
-                    self.moves.append((shift, arrival))
+        found = (_noted(arrival, spot, widest) for arrival in step.arrivals)
+        self.arrivals = [each for each in found if each is not None]
+
+
+def _noted(arrival: Arrival, spot: PartNumbers, widest: int) -> NotedArrival | None:
+    """What came of a step, as it is noted in a state; None where it changes nothing."""
+    target, change, changed, kind = arrival.spot, arrival.change, arrival.changed, arrival.kind
+    if arrival.ended is not None and kind != "time":
+        return NotedArrival(END, 0, 0, change, arrival)
+    if target is None or changed is None or change is None or kind in ("time", "command"):
+        return NotedArrival(OTHER, 0, 0, change, arrival)
+    shift = sum((part - spot.parts[group]) << BITS * (widest - 1 - group) for group, part in changed)
+    if target.frame != spot.frame or not _is_nothing(change):
+        return NotedArrival(CHANGE, shift, target.frame, change, arrival)
+    return NotedArrival(MOVE, shift, target.frame, change, arrival) if changed else None
 
 
 def _is_nothing(change: StoreChange) -> bool:
@@ -85,7 +93,7 @@ class Share:
 
     __slots__ = ("by_store", "caches", "group", "joined", "waits", "words")
 
-    def __init__(self, scenes: Sequence[Scene], group: int) -> None:
+    def __init__(self, scenes: Sequence[StepCase], group: int) -> None:
         self.group, self.caches = group, [StepCache() for _ in scenes]
         self.words = frozenset(each.happening.words for each in scenes if each.happening.kind == "time")
         """What of it waits for time."""
@@ -95,7 +103,7 @@ class Share:
         self.by_store: dict[int, Course] = {}
         """Number of a store → the same, where it rests on no other part."""
 
-    def course(self, store: Store, view: View) -> Course | None:
+    def course(self, store: Store, view: PartsView) -> Course | None:
         """All that it comes to in a state; None where it is not known."""
         found = self.joined.find(store, view)
         is_own = found is not None and not found.footprint.turns and found.footprint.needs in ((), (self.group,))
@@ -121,6 +129,13 @@ class Slot:
         """What can happen on its account; `last` where all others have come to their ends."""
         self.last: Share | None = None
 
+    def have(self, share: Share, *, is_last: bool) -> None:
+        """This can happen on its account."""
+        if is_last:
+            self.last = share
+        else:
+            self.share = share
+
 
 class Search(Protocol):
     """The exploration, as it is seen from a state that is left."""
@@ -133,7 +148,7 @@ class Search(Protocol):
     @property
     def is_over(self) -> bool: ...
 
-    def scenes(self, number: int, place: Place) -> tuple[list[Scene], list[Scene]]: ...
+    def scenes(self, number: int, place: Place) -> tuple[list[StepCase], list[StepCase]]: ...
 
     def stop(self, number: int, place: Place) -> None: ...
 
@@ -148,12 +163,12 @@ class Search(Protocol):
     def waits_for_nothing(self, number: int) -> None: ...
 
     def repeat(
-        self, courses: Iterable[Course], steps: int, source: int, spot: Spot, store: Store, code: int
+        self, courses: Iterable[Course], steps: int, source: int, spot: PartNumbers, store: Store, code: int
     ) -> None: ...
 
-    def again(self, course: CachedStep, source: int, store: Store, spot: Spot | None = None) -> None: ...
+    def again(self, course: CachedStep, source: int, store: Store, spot: PartNumbers | None = None) -> None: ...
 
-    def each_way(self, scene: Scene, here: Origin, before: StepCache, view: View) -> CachedStep: ...
+    def each_way(self, scene: StepCase, here: StepOrigin, before: StepCache, view: PartsView) -> CachedStep: ...
 
 
 class PartSteps:
@@ -175,12 +190,12 @@ class PartSteps:
         self._apart = apart
         self._every_goal = stores.question([ALL_GOALS])
         self._shares: dict[Any, Share] = {}
-        """Frame, with what all parts of a state have in common, → what can happen around them."""
+        """StateFrame, with what all parts of a state have in common, → what can happen around them."""
         self._slots: list[list[dict[int, Slot]]] = []
-        """Frame, group, number of a part → it."""
+        """StateFrame, group, number of a part → it."""
         self._nothing = frozenset[str]()
 
-    def leave(self, number: int, spot: Spot, store: Store, code: int) -> None:
+    def leave(self, number: int, spot: PartNumbers, store: Store, code: int) -> None:
         """Everything that can happen in a state, which has a code among others."""
         if self._apart is not None:
             self._leave_apart(self._apart, number, spot, store, code)
@@ -213,23 +228,23 @@ class PartSteps:
             self._search.waits_for_nothing(number)
         self._search.repeat(courses, steps, number, spot, store, code)
 
-    def _view(self, spot: Spot) -> View:
-        return View(spot.parts, self._parts.of(spot))
+    def _view(self, spot: PartNumbers) -> PartsView:
+        return PartsView(spot.parts, self._parts.of(spot))
 
-    def _slots_of(self, spot: Spot) -> list[Slot]:
+    def _slots_of(self, spot: PartNumbers) -> list[Slot]:
         frame, parts = spot
         try:
             return [slots[number] for slots, number in zip(self._slots[frame], parts, strict=True)]
         except LookupError:
             return self._new_slots(spot)
 
-    def _new_slots(self, spot: Spot) -> list[Slot]:
+    def _new_slots(self, spot: PartNumbers) -> list[Slot]:
         while len(self._slots) <= spot.frame:
             self._slots.append([{} for _ in self._parts.frames[len(self._slots)].parallel.members])
         of = enumerate(zip(self._slots[spot.frame], spot.parts, strict=True))
         return [slots.setdefault(number, Slot(self._parts.of(spot)[group])) for group, (slots, number) in of]
 
-    def _shares_of(self, spot: Spot, slots: Sequence[Slot], summary: int, store: Store) -> list[Share | None]:
+    def _shares_of(self, spot: PartNumbers, slots: Sequence[Slot], summary: int, store: Store) -> list[Share | None]:
         """Of each part, of the frame and of the goals that nothing pursues what can happen there, as far as known."""
         if summary & ENDED:
             open_ = [group for group, slot in enumerate(slots) if not slot.summary & ENDED]
@@ -250,8 +265,8 @@ class PartSteps:
         goals = [share.words for share in shares if share is not None and share.group == OF_GOALS]
         self._search.waits(number, parts, self._nothing.union(*outer), self._nothing.union(*goals))
 
-    def _leave_apart(self, apart: SeparateRegions, number: int, spot: Spot, store: Store, code: int) -> None:
-        """The same, but that only one group goes on where the others have not moved."""
+    def _leave_apart(self, apart: SeparateRegions, number: int, spot: PartNumbers, store: Store, code: int) -> None:
+        """The same, but steps are made of one group alone once it has moved."""
         head, depth = code >> BITS * self._search.widest, self._search.depth_of(number)
         groups = [*apart.moved(head, spot.parts), OUTSIDE]
         summary = 0
@@ -261,11 +276,11 @@ class PartSteps:
         if store.goals or summary & (LOUD | KEPT | TREES | ENDED) or any(each.waits for each in shares):
             raise EntangledError
         view = self._view(spot)
-        outcomes = {share.group: found for share in shares if (found := share.course(store, view)) is not None}
+        outcomes = {share.group: found.step for share in shares if (found := share.course(store, view)) is not None}
         if not self._search.is_over:
             apart.leave(head, spot.parts, [part.wakes for part in view.parts], depth, outcomes)
 
-    def _make(self, number: int, spot: Spot, store: Store, scopes: Sequence[int] = ()) -> list[Share]:
+    def _make(self, number: int, spot: PartNumbers, store: Store, scopes: Sequence[int] = ()) -> list[Share]:
         """The same where not all of it is known.
 
         Args:
@@ -290,11 +305,11 @@ class PartSteps:
         every = [*range(len(slots)), OUTSIDE, OF_GOALS]
         waiting = [[scene for scope in some for scene in by_scope[scope] if scene.happening.kind == "time"]
                    for some in (every[:-1], every[-1:])]  # fmt: skip
-        here = Origin(number, place, waiting[0], waiting[1], spot, view.parts)
+        here = StepOrigin(number, place, waiting[0], waiting[1], spot, view.parts)
         shares = [share or Share(by_scope[scope], scope) for share, scope in zip(known, every, strict=False)]
         open_ = [group for group, slot in enumerate(slots) if not slot.summary & ENDED]
         for group, (slot, share) in enumerate(zip(slots, shares, strict=False)):
-            setattr(slot, "last" if open_ in ([], [group]) else "share", share)
+            slot.have(share, is_last=open_ in ([], [group]))
         self._shares[spot.frame, summary & OUTER] = shares[len(slots)]
         if store.goals:
             self._shares[spot.frame, self._every_goal.of(store)] = shares[-1]
@@ -304,7 +319,7 @@ class PartSteps:
             self._make_share(share, by_scope[share.group], here, view)
         return made
 
-    def _make_share(self, share: Share, scenes: Sequence[Scene], here: Origin, view: View) -> None:
+    def _make_share(self, share: Share, scenes: Sequence[StepCase], here: StepOrigin, view: PartsView) -> None:
         store, courses = here.place.store, []
         assert here.spot is not None
         for scene, cache in zip(scenes, share.caches, strict=True):
@@ -321,9 +336,9 @@ class PartSteps:
         made = Course(whole, here.spot, self._search.widest)
         share.joined.add(self._stores.question(whole.asked), store, made, view)
 
-    def _by_scope(self, spot: Spot, scenes: Iterable[Scene]) -> dict[int, list[Scene]]:
+    def _by_scope(self, spot: PartNumbers, scenes: Iterable[StepCase]) -> dict[int, list[StepCase]]:
         """What can happen in a state, which is loaded, by the group that it concerns."""
-        parallel, found = self._parts.frames[spot.frame].parallel, defaultdict[int, list[Scene]](list)
+        parallel, found = self._parts.frames[spot.frame].parallel, defaultdict[int, list[StepCase]](list)
         for scene in scenes:
             owner = self._owner_of(scene.happening.number) if scene.happening.number else ""
             scope = self._parts.regions.scope(parallel, scene.happening, owner)

@@ -20,11 +20,11 @@ from rai_missions.engine.state import TABLE, Holds, RunState, copied
 from rai_missions.prove.abstraction import Abstraction
 from rai_missions.prove.branches import Groups
 from rai_missions.prove.open_world import OpenWorld
-from rai_missions.prove.regions import TIME, Parallel, Regions
+from rai_missions.prove.regions import TIME, RegionGroups, Regions
 from rai_missions.prove.state_key import Ahead, Place, SavedState, StateCodec
 from rai_missions.prove.store import Store, fingerprint
 
-__all__ = ("Frame", "Part", "RegionParts", "Spot")
+__all__ = ("Part", "PartNumbers", "RegionParts", "StateFrame")
 
 PARTED: tuple[Holds, ...] = ("activities", "settling", "ages", "since", "timers", "goals", "board")
 """What is divided among the groups, entry by entry."""
@@ -32,18 +32,18 @@ IN_ORDER: tuple[Holds, ...] = ("activities", "settling")
 """Of these it makes a difference in which order the entries of several groups came."""
 
 
-class Spot(NamedTuple):
+class PartNumbers(NamedTuple):
     """A state of a run but for its store: the numbers of its frame and of each part."""
 
     frame: int
     parts: tuple[int, ...]
 
-    def moved(self, frame: int, changed: Iterable[tuple[int, int]]) -> Spot:
+    def moved(self, frame: int, changed: Iterable[tuple[int, int]]) -> PartNumbers:
         """The one with another frame and some other parts."""
         parts = [*self.parts]
         for group, part in changed:
             parts[group] = part
-        return Spot(frame, tuple(parts))
+        return PartNumbers(frame, tuple(parts))
 
 
 class Part(NamedTuple):
@@ -67,10 +67,10 @@ class Part(NamedTuple):
     """What of what may be read later rests on its states, and not on those around them."""
 
 
-class Frame(NamedTuple):
+class StateFrame(NamedTuple):
     """What is left of a state without its parts."""
 
-    parallel: Parallel
+    parallel: RegionGroups
     run: RunState
     order: Mapping[str, tuple[int, ...]]
     """Field of a run → the groups whose entries it has, one after the other."""
@@ -101,7 +101,7 @@ class RegionParts:
         """What a robot must report again and again."""
         self._is_kept = frozenset(name for name, node in graph.nodes.items() if is_kept(chart.program, node))
         """The states whose activity a pause leaves as it is."""
-        self.frames: list[Frame] = []
+        self.frames: list[StateFrame] = []
         self.parts: dict[Node, list[list[Part]]] = {
             each.node: [[] for _ in each.members] for each in regions.parallels.values()
         }
@@ -110,7 +110,7 @@ class RegionParts:
 
     # -- taken apart ----------------------------------------------------------------------------------------------
 
-    def active(self, config: Configuration) -> Parallel | None:
+    def active(self, config: Configuration) -> RegionGroups | None:
         """The parallel state that is taken apart where these states are active."""
         return next((each for node, each in self.regions.parallels.items() if node in config.nodes), None)
 
@@ -121,7 +121,7 @@ class RegionParts:
             name in parallel.group_of for field in self._in_order for name in getattr(run, field)
         )  # fmt: skip
 
-    def spot(self, saved: SavedState) -> Spot:
+    def spot(self, saved: SavedState) -> PartNumbers:
         """The numbers of a saved state's frame and parts; it is one that is taken apart."""
         run = saved.run
         parallel = self.active(run.config)
@@ -142,9 +142,9 @@ class RegionParts:
             if name in self._in_order:
                 order[name] = tuple(found)
         parts = [self._part(parallel, group, saved, each) for group, each in enumerate(fields)]
-        return Spot(self._frame(parallel, run, left, order), tuple(parts))
+        return PartNumbers(self._frame(parallel, run, left, order), tuple(parts))
 
-    def _group(self, parallel: Parallel, holds: Holds, key: Any, value: Any) -> int | None:
+    def _group(self, parallel: RegionGroups, holds: Holds, key: Any, value: Any) -> int | None:
         """The group to which an entry belongs; None where it belongs to none."""
         if holds == "board":
             return parallel.key_of.get(key)
@@ -158,7 +158,7 @@ class RegionParts:
         owner = value.owner.partition("#")[0] if holds == "goals" else key
         return parallel.group_of.get(owner)
 
-    def _part(self, parallel: Parallel, group: int, saved: SavedState, fields: Mapping[str, dict[Any, Any]]) -> int:
+    def _part(self, parallel: RegionGroups, group: int, saved: SavedState, fields: Mapping[str, dict[Any, Any]]) -> int:
         run, of = saved.run, parallel.group_of
         atomic = tuple(node for node in run.config.atomic if of.get(node.name) == group)
         groups = {name: each for name, each in saved.groups.items() if of.get(name) == group}
@@ -172,7 +172,7 @@ class RegionParts:
         return number
 
     def _made(
-        self, parallel: Parallel, group: int, atomic: tuple[Node, ...], fields: Mapping[str, dict[Any, Any]],
+        self, parallel: RegionGroups, group: int, atomic: tuple[Node, ...], fields: Mapping[str, dict[Any, Any]],
         groups: Mapping[str, Groups],
     ) -> Part:  # fmt: skip
         of = parallel.group_of
@@ -188,7 +188,7 @@ class RegionParts:
         return Part(atomic, dict(fields), groups, wakes, is_quiet, (kept, trees), is_ended, reads)
 
     def _waits_for(
-        self, parallel: Parallel, group: int, nodes: Iterable[Node], fields: Mapping[str, Mapping[Any, Any]]
+        self, parallel: RegionGroups, group: int, nodes: Iterable[Node], fields: Mapping[str, Mapping[Any, Any]]
     ) -> Iterable[str]:
         """What wakes something in a part: keys, states, and time where something known in it may go stale."""
         yield from parallel.outside[group]
@@ -215,7 +215,7 @@ class RegionParts:
         return self.regions.named_by(self._chart.program.graph.nodes[name])
 
     def _frame(
-        self, parallel: Parallel, run: RunState, left: Mapping[str, dict[Any, Any]],
+        self, parallel: RegionGroups, run: RunState, left: Mapping[str, dict[Any, Any]],
         order: Mapping[str, tuple[int, ...]],
     ) -> int:  # fmt: skip
         ahead = self._codec.ahead()
@@ -223,37 +223,37 @@ class RegionParts:
         number = self._frame_numbers.get(mark := fingerprint(key))
         if number is None:
             number = self._frame_numbers[mark] = len(self.frames)
-            frame = copied(run)
+            state = copied(run)
             for name, entries in left.items():
-                setattr(frame, name, entries)
-            self.frames.append(Frame(parallel, frame, dict(order), ahead))
+                setattr(state, name, entries)
+            self.frames.append(StateFrame(parallel, state, dict(order), ahead))
         return number
 
     # -- put together ---------------------------------------------------------------------------------------------
 
-    def of(self, spot: Spot) -> list[Part]:
+    def of(self, spot: PartNumbers) -> list[Part]:
         """The parts of a state."""
         known = self.parts[self.frames[spot.frame].parallel.node]
         return [known[group][number] for group, number in enumerate(spot.parts)]
 
-    def place(self, spot: Spot, store: Store) -> Place:
+    def place(self, spot: PartNumbers, store: Store) -> Place:
         """The whole state."""
         frame, parts = self.frames[spot.frame], self.of(spot)
-        run = copied(frame.run)
-        run.config = self._chart.program.graph.configuration(node for part in parts for node in part.atomic)
-        run.active = run.config.active
+        state = copied(frame.run)
+        state.config = self._chart.program.graph.configuration(node for part in parts for node in part.atomic)
+        state.active = state.config.active
         for name in self._parted:
             inner = [part.fields.get(name, {}) for part in parts]
             if name in frame.order:
                 entries = [iter(each.items()) for each in inner]
-                setattr(run, name, dict(next(entries[group]) for group in frame.order[name]))
+                setattr(state, name, dict(next(entries[group]) for group in frame.order[name]))
                 continue
-            whole = getattr(run, name)
+            whole = getattr(state, name)
             for each in inner:
                 whole.update(each)
-        run.listening = frozenset(key for key in run.board if key in self._world.fleeting)
+        state.listening = frozenset(key for key in state.board if key in self._world.fleeting)
         groups = {name: each for part in parts for name, each in part.groups.items()}
-        return Place(SavedState(run, groups), store)
+        return Place(SavedState(state, groups), store)
 
 
 def _is_ended(region: Node, nodes: Iterable[Node]) -> bool:

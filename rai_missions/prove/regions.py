@@ -28,7 +28,7 @@ from rai_missions.states.action import Action
 from rai_missions.states.state import ANY_EVENT
 from rai_missions.states.tree.leaves import ActionLeaf
 
-__all__ = ("OUTSIDE", "TIME", "Parallel", "Regions")
+__all__ = ("OUTSIDE", "TIME", "RegionGroups", "Regions")
 
 TIME = "#time"
 """Something may go stale at the instant at which something else has expired."""
@@ -38,7 +38,7 @@ OUTSIDE, OF_GOALS = -1, -2
 INNER = frozenset(("states", "parallel"))
 
 
-class Parallel(NamedTuple):
+class RegionGroups(NamedTuple):
     """A parallel state whose regions are explored part by part."""
 
     node: Node
@@ -82,7 +82,7 @@ class Regions:
             or any(node.is_history for node in graph.order)
         )  # fmt: skip
         found = [self._parallel(node) for node in graph.order if is_plain and _is_outermost(node)]
-        self.parallels: dict[Node, Parallel] = {each.node: each for each in found if each is not None}
+        self.parallels: dict[Node, RegionGroups] = {each.node: each for each in found if each is not None}
         self.tokens = self._tokens()
         """What a step may wake others by; nothing waits for anything else."""
 
@@ -111,7 +111,7 @@ class Regions:
 
     # -- groups ---------------------------------------------------------------------------------------------------
 
-    def _parallel(self, node: Node) -> Parallel | None:
+    def _parallel(self, node: Node) -> RegionGroups | None:
         """The groups of a parallel state; None where it is explored as a whole."""
         regions, inside = node.children, [each for each in self._chart.program.graph.order if each.inside(node)]
         if any(each.is_each for each in inside):
@@ -159,7 +159,7 @@ class Regions:
         }  # fmt: skip
         trees = {group_of[each.name] for each in inside if each.state is not None and each.state.root() is not None}
         members = tuple(tuple(regions[at] for at in each) for each in groups)
-        return Parallel(
+        return RegionGroups(
             node, group_of, members, key_of, events, handlers, outside, frozenset(named), frozenset(trees)
         )  # fmt: skip
 
@@ -185,7 +185,7 @@ class Regions:
 
     # -- what concerns whom ---------------------------------------------------------------------------------------
 
-    def scope(self, parallel: Parallel, happening: Stimulus, owner: str) -> int:
+    def scope(self, parallel: RegionGroups, happening: Stimulus, owner: str) -> int:
         """The group that something concerns; `OUTSIDE` for all else.
 
         Args:
@@ -206,7 +206,7 @@ class Regions:
         owner = owner.partition("#")[0] or happening.owner
         return parallel.group_of.get(owner, OUTSIDE)
 
-    def concerned(self, parallel: Parallel, happening: Stimulus, scope: int) -> frozenset[int]:
+    def concerned(self, parallel: RegionGroups, happening: Stimulus, scope: int) -> frozenset[int]:
         """The groups that something may look at, whatever it wakes."""
         if scope >= 0:
             return parallel.named | {scope}

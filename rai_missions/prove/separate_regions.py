@@ -20,40 +20,18 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from typing import NamedTuple, Protocol
+from typing import NamedTuple
 
 from rai_missions.engine.nodes import Node
 from rai_missions.prove.environment import Environment
-from rai_missions.prove.regions import OUTSIDE, Parallel
-from rai_missions.prove.step_cache import Arrival, Footprint
+from rai_missions.prove.regions import OUTSIDE, RegionGroups
+from rai_missions.prove.step_cache import Arrival, CachedStep
 
-__all__ = ("SeparateRegions", "EntangledError", "ShareOutcome", "may_be_apart")
+__all__ = ("EntangledError", "SeparateRegions", "may_be_apart")
 
 
 class EntangledError(Exception):
     """Regions were taken to share nothing, and a step shows that they may."""
-
-
-class ShareOutcome(Protocol):
-    """What comes of all that happens on account of one part, or around all."""
-
-    @property
-    def footprint(self) -> Footprint: ...
-
-    @property
-    def steps(self) -> int: ...
-
-    @property
-    def moves(self) -> Sequence[tuple[int, Arrival]]: ...
-
-    @property
-    def changes(self) -> Sequence[object]: ...
-
-    @property
-    def ends(self) -> Sequence[Arrival]: ...
-
-    @property
-    def others(self) -> Sequence[Arrival]: ...
 
 
 class Block:
@@ -141,7 +119,7 @@ class SeparateRegions:
         return found or [*range(len(parts))]
 
     def leave(
-        self, head: int, parts: tuple[int, ...], waits: Sequence[int], depth: int, outcomes: Mapping[int, ShareOutcome]
+        self, head: int, parts: tuple[int, ...], waits: Sequence[int], depth: int, outcomes: Mapping[int, CachedStep]
     ) -> None:  # fmt: skip
         """Note what can happen in a state, by group and around all.
 
@@ -177,33 +155,41 @@ class SeparateRegions:
         )
 
 
-def _is_of_one(outcome: ShareOutcome, group: int) -> bool:
+def _is_of_one(outcome: CachedStep, group: int) -> bool:
     """Each step changes one part, or leaves the parallel state, and rests on no other part."""
     footprint = outcome.footprint
     is_alone = footprint.needs in ((), (group,)) and not footprint.turns
-    return is_alone and not outcome.changes and _are_out(outcome.others)
+    return is_alone and all(_is_out(each) or _is_within(each) for each in outcome.arrivals)
 
 
-def _is_around(outcome: ShareOutcome) -> bool:
-    """Each step leaves the parallel state, whatever its parts are, and one that may come ends the mission."""
-    is_left = _are_out(outcome.others)
-    is_free = not (outcome.footprint.needs or outcome.footprint.turns or outcome.moves or outcome.changes)
-    return is_left and is_free and any(each.kind == "event" for each in outcome.ends)
+def _is_around(outcome: CachedStep) -> bool:
+    """Each step leaves the parallel state, whatever its parts are, or does nothing; one that may come is an end."""
+    footprint, arrivals = outcome.footprint, outcome.arrivals
+    is_free = not (footprint.needs or footprint.turns)
+    is_left = all(_is_out(each) or (_is_within(each) and not each.changed) for each in arrivals)
+    return is_free and is_left and any(each.kind == "event" and each.ended is not None for each in arrivals)
 
 
-def _are_out(arrivals: Sequence[Arrival]) -> bool:
-    """Whether each leaves the parallel state, and takes no time."""
-    return all(each.changed is None and each.kind != "time" for each in arrivals)
+def _is_out(arrival: Arrival) -> bool:
+    """Whether it leaves the parallel state, and takes no time."""
+    return arrival.changed is None and arrival.kind != "time"
 
 
-def may_be_apart(environment: Environment, parallels: Iterable[Parallel]) -> bool:
+def _is_within(arrival: Arrival) -> bool:
+    """Whether it changes parts alone, and takes no time."""
+    change = arrival.change
+    is_kept = change is not None and not (change.written or change.added or change.goals or change.is_absolute)
+    return is_kept and arrival.changed is not None and arrival.kind not in ("time", "command")
+
+
+def may_be_apart(environment: Environment, parallels: Iterable[RegionGroups]) -> bool:
     """Whether it is worth while to try: something outside ends the mission, and nothing takes time."""
     graph = environment.chart.program.graph
     is_timed = any(node.timed or node.activity or node.clocked for node in graph.order)
     return not (environment.pause_matters or is_timed) and all(map(_can_end, parallels))
 
 
-def _can_end(parallel: Parallel) -> bool:
+def _can_end(parallel: RegionGroups) -> bool:
     """Whether an event that no region handles ends the mission."""
     around: list[Node] = [parallel.node, *parallel.node.ancestors]
     for transition in (each for node in around for each in node.transitions):

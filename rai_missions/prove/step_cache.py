@@ -11,26 +11,36 @@ from collections.abc import Iterable, Sequence
 from typing import Generic, NamedTuple, Protocol, TypeVar
 
 from rai_missions.prove.loops import Loop
-from rai_missions.prove.region_parts import Part, Spot
+from rai_missions.prove.region_parts import Part, PartNumbers
 from rai_missions.prove.state_graph import Edge
 from rai_missions.prove.state_key import SavedState
 from rai_missions.prove.stimulus import HappeningKind
 from rai_missions.prove.store import Store, StoreChange, StoreQuery
 
 __all__ = (
-    "NOTHING", "WHOLE", "Arrival", "CachedStep", "Footprint", "CaseTable", "StepOutcome", "StepCache", "Turn", "View", "both",
+    "NOTHING",
+    "WHOLE",
+    "Arrival",
+    "CachedStep",
+    "CaseTable",
+    "PartsView",
+    "ReadsChange",
+    "StepCache",
+    "StepFootprint",
+    "StepOutcome",
+    "both",
     "joined",
 )  # fmt: skip
 
 
-class View(NamedTuple):
+class PartsView(NamedTuple):
     """A state taken apart, as far as it is asked whether a step can be repeated there."""
 
     numbers: tuple[int, ...]
     parts: Sequence[Part]
 
 
-class Turn(NamedTuple):
+class ReadsChange(NamedTuple):
     """A step after which other things may be read later."""
 
     changed: tuple[tuple[int, Part], ...]
@@ -38,7 +48,7 @@ class Turn(NamedTuple):
     reads: frozenset[str]
     """What may be read later on account of all parts."""
 
-    def fits(self, view: View) -> bool:
+    def fits(self, view: PartsView) -> bool:
         """Whether the same may be read later where the step is made in another state."""
         parts = [*view.parts]
         for group, part in self.changed:
@@ -46,7 +56,7 @@ class Turn(NamedTuple):
         return frozenset[str]().union(*(part.reads for part in parts)) == self.reads
 
 
-class Footprint(NamedTuple):
+class StepFootprint(NamedTuple):
     """Where a step goes the same way."""
 
     needs: tuple[int, ...] = ()
@@ -55,9 +65,9 @@ class Footprint(NamedTuple):
     """What it could wake the others by, as bits: see `Regions.tokens`."""
     leaves: bool = False
     """It leaves the parallel state: nothing may happen then in the others."""
-    turns: tuple[Turn, ...] = ()
+    turns: tuple[ReadsChange, ...] = ()
 
-    def covers(self, view: View) -> bool:
+    def covers(self, view: PartsView) -> bool:
         """Whether it goes the same way in a state in which all that it needs is the same."""
         if self.wakes or self.leaves:
             for group, part in enumerate(view.parts):
@@ -66,7 +76,7 @@ class Footprint(NamedTuple):
         return all(turn.fits(view) for turn in self.turns)
 
 
-NOTHING = Footprint()
+NOTHING = StepFootprint()
 """That of a step in a state that is not taken apart."""
 
 
@@ -90,7 +100,7 @@ class Arrival(NamedTuple):
     """Where time passes and the robot is silent: what waits for time on, and not from the beginning."""
     is_of_goal: bool = False
     """It came of a report, or the silence, of a goal that nothing pursues."""
-    spot: Spot | None = None
+    spot: PartNumbers | None = None
     """The state afterwards where it is taken apart; `core` is empty then."""
     changed: tuple[tuple[int, int], ...] | None = None
     """The groups whose parts it has changed, and the numbers of these; None where it has left the parallel state."""
@@ -113,7 +123,7 @@ class StepOutcome(NamedTuple):
     """What it has asked of the store: see `Stores.question`."""
     after: tuple[int, ...] | None
     """What is to be chosen for the next way; None after the last."""
-    footprint: Footprint = NOTHING
+    footprint: StepFootprint = NOTHING
 
 
 class CachedStep(NamedTuple):
@@ -122,7 +132,7 @@ class CachedStep(NamedTuple):
     arrivals: list[Arrival]
     steps: int
     asked: frozenset[object]
-    footprint: Footprint = NOTHING
+    footprint: StepFootprint = NOTHING
 
 
 def joined(courses: Iterable[CachedStep]) -> CachedStep:
@@ -137,26 +147,26 @@ def joined(courses: Iterable[CachedStep]) -> CachedStep:
     return CachedStep(list(arrivals.values()), steps, frozenset(asked), footprint)
 
 
-def both(one: Footprint, other: Footprint) -> Footprint:
+def both(one: StepFootprint, other: StepFootprint) -> StepFootprint:
     """Where each of two steps goes the same way."""
     if one is NOTHING or other is NOTHING:
         return other if one is NOTHING else one
     needs = tuple(sorted({*one.needs, *other.needs}))
-    return Footprint(needs, one.wakes | other.wakes, one.leaves or other.leaves, (*one.turns, *other.turns))
+    return StepFootprint(needs, one.wakes | other.wakes, one.leaves or other.leaves, (*one.turns, *other.turns))
 
 
 class Reusable(Protocol):
     """What can be repeated in some states."""
 
     @property
-    def footprint(self) -> Footprint: ...
+    def footprint(self) -> StepFootprint: ...
 
 
 Kind = TypeVar("Kind", bound=Reusable)
 
 MOST_KNOWN = 1_000
 """What is remembered of one happening, or of one way of it; a counter without end would fill the memory."""
-WHOLE = View((), ())
+WHOLE = PartsView((), ())
 """A state that is not taken apart."""
 
 
@@ -169,7 +179,7 @@ class CaseTable(Generic[Kind]):
         self._by_question: dict[tuple[StoreQuery, tuple[int, ...]], dict[object, list[Kind]]] = {}
         self._many = 0
 
-    def add(self, question: StoreQuery, store: Store, what: Kind, view: View = WHOLE) -> None:
+    def add(self, question: StoreQuery, store: Store, what: Kind, view: PartsView = WHOLE) -> None:
         """Remember it, unless much is known already."""
         if self._many < MOST_KNOWN:
             needs = what.footprint.needs
@@ -177,7 +187,7 @@ class CaseTable(Generic[Kind]):
             self._by_question.setdefault((question, needs), {}).setdefault(answer, []).append(what)
             self._many += 1
 
-    def find(self, store: Store, view: View = WHOLE) -> Kind | None:
+    def find(self, store: Store, view: PartsView = WHOLE) -> Kind | None:
         """What happens with this store, if it is known."""
         for (question, needs), found in self._by_question.items():
             for what in found.get((question.of(store), tuple([view.numbers[group] for group in needs])), ()):

@@ -2,7 +2,7 @@
 """One step really made: the run is put into a state, one thing happens there in one way, and it comes to rest.
 
 Rule: with the arrival comes everything that it rests on: what was asked of the store, and which parts of the state
-could be looked at (`Footprint`). What is not known of a step is taken to rest on the whole state.
+could be looked at (`StepFootprint`). What is not known of a step is taken to rest on the whole state.
 """
 
 from __future__ import annotations
@@ -15,21 +15,21 @@ from rai_missions.engine.step import Move
 from rai_missions.guards.guard import presence
 from rai_missions.prove.counts import Count
 from rai_missions.prove.environment import RESUME, Environment
-from rai_missions.prove.region_parts import Part, RegionParts, Spot
-from rai_missions.prove.regions import OUTSIDE, TIME, Parallel
+from rai_missions.prove.region_parts import Part, PartNumbers, RegionParts
+from rai_missions.prove.regions import OUTSIDE, TIME, RegionGroups
 from rai_missions.prove.state_graph import Edge
 from rai_missions.prove.state_key import Place
-from rai_missions.prove.step_cache import NOTHING, Arrival, Footprint, StepOutcome, Turn
+from rai_missions.prove.step_cache import NOTHING, Arrival, ReadsChange, StepFootprint, StepOutcome
 from rai_missions.prove.stimulus import Stimulus
 from rai_missions.prove.store import ALL_GOALS
 
-__all__ = ("Origin", "Scene", "StepMaker")
+__all__ = ("StepCase", "StepMaker", "StepOrigin")
 
 Learn = Callable[[int, Edge, bool], None]
 """Takes note of what a step shows: the state it was made in, what happened, and whether the rules were at rest."""
 
 
-class Scene(NamedTuple):
+class StepCase(NamedTuple):
     """One thing that can happen in a state."""
 
     happening: Stimulus
@@ -39,16 +39,16 @@ class Scene(NamedTuple):
     """The group that it concerns; see `Regions.scope`."""
 
 
-class Origin(NamedTuple):
+class StepOrigin(NamedTuple):
     """The state in which steps are made."""
 
     number: int
     place: Place
-    waiting: Sequence[Scene] = ()
+    waiting: Sequence[StepCase] = ()
     """What waits for time, but for goals that nothing pursues."""
-    goals: Sequence[Scene] = ()
+    goals: Sequence[StepCase] = ()
     """What waits for time on account of these."""
-    spot: Spot | None = None
+    spot: PartNumbers | None = None
     """Where the state is taken apart, the numbers of its parts."""
     parts: Sequence[Part] = ()
 
@@ -72,7 +72,7 @@ class StepMaker:
         self._numbers = self._orders = 0
         """The last number of a start or a question, and of a timer: the parts of two steps never have the same ones."""
 
-    def make(self, here: Origin, scene: Scene, chosen: tuple[int, ...]) -> tuple[StepOutcome, int]:
+    def make(self, here: StepOrigin, scene: StepCase, chosen: tuple[int, ...]) -> tuple[StepOutcome, int]:
         """Let something happen in one way; what came of it, and how many microsteps and ticks of trees it took."""
         environment, arrival, happening = self._environment, None, scene.happening
         chart, world, instruments = environment.chart, environment.world, environment.instruments
@@ -80,8 +80,8 @@ class StepMaker:
         environment.choices.begin(chosen)
         environment.load(here.place)
         if self._parts is not None:
-            chart.state.number = max(chart.state.number, self._numbers)
-            chart.state.order = max(chart.state.order, self._orders)
+            state = chart.state
+            state.number, state.order = max(state.number, self._numbers), max(state.order, self._orders)
         is_idle = (chart.mode == "paused" and happening.words != RESUME) or (
             environment.control.is_held and happening.kind == "write"
         )
@@ -115,7 +115,7 @@ class StepMaker:
         }
         return world.board.counted | added
 
-    def _left_waiting(self, here: Origin, taken: Stimulus) -> list[Scene] | None:
+    def _left_waiting(self, here: StepOrigin, taken: Stimulus) -> list[StepCase] | None:
         """What waits for time on after a step; a step that is about no goal leaves those of the store as they are.
 
         None where more than time makes the step, or the robot is not silent.
@@ -127,7 +127,9 @@ class StepMaker:
         kept = time.kept([each.happening for each in waiting], taken.words)
         return [each for each in waiting if each.happening.words in kept]
 
-    def _arrival(self, way: Edge, here: Origin, scene: Scene, waits: list[Scene] | None) -> tuple[Arrival, Footprint]:
+    def _arrival(
+        self, way: Edge, here: StepOrigin, scene: StepCase, waits: list[StepCase] | None
+    ) -> tuple[Arrival, StepFootprint]:
         environment, happening, before = self._environment, scene.happening, here.place.store
         chart, codec, instruments = environment.chart, environment.codec, environment.instruments
         moves = list(chart.state.draft.moves)
@@ -175,8 +177,9 @@ class StepMaker:
         return self._parts.regions.mask(tokens)
 
     def _footprint(
-        self, here: Origin, scene: Scene, wakes: int, moves: Sequence[Move], spot: Spot | None, *, has_ended: bool
-    ) -> tuple[Footprint, tuple[tuple[int, int], ...] | None]:  # fmt: skip
+        self, here: StepOrigin, scene: StepCase, wakes: int, moves: Sequence[Move], spot: PartNumbers | None, *,
+        has_ended: bool,
+    ) -> tuple[StepFootprint, tuple[tuple[int, int], ...] | None]:  # fmt: skip
         """Where a step goes the same way, and which parts it changes; None where it leaves the parallel state.
 
         Why this suffices. A step begins with what happens, and continues with what that wakes. What happens is looked
@@ -186,8 +189,8 @@ class StepMaker:
         that waits was not true, and is asked again to no effect where nothing that it depends on has changed. A group
         that is not woken stays as it is, and does nothing. Three things look at all groups: the end of the parallel
         state, for which it counts whether the others have ended, and what leaving it does, which is nothing for a
-        part that is quiet; and what may be read later (`Turn`). Wherever a step does more than this allows, it rests
-        on every part.
+        part that is quiet; and what may be read later (`ReadsChange`). Wherever a step does more than this allows, it
+        rests on every part.
         """
         if here.spot is None or self._parts is None:
             return NOTHING, None
@@ -202,9 +205,9 @@ class StepMaker:
             needs |= {group for group, part in enumerate(here.parts) if not part.is_quiet}
             if self._may_complete(parallel, here, scene, needs, moves):
                 needs |= parallel.every
-            return Footprint(tuple(sorted(needs)), wakes, leaves=True), None
+            return StepFootprint(tuple(sorted(needs)), wakes, leaves=True), None
         if spot is None or frames[spot.frame].parallel is not parallel:
-            return Footprint(tuple(sorted(parallel.every)), wakes), None
+            return StepFootprint(tuple(sorted(parallel.every)), wakes), None
         pairs = enumerate(zip(here.spot.parts, spot.parts, strict=True))
         changed = tuple((group, now) for group, (before, now) in pairs if before != now)
         after = self._parts.of(spot)
@@ -214,14 +217,14 @@ class StepMaker:
         )
         if not is_foreseen:
             needs |= parallel.every
-        turns: tuple[Turn, ...] = ()
+        turns: tuple[ReadsChange, ...] = ()
         if any(here.parts[group].reads != after[group].reads for group, _ in changed):
             reads = frozenset[str]().union(*(part.reads for part in after))
-            turns = (Turn(tuple((group, after[group]) for group, _ in changed), reads),)
-        return Footprint(tuple(sorted(needs)), wakes, turns=turns), changed
+            turns = (ReadsChange(tuple((group, after[group]) for group, _ in changed), reads),)
+        return StepFootprint(tuple(sorted(needs)), wakes, turns=turns), changed
 
     def _may_complete(
-        self, parallel: Parallel, here: Origin, scene: Scene, needs: Iterable[int], moves: Iterable[Move]
+        self, parallel: RegionGroups, here: StepOrigin, scene: StepCase, needs: Iterable[int], moves: Iterable[Move]
     ) -> bool:
         """Whether others than the group concerned may have come to their ends before the parallel state was left."""
         others = [move for move in moves if parallel.node.name not in move.exited]

@@ -36,8 +36,8 @@ Seen = tuple[frozenset[str], str | None, str]
 class Seeing(Space):
     """A space that remembers the active states of each of its states."""
 
-    def __init__(self, chart: Environment, most: int, work: float = WORK) -> None:
-        super().__init__(chart, Limits(most, work=work * most))
+    def __init__(self, chart: Environment, most: int, work: float = WORK, *, by_parts: bool = True) -> None:
+        super().__init__(chart, Limits(most, work=work * most), by_parts=by_parts)
         self.seen: set[Seen] = set()
 
     def learn(self, source: int, way: Edge, *, is_paused: bool) -> None:

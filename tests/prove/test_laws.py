@@ -142,7 +142,7 @@ def test_a_step_is_the_same_from_every_list_that_it_does_not_look_into() -> None
 def hold_against_patient(document: Json, most: int, work: float = WORK) -> None:
     """Whatever the mission's own keys are: each step is made, none is taken from a state that differs in them alone."""
     mission = Mission.model_validate(document)
-    quick, patient = (Seeing(Environment(mission), most, work) for _ in range(2))
+    quick, patient = (Seeing(Environment(mission), most, work, by_parts=False) for _ in range(2))
     patient.environment.world.own_fade = True  # then nothing is remembered of other states
     for space in (quick, patient):
         space.explore()

@@ -47,7 +47,7 @@ def counting(most: int, again: list[str], do: list[Json] | None = None, **guard:
 
 def space_of(document: Json, most: int = MOST, work: float = 1_000) -> Seeing:
     mission = Mission.model_validate(document)
-    space = Seeing(Environment(mission), most, work)
+    space = Seeing(Environment(mission), most, work, by_parts=False)
     space.explore()
     return space
 
