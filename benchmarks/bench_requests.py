@@ -26,8 +26,8 @@ from rai_missions.planning.relations import without_swaps
 FOLDER = Path(__file__).parents[1] / "tests/data/requests"
 HELD_OUT = 77
 """Of 256: the first byte of a request's hash below which it is held out."""
-LANGUAGES = ("en", "de", "later")
-"""Files of requests; the last is English too, written after the grammar."""
+LANGUAGES = ("en", "de", "later", "outside")
+"""Files of requests; the last two are English too: written after the grammar, and by one who had not read it."""
 UNORDERED = frozenset({"next_to", "grouped", "apart", "swapped"})
 
 

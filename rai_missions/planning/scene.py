@@ -14,7 +14,7 @@ from rai_missions.model import Bool, Integer, MissionModel, Number, Text, fault
 from rai_missions.planning.geometry import Footprint, box, disc
 from rai_missions.validation_errors import faults_of
 
-__all__ = ("CONTAINERS", "DESK", "ROUND", "Scene", "Thing", "ThingType", "judged_by", "read_scene")
+__all__ = ("CONTAINERS", "DESK", "ROUND", "Scene", "Thing", "ThingType", "has_colour", "judged_by", "read_scene")
 
 DESK = "desk"
 """The name of what carries everything; no thing may have it."""
@@ -25,6 +25,11 @@ ROUND = frozenset({"apple", "tomato", "carrot", "corn"})
 """Types on which nothing can rest."""
 BALLS = frozenset({"apple", "tomato"})
 """Types whose footprint is a disc."""
+COLOURS: Mapping[str, frozenset[str]] = {
+    "apple": frozenset({"red", "green", "yellow"}), "tomato": frozenset({"red"}), "carrot": frozenset({"orange"}),
+    "corn": frozenset({"yellow"}),
+}  # fmt: skip
+"""Types → the colours that they may have, where what is seen does not name one; other types may have any."""
 AGREEING = 3
 """Looks that must agree on a thing's class before it counts."""
 MOST = 100
@@ -160,6 +165,13 @@ def read_scene(data: Any) -> Scene:
         return Scene.model_validate(data)
     except ValidationError as error:
         raise DefinitionError(faults_of(error, Scene, data)) from None
+
+
+def has_colour(thing: Thing, colour: str) -> bool | None:
+    """Whether a thing has a colour; None where that is not known. Without a colour it is true."""
+    if thing.colour or not colour:
+        return thing.colour == colour or not colour
+    return None if colour in COLOURS.get(thing.type, (colour,)) else False
 
 
 def judged_by(data: Any) -> str:

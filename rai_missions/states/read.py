@@ -31,7 +31,8 @@ class Read(State, word="read"):
     over: Path
     """The key that holds what the robot sees: the goal names its things."""
     into: Annotated[Name, Refers("key", "read")]
-    """The mission key that is written, an object: `goal`, `question`, `candidates`, `reason`, `about`."""
+    """The mission key that is written, an object: `goal`, `question`, `candidates`, `reason`, `about`,
+    `covers_all`."""
 
     def __init__(
         self, read_: KeyPath, *, over: KeyPath, into: KeyPath,

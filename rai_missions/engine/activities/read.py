@@ -23,7 +23,9 @@ def _read(request: Any, seen: Any, last: Any) -> ComputedResult:
         value = read_answer(str(request), offered or (), read_scene(seen))
     except DefinitionError:
         about = "what is seen cannot be read"
-        value = {"goal": None, "question": "", "candidates": [], "reason": "unreadable", "about": about}
+        value = {
+            "goal": None, "question": "", "candidates": [], "reason": "unreadable", "about": about, "covers_all": False,
+        }  # fmt: skip
     outcome = "succeeded" if value["goal"] is not None else "unclear" if value["question"] else "refused"
     return ComputedResult(outcome, value, value["about"])
 

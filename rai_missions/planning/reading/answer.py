@@ -54,7 +54,7 @@ def read_answer(text: str, offered: Iterable[Any], scene: Scene) -> dict[str, An
     goal = chosen(text, [*_goals(offered)], scene)
     if goal is None:
         return read_request(text, scene)
-    return {"goal": goal.written(), "question": "", "candidates": [], "reason": "", "about": ""}
+    return {"goal": goal.written(), "question": "", "candidates": [], "reason": "", "about": "", "covers_all": False}
 
 
 def _goals(offered: Iterable[Any]) -> Iterable[Goal]:

@@ -21,6 +21,8 @@ __all__ = ("GoalWriter",)
 Plain = dict[str, Any]
 STACKED = Phrase("things", "", types=frozenset({"cube"}), has_noun=True, is_many=True)
 """What a tower is made of where nothing is said about it."""
+WHOLE = frozenset({0, None, -1})
+"""The levels of a tower of three: bottom, middle and top."""
 SIDE_BY_SIDE = frozenset({"left_of", "right_of", "next_to", "apart", "swap", "place_of"})
 """Kinds of clauses after which `it` may be either thing."""
 
@@ -67,7 +69,7 @@ class GoalWriter:
             "right_of": self._left, "next_to": self._next_to, "apart": self._apart, "place_of": self._place_of,
             "at": self._at, "stack": self._stack, "swap": self._swap, "group": self._group, "spread": self._spread,
             "side_by_side": self._side_by_side, "in_order": self._in_order, "by": self._by, "held": self._held,
-            "too": self._too,
+            "too": self._too, "under": self._under,
         }  # fmt: skip
         return list(rules[clause.kind](clause))
 
@@ -123,6 +125,12 @@ class GoalWriter:
             raise self._ask("order")
         else:
             yield from ({"on": [name, target]} for name in names)
+
+    def _under(self, clause: Clause) -> Iterator[Plain]:
+        names, target = self._names(clause.subjects, clause.target), self._one(clause.target)
+        if len(names) > 1 or target == DESK:
+            raise self._ask("where", self._listed(names))
+        yield {"on": [target, names[0]]}
 
     def _one_on_the_other(self, clause: Clause) -> Iterator[Plain]:
         """`one cube on the other`: whichever, where there are two."""
@@ -212,6 +220,8 @@ class GoalWriter:
         named = tuple(name for name, _ in placed)
         (every,) = self._things.alternatives(STACKED)
         from_below = [level for _, level in placed]
+        if len(placed) == len(WHOLE) and set(from_below) == WHOLE:
+            return named
         if len(placed) > 1 and from_below != list(range(len(placed))) and set(named) != set(every):
             raise self._ask("order")
         return every if len(placed) == 1 else named

@@ -71,12 +71,14 @@ class Rules:
         """
         cursor = self.cursor
         cursor.skip("put", "then", "too")
+        if cursor.kind() == "reverse":
+            return [self._reversed(before)]
         if is_tower(cursor):
             return self._after(tower(cursor, self.lexicon, self.unread))
         rule = {
             "swap": self._swap, "group": self._group, "apart": self._spread, "sort": self._sort, "gap": self._gap_first,
             "relation": self._relation_first, "left_to_right": self._in_order,
-            "into": self._into, "each_other": self._each_other,
+            "into": self._into, "each_other": self._each_other, "fill": self._fill,
         }.get("into" if self._is_verb_of_place() else cursor.kind())  # fmt: skip
         if rule is not None:
             return self._after(rule())
@@ -90,10 +92,19 @@ class Rules:
         self.cursor.skip("put", "too", "grasp")
         return found
 
+    def _reversed(self, before: Sequence[Clause]) -> Clause:
+        """`put A where B is and vice versa`."""
+        last = before[-1] if before else None
+        if last is None or last.kind != "place_of" or last.target is None or len(last.subjects) != 1:
+            raise self.unread()
+        self.cursor.take()
+        return Clause("place_of", (last.target,), last.subjects[0])
+
     # -- clauses that begin with the things ----------------------------------------------------------------------------
 
     def _about(self, subjects: tuple[Phrase, ...], *, is_held: bool) -> list[Clause]:
         cursor = self.cursor
+        self._skip_all()
         cursor.skip("put")
         if subjects[-1].kind == "there" or any(each.kind == "desk" for each in subjects):
             raise self.unread()
@@ -114,16 +125,28 @@ class Rules:
             return [Clause("held", subjects)]
         raise self.unread()
 
+    def _skip_all(self) -> None:
+        """Past a word that repeats that all are meant: `the red and the blue cube, both on the tray`."""
+        cursor = self.cursor
+        comma = int(cursor.kind() == ",")
+        if cursor.kind(comma) == "all" and cursor.kind(comma + 1) in ("put", "relation", "there", "each_other"):
+            cursor.skip(",", "all")
+
     def _by_word(self, subjects: tuple[Phrase, ...]) -> Clause:
         """What one word after the things makes of them: `… together`, `… too`, `… by colour`."""
         if self.cursor.kind() == "too":
             return Clause("too", subjects)
         word = self.cursor.take()
+        while word.kind == "each_other" == self.cursor.kind() and self._value() == word.value:
+            self.cursor.take()
         if word.kind == "by":
             return Clause("by", subjects, by=word.value)
         if word.kind == "each_other":
             return Clause(MUTUAL[word.value], subjects)
         return Clause("swap" if word.kind == "swap" else "too", subjects)
+
+    def _value(self) -> object:
+        return self.cursor.symbols[self.cursor.at].value
 
     def _tower_of(self, subjects: tuple[Phrase, ...]) -> list[Clause]:
         is_named = self.cursor.kind() == "stack"
@@ -176,6 +199,15 @@ class Rules:
         if not subjects:
             raise self.unread()
         return [Clause(relation, subjects, target)]
+
+    def _fill(self) -> list[Clause]:
+        """`load the tray with the cubes`."""
+        self.cursor.take()
+        target = noun_phrase(self.cursor)
+        subjects = noun_phrases(self.cursor) if target is not None and self.cursor.skip("with") else ()
+        if not subjects:
+            raise self.unread()
+        return [Clause("in", subjects, target)]
 
     def _each_other(self) -> list[Clause]:
         kind = MUTUAL[self.cursor.take().value]
@@ -263,6 +295,8 @@ class Rules:
         subjects = _listed(cursor)
         if not subjects and len(whole) > 1:
             subjects, whole = whole, ()
+        if whole and whole[0].kind == "pronoun":
+            whole = ()  # `line them up from left to right: …`
         if len(subjects) < 2 or len(whole) > 1:
             raise Unread("order", self.lexicon.text("order"))
         subjects = subjects if is_from_left else subjects[::-1]

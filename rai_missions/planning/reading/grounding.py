@@ -14,7 +14,7 @@ from rai_missions.planning.goal import AtPlace, Goal, LeftOf
 from rai_missions.planning.reading.lexicon import Vocabulary, lexicon, lexicons
 from rai_missions.planning.reading.said_relations import relations_in
 from rai_missions.planning.reading.symbols import Quantity, Symbol, symbols
-from rai_missions.planning.scene import CONTAINERS, Scene
+from rai_missions.planning.scene import CONTAINERS, Scene, Thing, has_colour
 
 __all__ = ("is_said", "unsaid")
 
@@ -163,8 +163,14 @@ def _is_meant(name: str, evidence: _Evidence, scene: Scene | None) -> bool:
         needs_colour = len({each.colour for each in alike}) > 1
     if kind in evidence.every or (evidence.is_every and kind not in CONTAINERS):
         return True
-    by_colour = any(one == colour and (types is None or kind in types) for one, types in evidence.coloured)
+    by_colour = any(
+        _may_be(thing, colour, one) and (types is None or kind in types) for one, types in evidence.coloured
+    )
     return by_colour or (not needs_colour and kind in evidence.one)
+
+
+def _may_be(thing: Thing | None, colour: str, said: str) -> bool:
+    return colour == said if thing is None else has_colour(thing, said) is not False
 
 
 def _looks(name: str) -> tuple[str, str, bool]:

@@ -70,6 +70,8 @@ def noun_phrases(cursor: Cursor) -> tuple[Phrase, ...]:
 
 
 def _with_heads(found: Sequence[Phrase]) -> tuple[Phrase, ...]:
+    if len(found) == 2 and found[0].is_all and found[0].count == 2 and not found[0].is_many:
+        found = [replace(found[0], is_all=False, count=None), found[1]]  # `both the apple and the carrot`
     done, head = list[Phrase](), None
     for phrase in reversed(found):
         if head is not None and phrase.kind == "things" and phrase.colour and not phrase.has_noun:
@@ -139,17 +141,18 @@ def _things(cursor: Cursor) -> Phrase | None:
     if cursor.kind() == "desk":
         return Phrase("desk", cursor.take().text)
     colour = cursor.take().value if cursor.kind() == "colour" else ""
-    noun, is_many = None, False
+    noun, is_many, is_one = None, False, False
     if cursor.kind() == "noun":
         noun = cursor.take().value
         is_many = before_many if noun.is_many is None else noun.is_many
     elif not colour and not other:
         return None  # `the one` alone may be any
     elif cursor.kind() == "generic":
-        is_many = cursor.take().value == "many"
+        is_many, is_one = cursor.take().value == "many", True
     phrase = Phrase(
         "things", cursor.text(before), types=noun.types if noun else frozenset(), has_noun=noun is not None,
         colour=colour, is_many=is_many, is_all=all_, is_any=any_, count=count, is_other=other,
+        is_one=is_one,
     )  # fmt: skip
     return with_limits(cursor, phrase)
 

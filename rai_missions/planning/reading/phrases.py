@@ -11,7 +11,7 @@ __all__ = ("Clause", "ClauseKind", "Phrase", "PhraseKind", "Unread")
 PhraseKind = Literal["things", "everything", "rest", "pronoun", "there", "desk"]
 ClauseKind = Literal[
     "on", "in", "to", "left_of", "right_of", "next_to", "apart", "place_of", "off", "at", "stack", "swap", "group",
-    "spread", "side_by_side", "in_order", "by", "held", "too",
+    "spread", "side_by_side", "in_order", "by", "held", "too", "under",
 ]  # fmt: skip
 
 
@@ -46,6 +46,8 @@ class Phrase:
     """Whether all that there are must be meant."""
     is_any: bool = False
     """`a cube`: whichever."""
+    is_one: bool = False
+    """Whether `one` or `ones` stands for a noun: `the red ones`."""
     count: int | None = None
     is_other: bool = False
     others: tuple[Phrase, ...] = ()

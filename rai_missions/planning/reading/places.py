@@ -22,9 +22,9 @@ DIGITS = 6
 
 def has_place(cursor: Cursor) -> bool:
     """Whether coordinates begin here."""
-    kinds = [cursor.kind(ahead) for ahead in range(3)]
-    if kinds[0] == "relation" and cursor.symbols[cursor.at].value in ("to", "on"):
-        kinds = [cursor.kind(ahead) for ahead in range(1, 4)]
+    ahead = int(cursor.kind() == "relation" and cursor.symbols[cursor.at].value in ("to", "on"))
+    ahead += int(cursor.kind(ahead) == "the" and cursor.kind(ahead + 1) == "place")
+    kinds = [cursor.kind(ahead), cursor.kind(ahead + 1)]
     if kinds[0] in ("axis", "place", "("):
         return True
     return kinds[0] == "number" and kinds[1] not in ("relation", "gap", "with")
@@ -36,7 +36,7 @@ def place(cursor: Cursor, lexicon: Vocabulary) -> tuple[float, float]:
     Raises:
         Unread: They are not both there, or their unit is not sure.
     """
-    cursor.skip("relation", "place", ":")
+    cursor.skip("relation", "the", "place", ":")
     is_open = cursor.skip("(")
     cursor.skip("the")
     found = dict[str, Quantity]()

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from rai_missions.errors import DefinitionError
-from rai_missions.planning.goal import Goal, read_goal
+from rai_missions.planning.goal import Goal, Swapped, read_goal
 from rai_missions.planning.reading.describe import described
 from rai_missions.planning.reading.goal_writer import GoalWriter
 from rai_missions.planning.reading.grammar import clauses
@@ -39,7 +39,8 @@ PREFERRED = "en"
 def read_request(request: str, scene: Scene) -> dict[str, Any]:
     """What a request asks for, as plain data, swaps rewritten to the poses that are seen now.
 
-    `goal` (null where there is none), `question`, `candidates`, `reason` and `about`, as in `RequestReading`.
+    `goal` (null where there is none), `question`, `candidates`, `reason`, `about` and `covers_all`, as in
+    `RequestReading`.
 
     Args:
         request: In free words, of any language that there is.
@@ -52,6 +53,7 @@ def read_request(request: str, scene: Scene) -> dict[str, Any]:
         "candidates": [without_swaps(goal, scene).written() for goal in found.candidates],
         "reason": found.reason,
         "about": found.about,
+        "covers_all": found.covers_all,
     }
 
 
@@ -107,10 +109,19 @@ def _read_symbols(found: list[Symbol], scene: Scene, words: Vocabulary) -> Reque
     if unknown is not None:
         raise Unread("unknown_word", words.text("unknown_word", unknown.text))
     is_sorted = any(symbol.kind == "sorted" for symbol in found)
-    goals, is_sure = _goals(clauses([symbol for symbol in found if symbol.kind != "sorted"], words), scene, words)
+    wishes = clauses([symbol for symbol in found if symbol.kind != "sorted"], words)
+    goals, is_sure = _goals(wishes, scene, words)
     if len(goals) == 1 and is_sure and not thrown and not is_sorted:
-        return RequestReading(goal=goals[0])
+        return RequestReading(goal=goals[0], covers_all=_covers_all(wishes, goals[0]))
     return _asked(goals, words)
+
+
+def _covers_all(wishes: Sequence[Clause], goal: Goal) -> bool:
+    """Whether a thing that is seen later would belong to the goal; a swap is between those that are seen first."""
+    if any(True for _ in goal.of_kind(Swapped)):
+        return False
+    is_bare_tower = any(wish.kind == "stack" and not wish.subjects for wish in wishes)
+    return is_bare_tower or any((each.is_many or each.is_all) and each.count is None for each in _phrases(wishes))
 
 
 def _put_away(found: Sequence[Symbol], words: Vocabulary) -> Iterator[Symbol]:
@@ -121,15 +132,25 @@ def _put_away(found: Sequence[Symbol], words: Vocabulary) -> Iterator[Symbol]:
         if sense.kind == "noun" and sense.value.types == {"bin"}
     ]
     names_bin = any(symbol.kind == "noun" and symbol.value.types == {"bin"} for symbol in found)
-    is_away = any(symbol.kind == "away" for symbol in found)
+    found = [  # `throw the carrot out`
+        symbol._replace(kind="away") if symbol.text in words.data["out"] else symbol for symbol in found
+    ]
+    is_away = any(symbol.kind == "away" or _is_thrown_away(symbol) for symbol in found)
     for symbol in found:
         if symbol.kind == "toss" and (names_bin or is_away):
             yield symbol._replace(kind="put")
+            if _is_thrown_away(symbol) and not names_bin:
+                yield Symbol("relation", "in", symbol.text)
+                yield from into_bin[:1]
         elif symbol.kind == "away" and not names_bin:
             yield Symbol("relation", "in", symbol.text)
             yield from into_bin[:1]
         elif symbol.kind != "away" or not names_bin:
             yield symbol
+
+
+def _is_thrown_away(symbol: Symbol) -> bool:
+    return symbol.kind == "toss" and bool(symbol.value == "away")
 
 
 def _taken_out(found: list[Symbol], words: Vocabulary) -> list[Symbol]:

@@ -26,10 +26,12 @@ class RequestReading(MissionModel):
     """Why there is no goal: a code, such as `unknown_word`, `ambiguous`, `absent`, `forbidden`."""
     about: Annotated[Text, Field(max_length=4000)] = ""
     """The same as a sentence."""
+    covers_all: bool = False
+    """Whether the goal is about all that there is of something: what is seen later belongs to it, too."""
 
     def __init__(
         self, goal: Goal | None = None, question: str = "", candidates: tuple[Goal, ...] = (), reason: str = "",
-        about: str = "",
+        about: str = "", covers_all: bool = False,
     ) -> None: ...  # fmt: skip
 
     @property

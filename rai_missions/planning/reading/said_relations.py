@@ -20,11 +20,12 @@ KINDS: Mapping[str, frozenset[str]] = {
     "group": frozenset({"grouped"}), "sort": frozenset({"grouped", "apart"}), "by": frozenset({"grouped", "apart"}),
     "apart": frozenset({"apart"}), "left_to_right": frozenset({"left_of"}), "side": frozenset({"at", "left_of"}),
     "axis": frozenset({"at"}), "place": frozenset({"at"}), "(": frozenset({"at"}), "away": frozenset({"in"}),
+    "fill": frozenset({"in"}),
 }  # fmt: skip
 """Kinds of symbols → the predicates that they may mean."""
 VALUES: Mapping[str, frozenset[str]] = {
     "on": frozenset({"on", "in"}), "in": frozenset({"in"}), "to": frozenset({"in", "at", "on"}),
-    "off": frozenset({"on"}),
+    "off": frozenset({"on"}), "under": frozenset({"on"}),
     "left_of": frozenset({"left_of"}), "right_of": frozenset({"left_of"}), "next_to": frozenset({"next_to"}),
     "apart": frozenset({"apart"}), "place_of": EXCHANGE, "swap": EXCHANGE, "stack": frozenset({"on"}),
     "group": frozenset({"grouped"}),

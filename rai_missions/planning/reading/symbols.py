@@ -24,7 +24,23 @@ LONGEST_NUMBER = 8
 """Words of the longest number."""
 TOKENS = {sign: re.compile(rf"(?<![\w.])-?\d+(?:[{sign}]\d+)?|\d+|[^\W\d_]+(?:'[^\W\d_]+)*|\S") for sign in (".", ".,")}
 """By what divides decimals: people who write a comma write a point too."""
-SIGNS = {",": ",", ";": ".", ".": ".", "!": ".", "?": ".", ":": ":", "(": "(", ")": ")", "=": "=", "&": "and", "/": ","}
+SIGNS = {
+    ",": ",",
+    ";": ".",
+    ".": ".",
+    "!": ".",
+    "?": ".",
+    ":": ":",
+    "(": "(",
+    ")": ")",
+    "[": "(",
+    "]": ")",
+    "=": "=",
+    "&": "and",
+    "/": ",",
+}
+ARROW = re.compile(r"[-=]+>|⇒|➡")
+"""Written as one sign, which a language may have among its words."""
 HYPHEN = re.compile(r"(?<=[^\W\d_])[-‐‑–](?=[^\W\d_])")
 
 
@@ -48,7 +64,7 @@ class Symbol(NamedTuple):
 
 def words_of(request: str, lexicon: Vocabulary) -> list[str]:
     """The words, numbers and signs of a request in lower case, contractions written out and slips mended."""
-    text = HYPHEN.sub(" ", readable(request).lower()).replace("−", "-")
+    text = HYPHEN.sub(" ", ARROW.sub(" → ", readable(request).lower())).replace("−", "-")
     found = list[str]()
     contractions = lexicon.data["contractions"]
     for token in TOKENS["." if lexicon.data["decimal"] == "." else ".,"].findall(text):

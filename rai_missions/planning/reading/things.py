@@ -10,11 +10,13 @@ from collections.abc import Iterable, Sequence
 
 from rai_missions.planning.reading.lexicon import Vocabulary
 from rai_missions.planning.reading.phrases import Phrase, Unread
-from rai_missions.planning.scene import CONTAINERS, DESK, Scene, Thing
+from rai_missions.planning.scene import CONTAINERS, DESK, Scene, Thing, has_colour
 
 __all__ = ("Names", "Things")
 
 Names = tuple[str, ...]
+COLOURED = frozenset({"cube"})
+"""Types that are called by their colour alone: `red on blue`."""
 
 
 class Things:
@@ -49,13 +51,15 @@ class Things:
         if phrase.kind in ("everything", "rest"):
             left_out = self._named if phrase.kind == "rest" else frozenset[str]()
             return (self._set(phrase, [each for each in self._movable() if each.name not in left_out]),)
-        matching = self._matching(phrase)
+        matching, perhaps = self._matching(phrase)
         if phrase.is_other:
             matching = [each for each in matching if each.name not in self._named]
         if not matching:
             raise self._absent(phrase)
         if self._means_all(phrase, matching):
-            return (self._set(phrase, matching),)
+            sets = [matching, [*matching, *perhaps]] if perhaps else [matching]
+            return tuple(self._set(phrase, each) for each in sets)
+        matching = [*matching, *perhaps]
         if len(matching) > 1 and (phrase.is_many or (phrase.count or 1) > 1 or phrase.is_all):
             raise Unread("ambiguous", self._which(phrase, matching))
         return tuple((each.name,) for each in matching)
@@ -79,13 +83,21 @@ class Things:
             raise self._absent(phrase)
         return names
 
-    def _matching(self, phrase: Phrase) -> list[Thing]:
-        found = [each for each in self._seen(phrase) if each.colour in (phrase.colour, "") or not phrase.colour]
-        if phrase.has_noun or len(found) < 2:
-            return found
-        # `the red one` after `the yellow cube` is a cube.
+    def _matching(self, phrase: Phrase) -> tuple[list[Thing], list[Thing]]:
+        """The things that a phrase fits, and further ones of a colour that is not known: it may be meant."""
+        found = [each for each in self._seen(phrase) if has_colour(each, phrase.colour) is not False]
+        if phrase.has_noun or not phrase.colour:
+            is_sure = len({each.type for each in found}) < 2
+            sure = [each for each in found if is_sure or has_colour(each, phrase.colour)]
+            return (sure, [each for each in found if each not in sure]) if sure else (found, [])
+        # `the red one` after `the yellow cube` is a cube, and so is `red` alone, where a cube is red.
         alike = [each for each in found if each.type in self._heads.get(phrase, ())]
-        return alike if len({each.type for each in alike}) == 1 else found
+        if len({each.type for each in alike}) == 1:
+            found = alike
+        elif not phrase.is_one:
+            found = [each for each in found if each.type in COLOURED] or found
+        sure = [each for each in found if has_colour(each, phrase.colour)]
+        return (sure, [each for each in found if each not in sure]) if sure else (found, [])
 
     def _seen(self, phrase: Phrase) -> list[Thing]:
         return [each for each in self.scene.things if each.type in phrase.types] if phrase.types else self._movable()
@@ -97,7 +109,7 @@ class Things:
         """The types that `one` may stand for: of nouns before it, and of things that a colour before it means alone."""
         found = set[str]()
         for phrase in phrases:
-            alike = [each for each in self._movable() if phrase.colour and each.colour == phrase.colour]
+            alike = [each for each in self._movable() if phrase.colour and has_colour(each, phrase.colour)]
             if phrase.has_noun:
                 found |= phrase.types
             elif len(alike) == 1:

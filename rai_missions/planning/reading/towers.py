@@ -41,13 +41,14 @@ def tower(
     Raises:
         Unread: It is not read for sure.
     """
-    cursor.skip(*BEFORE)
-    cursor.skip("stack")
+    is_one = _skip_head(cursor)
     cursor.skip("with", ":", ",", "put")
     if cursor.kind() == "part":
         return _several(cursor, unread)
     if cursor.kind() == "upward":
         return [_upward(cursor, unread)]
+    if not is_one:
+        raise Unread("order", lexicon.text("order"))  # `two towers`: of what is each?
     first = first or noun_phrases(cursor)
     if first and cursor.kind() == "relation":
         return _chain(first, cursor, unread)
@@ -58,6 +59,18 @@ def tower(
         cursor.take()
         return [Clause("stack", first), *_several(cursor, unread)]
     return [Clause("stack", members, levels=levels)]
+
+
+def _skip_head(cursor: Cursor) -> bool:
+    """Past `a tower`, `two towers`, `stack`; whether it is one tower alone."""
+    begun = cursor.at
+    cursor.skip(*BEFORE)
+    cursor.skip("stack")
+    is_one = True
+    for symbol in cursor.symbols[begun : cursor.at]:
+        is_one = is_one and symbol.value not in ("many", "two")
+        is_one = is_one and not (symbol.kind == "number" and symbol.value.value > 1)
+    return is_one
 
 
 def _chain(first: tuple[Phrase, ...], cursor: Cursor, unread: Callable[[], Unread]) -> list[Clause]:

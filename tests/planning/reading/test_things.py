@@ -1,0 +1,55 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What phrases mean where the camera does not name the colour of a thing, and where words leave a number open."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+from rai_missions.planning.reading import reading_of
+from tests.planning.reading.stored import SCENES, goal
+
+SEEN = SCENES["uncoloured"]
+
+
+@pytest.mark.parametrize(
+    ("request_", "predicate"),
+    [
+        ("red on blue", {"on": ["red_cube", "blue_cube"]}),
+        ("swap red and green", {"swapped": ["red_cube", "green_cube"]}),
+        ("put the red apple in the bin", {"in": ["apple", "bin"]}),
+        ("the orange one in the tray", {"in": ["carrot", "tray"]}),
+        ("put the blue cube under the red cube", {"on": ["red_cube", "blue_cube"]}),
+        ("apple -> bin", {"in": ["apple", "bin"]}),
+        ("load the tray with the corn", {"in": ["corn", "tray"]}),
+    ],
+)
+def test_a_colour_alone_is_that_of_a_cube(request_: str, predicate: Any) -> None:
+    assert reading_of(request_, SEEN).goal == goal(predicate)
+
+
+def test_one_of_a_colour_may_be_a_thing_whose_colour_is_not_seen() -> None:
+    found = reading_of("the green ones in the bin", SEEN)
+    cube, apple = {"in": ["green_cube", "bin"]}, {"in": ["apple", "bin"]}
+    assert found.goal is None and found.candidates == (goal(cube), goal(cube, apple))
+
+
+def test_a_thing_is_not_taken_for_one_of_a_colour_that_its_kind_never_has() -> None:
+    assert reading_of("put the blue apple in the bin", SEEN).outcome == "refused"
+
+
+@pytest.mark.parametrize("request_", ["make two towers", "build towers of the cubes", "stack the cubes in two towers"])
+def test_of_several_towers_it_is_asked_what_each_is_made_of(request_: str) -> None:
+    assert reading_of(request_, SEEN).outcome == "unclear"
+
+
+def test_a_bottom_a_middle_and_a_top_are_a_whole_tower() -> None:
+    found = reading_of("a tower with red at the bottom, yellow in the middle and green on top", SEEN).goal
+    wanted = {"on": ["red_cube", "desk"]}, {"on": ["yellow_cube", "red_cube"]}, {"on": ["green_cube", "yellow_cube"]}
+    assert found == goal(*wanted)
+
+
+@pytest.mark.parametrize("request_", ["get rid of the corn", "throw the corn out", "dispose of the corn"])
+def test_what_is_thrown_away_is_asked_back_as_into_the_bin(request_: str) -> None:
+    assert reading_of(request_, SEEN).candidates == (goal({"in": ["corn", "bin"]}),)
