@@ -4,7 +4,9 @@
 `python -m benchmarks.bench_desk [SECTION …] [--count N] [--seed N] [--jobs N]`; sections: `arrange` (sort, stack and
 swap without faults), `faults` (the same with things that slip, are pushed, taken, dropped and misread), `persistent`
 (the same where every look takes one thing in five for another: what is so cannot be known), `goals` (at, left of, next
-to, tower, grouped, over one to nine things), `refused` (requests that must not be acted on).
+to, tower, grouped, over one to nine things), `refused` (requests that must not be acted on), `hard` (goals of
+nine kinds at desks on which things touch, crowd, lean and hide each other, by two judges) and `combined` (the same with
+faults that come together).
 """
 
 from __future__ import annotations
@@ -12,11 +14,12 @@ from __future__ import annotations
 import argparse
 import statistics
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from typing import NamedTuple
 
 from tests.desk.episodes import Episode, episode
+from tests.desk.outside import HardEnd, combined_faults, hard_case, played_hard
 from tests.desk.scenes import CASES, Case
 
 __all__ = ("main",)
@@ -52,16 +55,47 @@ def report(name: str, judged: Sequence[Judged]) -> None:
             print(f"  seed {case.seed}: {case.request!r}: {end.outcome} ({end.state}), so: {end.is_so}; {end.why}")
 
 
+def hard(seed: int) -> HardEnd:
+    return played_hard(hard_case(seed))
+
+
+def combined(seed: int) -> HardEnd:
+    return played_hard(hard_case(seed, **combined_faults(seed)))
+
+
+HARD: Mapping[str, Callable[[int], HardEnd]] = {"hard": hard, "combined": combined}
+
+
+def report_hard(name: str, ends: Sequence[HardEnd]) -> None:
+    """Print a section's figures by the plain judge, and each case that did not succeed."""
+    done = [one for one in ends if one.outcome == "succeeded"]
+    refused = [one for one in ends if one.outcome == "aborted"]
+    false = [one for one in ends if one.is_false_success]
+    missed = [one for one in ends if one.is_false_failure]
+    print(f"{name}: {len(done)} of {len(ends)} succeeded, {len(refused)} refused before anything moved")
+    print(f"  succeeded that is not so: {len(false)}; failed that is so: {len(missed)}")
+    print(f"  CPU an episode: p50 {statistics.median(one.cpu_s for one in ends):.2f} s")
+    for one in ends:
+        if one.outcome != "succeeded" or one.is_false_success:
+            case = one.case
+            missing = "; ".join(one.unmet[:2])
+            print(f"  seed {case.seed} ({case.desk}): {case.request!r}: {one.state}; {one.why}; {missing}")
+
+
 def main(arguments: Sequence[str] | None = None) -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("sections", nargs="*", default=list(CASES), help=f"of {', '.join(CASES)}")
+    parser.add_argument("sections", nargs="*", default=list(CASES), help=f"of {', '.join((*CASES, *HARD))}")
     parser.add_argument("--count", type=int, default=40, help="episodes a section (40)")
     parser.add_argument("--seed", type=int, default=0, help="the first seed (0)")
     parser.add_argument("--jobs", type=int, default=2, help="processes (2)")
     given = parser.parse_args(arguments)
     with ProcessPoolExecutor(given.jobs) as pool:
         for name in given.sections:
-            cases = [CASES[name](seed) for seed in range(given.seed, given.seed + given.count)]
+            seeds = range(given.seed, given.seed + given.count)
+            if name in HARD:
+                report_hard(name, list(pool.map(HARD[name], seeds)))
+                continue
+            cases = [CASES[name](seed) for seed in seeds]
             report(name, list(pool.map(played, cases)))
     return 0
 

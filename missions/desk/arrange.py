@@ -36,7 +36,7 @@ k = Keys(
         dict,
         source="mission",
         about="what the grammar reads in the request",
-        fields={"goal": dict, "question": str, "candidates": list, "reason": str, "about": str},
+        fields={"goal": dict, "question": str, "candidates": list, "reason": str, "about": str, "covers_all": bool},
     ),
     wanted=Key(dict, source="mission", about="the goal: relations between things"),
     proposed=Key(dict, source="mission", about="the goal that a model reads in the request; the person is asked"),
@@ -154,8 +154,27 @@ def arranging() -> dict[str, State]:
         "settling": State(
             about="it is as wanted; does it stay so for a moment?",
             transitions=[
+                When(Held(REACHED, for_s=1.2) & (k.reading.covers_all == True), to="reading_again"),  # noqa: E712
                 When(Held(REACHED, for_s=1.2), to="done"),
                 When(~REACHED, to="looking", do=[Set(k.failures, add=1)]),
+                After(5, to="looking", do=[Set(k.failures, add=1)]),
+            ],
+        ),
+        "reading_again": Read(
+            k.sentence,
+            over=k.objects,
+            into=k.reading,
+            about="all of them were meant: what was hidden at first, too",
+            transitions=[
+                On("succeeded", to="comparing", do=[Set(k.wanted, from_=k.reading.goal)]),
+                On("unclear", "refused", "rejected", to="looking", do=[Set(k.failures, add=1)]),
+            ],
+        ),
+        "comparing": State(
+            about="is it so of all that are seen now?",
+            transitions=[
+                When(REACHED, to="done"),
+                When(~REACHED, to="judging"),
                 After(5, to="looking", do=[Set(k.failures, add=1)]),
             ],
         ),

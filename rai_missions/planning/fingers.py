@@ -12,7 +12,7 @@ from collections.abc import Iterable, Iterator
 from rai_missions.planning.geometry import Footprint, box, gap
 from rai_missions.planning.scene import BALLS, CONTAINERS, Thing
 
-__all__ = ("PALM_UP_M", "can_take", "crowding")
+__all__ = ("PALM_UP_M", "can_take", "crowding", "least_crowding")
 
 GAP_M = 0.002
 """Between a finger and a neighbour."""
@@ -47,6 +47,16 @@ def crowding(thing: Thing, others: Iterable[Thing]) -> Iterator[Thing]:
     for other in near:
         if any(_is_blocked(part, [other]) for yaw in _directions(thing) for part in _hand(thing, yaw)):
             yield other
+
+
+def least_crowding(thing: Thing, others: Iterable[Thing]) -> list[Thing]:
+    """The fewest things that have to leave so that the fingers have room in one direction; none where they have."""
+    near = [other for other in others if _counts(thing, other)]
+    choices = (
+        [other for other in near if any(_is_blocked(part, [other]) for part in _hand(thing, yaw))]
+        for yaw in _directions(thing)
+    )
+    return min(choices, key=len)
 
 
 def _counts(thing: Thing, other: Thing) -> bool:

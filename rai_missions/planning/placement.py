@@ -7,10 +7,11 @@ A search with backtracking over candidates in a fixed order: the same question h
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 
 from rai_missions.planning.candidates import LEAST_M, aligned, around, from_a_corner, from_the_middle, packed, to_a_side
 from rai_missions.planning.feasibility import FLOOR_M, column_of
+from rai_missions.planning.fingers import PALM_UP_M, can_take
 from rai_missions.planning.geometry import Point, gap, overhang
 from rai_missions.planning.goal import Apart, AtPlace, Goal, Grouped, InContainer, LeftOf, NextTo, OnTop, Predicate
 from rai_missions.planning.relations import columns, holds, inner, reached
@@ -22,6 +23,8 @@ __all__ = ("Arrangement", "Placement", "is_in_the_way")
 
 SPARE_M = 0.02
 """By how much things are nearer to each other than a relation would allow, for an arm that is not exact."""
+PALM_REACH_M = 0.16
+"""Metres between the middles of two things beyond which the palm of the one's hand does not meet the other."""
 ABOVE_M = 0.005
 """How far the fingers reach below the underside of what they set down, metres."""
 
@@ -60,11 +63,12 @@ class Placement:
         clearance: Metres between things that are set down and others.
         budget: Places that are tried, all things together, before it is given up.
         lined_up: Things that are left of others are placed from the right, each as far right as possible.
+        leaving: Of the movers, those that may not stay where they are.
     """
 
     def __init__(
         self, goal: Goal, scene: Scene, workspace: Workspace, *, below: dict[str, str | None], movers: Sequence[str],
-        clearance: float, budget: int, lined_up: bool = False,
+        clearance: float, budget: int, lined_up: bool = False, leaving: Collection[str] = (),
     ) -> None:  # fmt: skip
         self.goal, self.scene, self.workspace, self.clearance = goal, scene, workspace, clearance
         self.present = scene.by_name
@@ -75,7 +79,7 @@ class Placement:
             each.name: each for each in scene.things if each.name not in movers and each.bottom >= FLOOR_M
         }
         self.below: dict[str, str | None] = {name: below[name] for name in self.final}
-        self._below_now, self._lined_up = below, lined_up
+        self._below_now, self._lined_up, self._leaving = below, lined_up, leaving
         self._lines: dict[tuple[str, int], tuple[str, ...]] = {}
         self.blockers: dict[str, None] = {}
         """Things that do not move and were in the way of a place that was named."""
@@ -142,7 +146,7 @@ class Placement:
         thing, below = self.present[name], self._below_now[name]
         wanted = self.wanted.get(name)
         is_carried_still = below == DESK or (below in self.final and self.final[below] == self.present[below])
-        if below is not None and is_carried_still and wanted in (None, below) and not self._is_in_line(name):
+        if below is not None and is_carried_still and wanted in (None, below) and self._may_stay(name):
             yield thing, below
         if wanted is not None and wanted != DESK:
             yield from self._carried(thing, wanted)
@@ -158,6 +162,9 @@ class Placement:
             else:
                 yield each, DESK
         yield from ((each, DESK) for each in later)
+
+    def _may_stay(self, name: str) -> bool:
+        return name not in self._leaving and not self._is_in_line(name)
 
     def _is_taken_now(self, thing: Thing) -> bool:
         """Whether a thing that is to leave, itself not counted, is where one would be set down."""
@@ -248,7 +255,15 @@ class Placement:
         ]
         if blocking and (self._named_place(thing.name) or self.wanted.get(thing.name, DESK) != DESK):
             self.blockers.update(dict.fromkeys(blocking))
-        return not blocking
+        return not blocking and self._has_room_for_the_palm(thing, carriers)
+
+    def _has_room_for_the_palm(self, thing: Thing, carriers: set[str]) -> bool:
+        """Whether the hand can let go there, in some direction, next to what is higher than its palm comes down."""
+        others = [other for other in self.final.values() if other.name not in carriers]
+        tall = (other for other in others if other.top > thing.z + PALM_UP_M)
+        if not any(math.dist((thing.x, thing.y), (other.x, other.y)) < PALM_REACH_M for other in tall):
+            return True
+        return can_take(thing, others)
 
     def _is_in_place(self, thing: Thing, below: str) -> bool:
         """Whether a place is on the desk, or in its container, and in reach."""

@@ -13,19 +13,23 @@ from itertools import combinations
 from rai_missions.errors import UsageError
 from rai_missions.planning.candidates import LEAST_M
 from rai_missions.planning.feasibility import FLOOR_M, refused_by_rule
-from rai_missions.planning.fingers import PALM_UP_M
+from rai_missions.planning.fingers import PALM_UP_M, least_crowding
+from rai_missions.planning.geometry import gap
 from rai_missions.planning.goal import AtPlace, Goal, Grouped, InContainer, LeftOf, OnTop, Refusal, Swapped
 from rai_missions.planning.ordering import Ordering
 from rai_missions.planning.placement import Placement
 from rai_missions.planning.plan import Plan, PlannedMove
 from rai_missions.planning.relations import columns, holds, support, without_swaps
 from rai_missions.planning.scene import CONTAINERS, DESK, Scene, Thing
+from rai_missions.planning.tolerances import contact
 from rai_missions.planning.workspace import Workspace
 
 __all__ = ("feasible", "planned")
 
 CLEARANCES_M = (0.03, 0.018, LEAST_M)
 """Free distances for the fingers, the best first: open on both sides, just so, and for fingers turned the other way."""
+LEANING_M = 0.01
+"""What is so near below a thing that rests on nothing carries it: a thing that leans is measured only so well."""
 TRIED = 16
 """Sets of things to move that are tried."""
 BUDGET = 120
@@ -76,11 +80,22 @@ class _Planner:
     def __init__(self, goal: Goal, scene: Scene, workspace: Workspace) -> None:
         self.goal, self.scene, self.workspace = goal, scene, workspace
         self.present = {thing.name: thing for thing in scene.things if thing.bottom >= FLOOR_M}
-        self.below = {name: support(name, scene) for name in self.present}
+        self.below = {name: support(name, scene) or self._leant_on(name) for name in self.present}
         self.left = BUDGET_OF_ALL
         self.movable = [
             name for name, thing in self.present.items() if thing.type not in CONTAINERS and not self._is_sunk(thing)
         ]
+
+    def _leant_on(self, name: str) -> str | None:
+        """What a thing leans on that rests on nothing: the nearest of those that it may touch and that are below it."""
+        thing = self.present[name]
+        near = [
+            (gap(thing.footprint, other.footprint), other.name)
+            for other in self.present.values()
+            if other.name != name and other.type not in CONTAINERS and other.z < thing.z
+        ]
+        away, found = min(near, default=(LEANING_M, ""))
+        return found if away < LEANING_M and thing.bottom > contact(thing) else None
 
     def _is_sunk(self, thing: Thing) -> bool:
         """Whether it lies so deep in a bin that the palm meets the rim before the fingers have it."""
@@ -175,32 +190,54 @@ class _Planner:
     # -- one set -------------------------------------------------------------------------------------------------------
 
     def _moves(self, movers: tuple[str, ...], clearance: float, *, lined_up: bool) -> tuple[PlannedMove, ...] | None:
-        """The moves where just these may move, and what is in the way of a named place; None where there are none."""
+        """The moves where just these may move, and what is in the way of a named place; None where there are none.
+
+        What leaves a mover's fingers no room moves too, if it can; else the arm may push it free.
+        """
+        crowded: tuple[PlannedMove, ...] | None = None
+        leaving = frozenset[str]()
         for _ in range(len(self.movable) + 1):
             budget = BUDGET_OF_LAST if lined_up or len(movers) == len(self.movable) else BUDGET
             budget = min(budget, self.left)
             placement = Placement(
                 self.goal, self.scene, self.workspace, below=self.below, movers=movers, clearance=clearance,
-                budget=budget, lined_up=lined_up,
+                budget=budget, lined_up=lined_up, leaving=leaving,
             )  # fmt: skip
             is_found = placement.found()
             self.left -= budget - max(0, placement.left)
             if is_found:
-                orders = (
-                    Ordering(
-                        self.present, self.below, placement.final, placement.below, names=self._first(placement.order),
-                        reasons=self._reasons(placement), workspace=self.workspace, clearance=each,
-                        careful=careful,
-                    ).moves()
-                    for careful in (True, False)
-                    for each in (clearance, LEAST_M)
-                )  # fmt: skip
-                return next((moves for moves in orders if moves is not None), None)
+                moves = self._ordered(placement, clearance)
+                if crowded is not None or moves is None:
+                    return moves if moves is not None else crowded
+                leaving = frozenset(self._crowding(tuple(move.object for move in moves))) - {*movers}
+                if not leaving:
+                    return moves
+                crowded, movers = moves, self._with_riders({*movers, *leaving})
+                continue
             wider = self._with_riders({*movers, *(each for each in placement.blockers if each in self.movable)})
             if wider == movers:
-                return None
+                return crowded
             movers = wider
-        return None
+        return crowded
+
+    def _ordered(self, placement: Placement, clearance: float) -> tuple[PlannedMove, ...] | None:
+        orders = (
+            Ordering(
+                self.present, self.below, placement.final, placement.below, names=self._first(placement.order),
+                reasons=self._reasons(placement), workspace=self.workspace, clearance=each, careful=careful,
+            ).moves()
+            for careful in (True, False)
+            for each in (clearance, LEAST_M)
+        )  # fmt: skip
+        return next((moves for moves in orders if moves is not None), None)
+
+    def _crowding(self, movers: tuple[str, ...]) -> Iterator[str]:
+        """Movable things that leave the fingers no room at one of the movers, which can be taken in no direction."""
+        around = [*self.present.values()]
+        for name in movers:
+            found = [other.name for other in least_crowding(self.present[name], around)]
+            if all(each in self.movable for each in found):
+                yield from found
 
     def _first(self, order: list[str]) -> list[str]:
         """What only makes room comes first, then all in the order placed."""

@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 
 from rai_missions.planning import Plan, Refusal, Scene, feasible, plan_data, planned, reached, without_swaps
 from rai_missions.planning.feasibility import REASONS
+from rai_missions.planning.fingers import can_take
 from tests.planning.drawn import KINDS, any_goal, arrangement, goal_from, goal_of_kind, names_for, target_goal
 from tests.planning.oracle import Forbidden, World, executed
 from tests.planning.scenes import scene, thing
@@ -198,3 +199,30 @@ def test_a_refusal_is_plain_data_of_the_same_fields() -> None:
     assert plan_data(found) == {
         "moves": [], "next": None, "reason": "absent", "about": "there is no 'lemon' on the desk",
     }  # fmt: skip
+
+
+def test_what_leans_on_a_thing_is_taken_away_first() -> None:
+    carrot = thing("carrot", 0.43, 0.01, level=0.027, yaw=0.18, sigma_m=0.005)
+    plan = plan_of([{"at": "red_cube", "x": 0.5, "y": -0.25}], thing("red_cube", 0.48, 0.0), carrot)
+    assert [move.object for move in plan.moves] == ["carrot", "red_cube"]
+
+
+def test_a_thing_that_lies_next_to_another_leans_on_none() -> None:
+    carrot = thing("carrot", 0.38, 0.0, yaw=0.18)
+    plan = plan_of([{"at": "red_cube", "x": 0.5, "y": -0.25}], thing("red_cube", 0.48, 0.0), carrot)
+    assert [move.object for move in plan.moves] == ["red_cube"]
+
+
+def test_what_leaves_the_fingers_no_room_moves_first_though_no_one_asked_for_it() -> None:
+    around = [thing("blue_cube", 0.4, 0.052), thing("green_cube", 0.452, 0.0)]
+    plan = plan_of([{"at": "red_cube", "x": 0.5, "y": -0.25}], thing("red_cube", 0.4, 0.0), *around)
+    assert plan.moves[-1].object == "red_cube" and len(plan.moves) == 2
+
+
+def test_nothing_is_set_down_where_the_palm_meets_what_is_higher() -> None:
+    tower = [thing("blue_cube", 0.5, 0.0), thing("green_cube", 0.5, 0.0, level=CUBE)]
+    other = [thing("purple_cube", 0.4, -0.13), thing("orange_cube", 0.4, -0.13, level=CUBE)]
+    seen = [*tower, *other, thing("red_cube", 0.4, -0.3)]
+    (move,) = plan_of([{"next_to": ["red_cube", "blue_cube"]}], *seen).moves
+    placed = thing("red_cube", move.place.x, move.place.y, yaw=move.place.yaw)
+    assert can_take(placed, [*tower, *other])

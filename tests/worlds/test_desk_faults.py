@@ -15,6 +15,7 @@ from rai_missions.connectors.local import LocalConnector
 from rai_missions.errors import UsageError
 from rai_missions.worlds import open_world
 from rai_missions.worlds.desk.detector import ClassifiedBody, ThingClass
+from rai_missions.worlds.desk.finger_contacts import FingerContacts
 from rai_missions.worlds.desk.look import SeenBody
 from rai_missions.worlds.desk.tracks import LEAD, Tracks
 
@@ -80,6 +81,37 @@ def test_what_is_put_onto_something_lies_on_it() -> None:
 
 def test_a_taken_thing_is_no_longer_seen() -> None:
     assert Desk(faults=planned("take")).run(4).keys() == {"blue_cube"}
+
+
+def test_a_thing_that_is_held_is_taken_out_of_the_fingers_and_the_server_reports_it_lost() -> None:
+    desk, reports = Desk(faults={"plan": [{"at_s": 6.5, "event": "take", "thing": "red_cube"}]}), list[Report]()
+    desk.run(2)
+    pose = {"x": 0.5, "y": 0.15, "z": 0.022, "yaw": 0.0}
+    goal = {"object": "red_cube", "pose": pose}
+    desk.connector.send_goal("/pick_at", "", goal, goal_id="pick", on_report=reports.append)
+    desk.run(4.4)
+    assert reports[-1].status == "succeeded" and desk.fact["gripper"] == "holding"
+    desk.run(2)
+    assert desk.world.truth().held == "" and desk.fact["gripper"] == "empty"
+    desk.connector.send_goal("/place_at", "", goal, goal_id="place", on_report=reports.append)
+    desk.run(2)
+    assert reports[-1].status == "failed" and reports[-1].data["reason"] == "nothing_held"
+    assert desk.run(3).keys() == {"blue_cube"}
+
+
+def test_what_the_fingers_hold_is_what_the_truth_calls_held_at_every_instant() -> None:
+    desk, found = Desk(faults={"slip": 1.0, "drop": 0.5, "seed": 4}), set[str]()
+    fingers = FingerContacts(desk.world.model, desk.world.objects)
+    goal = {"object": "red_cube", "pose": {"x": 0.5, "y": 0.15, "z": 0.022, "yaw": 0.0}}
+    place = {"object": "red_cube", "pose": {"x": 0.4, "y": -0.1, "z": 0.022, "yaw": 0.0}}
+    for number, (action, wanted) in enumerate((("/pick_at", goal), ("/place_at", place)) * 2):
+        desk.connector.send_goal(action, "", wanted, goal_id=f"{number}", on_report=lambda report: None)
+        for _ in range(70):
+            desk.world.step()
+            held = fingers.held(desk.world.data)
+            assert held == desk.world.truth().held
+            found.add(held)
+    assert found == {"", "red_cube"}
 
 
 def test_the_same_seed_has_the_same_faults_and_another_has_others() -> None:

@@ -176,8 +176,8 @@ class Mischief:
         return FaultEvent(since_s, event, thing, self._rng.uniform(west, east), self._rng.uniform(south, north))
 
     def _do(self, event: FaultEvent, held: str) -> None:
-        if not event.thing or event.thing == held:
-            return
+        if not event.thing or (event.thing == held and event.event == "push"):
+            return  # the fingers hold it against a push; a person takes it out of them
         number = next(number for number, one in enumerate(self._objects) if one.name == event.thing)
         if event.event == "take":
             self._gone.add(number)

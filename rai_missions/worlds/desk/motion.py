@@ -223,7 +223,7 @@ class Motion:
             target = yield from self._free(target, others)
         else:
             raise SkillFailure("no_room", f"there is no room for the fingers next to {name}, also after it was pushed")
-        way, grasp = self._way(leaning(ways), others)
+        way, grasp = self._way(leaning(ways), [*others, target])  # it comes down on the target from above it, too
         yield from self._go(way, opening=grasp.opening_m)
         yield from self._close()
         self._held = HeldThing(target, grasp.pose)

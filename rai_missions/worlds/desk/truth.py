@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
 from rai_missions.worlds.desk.catalogue import KINDS
+from rai_missions.worlds.desk.finger_contacts import TOUCHING_M
 from rai_missions.worlds.desk.posture import lean_of, yaw_of
 from rai_missions.worlds.desk.scene import object_name
 from rai_missions.worlds.desk.scene_file import DeskObject
@@ -62,7 +63,7 @@ def _contacts(model: Any, data: Any, names: Mapping[int, str]) -> list[tuple[str
     for contact in data.contact[: data.ncon]:
         bodies = (int(model.geom_bodyid[geom]) for geom in contact.geom)
         one, other = sorted(names.get(body) or (DESK if body == 0 else str(model.body(body).name)) for body in bodies)
-        if contact.dist <= 0.0005:
+        if contact.dist <= TOUCHING_M:
             found.append((one, other))
     return found
 

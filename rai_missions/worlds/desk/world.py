@@ -18,6 +18,7 @@ from rai_missions.worlds.desk import arm, interface
 from rai_missions.worlds.desk.arm import Arm
 from rai_missions.worlds.desk.detector import LookClassifier, LookErrors, ThingClass
 from rai_missions.worlds.desk.faults import DeskFaults, Mischief
+from rai_missions.worlds.desk.finger_contacts import FingerContacts
 from rai_missions.worlds.desk.harm_judge import DeskJudge
 from rai_missions.worlds.desk.lies import LyingServer
 from rai_missions.worlds.desk.look import Eye
@@ -87,6 +88,7 @@ class Desk(Simulation):
         self._eye: Eye = RayEye(self.model, kinds, seed) if self.camera is None else PixelEye(self.camera, kinds, seed)
         self._classifier = LookClassifier(things, errors, seed)
         self._tracks = Tracks()
+        self._fingers = FingerContacts(self.model, self.objects)
         self._mischief = Mischief(self.model, self.data, self.objects, wrong, seed)
 
     def truth(self) -> DeskTruth:
@@ -121,7 +123,7 @@ class Desk(Simulation):
     def step(self) -> None:
         """Go one period on: let physics happen, look, and publish what happened."""
         with self._outbox.lock:
-            self._mischief.step(self._since(), self.period_s, self.truth().held)
+            self._mischief.step(self._since(), self.period_s, self._fingers.held(self.data))
             for part in range(round(self.period_s / CONTROL_S)):
                 self.arm.step(self.at + part * CONTROL_S, CONTROL_S)
                 mujoco.mj_step(self.model, self.data, round(CONTROL_S / TIMESTEP_S))
