@@ -7,6 +7,7 @@ Rule: the word to stop comes first, whatever else it could be; it needs no quest
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from itertools import groupby
 
 from rai_missions.conversation.arguments import BadValue, read_arguments
 from rai_missions.conversation.language import Language, spoken
@@ -69,8 +70,17 @@ class Grammar:
         if not words or len(words) > MOST_WORDS or max(map(len, words)) > LONGEST_WORD:
             return ()
         bare = list(once(normaliser.bare(words, _called(view.robot))))
-        found = self._words(bare, view) or self._words(words, view)
+        found = self._words(bare, view) or self._words(words, view) or self._words(self._unnamed(bare, view), view)
         return found or (self._mended(bare, view) if len(bare) <= MOST_MENDED else ())
+
+    def _unnamed(self, words: list[str], view: StatusView) -> list[str]:
+        """The words with `mission` in place of the running mission's name: `pause the patrol`."""
+        name, word = set(spoken(view.mission).split()), self.language.data["mission_word"]
+        runs = [(is_name, list(run)) for is_name, run in groupby(words, key=name.__contains__)]
+        named = [run for is_name, run in runs if is_name]
+        if not named or not all(_is_own(run, view, self.language) for run in named):
+            return []
+        return [each for is_name, run in runs for each in ([word] if is_name else run)]
 
     def _mended(self, words: list[str], view: StatusView) -> tuple[Sense, ...]:
         """As after small errors of a recogniser or a keyboard."""
@@ -197,6 +207,11 @@ def _own(view: StatusView) -> list[MissionView]:
     """The missions that are meant where none is named: the run's own, or the only one."""
     own = [each for each in view.missions if each.name == view.mission]
     return own or list(view.missions)
+
+
+def _is_own(words: list[str], view: StatusView, language: Language) -> bool:
+    """Whether they name the mission that runs, and no other."""
+    return [each.name for each in missions_named(words, view, language)] == [view.mission]
 
 
 def _words_of(view: StatusView) -> Iterator[str]:

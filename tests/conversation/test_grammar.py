@@ -52,6 +52,24 @@ def test_an_order_inside_other_talk_is_none(code: str) -> None:
     assert orders == {}
 
 
+@pytest.mark.parametrize("code", languages())
+def test_each_question_and_order_is_read_as_what_it_means(code: str) -> None:
+    grammar, view = Grammar(language(code)), VIEW._replace(keys={"battery": KeyView("battery", "number")})
+    meant = {each: name for name, sentences in STORED["meant"][code].items() for each in sentences}
+    read = {each: [sense.name or sense.kind for sense in grammar.senses(each, view)] for each in meant}
+    assert {each: names for each, names in read.items() if names != [meant[each]]} == {}
+
+
+@pytest.mark.parametrize(
+    "sentence", ["stop the patrol", "pause the patrol", "cancel my patrol", "is the patrol running?"]
+)
+def test_the_name_of_the_running_mission_means_the_mission(sentence: str) -> None:
+    (sense,) = ENGLISH.senses(sentence, VIEW)
+    assert ENGLISH.senses(sentence.replace("patrol", "mission"), VIEW) == (sense,)
+    others = VIEW._replace(mission="survey", missions=(*VIEW.missions, MissionView("survey")))
+    assert ENGLISH.senses(sentence, others) == ()
+
+
 @given(st.text(max_size=300))
 @settings(max_examples=60, deadline=None, derandomize=True)
 def test_no_text_breaks_the_grammar_or_keeps_it_long(text: str) -> None:
