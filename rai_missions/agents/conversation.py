@@ -92,7 +92,8 @@ class ConversationalAgent:
         self._is_open = True
         self._idle: Literal["ready", "stopped"] = "ready"
         self._cancel_timer: Callable[[], object] = lambda: None
-        self._end_reported = threading.Event()
+        self._end_reported, self._is_decided = threading.Event(), threading.Event()
+        self._is_decided.set()
 
     # -- the paper's Agent -----------------------------------------------------------------------------------
 
@@ -143,6 +144,15 @@ class ConversationalAgent:
         reported = self._end_reported.wait(within_s)
         self._drain(min(1.0, within_s))
         return reported
+
+    def wait_decided(self) -> None:
+        """Wait while a request of the run that is over waits for a person's yes; no longer than a confirmation may."""
+        self._drain(1.0)
+        self._is_decided.wait(2 * self._settings.confirm_s)
+
+    def decide_nothing(self) -> None:
+        """Nothing is waited for any more; from any thread."""
+        self._is_decided.set()
 
     # -- people ----------------------------------------------------------------------------------------------
 
@@ -236,6 +246,7 @@ class ConversationalAgent:
     def _perform(self, outputs: Iterable[Output]) -> None:
         for output in outputs:
             self._perform_one(output)
+        (self._is_decided.clear if self._dialogue.asks_to_begin else self._is_decided.set)()
         self._cancel_timer()
         wake_at = self._dialogue.wake_at
         if wake_at is not None:

@@ -32,3 +32,5 @@ class Confirmable(NamedTuple):
     """Of the speech that reads it back."""
     distracted: frozenset[tuple[str, str]] = frozenset()
     """The speakers who have uttered something else since; the yes of one of them has it read back again."""
+    is_request: bool = False
+    """It waited for the end of a mission, which did not succeed."""

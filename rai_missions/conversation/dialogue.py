@@ -56,6 +56,11 @@ class Dialogue:
         return min((at for each in sides if (at := each.wake_at()) is not None), default=None)
 
     @property
+    def asks_to_begin(self) -> bool:
+        """Whether a request waits for a person's yes after the mission before it did not succeed."""
+        return self._orders.asks_to_begin
+
+    @property
     def history(self) -> tuple[TalkTurn, ...]:
         """The last turns, oldest first; bounded by the settings."""
         return tuple(self._talk.turns)

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections import defaultdict, deque
 from collections.abc import Sequence
-from typing import Literal, NamedTuple
+from typing import Literal
 
 from rai_missions.conversation.confirmation import Confirmable
 from rai_missions.conversation.grammar import STOP, Grammar
@@ -26,6 +26,7 @@ from rai_missions.conversation.judging import (
 from rai_missions.conversation.language import spoken
 from rai_missions.conversation.named import option_place
 from rai_missions.conversation.outputs import Mapper, Order
+from rai_missions.conversation.request_queue import JudgedOrder, RequestQueue, order_data
 from rai_missions.conversation.senses import Sense
 from rai_missions.conversation.settings import ORDERS
 from rai_missions.conversation.speaking import SpeechSide
@@ -46,19 +47,6 @@ STARTING_S = 30.0
 LONGEST_REASON = 200
 
 
-class JudgedOrder(NamedTuple):
-    """An order that may count, and where it comes from."""
-
-    sense: Sense
-    utterance: Utterance
-    number: int
-    """Of the sentence's turn."""
-    mapper: Mapper
-    words: str
-    """The order in words."""
-    confirmed: str = ""
-
-
 class OrderSide:
     """Reads sentences by the grammar, judges orders, and keeps what waits for a confirmation or for its turn.
 
@@ -73,7 +61,7 @@ class OrderSide:
         self._grammar = Grammar(talk.language, phrases)
         self._count = 0
         self._pending: Confirmable | None = None
-        self._requests: deque[JudgedOrder] = deque()
+        self._requests = RequestQueue(talk, speaking)
         self._under_way: dict[int, JudgedOrder] = {}
         self._ordered: dict[tuple[str, str], deque[str]] = defaultdict(lambda: deque(maxlen=REMEMBERED))
         self._ended_run: str | None = talk.view.run if talk.view.mode and not is_alive(talk.view) else None
@@ -172,7 +160,7 @@ class OrderSide:
         language, settings = self._talk.language, self._talk.settings
         names = tuple(language.word("order_names", each) for each in ORDERS if may(utterance.role, each, settings))
         ordered = tuple(self._ordered.get(utterance.speaker, ()))
-        return Asker(ordered, tuple(each.words for each in self._requests), names)
+        return Asker(ordered, self._requests.words, names)
 
     # -- orders --------------------------------------------------------------------------------------------------------
 
@@ -189,7 +177,7 @@ class OrderSide:
         if is_alive(view) and may(utterance.role, "resume", self._talk.settings):
             text = f"{text} {language.text('stop_more')}"
         self._speaking.speak(text, to=utterance.channel, reply_to=number)
-        self._drop_requests("requests_stopped")
+        self._requests.drop("requests_stopped")
         return "stopped"
 
     def take(
@@ -210,7 +198,7 @@ class OrderSide:
             return
         words = order_words(sense, view, language)
         judged = JudgedOrder(sense, utterance, number, mapper, words)
-        self._talk.note("mapped", number=number, order=_data(sense), mapper=mapper)
+        self._talk.note("mapped", number=number, order=order_data(sense), mapper=mapper)
         if self._is_impossible(judged):
             return
         if sense.name in TWO_NEEDED and agreeing is not None and agreeing < 2:
@@ -246,12 +234,7 @@ class OrderSide:
     def _settle(self, judged: JudgedOrder) -> None:
         """The order counts: it is given out, or waits for the end of the mission."""
         if self._is_request(judged.sense):
-            self._requests.append(judged)
-            place = len(self._requests)
-            self._talk.note("queued", number=judged.number, order=_data(judged.sense), place=place)
-            self._speaking.reply(
-                "queued_request", judged.utterance, judged.number, number=place, order=judged.words
-            )  # fmt: skip
+            self._requests.add(judged)
             return
         self._put(judged)
         sense = judged.sense
@@ -272,7 +255,7 @@ class OrderSide:
             del self._ordered[old_speaker]
         asked = question.number if question is not None and sense.name == "answer" else 0
         self._talk.note(
-            "ordered", order_number=self._count, number=judged.number, order=_data(sense), role=utterance.role,
+            "ordered", order_number=self._count, number=judged.number, order=order_data(sense), role=utterance.role,
             mapper=judged.mapper, confirmed=judged.confirmed,
         )  # fmt: skip
         self._talk.put(
@@ -285,20 +268,27 @@ class OrderSide:
 
     # -- confirmations -------------------------------------------------------------------------------------------------
 
-    def _read_back(self, judged: JudgedOrder) -> None:
+    def _read_back(self, judged: JudgedOrder, *, is_request: bool = False) -> None:
         if self._pending is not None:
             self._void("replaced")
-        rests_on = binding(judged.sense, self._talk.view)
-        pending = Confirmable(judged.sense, judged.utterance, judged.mapper, judged.words, rests_on, self._talk.now)
+        rests_on = self._binding(judged.sense, is_request=is_request)
+        pending = Confirmable(
+            judged.sense, judged.utterance, judged.mapper, judged.words, rests_on, self._talk.now, is_request=is_request
+        )
         self._ask(pending, judged.utterance, judged.number)
+
+    def _binding(self, sense: Sense, *, is_request: bool) -> tuple[object, ...]:
+        """What a confirmation rests on; a request's on nothing: it is for the run after the one that ended."""
+        return () if is_request else binding(sense, self._talk.view)
 
     def _ask(self, pending: Confirmable, to: Utterance, number: int) -> None:
         """Read an order back, for the first time or again."""
         form = "read_back_model" if pending.mapper == "model" else "read_back"
+        form = "request_asked" if pending.is_request else form
         speech = self._speaking.reply(form, to, number, order=pending.words)
         until = self._talk.now + self._talk.settings.confirm_s
         self._pending = pending._replace(until=until, key=speech.key, distracted=frozenset())
-        self._talk.note("read_back", number=number, order=_data(pending.sense), mapper=pending.mapper)
+        self._talk.note("read_back", number=number, order=order_data(pending.sense), mapper=pending.mapper)
 
     def _distract(self, utterance: Utterance) -> None:
         """A sentence that is neither yes nor no: what its speaker may confirm is to be read back again."""
@@ -312,9 +302,11 @@ class OrderSide:
         pending, self._pending = self._pending, None
         if pending is None:
             return
-        self._talk.note("void", order=_data(pending.sense), by=by)
+        self._talk.note("void", order=order_data(pending.sense), by=by)
         if by in ("time", "changed", "replaced"):
             self._speaking.reply(f"void_{by}", pending.utterance, 0, order=pending.words)
+        if by == "time" and pending.is_request:
+            self._requests.drop("requests_unanswered")
 
     def _decide(self, utterance: Utterance, number: int, *, is_yes: bool, agreeing: int) -> None:
         """A yes or a no to what was read back."""
@@ -327,8 +319,10 @@ class OrderSide:
             self._speaking.reply("not_yours", utterance, number, role=role[:1].upper() + role[1:])
         elif not is_yes:
             self._pending = None
-            self._talk.note("void", order=_data(pending.sense), by="no", number=number)
+            self._talk.note("void", order=order_data(pending.sense), by="no", number=number)
             self._speaking.reply("dropped", utterance, number)
+            if pending.is_request:
+                self._next_request()
         elif utterance.is_spoken and agreeing < 2:
             self._talk.note("refused", number=number, order="confirm", by="recognisers")
             self._speaking.reply("two_needed", utterance, number, order=pending.words)
@@ -339,7 +333,9 @@ class OrderSide:
 
     def _confirm(self, pending: Confirmable, utterance: Utterance, number: int) -> None:
         self._pending = None
-        self._talk.note("confirmed", number=number, order=_data(pending.sense), sentence=cut(utterance.text, 2_000))
+        self._talk.note(
+            "confirmed", number=number, order=order_data(pending.sense), sentence=cut(utterance.text, 2_000)
+        )
         confirmed = cut(utterance.text, 2_000)
         judged = JudgedOrder(pending.sense, pending.utterance, number, pending.mapper, pending.words, confirmed)
         if not self._is_impossible(judged):
@@ -350,7 +346,8 @@ class OrderSide:
     def follow(self, before: StatusView) -> None:
         """The run's status is new: what was read back may be void, and a request's turn may have come."""
         view = self._talk.view
-        if self._pending is not None and binding(self._pending.sense, view) != self._pending.binding:
+        pending = self._pending
+        if pending is not None and self._binding(pending.sense, is_request=pending.is_request) != pending.binding:
             self._void("changed")
         if is_alive(view) and view.run != before.run:
             self._starting_until = float("-inf")
@@ -360,31 +357,23 @@ class OrderSide:
             self._next_request()
 
     def _next_request(self) -> None:
-        """The mission has ended: the oldest request begins where it succeeded, else all are dropped."""
-        if not self._requests:
+        """The mission has ended: the oldest request begins where it succeeded; else a person is asked."""
+        view = self._talk.view
+        if view.open_goals:
+            self._requests.drop("requests_dropped")  # the robot may still move
+        request = self._requests.take()
+        if request is None:
             return
-        if self._talk.view.mode != "succeeded":
-            self._drop_requests("requests_dropped")
-            return
-        request = self._requests.popleft()
         permitted = may(request.utterance.role, "start", self._talk.settings)
-        if not permitted or why_not_now(request.sense, self._talk.view, self._talk.language):
-            self._talk.note("dropped", order=_data(request.sense))
+        if not permitted or why_not_now(request.sense, view, self._talk.language):
+            self._talk.note("dropped", order=order_data(request.sense))
             self._speaking.reply("request_impossible", request.utterance, 0, order=request.words)
+            return
+        if view.mode != "succeeded":
+            self._read_back(request, is_request=True)
             return
         self._speaking.speak(self._talk.language.text("request_begins", order=request.words), priority="question")
         self._put(request)
-
-    def _drop_requests(self, form: str) -> None:
-        if not self._requests:
-            return
-        view, language = self._talk.view, self._talk.language
-        requests = language.listed([each.words for each in self._requests])
-        for each in self._requests:
-            self._talk.note("dropped", order=_data(each.sense))
-        self._requests.clear()
-        values = {"mission": spoken(view.mission), "mode": language.word("modes", view.mode), "requests": requests}
-        self._speaking.speak(language.text(form, **values), priority="question")
 
     def on_order_end(self, end: OrderEnd) -> None:
         """What became of an order; a refusal is reported."""
@@ -413,15 +402,11 @@ class OrderSide:
         if self._pending is not None and self._talk.now >= self._pending.until:
             self._void("time")
 
+    @property
+    def asks_to_begin(self) -> bool:
+        """Whether a request waits for a person's yes after its mission did not succeed."""
+        return self._pending is not None and self._pending.is_request
+
     def wake_at(self) -> float | None:
         """When a confirmation expires."""
         return None if self._pending is None else self._pending.until
-
-
-def _data(sense: Sense) -> dict[str, object]:
-    """An order as the journal has it."""
-    data = {
-        "order": sense.name, "mission": sense.mission, "arguments": dict(sense.arguments), "option": sense.option,
-        "parameters": dict(sense.parameters),
-    }  # fmt: skip
-    return {name: value for name, value in data.items() if value}

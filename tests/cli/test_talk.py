@@ -207,6 +207,28 @@ def test_after_the_end_another_run_is_started_by_talk_with_its_arguments(mission
 
 
 @pytest.mark.long
+@pytest.mark.parametrize(("answer", "runs"), [("yes\r", 2), ("no\r", 1), ("\x03", 1)], ids=["yes", "no", "interrupt"])
+def test_after_a_run_that_did_not_succeed_a_request_begins_by_a_yes_alone(
+    mission: Path, answer: str, runs: int
+) -> None:
+    slower = COUNTING["states"]["counting"]["transitions"][0], {"after_s": 8, "to": "over"}
+    mission.write_text(json.dumps(COUNTING | {"states": COUNTING["states"] | {"counting": {"transitions": slower}}}))
+    with terminal(mission, "--robot", str(profile(mission))) as screen:
+        screen.until("has started")
+        screen.type("start with rounds 3\r")
+        screen.until("with rounds 3. Is that right?")
+        screen.type("yes\r")
+        screen.until("waits as number 1")
+        screen.until("Shall it begin now?")
+        screen.type(answer)
+        if runs == 2:
+            screen.until("done := 3")
+            screen.until("'errand' was aborted")
+        assert screen.program.wait(PATIENCE_S) == 1
+    assert mission.with_name("errand-2.journal").exists() == (runs == 2)
+
+
+@pytest.mark.long
 def test_who_pipes_the_orders_of_a_run_that_waits_has_it_started_and_ended(mission: Path) -> None:
     mission.write_text(json.dumps(COUNTING))
     command = [PROGRAM, "run", mission, "--talk", "--robot", profile(mission, begins="ready"), "--journal"]

@@ -179,6 +179,8 @@ class TalkSession:
         if agent is None or runs is None:
             return None
         agent.conclude(0.0)
+        if self._is_alone and self._is_reachable and not runs.is_interrupted:
+            agent.wait_decided()
         if not (runs.is_continued and self._is_alone) and not agent.conclude(END_REPORTED_S):
             warn(f"no one could be reached to report how the mission ended: {result.outcome}: {result.why}")
         following = runs.following() if self._is_alone else None
@@ -204,9 +206,15 @@ class TalkSession:
     @contextmanager
     def interruptible(self) -> Iterator[None]:
         """The first interrupt cancels the run that there is and has no other follow, the second is an e-stop."""
-        runs = self._runs
+        runs, agent = self._runs, self.agent
         assert runs is not None
-        with interruptible(lambda: runs.interrupt(BY), lambda: runs.kill(BY), "canceling"):
+        assert agent is not None
+
+        def interrupt() -> None:
+            runs.interrupt(BY)
+            agent.decide_nothing()
+
+        with interruptible(interrupt, lambda: runs.kill(BY), "canceling"):
             yield
 
     def _order_next(self, order: Order, on_end: OnOrderEnd) -> None:
@@ -224,6 +232,7 @@ class TalkSession:
         agent, runs = self.agent, self._runs
         if agent is not None and runs is not None and not self._is_reachable:
             agent.after_all(runs.give_up)
+            agent.after_all(agent.decide_nothing)
 
     def close_voice(self) -> None:
         """Listen and speak no more; closed already, nothing happens."""

@@ -91,6 +91,11 @@ class TalkRuns:
             runner = self._before.runner
             runner.call_soon(lambda: runner.cancel(NO_INPUT) if runner.waits else None)
 
+    @property
+    def is_interrupted(self) -> bool:
+        """Whether an interrupt, or an e-stop, ended the talk: no other run follows."""
+        return self._is_interrupted
+
     # -- once a run is over -------------------------------------------------------------------------------------------
 
     @property

@@ -1,0 +1,89 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Requests: starts that were ordered while a mission ran, and wait for its end.
+
+Rule: a request begins by itself only after success. After any other end its begin needs a person's yes.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from typing import NamedTuple
+
+from rai_missions.conversation.inputs import Utterance
+from rai_missions.conversation.language import spoken
+from rai_missions.conversation.outputs import Mapper
+from rai_missions.conversation.senses import Sense
+from rai_missions.conversation.speaking import SpeechSide
+from rai_missions.conversation.talk import Talk
+
+__all__ = ("JudgedOrder", "RequestQueue", "order_data")
+
+
+class JudgedOrder(NamedTuple):
+    """An order that may count, and where it comes from."""
+
+    sense: Sense
+    utterance: Utterance
+    number: int
+    """Of the sentence's turn."""
+    mapper: Mapper
+    words: str
+    """The order in words."""
+    confirmed: str = ""
+
+
+class RequestQueue:
+    """The requests that wait, the oldest first.
+
+    Args:
+        talk: What the sides share.
+        speaking: Where texts go out.
+    """
+
+    def __init__(self, talk: Talk, speaking: SpeechSide) -> None:
+        self._talk, self._speaking = talk, speaking
+        self._waiting: deque[JudgedOrder] = deque()
+
+    def __len__(self) -> int:
+        return len(self._waiting)
+
+    @property
+    def words(self) -> tuple[str, ...]:
+        """Each request in words."""
+        return tuple(each.words for each in self._waiting)
+
+    def add(self, judged: JudgedOrder) -> None:
+        """Another request; the person is informed of its place."""
+        self._waiting.append(judged)
+        place = len(self._waiting)
+        self._talk.note("queued", number=judged.number, order=order_data(judged.sense), place=place)
+        self._speaking.reply("queued_request", judged.utterance, judged.number, number=place, order=judged.words)
+
+    def take(self) -> JudgedOrder | None:
+        """The oldest request, which waits no more; None where there is none."""
+        return self._waiting.popleft() if self._waiting else None
+
+    def drop(self, form: str) -> None:
+        """All are dropped; every channel is informed.
+
+        Args:
+            form: The template that gives the reason.
+        """
+        if not self._waiting:
+            return
+        view, language = self._talk.view, self._talk.language
+        requests = language.listed([*self.words])
+        for each in self._waiting:
+            self._talk.note("dropped", order=order_data(each.sense))
+        self._waiting.clear()
+        values = {"mission": spoken(view.mission), "mode": language.word("modes", view.mode), "requests": requests}
+        self._speaking.speak(language.text(form, **values), priority="question")
+
+
+def order_data(sense: Sense) -> dict[str, object]:
+    """An order as the journal has it."""
+    data = {
+        "order": sense.name, "mission": sense.mission, "arguments": dict(sense.arguments), "option": sense.option,
+        "parameters": dict(sense.parameters),
+    }  # fmt: skip
+    return {name: value for name, value in data.items() if value}
