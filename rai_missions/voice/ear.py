@@ -67,9 +67,9 @@ class SoundEar:
 class SpeechActivity:
     """How probable speech is, frame by frame, by a model that remembers the last seconds only.
 
-    Its memory is recurrent. Where noise is broken by digital silence, as by a noise gate, a muted microphone or from one
-    recording to the next, it takes the next short words for noise as well; one that has just begun does not. So there
-    are two: while no one speaks, the other begins again with the next frames, and follows.
+    Its memory is recurrent. Where noise is broken by digital silence, as by a noise gate, a muted microphone or from
+    one recording to the next, it takes the next short words for noise as well; one that has just begun does not. So
+    there are two: while no one speaks, the other begins again with the next frames, and follows.
     """
 
     def __init__(self) -> None:
