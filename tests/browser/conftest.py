@@ -20,22 +20,29 @@ PATIENCE = 30_000
 BROWSERS = ("chromium-headless-shell", "chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
 """What draws no window of its own comes first: it takes half the processor time."""
 
+Launch = Callable[..., Any]
 Open = Callable[..., Any]
 Look = Callable[..., Any]
 
 
 @pytest.fixture(scope="package")
-def browser() -> Iterator[Any]:
-    """The system's own, for this folder: no other test may run a loop while Playwright's is."""
+def launch() -> Iterator[Launch]:
+    """Starts the system's own browser with more flags; for this folder: no other test may run a loop meanwhile."""
     playwright = pytest.importorskip("playwright.sync_api", reason="no Playwright: pip install '.[browser]'")
     found = next((path for name in BROWSERS if (path := shutil.which(name))), None)
     if found is None:
         pytest.skip("no browser is here (on Debian: apt-get install chromium-headless-shell)")
     with playwright.sync_playwright() as running:
-        flags = ["--no-sandbox"] if os.geteuid() == 0 else []
-        started = running.chromium.launch(executable_path=found, args=[*flags, "--disable-dev-shm-usage"])
-        yield started
-        started.close()
+        flags = [*(["--no-sandbox"] if os.geteuid() == 0 else []), "--disable-dev-shm-usage"]
+        yield lambda *more: running.chromium.launch(executable_path=found, args=[*flags, *more])
+
+
+@pytest.fixture(scope="package")
+def browser(launch: Launch) -> Iterator[Any]:
+    """The one that most tests share."""
+    started = launch()
+    yield started
+    started.close()
 
 
 @pytest.fixture
@@ -67,6 +74,11 @@ def opened(browser: Any, tmp_path: Path) -> Iterator[Open]:
 @pytest.fixture
 def look(browser: Any) -> Iterator[Look]:
     """Opens a page's address in a window of its own; an error, a dialog or another address fails the test."""
+    yield from looking(browser)
+
+
+def looking(browser: Any) -> Iterator[Look]:
+    """What opens pages in this browser, and then judges what they did."""
     contexts: list[Any] = []
     wrong: list[str] = []
 

@@ -27,6 +27,7 @@ from visualize.live.auth import ASGI, ROLE, Allowance, Receive, Scope, Send
 from visualize.live.hub import Hub, Viewer
 from visualize.live.images import ImageStream
 from visualize.live.page_files import PageFiles
+from visualize.live.sound import SoundPages
 from visualize.live.talk import TalkDesk, TalkPages
 from visualize.page.as_json import Json
 from visualize.page.chart_data import chart_data
@@ -48,9 +49,9 @@ STALLED_S = 10.0
 MOST_CAMERAS = 32
 SCRIPTS = (
     "entry.js", "line.js", "acts.js", "announcer.js", "state.js", "follow.js", "evidence.js", "question.js", "panel.js",
-    "chat.js", "live_keys.js", "live.js",
+    "chat.js", "speak.js", "live_keys.js", "live.js",
 )  # fmt: skip
-FILES = PageFiles("live.html", SCRIPTS, ("live.css",))
+FILES = PageFiles("live.html", SCRIPTS, ("live.css",), worklet="microphone.js")
 
 
 class ReplyCallback(Protocol):
@@ -192,8 +193,14 @@ def application(
     mission: Mission, hub: Hub, desk: CommandSink | None, about: dict[str, Any], talk: TalkDesk | None = None
 ) -> ASGI:
     """What is behind the door."""
-    talks = TalkPages(talk).routes() if talk is not None else []
-    return Starlette(routes=[*Pages(mission, hub, desk, {**about, "talks": talk is not None}).routes(), *talks])
+    ear = talk.ear if talk is not None else None
+    routes = [
+        *(TalkPages(talk).routes() if talk is not None else ()),
+        *(SoundPages(ear).routes() if ear is not None else ()),
+    ]
+    deaf = ear.deaf if ear is not None else ""
+    about = {**about, "talks": talk is not None, "listens": ear is not None, "deaf": deaf}
+    return Starlette(routes=[*Pages(mission, hub, desk, about).routes(), *routes])
 
 
 def _refused(status: int, why: str) -> Response:

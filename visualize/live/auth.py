@@ -29,9 +29,9 @@ TOKEN_HEADER = b"x-mission-token"
 """A header of our own: a page of another site may not send it, and no browser adds it by itself."""
 ROLE = "rai_missions.role"
 """Where the door leaves a client's role in the scope of its request."""
-OPEN = frozenset({"/", "/live.js", "/live.css", "/favicon.ico"})
+OPEN = frozenset({"/", "/live.js", "/live.css", "/microphone.js", "/favicon.ico"})
 """What anybody on this machine may read: the page without anything of the mission."""
-MAY_ASK = frozenset({"/talk"})
+MAY_ASK = frozenset({"/talk", "/sound"})
 """Where a viewer may write: a question; what it may order there, its role decides."""
 HEADERS: Mapping[bytes, bytes] = {
     b"content-security-policy": b"default-src 'none'; script-src 'self'; style-src 'self'; connect-src 'self'; "
@@ -42,7 +42,7 @@ HEADERS: Mapping[bytes, bytes] = {
     b"referrer-policy": b"no-referrer",
     b"cross-origin-opener-policy": b"same-origin",
     b"cross-origin-resource-policy": b"same-origin",
-    b"permissions-policy": b"camera=(), microphone=(), geolocation=()",
+    b"permissions-policy": b"camera=(), microphone=(self), geolocation=()",
     b"cache-control": b"no-store",
 }
 

@@ -29,14 +29,16 @@ class PageFiles:
         html: The file of the page itself.
         scripts: What is behind the scripts shared with the review page.
         styles: What is behind the style shared with it.
+        worklet: A script that the browser runs on its thread of sound; empty: none.
     """
 
-    def __init__(self, html: str, scripts: tuple[str, ...], styles: tuple[str, ...]) -> None:
-        self._html, self._scripts, self._styles = html, scripts, styles
+    def __init__(self, html: str, scripts: tuple[str, ...], styles: tuple[str, ...], *, worklet: str = "") -> None:
+        self._html, self._scripts, self._styles, self._worklet = html, scripts, styles, worklet
 
     def routes(self) -> list[Route]:
+        worklet = [Route(f"/{self._worklet}", self._sound)] if self._worklet else []
         return [
-            Route("/", self._shell), Route("/live.js", self._script), Route("/live.css", self._style),
+            *worklet, Route("/", self._shell), Route("/live.js", self._script), Route("/live.css", self._style),
             Route("/favicon.ico", self._icon),
         ]  # fmt: skip
 
@@ -45,6 +47,9 @@ class PageFiles:
 
     async def _script(self, request: Request) -> Response:
         return Response(self._script_bytes, media_type="text/javascript")
+
+    async def _sound(self, request: Request) -> Response:
+        return Response(_own(self._worklet).encode(), media_type="text/javascript")
 
     async def _style(self, request: Request) -> Response:
         return Response(self._style_bytes, media_type="text/css")

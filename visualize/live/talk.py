@@ -15,6 +15,7 @@ from starlette.routing import Route
 
 from rai_missions.event import Role
 from visualize.live.auth import ROLE, Allowance
+from visualize.live.sound import SoundDesk
 
 __all__ = ("LARGEST_TALK", "TalkDesk", "TalkPages")
 
@@ -33,6 +34,10 @@ class TalkDesk(Protocol):
             author: A free name.
             role: That of the token.
         """
+
+    @property
+    def ear(self) -> SoundDesk | None:
+        """Who listens to the page's microphone; None: it has none."""
 
     def is_stop(self, text: str) -> bool:
         """Whether it is an order to stop, which finds its way however much is written."""

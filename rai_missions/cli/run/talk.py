@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from rai_missions.agents.talk.hri_door import HRIDoor
     from rai_missions.agents.talk.model import TalkModel
     from rai_missions.agents.talk.orders import OnOrderEnd
+    from rai_missions.agents.talk.page_ear import PageEar
     from rai_missions.agents.talk.voice_door import VoiceDoor
     from rai_missions.cli.commands.run import RunOptions
     from rai_missions.cli.progress import Lines
@@ -67,6 +68,7 @@ class TalkSession:
         self._doors: list[TalkDoor] = []
         self._hri: HRIDoor | None = None
         self._voice: VoiceDoor | None = None
+        self._ear: PageEar | None = None
         self._begins_ready = policy is not None and policy.begins == "ready"
         self._is_typed_at = self._is_watched = False
         self._is_alone = options.node is None and not options.ros_args
@@ -157,6 +159,15 @@ class TalkSession:
         """A sentence that is written on the page, whose token has a role."""
         return self.agent.receive(text, role=role, channel="page", author=author) if self.agent else "too early"
 
+    @property
+    def ear(self) -> PageEar:
+        """Who listens to the page's microphone."""
+        if self._ear is None:
+            from rai_missions.agents.talk.page_ear import PageEar
+
+            self._ear = PageEar(self._spoken, language=self._policy.language if self._policy is not None else "en")
+        return self._ear
+
     def is_stop(self, text: str) -> bool:
         """Whether it is an order to stop."""
         return self.agent is not None and self.agent.is_stop(text)
@@ -238,6 +249,8 @@ class TalkSession:
         """Listen and speak no more; closed already, nothing happens."""
         if self._voice is not None:
             self._voice.stop()
+        if self._ear is not None:
+            self._ear.stop()
 
     def _stepped(self, step: Step) -> None:
         if self.agent is not None:

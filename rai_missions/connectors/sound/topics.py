@@ -7,16 +7,15 @@ and left out.
 
 from __future__ import annotations
 
-import threading
 import time
 from collections.abc import Callable
 
 from rai_missions.connectors.connector import Close
 from rai_missions.connectors.hri.connector import FROM_HUMAN, TO_HUMAN, HRIConnector
 from rai_missions.connectors.hri.message import Audio, HRIMessage
-from rai_missions.connectors.sound.connector import FRAME_BYTES, FRAME_S, RATE_HZ, FrameLoop, SoundFrame
+from rai_missions.connectors.sound.connector import FRAME_BYTES, RATE_HZ
+from rai_missions.connectors.sound.pieces import PieceSound
 from rai_missions.connectors.sound.wav import converted
-from rai_missions.connectors.worker import Worker
 from rai_missions.errors import UsageError
 from rai_missions.redaction import logger
 
@@ -25,10 +24,9 @@ __all__ = ("TopicSound",)
 log = logger(__name__)
 SENT_FRAMES = 16
 """How much is sent at once: half a second."""
-WAITING = 4
 
 
-class TopicSound(FrameLoop):
+class TopicSound(PieceSound):
     """Sound in messages of talk.
 
     Its clock is that of the sound received: a frame that no message brought does not pass.
@@ -44,62 +42,36 @@ class TopicSound(FrameLoop):
         self, hri: HRIConnector, microphone: str = FROM_HUMAN, speaker: str = TO_HUMAN, *,
         now: Callable[[], float] = time.monotonic,
     ) -> None:  # fmt: skip
-        super().__init__()
-        self._hri, self._topics, self._now = hri, (microphone, speaker), now
-        self._lock = threading.Lock()
+        super().__init__(now=now)
+        self._hri, self._topics = hri, (microphone, speaker)
         self._close: Close | None = None
-        self._worker: Worker | None = None
-        self._held, self._out = bytearray(), bytearray()
-        self._at = 0.0
-
-    @property
-    def running(self) -> bool:
-        return self._close is not None
+        self._out = bytearray()
 
     def start(self) -> None:
         """See `SoundConnector`."""
-        with self._lock:
-            if self._close is not None:
-                return
-            self._held.clear()
-            self._out.clear()
-            self._at = max(self._at, self._now())
-            self._worker = Worker("sound of a topic", limit=WAITING, keep="newest")
-            self._close = self._hri.listen(self._topics[0], self._receive, author="human", is_whole=False)
+        if self._close is not None:
+            return
+        self._out.clear()
+        super().start()
+        self._close = self._hri.listen(self._topics[0], self._receive, author="human", is_whole=False)
 
     def stop(self) -> None:
         """See `SoundConnector`."""
-        with self._lock:
-            close, self._close = self._close, None
-            worker, self._worker = self._worker, None
+        close, self._close = self._close, None
         if close is not None:
             close()
-        if worker is not None:
-            worker.close(2.0)
+        super().stop()
 
     def _receive(self, message: HRIMessage) -> None:
-        worker = self._worker
         for audio in message.audios:
             try:
                 sound = converted(audio.samples, audio.rate_hz, audio.channels, f"a message on {self._topics[0]}")
             except UsageError as fault:
                 log.warning("%s", fault)
                 continue
-            if worker is not None:
-                worker.post(lambda sound=sound: self._pass(sound))  # type: ignore[misc]
+            self.take(sound)
 
-    def _pass(self, sound: bytes) -> None:
-        """On the worker's thread: as many frames as are whole."""
-        self._held += sound
-        while len(self._held) >= FRAME_BYTES and self._close is not None:
-            recorded = bytes(self._held[:FRAME_BYTES])
-            del self._held[:FRAME_BYTES]
-            played = self.played(self._at)
-            self._send(played)
-            self.give(SoundFrame(self._at, recorded, played))
-            self._at += FRAME_S
-
-    def _send(self, played: bytes) -> None:
+    def _passed(self, played: bytes) -> None:
         """Send what is played, half a second at a time; what is only silence is not sent."""
         is_silent = not any(played)
         if not is_silent:

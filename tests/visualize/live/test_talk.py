@@ -24,6 +24,7 @@ class Ear:
         self.received: list[tuple[str, str]] = []
         self.roles: list[str] = []
         self.why = ""
+        self.ear: Any = None
 
     def receive(self, text: str, author: str, role: str) -> str:
         self.roles.append(role)
@@ -37,8 +38,11 @@ class Ear:
 class TalkedRun(Run):
     """A run whose page takes talk."""
 
+    def make_ear(self) -> Ear:
+        return Ear()
+
     def __enter__(self) -> TalkedRun:
-        self.ear, self.viewers = Ear(), list[int]()
+        self.ear, self.viewers = self.make_ear(), list[int]()
         self.page = LivePage(PageAddress(port=0))
         watched = lambda: self.viewers.append(self.page.viewers)  # noqa: E731
         self.page.start(self.mission, self.feed, self.desk, self.about, self.ear, watched)

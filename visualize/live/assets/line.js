@@ -63,6 +63,18 @@ class Line {
     }
   }
 
+  /** A piece of sound for the run's recognisers: whether it was taken, and why not. */
+  async sound(piece, key, by, last) {
+    try {
+      const query = new URLSearchParams({ key, by, ...(last ? { last: "1" } : {}) });
+      const answer = await fetch(`/sound?${query}`, { method: "POST", headers: this.headers({ "Content-Type": "audio/l16" }), body: piece, redirect: "error", cache: "no-store", signal: AbortSignal.timeout(OPENS_MS) });
+      const { success, why } = await answer.json();
+      return { sent: success, why };
+    } catch {
+      return { sent: false, why: "the run cannot be reached; use the robot's own stop" };
+    }
+  }
+
   async run() {
     while (!this.over) {
       try {

@@ -45,6 +45,7 @@ class Live {
     this.tail = new Tail(byId("steps"), { go });
     this.chat = new Chat(this.line, { notify: (words, kind) => this.notify(words, kind), who: () => byId("acts").querySelector("#who")?.value.trim() || "" }, Boolean(this.data.talks));
     byId("tab-talk").hidden = !this.data.talks;
+    if (this.data.talks && this.data.listens) this.speak = new Speak(this.line, this.chat.listener, this.data.deaf);
     if (acts) this.acts = new Acts(byId("acts"), byId("stop"), this.line, { notify: (words, kind) => this.notify(words, kind) });
     this.strip = new StateStrip(byId("state"), this.announcer, acts ? () => this.acts.order({ command: "resume" }) : null);
     this.follower = new Follower(this.chart, byId("follow"));

