@@ -14,12 +14,12 @@ from rai_missions.worlds.desk.truth import DeskTruth
 from tests.desk.judge import is_so, true_names
 from tests.trips import Moments, Trip, profile_of
 
-__all__ = ("DESK_MISSIONS", "Arranging", "Episode", "episode")
+__all__ = ("DESK_MISSIONS", "ArrangeTrip", "Episode", "episode")
 
 DESK_MISSIONS = Path(__file__).parents[2] / "missions" / "desk"
 
 
-class Arranging(Trip):
+class ArrangeTrip(Trip):
     """One run of the mission at a desk of one's own choice.
 
     Args:
@@ -76,7 +76,7 @@ class Episode(NamedTuple):
 def episode(request: str, world: Mapping[str, Any], moments: Moments | None = None, **words: Any) -> Episode:
     """Run a request to its end, and judge it."""
     begun = time.process_time()
-    one = Arranging(world, moments, arguments={"request": request}, speed=None, **words)
+    one = ArrangeTrip(world, moments, arguments={"request": request}, speed=None, **words)
     try:
         result = one.run()
         found = judged(one)
@@ -88,7 +88,7 @@ def episode(request: str, world: Mapping[str, Any], moments: Moments | None = No
         one.prepared.close()
 
 
-def judged(one: Arranging) -> bool | None:
+def judged(one: ArrangeTrip) -> bool | None:
     """Whether what a run wanted is so by the truth; None where it never came to want anything."""
     if one.wanted is None or one.first is None or one.truth is None:
         return None

@@ -12,7 +12,7 @@ import pytest
 from tests.desk.episodes import DESK_MISSIONS
 from tests.desk.test_desk import TWO
 from tests.replay.mortal import live
-from tests.replay.shipped import AfterRow, Shipped
+from tests.replay.shipped import AfterRow, ShippedLand
 from tests.rigs.journals import rows_of
 
 pytestmark = pytest.mark.sim
@@ -32,7 +32,7 @@ class Ending(NamedTuple):
 def built(path: Path, row: int, dead_s: float) -> Ending:
     """Have a tower built by a run that dies after a row; the arm is alone for so long then."""
     arguments = {"request": "put the red cube on the blue cube"}
-    with closing(Shipped(DESK_MISSIONS, {**TWO, "camera": False}, arguments, "arrange.json")) as there:
+    with closing(ShippedLand(DESK_MISSIONS, {**TWO, "camera": False}, arguments, "arrange.json")) as there:
         is_over = live(path, there, there.mission, there.robot, there.answerers, AfterRow(row)) is not None
         held = there.world.truth().held  # type: ignore[attr-defined]
         for _ in range(0 if is_over else round(dead_s / there.period_s)):

@@ -58,7 +58,7 @@ class Log(logging.Handler):
         self.text.append(self.format(record))
 
 
-class Misnumbered:
+class MisnumberingAnswerer:
     """Passes questions on, and answers others next to: ones that were asked, will be asked, and never are."""
 
     def __init__(self, agent: DecisionAgent, random: Random) -> None:
@@ -140,7 +140,7 @@ def _run(seed: str, random: Random, folder: Path, steps: list[Step], mission: Mi
     assert box is not None
     identity = Identity(f"You are a yard vehicle. {random.choice(COMMANDS)}")
     agent = DecisionAgent(model, identity, box.read_only)
-    who = Misnumbered(agent, random)
+    who = MisnumberingAnswerer(agent, random)
     began = time.monotonic()
     with Journal.create(folder / "run.journal", Header(dump(mission), WRITTEN, {})) as journal:
         runner = who.runner = Runner(

@@ -26,7 +26,7 @@ from rai_missions.runtime.clock import Steppable
 from rai_missions.runtime.runner import Runner
 from tests.strategies import SIGHTS
 
-__all__ = ("ANY_ROBOT", "AnyAnswers", "Field", "Postponing", "quick_folder", "quick_tempers")
+__all__ = ("ANY_ROBOT", "AnyAnswers", "Field", "PostponingWorld", "quick_folder", "quick_tempers")
 
 TRIGGER = "std_srvs/srv/Trigger"
 ANY_ROBOT = Robot.model_validate({
@@ -61,7 +61,7 @@ def quick_folder() -> Iterator[Path]:
         yield Path(folder)
 
 
-class Postponing:
+class PostponingWorld:
     """A world whose steps bring what was put off, when its time has come.
 
     Args:

@@ -28,7 +28,7 @@ from rai_missions.runtime.goals import Goals
 from rai_missions.runtime.mailbox import Mailbox
 from rai_missions.runtime.runner import Runner
 from rai_missions.testing import ChaosConnector, Rates
-from tests.drills.surroundings import ANY_ROBOT, AnyAnswers, Field, Postponing, quick_folder, quick_tempers
+from tests.drills.surroundings import ANY_ROBOT, AnyAnswers, Field, PostponingWorld, quick_folder, quick_tempers
 from tests.drills.yard import Yard, yard_mission, yard_robot
 from tests.rigs.journals import steps_of
 from tests.rigs.runs import Rig, robot
@@ -65,7 +65,7 @@ def in_a_field(mission: Mission, seed: int, incoming: Rates, outgoing: Rates, fo
     local.start()
     field = Field(local, seed, ENDS_S)
     at.append(field)
-    world = Postponing(field)
+    world = PostponingWorld(field)
     chaos = ChaosConnector(local, seed, incoming=incoming, outgoing=outgoing, later=world.later)
     path = folder / "run.journal"
     with Journal.create(path, Header(dump(mission), dump_profile(ANY_ROBOT), {})) as journal:
@@ -118,7 +118,7 @@ def in_the_yard(seed: int, incoming: Rates, outgoing: Rates, folder: Path, count
     yard = Yard(local, seed, lies=0.2, apart_m=1.5)
     at.append(yard)
     yard.open()
-    world = Postponing(yard)
+    world = PostponingWorld(yard)
     chaos = ChaosConnector(local, seed, incoming=incoming, outgoing=outgoing, later=world.later)
     path = folder / f"{seed}.journal"
     mission = yard_mission()
@@ -182,7 +182,7 @@ def with_the_tractor(seed: int, incoming: Rates, outgoing: Rates) -> list[str]:
     world: Any = open_world("orchard", seed=seed, alleys=1, obstacles=obstacles)
     local = LocalConnector(now=lambda: world.at)
     world.open(local)
-    slow = Postponing(world)
+    slow = PostponingWorld(world)
     chaos = ChaosConnector(local, seed, incoming=incoming, outgoing=outgoing, later=slow.later)
     setting = RunConfig(
         TRACTOR / "mission.json", Robot.model_validate(profile), arguments={"alleys": 1}, connector=chaos,

@@ -104,7 +104,7 @@ class Yard:
     def open(self) -> None:
         connector = self._connector
         for name in ("drive", "cross"):
-            connector.offer(f"/yard/{name}", ACTION, Served(self, name))
+            connector.offer(f"/yard/{name}", ACTION, YardAction(self, name))
         connector.serve("/yard/horn", TRIGGER, lambda _: self._horn())
         connector.serve("/yard/detour", TRIGGER, lambda _: self._detour())
 
@@ -181,7 +181,7 @@ class Yard:
             })  # fmt: skip
 
 
-class Served:
+class YardAction:
     """One action of the yard."""
 
     def __init__(self, yard: Yard, name: str) -> None:

@@ -23,7 +23,7 @@ from rai_missions.gate.state import (
 )
 from rai_missions.runtime.lifecycle import HOLDERS
 
-__all__ = ("Lived", "happenings", "live", "terms")
+__all__ = ("GateMoment", "happenings", "live", "terms")
 
 WHO = st.sampled_from(COMMANDERS)
 INSTANTS = st.integers(0, 40).map(lambda tenths: tenths / 10)
@@ -58,7 +58,7 @@ def _one(at: float) -> st.SearchStrategy[GateEvent]:
 happenings = st.lists(INSTANTS, max_size=40).flatmap(lambda ats: st.tuples(*(_one(at) for at in sorted(ats))))
 
 
-class Lived(NamedTuple):
+class GateMoment(NamedTuple):
     """One moment of a gate: before, what happened, after, and what was done."""
 
     before: Gate
@@ -67,11 +67,11 @@ class Lived(NamedTuple):
     done: tuple[Deed, ...]
 
 
-def live(given: GateRules, happened: Sequence[GateEvent]) -> list[Lived]:
+def live(given: GateRules, happened: Sequence[GateEvent]) -> list[GateMoment]:
     """A gate's whole life."""
     gate, lived = Gate(holder=given.safe), []
     for each in happened:
         after, done = step(given, gate, each)
-        lived.append(Lived(gate, each, after, done))
+        lived.append(GateMoment(gate, each, after, done))
         gate = after
     return lived

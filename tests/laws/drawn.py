@@ -17,7 +17,7 @@ from rai_missions.model import AnyOf
 from tests.rigs.charts import Drawn
 from tests.strategies import SIGHTS
 
-__all__ = ("EVENTS", "GRID_S", "KEYS", "Happening", "document", "happenings", "is_far", "terms")
+__all__ = ("EVENTS", "GRID_S", "KEYS", "DrawnEvent", "document", "happenings", "is_far", "terms")
 
 Json = dict[str, Any]
 GRID_S = 0.25
@@ -348,7 +348,7 @@ def terms(rng: random.Random) -> RobotFacts:
     return RobotFacts(uses, keep, {"composed": succeeded}, {"composed": failed})
 
 
-class Happening(NamedTuple):
+class DrawnEvent(NamedTuple):
     """One thing that happens, and when."""
 
     drawn: Drawn
@@ -366,7 +366,7 @@ def _values(rng: random.Random) -> tuple[str, Any]:
     return key, made.get(key, rng.randint(0, 3))
 
 
-def happenings(rng: random.Random, *, commands: bool = True) -> list[Happening]:
+def happenings(rng: random.Random, *, commands: bool = True) -> list[DrawnEvent]:
     """What happens, in order of time."""
     script, at, mostly_facts = [], 0.0, rng.random() < 0.5
     for _ in range(rng.randint(1, 14)):
@@ -388,5 +388,5 @@ def happenings(rng: random.Random, *, commands: bool = True) -> list[Happening]:
             words = (rng.choice(["autonomy", "agent", "operator"]),)
         elif kind == "command":
             words = (rng.choice(["pause", "pause", "stop", "resume", "resume", "resume", "cancel"]),)
-        script.append(Happening((kind, *words), at))
+        script.append(DrawnEvent((kind, *words), at))
     return script

@@ -24,7 +24,7 @@ from rai_missions.engine.surroundings import Surroundings
 from rai_missions.engine.trees import CompiledTrees
 from rai_missions.event import Event, Tick
 from rai_missions.mission.mission import Mission
-from tests.laws.drawn import GRID_S, Happening, document, happenings, is_far, terms
+from tests.laws.drawn import GRID_S, DrawnEvent, document, happenings, is_far, terms
 from tests.rigs.charts import ScriptedRobot, chart, sent, ticked, transition
 
 Json = dict[str, Any]
@@ -89,7 +89,7 @@ def play(
     made, script, robot = document(rng), happenings(rng), terms(rng)
     one, answers, seen = started(made, robot, kind), ScriptedRobot("agent"), list[Any]()
     answers.follow(one.start(0.0))
-    for happening in [*script, Happening(("tick",), script[-1].at + AFTER_S)]:
+    for happening in [*script, DrawnEvent(("tick",), script[-1].at + AFTER_S)]:
         while ticks and one.at + GRID_S < happening.at:
             answers.follow(one.send(Tick(one.at + GRID_S)))
         event = events[len(seen)] if events is not None else answers.event(*happening)

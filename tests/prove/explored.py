@@ -33,7 +33,7 @@ Seen = tuple[frozenset[str], str | None, str]
 """The active states, none once it has ended, the outcome, and the mode."""
 
 
-class Seeing(Space):
+class RecordingSpace(Space):
     """A space that remembers the active states of each of its states."""
 
     def __init__(self, chart: Environment, most: int, work: float = WORK, *, by_parts: bool = True) -> None:
@@ -76,8 +76,8 @@ class Everything(NamedTuple):
         return self.later
 
 
-def explored(mission: Mission, most: int, kind: type[Environment] = Environment) -> Seeing:
-    space = Seeing(kind(mission), most)
+def explored(mission: Mission, most: int, kind: type[Environment] = Environment) -> RecordingSpace:
+    space = RecordingSpace(kind(mission), most)
     space.explore()
     return space
 

@@ -23,7 +23,7 @@ from rai_missions.prove.environment import Environment
 from rai_missions.prove.input_env import InputEnvironment
 from rai_missions.prove.state_key import Place
 from rai_missions.replay.replay import replay
-from tests.prove.explored import HANDS, Seeing, seen
+from tests.prove.explored import HANDS, RecordingSpace, seen
 from tests.prove.test_laws import hold_against_forgetless, hold_against_patient
 from tests.prove.test_sights import hold_alike, lengths
 from tests.rigs.charts import ScriptedRobot
@@ -124,8 +124,8 @@ def answered(draw: st.DrawFn) -> Json:
     return document
 
 
-def space_of(environment: Environment) -> Seeing:
-    space = Seeing(environment, MOST, work=200)
+def space_of(environment: Environment) -> RecordingSpace:
+    space = RecordingSpace(environment, MOST, work=200)
     space.explore()
     return space
 
@@ -228,7 +228,7 @@ def test_a_refutation_by_an_answer_brings_all_that_is_asked_for_and_is_done_agai
     assert replay(tmp_path / "run.journal").holds
 
 
-class Keeping(Seeing):
+class Keeping(RecordingSpace):
     """A space that remembers which answers wait for a hand-back in its states."""
 
     kept = frozenset[int]()

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from rai_missions.mission.mission import Mission
 from rai_missions.prove.environment import Environment
-from tests.prove.explored import WORK, Forgetless, Seeing, explored, facts, scripts, walked
+from tests.prove.explored import WORK, Forgetless, RecordingSpace, explored, facts, scripts, walked
 from tests.strategies import mission_documents
 
 Json = dict[str, Any]
@@ -142,7 +142,7 @@ def test_a_step_is_the_same_from_every_list_that_it_does_not_look_into() -> None
 def hold_against_patient(document: Json, most: int, work: float = WORK) -> None:
     """Whatever the mission's own keys are: each step is made, none is taken from a state that differs in them alone."""
     mission = Mission.model_validate(document)
-    quick, patient = (Seeing(Environment(mission), most, work, by_parts=False) for _ in range(2))
+    quick, patient = (RecordingSpace(Environment(mission), most, work, by_parts=False) for _ in range(2))
     patient.environment.world.own_fade = True  # then nothing is remembered of other states
     for space in (quick, patient):
         space.explore()
@@ -151,7 +151,7 @@ def hold_against_patient(document: Json, most: int, work: float = WORK) -> None:
     hold_alike(quick, patient)
 
 
-def hold_alike(one: Seeing, other: Seeing) -> None:
+def hold_alike(one: RecordingSpace, other: RecordingSpace) -> None:
     """The same states in the same order, the same steps between them, and the same learned of them."""
     for what in ("states", "sets", "waiting", "ends", "flaws", "taken", "entered", "steps", "seen"):
         assert getattr(one, what) == getattr(other, what), what

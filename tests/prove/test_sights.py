@@ -19,7 +19,7 @@ from rai_missions.prove.environment import Environment
 from rai_missions.prove.open_sight import OpenSight, Sights
 from rai_missions.prove.representatives import Values
 from tests.engine.test_goals import ASKED_FOR, FEASIBLE, KEYS, REACHED
-from tests.prove.explored import Seeing
+from tests.prove.explored import RecordingSpace
 from tests.prove.test_goals import moving
 from tests.prove.test_laws import hold_against_forgetless, hold_against_patient
 
@@ -105,17 +105,17 @@ def sighted(draw: st.DrawFn) -> Json:
     }  # fmt: skip
 
 
-def space_of(mission: Mission, kind: type[Environment] = Environment) -> Seeing:
-    space = Seeing(kind(mission), MOST, work=1000)
+def space_of(mission: Mission, kind: type[Environment] = Environment) -> RecordingSpace:
+    space = RecordingSpace(kind(mission), MOST, work=1000)
     space.explore()
     return space
 
 
-def lengths(space: Seeing) -> dict[str, int]:
+def lengths(space: RecordingSpace) -> dict[str, int]:
     return {name: len(space.path(flaw.state)) for name, flaw in space.flaws.items()}
 
 
-def hold_alike(few: Seeing, every: Seeing) -> None:
+def hold_alike(few: RecordingSpace, every: RecordingSpace) -> None:
     """They find the same."""
     assume(few.is_whole and every.is_whole)
     for what in ("seen", "taken", "entered", "in_pause"):

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from rai_missions.mission.mission import Mission
 from rai_missions.prove import step_circles
 from rai_missions.prove.environment import Environment
-from tests.prove.explored import WORK, Seeing
+from tests.prove.explored import WORK, RecordingSpace
 from tests.prove.test_laws import hold_alike, lenient
 from tests.strategies import mission_documents
 
@@ -45,9 +45,9 @@ def counting(most: int, again: list[str], do: list[Json] | None = None, **guard:
     }  # fmt: skip
 
 
-def space_of(document: Json, most: int = MOST, work: float = 1_000) -> Seeing:
+def space_of(document: Json, most: int = MOST, work: float = 1_000) -> RecordingSpace:
     mission = Mission.model_validate(document)
-    space = Seeing(Environment(mission), most, work, by_parts=False)
+    space = RecordingSpace(Environment(mission), most, work, by_parts=False)
     space.explore()
     return space
 

@@ -15,7 +15,7 @@ from rai_missions.profile import Robot
 from rai_missions.testing import ChatteringAnswerer, LateAnswerer
 from tests.recorded.small import Run
 from tests.replay.mortal import live
-from tests.replay.shipped import AfterRow, Shipped
+from tests.replay.shipped import AfterRow, ShippedLand
 from tests.rosbot.conftest import ROSBOT, Patrol
 from tests.tractor.conftest import TRACTOR, Drive
 from tests.trips import Moments, Trip
@@ -118,10 +118,10 @@ def late(path: Path) -> None:
 def resumed(name: str) -> Iterator[Run]:
     """Killed after a row and resumed, in the world that lives on or in one that starts again."""
 
-    def there() -> Shipped:
+    def there() -> ShippedLand:
         if name == "tractor":
-            return Shipped(TRACTOR, FREE, {"alleys": 1})
-        return Shipped(ROSBOT, {"camera": False}, NEAR)
+            return ShippedLand(TRACTOR, FREE, {"alleys": 1})
+        return ShippedLand(ROSBOT, {"camera": False}, NEAR)
 
     def lived(*rows: int, **words: float) -> Callable[[Path], object]:
         def record(path: Path) -> None:

@@ -12,7 +12,7 @@ from mcap.reader import make_reader
 
 from rai_missions.mission.mission import Mission
 
-__all__ = ("LAMP", "Kept", "kept")
+__all__ = ("LAMP", "ReadRecording", "kept")
 
 LAMP = Mission.model_validate(
     {
@@ -39,7 +39,7 @@ LAMP = Mission.model_validate(
 """A mission that continues as long as its battery does."""
 
 
-class Kept(NamedTuple):
+class ReadRecording(NamedTuple):
     """A recording that has been read."""
 
     messages: dict[str, list[Any]]
@@ -52,7 +52,7 @@ class Kept(NamedTuple):
     """Topic → log time and publish time of each."""
 
 
-def kept(path: Path) -> Kept:
+def kept(path: Path) -> ReadRecording:
     messages, schemas, times = defaultdict(list), defaultdict(list), defaultdict(list)
     with path.open("rb") as file:
         reader = make_reader(file, validate_crcs=True)
@@ -64,4 +64,4 @@ def kept(path: Path) -> Kept:
             schemas[channel.topic].append((schema.name, schema.encoding, schema.data.decode()))
         metadata = {each.name: each.metadata for each in reader.iter_metadata()}
         attachments = {each.name: each.data for each in reader.iter_attachments()}
-    return Kept(dict(messages), dict(schemas), metadata, attachments, dict(times))
+    return ReadRecording(dict(messages), dict(schemas), metadata, attachments, dict(times))

@@ -20,7 +20,7 @@ from rai_missions.recording import RecordedConnector, Recording, journal_of
 from rai_missions.recording.schemas import described
 from rai_missions.replay.replay import replay
 from rai_missions.runtime.clock import SimulatedClock
-from tests.recording.kept import LAMP, Kept, kept
+from tests.recording.kept import LAMP, ReadRecording, kept
 
 pytest.importorskip("mcap")
 
@@ -78,7 +78,7 @@ SCRIPT: dict[float, tuple[str, Any]] = {
 
 
 @pytest.fixture(scope="module")
-def run(tmp_path_factory: pytest.TempPathFactory) -> Kept:
+def run(tmp_path_factory: pytest.TempPathFactory) -> ReadRecording:
     path = tmp_path_factory.mktemp("run") / "run.mcap"
     stages: list[Stage] = []
     connector = LocalConnector(now=lambda: stages[0].at)
@@ -94,7 +94,7 @@ def run(tmp_path_factory: pytest.TempPathFactory) -> Kept:
     return kept(path)
 
 
-def test_every_message_in_json_is_what_its_schema_reports(run: Kept) -> None:
+def test_every_message_in_json_is_what_its_schema_reports(run: ReadRecording) -> None:
     for topic, schemas in run.schemas.items():
         for (name, encoding, text), message in zip(schemas, run.messages[topic], strict=True):
             assert encoding == "jsonschema" and json.loads(text)["title"] == name
@@ -118,7 +118,7 @@ def foxglove_reads(schema: dict[str, Any], place: str) -> None:
             assert field.get("contentEncoding") in (None, "base64")
 
 
-def test_every_schema_is_one_that_foxglove_reads(run: Kept) -> None:
+def test_every_schema_is_one_that_foxglove_reads(run: ReadRecording) -> None:
     for topic, schemas in run.schemas.items():
         for _, _, text in schemas:
             foxglove_reads(json.loads(text), topic)
@@ -135,7 +135,7 @@ def test_a_schema_by_example_is_one_that_foxglove_reads_and_the_example_fits(sam
     Draft202012Validator(schema).validate(sample)
 
 
-def test_foxgloves_own_schemas_have_the_fields_that_it_publishes(run: Kept) -> None:
+def test_foxgloves_own_schemas_have_the_fields_that_it_publishes(run: ReadRecording) -> None:
     every = [each for schemas in run.schemas.values() for each in schemas]
     found = {name: json.loads(text) for name, _, text in every if name in PUBLISHED}
     assert found.keys() == PUBLISHED.keys()
@@ -152,7 +152,7 @@ def test_foxgloves_own_schemas_have_the_fields_that_it_publishes(run: Kept) -> N
     ]  # fmt: skip
 
 
-def test_a_picture_is_one_that_foxglove_shows(run: Kept) -> None:
+def test_a_picture_is_one_that_foxglove_shows(run: ReadRecording) -> None:
     raw, compressed = sorted(run.messages["/camera"], key=lambda each: "format" in each)
     assert base64.b64decode(raw.pop("data")) == PIXELS
     assert {**raw, "timestamp": 0} == {
@@ -161,13 +161,13 @@ def test_a_picture_is_one_that_foxglove_shows(run: Kept) -> None:
     assert base64.b64decode(compressed["data"]) == PNG and compressed["format"] == "png"
 
 
-def test_what_the_robot_reports_is_there_as_it_was_received(run: Kept) -> None:
+def test_what_the_robot_reports_is_there_as_it_was_received(run: ReadRecording) -> None:
     assert [each["percentage"] for each in run.messages["/battery"]] == [0.9, 0.4, 0.1]
     assert run.schemas["/battery"][0][0] == "sensor_msgs/msg/BatteryState"
     assert run.messages["/speech"] == [{"data": '{"kind": "log"}'}]
 
 
-def test_the_steps_state_what_was_left_entered_and_why(run: Kept) -> None:
+def test_the_steps_state_what_was_left_entered_and_why(run: ReadRecording) -> None:
     steps = [step for step in run.messages["/rai_missions/steps"] if step["entered"]]
     moves = [(step["exited"], step["entered"], step["outcome"]) for step in steps]
     assert moves == [([], ["on"], ""), (["on"], ["dim"], ""), (["dim"], ["off"], "aborted")]
@@ -177,12 +177,12 @@ def test_the_steps_state_what_was_left_entered_and_why(run: Kept) -> None:
     assert {"place": "/states/on/transitions/1", "value": "true"} in dim["guards"]
 
 
-def test_the_status_has_one_text_for_the_state(run: Kept) -> None:
+def test_the_status_has_one_text_for_the_state(run: ReadRecording) -> None:
     assert [each["state"] for each in run.messages["/rai_missions/status"]][-3:] == ["on", "dim", "off"]
     assert run.messages["/rai_missions/status"][-1]["mode"] == "aborted"
 
 
-def test_the_blackboard_has_a_number_where_it_can_be_plotted(run: Kept) -> None:
+def test_the_blackboard_has_a_number_where_it_can_be_plotted(run: ReadRecording) -> None:
     writes = run.messages["/rai_missions/blackboard"]
     assert [(each["at"], each["number"]) for each in writes if each["key"] == "battery"] == [
         (0.5, 0.9),
@@ -194,20 +194,20 @@ def test_the_blackboard_has_a_number_where_it_can_be_plotted(run: Kept) -> None:
     assert all("number" not in each for each in writes if each["key"] in ("speech", "camera"))
 
 
-def test_the_log_has_a_line_a_step_with_its_end_as_an_error(run: Kept) -> None:
+def test_the_log_has_a_line_a_step_with_its_end_as_an_error(run: ReadRecording) -> None:
     lines = run.messages["/rai_missions/log"]
     assert len(lines) == len(run.messages["/rai_missions/steps"])
     assert lines[-1]["message"] == "3.00 s  battery · dim → off · aborted: 'off' was reached"
     assert (lines[-1]["level"], lines[0]["level"], lines[-1]["file"]) == (4, 2, "lamp")
 
 
-def test_a_message_has_the_time_of_day_and_the_time_of_the_run(run: Kept) -> None:
+def test_a_message_has_the_time_of_day_and_the_time_of_the_run(run: ReadRecording) -> None:
     began = int(run.metadata["rai_missions"]["began_ns"])
     assert [(published - began) / 1e9 for _, published in run.times["/battery"]] == [0.5, 2.5, 3.0]
     assert all(0 <= logged - began < 30e9 for logged, _ in run.times["/battery"])
 
 
-def test_the_metadata_reports_which_run_it_was(run: Kept) -> None:
+def test_the_metadata_reports_which_run_it_was(run: ReadRecording) -> None:
     words = run.metadata["rai_missions"]
     assert (words["mission"], words["robot"], words["format"]) == ("lamp", "a lamp", "1")
     assert "python" in json.loads(words["versions"]) and len(words["run"]) == 12

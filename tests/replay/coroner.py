@@ -20,7 +20,7 @@ from rai_missions.runtime.runner import Runner
 from tests.replay.farm import Farm
 from tests.replay.mortal import Coroner, Fate, Land
 
-__all__ = ("INSTANTS", "Inquest", "Latching", "Steady", "Thinking")
+__all__ = ("INSTANTS", "Inquest", "LatchingConnector", "SlowAnswerer", "Steady")
 
 CARRIED_OUT = ("send_goal", "call", "publish", "ask")
 INSTANTS = (
@@ -30,7 +30,7 @@ INSTANTS = (
 )  # fmt: skip
 
 
-class Latching(LocalConnector):
+class LatchingConnector(LocalConnector):
     """Reports anyone who begins to listen what was reported last, as of now: it is still so."""
 
     def __init__(self, now: Callable[[], float]) -> None:
@@ -55,10 +55,10 @@ class Steady(Farm):
     """
 
     keeps_time = True
-    connector_type: type[LocalConnector] = Latching
+    connector_type: type[LocalConnector] = LatchingConnector
 
 
-class Thinking:
+class SlowAnswerer:
     """Answers every question with the same option, so long after it was first asked.
 
     Args:
@@ -98,7 +98,7 @@ class Inquest(Coroner):
         answerers: Who is asked.
     """
 
-    def __init__(self, mission: Mission, land: Land, answerers: Mapping[str, Thinking]) -> None:
+    def __init__(self, mission: Mission, land: Land, answerers: Mapping[str, SlowAnswerer]) -> None:
         self._land, self._answerers = land, answerers
         words = {name: state.word for _, name, state in mission.walk()}
         self._trees = {name for name, word in words.items() if word == "tree"}

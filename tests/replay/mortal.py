@@ -133,7 +133,7 @@ class Coroner:
         """A process has died."""
 
 
-class Noted:
+class NotedJournal:
     """A journal of whose steps a coroner receives."""
 
     def __init__(self, journal: Journal, on_message: Callable[[], None]) -> None:
@@ -309,7 +309,7 @@ def live(
         runner = land.runner = Runner(
             mission, robot=robot, connector=connector, clock=MortalClock(clock, fate),
             answerers={name: Mortal(each, fate) for name, each in answerers.items()},
-            journal=Mortal(Noted(journal, lambda: coroner.wrote(runner)), fate), observer=RunObserver(land.look),
+            journal=Mortal(NotedJournal(journal, lambda: coroner.wrote(runner)), fate), observer=RunObserver(land.look),
             begin=taken.resumption if taken is not None else NewRun(named=named, run="run"),
         )  # fmt: skip
         fate.mourn = lambda: coroner.died(runner, fate)

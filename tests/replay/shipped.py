@@ -20,7 +20,7 @@ from tests.replay.mortal import Fate, Land, live
 from tests.rigs.journals import assert_whole, steps_of
 from tests.trips import profile_of
 
-__all__ = ("AfterRow", "Outing", "Shipped")
+__all__ = ("AfterRow", "KilledRun", "ShippedLand")
 
 ROWS = ("write", "confirm", "note")
 
@@ -41,7 +41,7 @@ class AfterRow(Fate):
         return self._rows == 0 and what in ROWS
 
 
-class Outing(NamedTuple):
+class KilledRun(NamedTuple):
     """How a run ended that was killed."""
 
     outcome: str | None
@@ -61,7 +61,7 @@ class Late(LocalConnector):
         )
 
 
-class Shipped(Land):
+class ShippedLand(Land):
     """The world of a shipped mission; what runs in it may die.
 
     Args:
@@ -99,7 +99,7 @@ class Shipped(Land):
     def look(self, step: Step) -> None:
         """Shipped missions end by themselves."""
 
-    def drive(self, path: Path, fates: list[Fate], dead_s: float = 0.0, deaf_s: float = 0.0) -> Outing:
+    def drive(self, path: Path, fates: list[Fate], dead_s: float = 0.0, deaf_s: float = 0.0) -> KilledRun:
         """Die as often as there are fates, then live to the end.
 
         Args:
@@ -121,13 +121,13 @@ class Shipped(Land):
         self.world.close()
 
 
-def ended(path: Path) -> Outing:
+def ended(path: Path) -> KilledRun:
     """How a run ended, as its journal has it."""
     again = assert_whole(path)
     doubts = (
         move.trigger in ("uncertain", "orphaned") and move.taken for step in steps_of(path) for move in step.moves
     )
-    return Outing(again.outcome, again.why, any(doubts))
+    return KilledRun(again.outcome, again.why, any(doubts))
 
 
 def given(mission: Mission, arguments: Mapping[str, Any]) -> Mission:

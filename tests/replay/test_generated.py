@@ -18,7 +18,7 @@ from hypothesis import strategies as st
 from rai_missions.journal import buffer
 from rai_missions.mission.mission import Mission
 from tests.replay.coroner import INSTANTS
-from tests.replay.trial import Received, part_within_an_instant, tried, worth_a_trial
+from tests.replay.trial import ReceivedEvent, part_within_an_instant, tried, worth_a_trial
 from tests.strategies import missions
 
 KILLS = 10_000
@@ -77,8 +77,8 @@ def test_ten_thousand_kills_at_instants_of_every_kind(
     assert compared["two things at one instant"] <= runs / 50
 
 
-A, B, C = (Received(2.0, "event", name, 0, "[]") for name in "abc")
-LATER = Received(3.0, "event", "a", 0, "[]")
+A, B, C = (ReceivedEvent(2.0, "event", name, 0, "[]") for name in "abc")
+LATER = ReceivedEvent(3.0, "event", "a", 0, "[]")
 
 
 @pytest.mark.parametrize(
@@ -95,7 +95,7 @@ LATER = Received(3.0, "event", "a", 0, "[]")
     ],
 )
 def test_runs_that_part_within_an_instant_are_those_that_took_its_things_in_another_order(
-    whole: list[Received], run: list[Received], is_so: bool
+    whole: list[ReceivedEvent], run: list[ReceivedEvent], is_so: bool
 ) -> None:
     assert part_within_an_instant(whole, run) is is_so
     assert part_within_an_instant(run, whole) is is_so

@@ -27,7 +27,7 @@ from rai_missions.replay.migrate import Map, migrate
 from rai_missions.replay.replay import replay
 from tests.replay.mortal import Fate, live
 from tests.replay.test_kills import has_ended, holds
-from tests.replay.trial import ROBOT, Watched, Yard, fates, thinkers, worth_a_trial
+from tests.replay.trial import ROBOT, WatchedFate, Yard, fates, thinkers, worth_a_trial
 from tests.rigs.journals import steps_of
 from tests.strategies import missions
 
@@ -61,7 +61,7 @@ def second_robot() -> Robot:
 def gone_over(folder: Path, mission: Mission, seed: int) -> str:
     """Kill a run, have it continue in the renamed mission, and compare its end with that of the run left alone."""
     whole = Yard(mission, seed, keeps_time=True)
-    watched = Watched(whole)
+    watched = WatchedFate(whole)
     result = live(folder / "whole.journal", whole, mission, ROBOT, thinkers(seed, whole), watched)
     assert result is not None
     yard, path, new = Yard(mission, seed, keeps_time=True), folder / "run.journal", folder / "new.journal"

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 
 import pytest
 
-from tests.replay.shipped import AfterRow, Outing, Shipped
+from tests.replay.shipped import AfterRow, KilledRun, ShippedLand
 from tests.rigs.journals import rows_of
 
 pytestmark = pytest.mark.sim
@@ -41,16 +41,16 @@ JOBS = {
 }
 
 
-def driven(job: Job, path: Path, row: int | None, dead_s: float = 0.0) -> Outing:
+def driven(job: Job, path: Path, row: int | None, dead_s: float = 0.0) -> KilledRun:
     """Do a job, killed once or not at all."""
-    there = Shipped(MISSIONS / job.folder, job.options, job.arguments)
+    there = ShippedLand(MISSIONS / job.folder, job.options, job.arguments)
     try:
         return there.drive(path, [] if row is None else [AfterRow(row)], dead_s, DEAF_S)
     finally:
         there.close()
 
 
-def is_as_without(job: Job, outing: Outing) -> bool:
+def is_as_without(job: Job, outing: KilledRun) -> bool:
     return (outing.outcome, outing.why) == ("succeeded", job.why)
 
 

@@ -26,7 +26,7 @@ from rai_missions.mission.mission import Mission
 from rai_missions.profile import Robot
 from rai_missions.replay.open_run import OpenedRun
 from rai_missions.runtime.runner import Runner
-from tests.replay.coroner import Latching
+from tests.replay.coroner import LatchingConnector
 from tests.replay.mortal import ONLOOKER, Coroner, Fate, live
 from tests.replay.test_generated import trials
 from tests.replay.test_kills import has_ended, holds
@@ -97,7 +97,7 @@ class Meadow(Yard):
                 self.step()
 
 
-class Forgetful(Latching):
+class Forgetful(LatchingConnector):
     """Does not report everything that was reported last."""
 
     def forget(self, topic: str) -> None:

@@ -18,14 +18,14 @@ from rai_missions.event import Event
 from rai_missions.journal import read
 from rai_missions.journal.in_flight import underway
 from rai_missions.mission.mission import Mission
-from tests.replay.coroner import Inquest, Steady, Thinking, steps_of
+from tests.replay.coroner import Inquest, SlowAnswerer, Steady, steps_of
 from tests.replay.farm import ACTIONS, FARMER, Farm
 from tests.replay.mortal import ONLOOKER, Fate, Wish, live
 from tests.replay.test_kills import Ended, has_ended, holds
 from tests.replay.test_kinds import is_mode
 from tests.strategies import EVENTS, mission_documents
 
-__all__ = ("ENDS_AT_S", "Found", "Received", "part_within_an_instant", "tried", "worth_a_trial")
+__all__ = ("ENDS_AT_S", "ReceivedEvent", "TrialResult", "part_within_an_instant", "tried", "worth_a_trial")
 
 ENDS_AT_S = 20.0
 MOST_AT_ONCE = 60
@@ -40,7 +40,7 @@ ROBOT = FARMER.model_copy(update={
 """Without what generated missions have no keys for: each message of it would be a row."""
 
 
-class Found(NamedTuple):
+class TrialResult(NamedTuple):
     """What a trial came to."""
 
     deaths: int
@@ -107,16 +107,16 @@ class Yard(Steady):
         self.inquest.look(runner, step)
 
 
-def thinkers(seed: int, yard: Yard) -> dict[str, Thinking]:
+def thinkers(seed: int, yard: Yard) -> dict[str, SlowAnswerer]:
     chance = random.Random(seed)
     names = ("drive_over", "replan", "wait", "give_up", "nonsense")
     return {
-        who: Thinking(chance.choice(names), yard, 0.0 if who == "rules" else chance.choice([0.0, 1.0, 3.0]))
+        who: SlowAnswerer(chance.choice(names), yard, 0.0 if who == "rules" else chance.choice([0.0, 1.0, 3.0]))
         for who in ("agent", "operator", "rules") if chance.random() < 0.8
     }  # fmt: skip
 
 
-class Watched(Fate):
+class WatchedFate(Fate):
     """Never dies, and knows at which instants it could have."""
 
     def __init__(self, yard: Yard) -> None:
@@ -155,13 +155,13 @@ def fates(chance: random.Random, chances: Mapping[str, list[tuple[int, bool]]], 
         began = at
 
 
-def tried(folder: Path, mission: Mission, seed: int) -> Found:
+def tried(folder: Path, mission: Mission, seed: int) -> TrialResult:
     """Run a mission to its end, and again with deaths; raises AssertionError where the second is not as it must be."""
     chance = random.Random(seed)
     keeps_time = chance.random() < 0.6
     whole, path = Yard(mission, seed, keeps_time=keeps_time), folder / "whole.journal"
     who = thinkers(seed, whole)
-    watched = Watched(whole)
+    watched = WatchedFate(whole)
     result = live(path, whole, mission, ROBOT, who, watched)
     assert result is not None
     holds(path, whole, mission)
@@ -189,10 +189,10 @@ def tried(folder: Path, mission: Mission, seed: int) -> Found:
     else:
         assert ended == undisturbed, "the run ends as it would have without a death"
         compared = "same"
-    return Found(inquest.deaths, inquest.kills, compared)
+    return TrialResult(inquest.deaths, inquest.kills, compared)
 
 
-class Received(NamedTuple):
+class ReceivedEvent(NamedTuple):
     """One thing that a run received."""
 
     at: float
@@ -202,17 +202,17 @@ class Received(NamedTuple):
     data: str
 
 
-def received(path: Path) -> list[Received]:
+def received(path: Path) -> list[ReceivedEvent]:
     """What a run received, in order: neither what its own process added nor that time passed."""
     with read(path) as record:
         events = [step.event for step in steps_of(list(record.rows()))]
     return [
-        Received(each.at, each.kind, each.name, each.number, repr(sorted(each.data.items())))
+        ReceivedEvent(each.at, each.kind, each.name, each.number, repr(sorted(each.data.items())))
         for each in events if each.kind not in ("tick", "control") and each.name != "take_up"
     ]  # fmt: skip
 
 
-def part_within_an_instant(whole: list[Received], run: list[Received]) -> bool:
+def part_within_an_instant(whole: list[ReceivedEvent], run: list[ReceivedEvent]) -> bool:
     """Whether two runs first differ in which of two things of one instant came first: neither order is wrong.
 
     What the mission's end left unread in one of them counts as received after what ended it.

@@ -24,7 +24,7 @@ class Server(ThreadingHTTPServer):
     daemon_threads = True
 
     def __init__(self) -> None:
-        super().__init__(("127.0.0.1", 0), Answering)
+        super().__init__(("127.0.0.1", 0), ChatHandler)
         self.requests: list[dict[str, Any]] = []
         self.keys: list[str] = []
         self.replies: list[Reply] = []
@@ -41,7 +41,7 @@ class Server(ThreadingHTTPServer):
         return ChatOpenAI(base_url=self.url, **{**settings, **words})
 
 
-class Answering(BaseHTTPRequestHandler):
+class ChatHandler(BaseHTTPRequestHandler):
     server: Server
 
     def do_POST(self) -> None:

@@ -21,7 +21,7 @@ from rai_missions.runtime.mailbox import Mailbox
 from rai_missions.runtime.result import Result
 from rai_missions.runtime.run_options import NewRun, RunObserver
 from rai_missions.runtime.runner import Runner
-from tests.laws.drawn import GRID_S, Happening, document, happenings, is_far
+from tests.laws.drawn import GRID_S, DrawnEvent, document, happenings, is_far
 from tests.rigs.charts import ScriptedRobot
 from tests.rigs.journals import MemoryJournal
 from tests.rigs.runs import Rig
@@ -36,7 +36,7 @@ FROM_OUTSIDE = ("event", "write", "command", "doubt")
 class World:
     """A clock by which things happen at their instants, anyone who may be stalled meanwhile."""
 
-    def __init__(self, script: list[Happening]) -> None:
+    def __init__(self, script: list[DrawnEvent]) -> None:
         self._script, self._periods = list(script), 0
         self.post: Callable[[Event], None]
 
@@ -92,7 +92,7 @@ def traced(seed: int, share: float) -> Trace:
     script = [each for each in happenings(rng) if each.drawn[0] in FROM_OUTSIDE]
     script = [each._replace(at=each.at + GRID_S) for each in script]  # what is reported before the start has no instant
     end = (script[-1].at if script else 0.0) + 4.0
-    world = World([*script, Happening(("command", "cancel"), end)])
+    world = World([*script, DrawnEvent(("command", "cancel"), end)])
     late, book = Stalling(world, random.Random(seed + 1), share), MemoryJournal()
     steps: list[tuple[Step, frozenset[str]]] = []
     book.on_write = late.stall

@@ -23,7 +23,7 @@ __all__ = ("ros",)
 PATIENCE_S = 30.0
 
 
-class Tried(NamedTuple):
+class ToolRig(NamedTuple):
     """A robot to try tools on, and its clock."""
 
     connector: Connector
@@ -33,7 +33,7 @@ class Tried(NamedTuple):
         return Toolbox(self.connector, Allowlist(**{"write": ("*",), **words}), now=self.now)
 
 
-class Replying:
+class RepeatingPublisher:
     """Publishes again and again, as sensors do, while it is entered."""
 
     def __init__(self, connector: Connector, topic: str, type_name: str, on_result: Callable[[], Data]) -> None:
@@ -45,7 +45,7 @@ class Replying:
         while not self._ended.wait(0.02):
             self._publish()
 
-    def __enter__(self) -> Replying:
+    def __enter__(self) -> RepeatingPublisher:
         self._thread.start()
         return self
 
@@ -55,7 +55,7 @@ class Replying:
 
 
 @pytest.fixture(scope="module", params=["local", "ros2", "mqtt"])
-def tried(request: pytest.FixtureRequest, ros: None, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Tried]:
+def tried(request: pytest.FixtureRequest, ros: None, tmp_path_factory: pytest.TempPathFactory) -> Iterator[ToolRig]:
     """Each kind of connector, started."""
     if request.param == "local":
         yield from started(LocalConnector(), time.monotonic)
@@ -75,12 +75,12 @@ def tried(request: pytest.FixtureRequest, ros: None, tmp_path_factory: pytest.Te
         broker.stop()
 
 
-def started(connector: Connector, now: Callable[[], float]) -> Iterator[Tried]:
+def started(connector: Connector, now: Callable[[], float]) -> Iterator[ToolRig]:
     connector.start()
-    yield Tried(connector, now)
+    yield ToolRig(connector, now)
     connector.stop()
 
 
 @pytest.fixture
-def local() -> Iterator[Tried]:
+def local() -> Iterator[ToolRig]:
     yield from started(LocalConnector(), time.monotonic)

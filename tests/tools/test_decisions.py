@@ -26,7 +26,7 @@ from rai_missions.mission.mission import Mission
 from rai_missions.profile import Robot
 from rai_missions.testing import QUESTION, ReplyCollector, ScriptedModel, ToolFloodModel, answer_fault, call
 from rai_missions.tools import Toolbox
-from tests.tools.conftest import PATIENCE_S, Replying, Tried
+from tests.tools.conftest import PATIENCE_S, RepeatingPublisher, ToolRig
 
 ASKING: dict[str, Any] = {
     "name": "asking",
@@ -86,7 +86,7 @@ def test_what_a_model_looked_up_in_a_run_is_in_its_journal(tmp_path: Path) -> No
     connector, path = Counting(), tmp_path / "run.journal"
     setting = RunConfig(mission("receive_message"), robot(), model=model, connector=connector, journal=path)
     with (
-        Replying(connector, "/robot/sign", "std_msgs/msg/String", lambda: {"data": "left is free"}),
+        RepeatingPublisher(connector, "/robot/sign", "std_msgs/msg/String", lambda: {"data": "left is free"}),
         prepare(setting) as run,
     ):
         result = run.runner.run()
@@ -109,7 +109,10 @@ def test_what_a_robot_reports_widens_nothing(tmp_path: Path) -> None:
     )
     connector = Counting()
     setting = RunConfig(mission("receive_message"), robot(), model=model, connector=connector)
-    with Replying(connector, "/robot/sign", "std_msgs/msg/String", lambda: {"data": ORDER}), prepare(setting) as run:
+    with (
+        RepeatingPublisher(connector, "/robot/sign", "std_msgs/msg/String", lambda: {"data": ORDER}),
+        prepare(setting) as run,
+    ):
         result = run.runner.run()
     assert (result.outcome, connector.written) == ("failed", 0), "'fly' is no option: the fallback"
     first, second, third, fourth = [str(message.content) for message in received(model)]
@@ -137,7 +140,7 @@ def test_a_flood_of_calls_stops_at_the_budget(budget: int, at_once: int) -> None
     assert len(reported.get("looked", ())) + len(model.received) == reported["usage"]["calls"]
 
 
-def test_a_tool_that_acts_is_refused_where_an_agent_is_made(local: Tried) -> None:
+def test_a_tool_that_acts_is_refused_where_an_agent_is_made(local: ToolRig) -> None:
     with pytest.raises(UsageError, match="the tool 'publish_message' is not marked as one that only looks"):
         DecisionAgent(ScriptedModel([]), tools=local.box().tools)
 
@@ -164,7 +167,7 @@ def test_without_tools_in_the_profile_there_are_none_and_it_is_reported(caplog: 
 
 
 @pytest.mark.parametrize("images", ["yes", "no"])
-def test_a_picture_is_shown_to_a_model_that_takes_pictures_and_to_no_other(local: Tried, images: Any) -> None:
+def test_a_picture_is_shown_to_a_model_that_takes_pictures_and_to_no_other(local: ToolRig, images: Any) -> None:
     picture = Image("camera@1", 4, 2, "rgb8", bytes(24))
     model = ScriptedModel(
         [
@@ -174,7 +177,7 @@ def test_a_picture_is_shown_to_a_model_that_takes_pictures_and_to_no_other(local
     )
     box = local.box()
     agent, results = DecisionAgent(model, tools=box.read_only, images=images), ReplyCollector()
-    with Replying(local.connector, "/camera", "", lambda: {"data": picture}):
+    with RepeatingPublisher(local.connector, "/camera", "", lambda: {"data": picture}):
         agent.ask(QUESTION._replace(tools=("get_image",), until=QUESTION.at + PATIENCE_S), results)
         reported = results.wait(PATIENCE_S)
     agent.stop()

@@ -15,7 +15,7 @@ from rai_missions.connectors.contract import PatientServer
 from rai_missions.connectors.local import LocalConnector
 from rai_missions.errors import ConnectorError, UsageError
 from rai_missions.tools.occupancy import MOST_SHOWN, OccupancyGrid, grid_of
-from tests.tools.conftest import PATIENCE_S, Replying, Tried
+from tests.tools.conftest import PATIENCE_S, RepeatingPublisher, ToolRig
 
 GRID, NAVIGATE = "nav_msgs/msg/OccupancyGrid", "nav2_msgs/action/NavigateToPose"
 HALF = math.sqrt(0.5)
@@ -117,10 +117,10 @@ def test_a_great_map_takes_a_moment_only() -> None:
     assert grid.window().rows == ("." * MOST_SHOWN,) * MOST_SHOWN
 
 
-def test_the_map_of_the_robot_is_shown_around_a_point(tried: Tried) -> None:
+def test_the_map_of_the_robot_is_shown_around_a_point(tried: ToolRig) -> None:
     rows = [[0] * 30 for _ in range(30)]
     rows[10][20] = 100
-    with Replying(tried.connector, "/nav/map", GRID, lambda: message(rows)):
+    with RepeatingPublisher(tried.connector, "/nav/map", GRID, lambda: message(rows)):
         box = tried.box()
         found = box.navigating.get_occupancy_grid("/nav/map", x=10.2, y=5.2, radius_m=1.0, timeout_s=PATIENCE_S)
         whole = {tool.name: tool for tool in box.tools}["get_occupancy_grid"].invoke(
@@ -132,7 +132,7 @@ def test_the_map_of_the_robot_is_shown_around_a_point(tried: Tried) -> None:
     assert '"5": "....................#........."' in whole and "more" not in whole, "it is shown uncut"
 
 
-def test_a_map_that_does_not_come_is_unknown(local: Tried) -> None:
+def test_a_map_that_does_not_come_is_unknown(local: ToolRig) -> None:
     drive = local.box().navigating
     with pytest.raises(ConnectorError, match=r"nothing was received on /map within 0\.01 s; what is so now is unknown"):
         drive.get_occupancy_grid(timeout_s=0.01)
@@ -154,27 +154,27 @@ POSE = {"position": {"x": 1.5, "y": -2.0, "z": 0.0}, "orientation": {"x": 0.0, "
         ("nav_msgs/msg/Odometry", {"pose": POSE}),
     ],
 )
-def test_the_pose_is_the_one_that_the_robot_publishes(tried: Tried, type_name: str, pose: dict[str, Any]) -> None:
+def test_the_pose_is_the_one_that_the_robot_publishes(tried: ToolRig, type_name: str, pose: dict[str, Any]) -> None:
     topic = f"/nav/{type_name.rpartition('/')[2]}"
-    with Replying(tried.connector, topic, type_name, lambda: {"header": {"frame_id": "odom"}, "pose": pose}):
+    with RepeatingPublisher(tried.connector, topic, type_name, lambda: {"header": {"frame_id": "odom"}, "pose": pose}):
         found = tried.box().navigating.get_robot_pose(topic=topic, timeout_s=PATIENCE_S).data
     assert (found["frame"], found["x"], found["y"]) == ("odom", 1.5, -2.0)
     assert found["yaw"] == pytest.approx(math.pi / 2) and found["age_s"] is not None
 
 
-def test_without_a_topic_the_pose_comes_from_the_transforms(local: Tried) -> None:
+def test_without_a_topic_the_pose_comes_from_the_transforms(local: ToolRig) -> None:
     moved = {"translation": {"x": 3.0, "y": 4.0, "z": 0.0}, "rotation": {"x": 0.0, "y": 0.0, "z": 0.0, "w": 1.0}}
     header = {"frame_id": "map", "stamp": {"sec": 1, "nanosec": 0}}
     sent = {"transforms": [{"header": header, "child_frame_id": "base_link", "transform": moved}]}
-    with Replying(local.connector, "/tf", "tf2_msgs/msg/TFMessage", lambda: sent):
+    with RepeatingPublisher(local.connector, "/tf", "tf2_msgs/msg/TFMessage", lambda: sent):
         found = local.box().navigating.get_robot_pose(timeout_s=PATIENCE_S).data
     assert (found["frame"], found["x"], found["y"], found["yaw"]) == ("map", 3.0, 4.0, 0.0)
 
 
 @pytest.mark.parametrize("sent", [{}, {"header": {"frame_id": "m"}, "pose": 3}, {"header": {}, "pose": POSE}])
-def test_what_is_no_pose_is_refused(local: Tried, sent: dict[str, Any]) -> None:
+def test_what_is_no_pose_is_refused(local: ToolRig, sent: dict[str, Any]) -> None:
     with (
-        Replying(local.connector, "/pose", "", lambda: sent),
+        RepeatingPublisher(local.connector, "/pose", "", lambda: sent),
         pytest.raises(ConnectorError, match="holds no pose"),
     ):
         local.box().navigating.get_robot_pose(topic="/pose", timeout_s=PATIENCE_S)
@@ -196,7 +196,7 @@ class Accepting(PatientServer):
         self.send(goal_id, "accepted")
 
 
-def test_a_drive_is_a_goal_with_an_id_and_an_end(tried: Tried) -> None:
+def test_a_drive_is_a_goal_with_an_id_and_an_end(tried: ToolRig) -> None:
     if "actions" not in tried.connector.modes:
         pytest.skip("it carries no actions")
     if not isinstance(tried.connector, LocalConnector) and importlib.util.find_spec("nav2_msgs") is None:
@@ -219,7 +219,7 @@ def test_a_drive_is_a_goal_with_an_id_and_an_end(tried: Tried) -> None:
     close()
 
 
-def test_a_model_drives_only_where_the_action_may_be_written(local: Tried) -> None:
+def test_a_model_drives_only_where_the_action_may_be_written(local: ToolRig) -> None:
     tools = {tool.name: tool for tool in local.box(write=()).tools}
     assert "'/navigate_to_pose' may not be written" in tools["navigate_to_pose"].invoke({"x": 1, "y": 2})
     assert "x: " in tools["navigate_to_pose"].invoke({"x": math.inf, "y": 2})

@@ -16,7 +16,7 @@ from rai_missions.connectors.local import LocalConnector
 from rai_missions.errors import MissionError
 from rai_missions.tools import Toolbox
 from rai_missions.tools.goals import ToolGoal
-from tests.tools.conftest import PATIENCE_S, Replying, Tried
+from tests.tools.conftest import PATIENCE_S, RepeatingPublisher, ToolRig
 
 STRING, TRIGGER, FIBONACCI = "std_msgs/msg/String", "std_srvs/srv/Trigger", "test_msgs/action/Fibonacci"
 REPORTED = {
@@ -29,7 +29,7 @@ REPORTED = {
 MOVES = ("accepted", "rejected", "feedback", "succeeded", "failed", "canceled", "cancel_rejected", "cancel")
 
 
-def needs(tried: Tried, mode: Any) -> None:
+def needs(tried: ToolRig, mode: Any) -> None:
     if mode not in tried.connector.modes:
         pytest.skip(f"it carries no {mode}")
 
@@ -37,8 +37,8 @@ def needs(tried: Tried, mode: Any) -> None:
 # ── Topics ──────────────────────────────────────────────────────────────────────────────────────────────────────
 
 
-def test_the_newest_message_comes_with_its_age_and_its_field(tried: Tried) -> None:
-    with Replying(tried.connector, "/tools/text", STRING, lambda: {"data": "x"}):
+def test_the_newest_message_comes_with_its_age_and_its_field(tried: ToolRig) -> None:
+    with RepeatingPublisher(tried.connector, "/tools/text", STRING, lambda: {"data": "x"}):
         look = tried.box().looking
         reported = look.receive_message("/tools/text", type_name=STRING, timeout_s=PATIENCE_S, max_age_s=20.0)
         part = look.receive_message("/tools/text", field="data", timeout_s=PATIENCE_S)
@@ -47,14 +47,14 @@ def test_the_newest_message_comes_with_its_age_and_its_field(tried: Tried) -> No
     assert part.data["type"] == STRING, "found out from the robot, or from who listened before"
 
 
-def test_what_no_one_reports_is_unknown_and_not_an_error(tried: Tried) -> None:
+def test_what_no_one_reports_is_unknown_and_not_an_error(tried: ToolRig) -> None:
     reported = tried.box().looking.receive_message("/tools/silent", type_name=STRING, timeout_s=0.05)
     assert reported.data["message"] is None
     assert reported.words.startswith("Nothing was received on /tools/silent within 0.05 s.")
     assert reported.words.endswith("What is so now is unknown.")
 
 
-def test_what_is_published_is_received(tried: Tried) -> None:
+def test_what_is_published_is_received(tried: ToolRig) -> None:
     received: Inbox[Message] = Inbox(PATIENCE_S)
     close = tried.connector.subscribe("/tools/received", STRING, received)
     tried.box().acting.publish_message("/tools/received", {"data": "hello"}, timeout_s=PATIENCE_S)
@@ -63,7 +63,7 @@ def test_what_is_published_is_received(tried: Tried) -> None:
     close()
 
 
-def test_what_is_there_is_listed_with_its_type(tried: Tried) -> None:
+def test_what_is_there_is_listed_with_its_type(tried: ToolRig) -> None:
     close = tried.connector.serve("/tools/listed", TRIGGER, lambda _: {"success": True, "message": ""})
     look, tick = tried.box().looking, threading.Event()
     rows: list[dict[str, Any]] = []
@@ -79,7 +79,7 @@ def test_what_is_there_is_listed_with_its_type(tried: Tried) -> None:
 # ── Services ────────────────────────────────────────────────────────────────────────────────────────────────────
 
 
-def test_a_call_reports_what_was_answered(tried: Tried) -> None:
+def test_a_call_reports_what_was_answered(tried: ToolRig) -> None:
     close = tried.connector.serve("/tools/flash", TRIGGER, lambda _: {"success": True, "message": "done"})
     reported = tried.box().acting.call_service("/tools/flash", type_name=TRIGGER, timeout_s=PATIENCE_S)
     close()
@@ -87,7 +87,7 @@ def test_a_call_reports_what_was_answered(tried: Tried) -> None:
     assert (reported.data["done"], reported.data["reply"]) == (True, {"success": True, "message": "done"})
 
 
-def test_a_call_that_was_refused_is_reported_as_not_done(tried: Tried) -> None:
+def test_a_call_that_was_refused_is_reported_as_not_done(tried: ToolRig) -> None:
     close = tried.connector.serve("/tools/horn", TRIGGER, lambda _: {"success": False, "message": "no horn"})
     reported = tried.box().acting.call_service("/tools/horn", type_name=TRIGGER, timeout_s=PATIENCE_S)
     close()
@@ -95,7 +95,7 @@ def test_a_call_that_was_refused_is_reported_as_not_done(tried: Tried) -> None:
     assert (reported.data["done"], reported.data["reply"]["message"]) == (False, "no horn")
 
 
-def test_a_service_that_raises_has_failed(tried: Tried) -> None:
+def test_a_service_that_raises_has_failed(tried: ToolRig) -> None:
     def answer(_: Any) -> Any:
         raise ValueError("no lamp")
 
@@ -106,7 +106,7 @@ def test_a_service_that_raises_has_failed(tried: Tried) -> None:
     assert "no lamp" in reported.text()
 
 
-def test_a_service_that_is_not_there_has_done_nothing(tried: Tried) -> None:
+def test_a_service_that_is_not_there_has_done_nothing(tried: ToolRig) -> None:
     reported = tried.box().acting.call_service("/tools/no_one", type_name=TRIGGER, timeout_s=1.0)
     assert reported.data["outcome"] in ("unavailable", "timed_out")
     assert reported.data["done"] is False
@@ -128,7 +128,7 @@ class Server(PatientServer):
             self.send(goal_id, self._first)
 
 
-def started(tried: Tried, box: Toolbox, server: Server, name: str) -> str:
+def started(tried: ToolRig, box: Toolbox, server: Server, name: str) -> str:
     """A goal that the server has been asked for; its id."""
     reported = box.acting.start_action(
         name, {"order": 1}, type_name=FIBONACCI, timeout_s=0.0 if not server._first else PATIENCE_S
@@ -139,7 +139,7 @@ def started(tried: Tried, box: Toolbox, server: Server, name: str) -> str:
 
 @settings(max_examples=25, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(moves=st.lists(st.sampled_from(MOVES), max_size=7), number=st.integers(0, 10**9))
-def test_the_outcome_that_is_reported_is_the_servers(tried: Tried, moves: list[str], number: int) -> None:
+def test_the_outcome_that_is_reported_is_the_servers(tried: ToolRig, moves: list[str], number: int) -> None:
     needs(tried, "actions")
     server, box = Server(), tried.box()
     close = tried.connector.offer("/tools/law", FIBONACCI, server)
@@ -163,7 +163,7 @@ def test_the_outcome_that_is_reported_is_the_servers(tried: Tried, moves: list[s
 
 
 @pytest.mark.parametrize("end", ["succeeded", "failed", "canceled"])
-def test_every_end_has_words_of_its_own(tried: Tried, end: str) -> None:
+def test_every_end_has_words_of_its_own(tried: ToolRig, end: str) -> None:
     needs(tried, "actions")
     server, box = Server("accepted"), tried.box()
     close = tried.connector.offer("/tools/ends", FIBONACCI, server)
@@ -181,7 +181,7 @@ def test_every_end_has_words_of_its_own(tried: Tried, end: str) -> None:
     assert list(reported.data["result"].get("sequence", [1, 2])) == [1, 2]
 
 
-def test_a_goal_that_is_rejected_never_ran(tried: Tried) -> None:
+def test_a_goal_that_is_rejected_never_ran(tried: ToolRig) -> None:
     needs(tried, "actions")
     server, box = Server("rejected"), tried.box()
     close = tried.connector.offer("/tools/rejects", FIBONACCI, server)
@@ -191,7 +191,7 @@ def test_a_goal_that_is_rejected_never_ran(tried: Tried) -> None:
     assert (reported.data["state"], reported.data["is_over"]) == ("rejected", True)
 
 
-def test_feedback_is_reported_and_the_goal_is_not_over(tried: Tried) -> None:
+def test_feedback_is_reported_and_the_goal_is_not_over(tried: ToolRig) -> None:
     needs(tried, "actions")
     server, box = Server("accepted"), tried.box()
     close = tried.connector.offer("/tools/feeds", FIBONACCI, server)
@@ -210,7 +210,7 @@ def test_feedback_is_reported_and_the_goal_is_not_over(tried: Tried) -> None:
     assert '"newest feedback"' in reported.text()
 
 
-def test_a_cancel_that_is_refused_and_one_that_is_not_confirmed_are_reported_as_such(tried: Tried) -> None:
+def test_a_cancel_that_is_refused_and_one_that_is_not_confirmed_are_reported_as_such(tried: ToolRig) -> None:
     needs(tried, "actions")
     server, box = Server("accepted"), tried.box()
     close = tried.connector.offer("/tools/stubborn", FIBONACCI, server)
@@ -224,7 +224,7 @@ def test_a_cancel_that_is_refused_and_one_that_is_not_confirmed_are_reported_as_
     assert "has SUCCEEDED" in reported.words, "what ended before the cancel was not canceled"
 
 
-def test_stop_cancels_what_still_runs_and_names_what_no_one_confirmed(tried: Tried) -> None:
+def test_stop_cancels_what_still_runs_and_names_what_no_one_confirmed(tried: ToolRig) -> None:
     needs(tried, "actions")
     server, box = Server("accepted"), tried.box()
     close = tried.connector.offer("/tools/stopped", FIBONACCI, server)

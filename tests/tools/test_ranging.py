@@ -20,7 +20,7 @@ from rai_missions.errors import ConnectorError, UsageError
 from rai_missions.tools.detections import detections_of
 from rai_missions.tools.ranging import PinholeCamera, camera_of, cloud_points, depth_points, ranged
 from rai_missions.tools.transforms import Transform
-from tests.tools.conftest import PATIENCE_S, Replying, Tried
+from tests.tools.conftest import PATIENCE_S, RepeatingPublisher, ToolRig
 from tests.tools.test_transforms import stamped, turn
 
 Box = tuple[int, int, int, int]
@@ -262,12 +262,12 @@ SEEN = {
 }
 
 
-def sends(tried: Tried, topic: str, message: Any, at: float, frame: str = "camera") -> Replying:
+def sends(tried: ToolRig, topic: str, message: Any, at: float, frame: str = "camera") -> RepeatingPublisher:
     header = {"stamp": at, "frame_id": frame}
-    return Replying(tried.connector, topic, "", lambda: {"header": header, **message})
+    return RepeatingPublisher(tried.connector, topic, "", lambda: {"header": header, **message})
 
 
-def test_the_tool_reports_each_object_and_what_is_unknown(local: Tried) -> None:
+def test_the_tool_reports_each_object_and_what_is_unknown(local: ToolRig) -> None:
     box, now = local.box(), local.now()
     with (
         sends(local, "/seen", SEEN, now), sends(local, "/info", INFO, now),
@@ -283,7 +283,7 @@ def test_the_tool_reports_each_object_and_what_is_unknown(local: Tried) -> None:
     assert [each["name"] for each in dogs.data["objects"]] == ["dog"]
 
 
-def test_a_lidars_cloud_is_brought_to_the_camera_by_its_transform(local: Tried) -> None:
+def test_a_lidars_cloud_is_brought_to_the_camera_by_its_transform(local: ToolRig) -> None:
     box, now = local.box(), local.now()
     to_camera = Transform((0.2, -0.1, 0.3), turn((0, 1, 0), 0.4))
     points = [to_camera.inverse().point(point) for point in scene_cloud(SCENE)]
@@ -303,7 +303,7 @@ def test_a_lidars_cloud_is_brought_to_the_camera_by_its_transform(local: Tried) 
     ("late_s", "old_s", "why"),
     [(0.0, 5.0, r"what was received on /seen is 5\.\d+ s old"), (1.0, 0.0, r"/seen and /depth are 1\.00 s apart")],
 )
-def test_what_does_not_fit_in_time_is_unknown(local: Tried, late_s: float, old_s: float, why: str) -> None:
+def test_what_does_not_fit_in_time_is_unknown(local: ToolRig, late_s: float, old_s: float, why: str) -> None:
     now = local.now()
     with (
         sends(local, "/seen", SEEN, now - old_s), sends(local, "/info", INFO, now),
@@ -316,7 +316,7 @@ def test_what_does_not_fit_in_time_is_unknown(local: Tried, late_s: float, old_s
     assert re.search(why, reported.words), reported.words
 
 
-def test_distances_are_measured_over_any_connector(tried: Tried) -> None:
+def test_distances_are_measured_over_any_connector(tried: ToolRig) -> None:
     """The messages travel as the robot's own types where it has types."""
     look = {"detections_topic": "/far/seen", "depth_topic": "/far/depth", "camera_info_topic": "/far/info"}
     kinds = {
@@ -334,14 +334,14 @@ def test_distances_are_measured_over_any_connector(tried: Tried) -> None:
     }  # fmt: skip
     with contextlib.ExitStack() as sayings:
         for topic, body in bodies.items():
-            sayings.enter_context(Replying(tried.connector, topic, kinds[topic], lambda body=body: body))  # type: ignore[misc]
+            sayings.enter_context(RepeatingPublisher(tried.connector, topic, kinds[topic], lambda body=body: body))  # type: ignore[misc]
         reported = tried.box().measuring.get_distance_to_objects(
             **look, timeout_s=PATIENCE_S, max_age_s=None, max_apart_s=60.0
         )
     assert reported.data["objects"][0]["distance_m"] == pytest.approx(4.0, rel=0.05)
 
 
-def test_what_is_missing_is_named(local: Tried) -> None:
+def test_what_is_missing_is_named(local: ToolRig) -> None:
     ask = local.box().measuring.get_distance_to_objects
     assert (
         ask("/seen", cloud_topic="/cloud", timeout_s=0).words

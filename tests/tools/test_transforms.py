@@ -15,7 +15,7 @@ from rai_missions.connectors.contract import Inbox
 from rai_missions.errors import ConnectorError, UsageError
 from rai_missions.tools import Toolbox
 from rai_missions.tools.transforms import Frames, Quaternion, Transform, Vector, product
-from tests.tools.conftest import PATIENCE_S, Replying, Tried
+from tests.tools.conftest import PATIENCE_S, RepeatingPublisher, ToolRig
 
 numbers = st.floats(-50, 50)
 vectors = st.tuples(numbers, numbers, numbers)
@@ -213,14 +213,14 @@ def test_what_does_not_change_has_no_age_and_a_new_parent_no_past() -> None:
 # ── The tool ────────────────────────────────────────────────────────────────────────────────────────────────────
 
 
-def test_the_tool_listens_and_reports_where_a_frame_lies(local: Tried) -> None:
+def test_the_tool_listens_and_reports_where_a_frame_lies(local: ToolRig) -> None:
     box = local.box()
     half = math.sqrt(0.5)
     moving = {"transforms": [stamped("map", "base_link", Transform((1, 2, 0), (0, 0, half, half)), 10.0)]}
     static = {"transforms": [stamped("base_link", "camera", Transform((0.5, 0, 1)), 0.0)]}
     with (
-        Replying(local.connector, "/tf", "tf2_msgs/msg/TFMessage", lambda: moving),
-        Replying(local.connector, "/tf_static", "tf2_msgs/msg/TFMessage", lambda: static),
+        RepeatingPublisher(local.connector, "/tf", "tf2_msgs/msg/TFMessage", lambda: moving),
+        RepeatingPublisher(local.connector, "/tf_static", "tf2_msgs/msg/TFMessage", lambda: static),
     ):
         reported = box.measuring.get_transform("/map", "camera", timeout_s=PATIENCE_S)
     place = reported.data["translation"]
@@ -230,7 +230,7 @@ def test_the_tool_listens_and_reports_where_a_frame_lies(local: Tried) -> None:
     assert "/tf" not in {name for name, listeners in local.connector._subscribers.items() if listeners}  # type: ignore[attr-defined]
 
 
-def test_a_transform_that_no_one_reports_any_more_is_old(local: Tried) -> None:
+def test_a_transform_that_no_one_reports_any_more_is_old(local: ToolRig) -> None:
     at = [100.0]
     box = Toolbox(local.connector, now=lambda: at[0])
     with pytest.raises(UsageError, match="no frame 'map' was reported; there is: none yet"):
@@ -244,7 +244,7 @@ def test_a_transform_that_no_one_reports_any_more_is_old(local: Tried) -> None:
     box.stop()
 
 
-def test_a_hostile_transform_is_dropped_and_the_next_is_received(local: Tried) -> None:
+def test_a_hostile_transform_is_dropped_and_the_next_is_received(local: ToolRig) -> None:
     box = local.box()
     with pytest.raises(UsageError):
         box.measuring.get_transform("map", "base", timeout_s=0.0)
@@ -254,7 +254,7 @@ def test_a_hostile_transform_is_dropped_and_the_next_is_received(local: Tried) -
     box.stop()
 
 
-def test_transforms_are_read_only_where_their_topics_may_be_read(local: Tried) -> None:
+def test_transforms_are_read_only_where_their_topics_may_be_read(local: ToolRig) -> None:
     with pytest.raises(UsageError, match="'/tf' may not be read"):
         local.box(read=("/camera",), write=()).measuring.get_transform("map", "base")
 
@@ -284,7 +284,7 @@ def test_what_was_reported_once_before_anybody_listened_is_received_over_ros(ros
         received.wait(bool, "it was reported")
         mission.start()
         box = Toolbox(mission, now=time.time)
-        with Replying(robot, "/tf", kind, lambda: moving):
+        with RepeatingPublisher(robot, "/tf", kind, lambda: moving):
             reported = box.measuring.get_transform("map", "camera", timeout_s=PATIENCE_S)
         box.stop()
     finally:

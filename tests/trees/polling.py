@@ -25,7 +25,7 @@ from rai_missions.states import tree
 from tests.trees.growing import CONVERTERS, FACTS, STATUSES, durations, is_true, parallel
 from tests.trees.oracle import ActionLeaf, Oracle, recorded
 
-__all__ = ("COUNTERS", "Pair", "Polled", "Ran", "lives", "polled_trees")
+__all__ = ("COUNTERS", "Pair", "PolledOracle", "Ran", "lives", "polled_trees")
 
 Json = dict[str, Any]
 FLAGS = ("f", "g")
@@ -118,7 +118,7 @@ polled_trees = (
 )
 
 
-class Happened(NamedTuple):
+class PollEvent(NamedTuple):
     """What happens after so many half seconds: a fact, or the end of the call that runs at such a place."""
 
     later: int
@@ -128,9 +128,9 @@ class Happened(NamedTuple):
 
 lives = st.lists(
     st.one_of(
-        st.builds(Happened, st.integers(0, 4), st.tuples(st.sampled_from(FACTS), st.booleans()), st.none()),
+        st.builds(PollEvent, st.integers(0, 4), st.tuples(st.sampled_from(FACTS), st.booleans()), st.none()),
         st.builds(
-            Happened, st.integers(0, 2), st.none(),
+            PollEvent, st.integers(0, 2), st.none(),
             st.tuples(st.integers(0, 2), st.sampled_from(["succeeded", "succeeded", "failed"])),
         ),
     ),
@@ -201,7 +201,7 @@ class Ring(ActionLeaf):
         return Status.FAILURE if status is Status.RUNNING and is_over else status
 
 
-class Polled(Oracle):
+class PolledOracle(Oracle):
     """The same tree in plain py_trees, ticked until nothing changes."""
 
     def __init__(self, root: tree.TreeNode, monkeypatch: Any) -> None:
@@ -308,10 +308,10 @@ class Pair:
 
     def __init__(self, drawn: Json, monkeypatch: Any) -> None:
         self.chart = Chart(mission_of(drawn), CompiledTrees())
-        self.polled = Polled(tree.TreeNode.read(drawn), monkeypatch)
+        self.polled = PolledOracle(tree.TreeNode.read(drawn), monkeypatch)
         self.half_s, self.has_settled = 0, True
 
-    def live(self, life: list[Happened]) -> Iterator[Ran]:
+    def live(self, life: list[PollEvent]) -> Iterator[Ran]:
         self.step = self.chart.start(0.0)
         self._poll({})
         yield self._ran()
@@ -324,7 +324,7 @@ class Pair:
         if self.polled.root.status not in (Status.SUCCESS, Status.FAILURE):
             self.has_settled = self.polled.poll(self.half_s / 2, outcomes) and self.has_settled
 
-    def _happen(self, each: Happened) -> Iterator[Ran]:
+    def _happen(self, each: PollEvent) -> Iterator[Ran]:
         for _ in range(each.later):
             self.half_s += 1
             self._poll({})

@@ -115,7 +115,7 @@ def report_line(*what: Any) -> None:
 TALKING = threading.Lock()
 
 
-class Dropping:
+class DroppingHandle:
     """A server's handle that drops every second reply about some goals, beginning with the first of each kind."""
 
     def __init__(self, handle: Any) -> None:
@@ -209,12 +209,12 @@ def serve(name: str) -> None:  # noqa: C901 - one robot, with all that it may be
         response.success, response.message = request.data, "failed: it is broken" if not request.data else ""
         return response
 
-    class Reporting(ActionServer):
+    class ReportingHandle(ActionServer):
         """Reports of which goals the end is asked for, also of those that it knows nothing of; may drop replies."""
 
         def __init__(self, *arguments: Any, **options: Any) -> None:
             super().__init__(*arguments, **options)
-            self._handle = Dropping(self._handle)
+            self._handle = DroppingHandle(self._handle)
 
         async def _execute_goal_request(self, request: Any) -> None:
             self._handle.expect(request[0], bytes(request[1].goal_id.uuid).hex())
@@ -228,7 +228,7 @@ def serve(name: str) -> None:  # noqa: C901 - one robot, with all that it may be
             report_line("end wanted", bytes(request[1].goal_info.goal_id.uuid).hex())
             await super()._execute_cancel_request(request)
 
-    Reporting(
+    ReportingHandle(
         node,
         Fibonacci,
         f"/{name}/fibonacci",

@@ -46,7 +46,7 @@ class Script(NamedTuple):
         return token, cls(ACCEPTS[accept], CANCELS[cancel], ENDS[end], bool(is_repeated))
 
 
-class Stammering:
+class StammeringHandle:
     """A server's handle that sends the answers of some goals twice."""
 
     def __init__(self, handle: Any) -> None:
@@ -116,7 +116,7 @@ def serve(name: str) -> None:
         node, Fibonacci, f"/{name}/move", execute, goal_callback=decide, cancel_callback=cancel,
         callback_group=ReentrantCallbackGroup(),
     )  # fmt: skip
-    server._handle = Stammering(server._handle)
+    server._handle = StammeringHandle(server._handle)
     executor = MultiThreadedExecutor(8)
     executor.add_node(node)
     threading.Thread(target=executor.spin, daemon=True).start()
