@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from itertools import pairwise
 from typing import Any, NamedTuple
 
-from tests.desk.episodes import Arranging, judged
+from tests.desk.episodes import ArrangeTrip, judged
 from tests.desk.plain_judge import unmet
 from tests.desk.scenes import COLOURS, ROUND
 
@@ -287,7 +287,7 @@ class HardEnd(NamedTuple):
 def played_hard(case: HardCase) -> HardEnd:
     """Run a case to its end, and judge it."""
     begun = time.process_time()
-    one = Arranging(case.world, arguments={"request": case.request}, speed=None)
+    one = ArrangeTrip(case.world, arguments={"request": case.request}, speed=None)
     try:
         result = one.run()
         spent = time.process_time() - begun
@@ -302,7 +302,7 @@ def played_hard(case: HardCase) -> HardEnd:
         one.prepared.close()
 
 
-def _without_swaps(goal: Sequence[Mapping[str, Any]], one: Arranging) -> Iterator[Mapping[str, Any]]:
+def _without_swaps(goal: Sequence[Mapping[str, Any]], one: ArrangeTrip) -> Iterator[Mapping[str, Any]]:
     """The goal, a swap as the places that the two truly had when it was read."""
     assert one.first is not None
     _, truth = one.first
