@@ -15,6 +15,7 @@ import sys
 import time
 from collections import Counter
 from collections.abc import Callable, Iterator
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -35,6 +36,8 @@ ONE_SUFFICES = ("stop", "pause the mission", "no")
 """The others count only where both recognisers agree."""
 SEED = int(os.environ.get("SEED", "1"))
 """Of the noise: thresholds were chosen with 101 and 201."""
+LEVELS = tuple(int(each) for each in os.environ.get("DB", "40 20 10").split())
+"""By how many dB the noise of the orders is below the speech."""
 ROOT = Path(__file__).parents[1]
 SENTENCES = (
     "What are you doing?", "Where are you going?", "How far is it to the kitchen?", "Why did you stop?",
@@ -88,6 +91,7 @@ class Bench:
 VOICES: dict[str, Flite] = {}
 
 
+@lru_cache(maxsize=256)
 def speech(text: str, speaker: str) -> np.ndarray:
     voice = VOICES.setdefault(speaker, Flite(speaker))
     return np.frombuffer(b"".join(voice.speak(text)), "<i2").astype(np.float32)
@@ -113,7 +117,7 @@ def mixed(sound: np.ndarray, db: float, kind: str, random: np.random.Generator, 
 
 def orders(bench: Bench, scale: int) -> None:
     random, hits, counts, missed = np.random.default_rng(SEED), Counter[Any](), Counter[Any](), Counter[Any]()
-    for db, kind in ((db, kind) for db in (40, 20, 10) for kind in ("white", "pink")):
+    for db, kind in ((db, kind) for db in LEVELS for kind in ("white", "pink")):
         bench.new_ear()  # as in a room whose noise lasts: the ear has had time to know it
         for phrase, speaker in ((phrase, speaker) for phrase in ("stop", *ORDERS) for speaker in SPEAKERS):
             for _ in range(scale):
