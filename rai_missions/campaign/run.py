@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import closing
 from datetime import timedelta
 from typing import NamedTuple
 
@@ -151,15 +152,14 @@ def run_campaign(
     stopped = spending.spent(0.0)
     wanted = plan.label_tasks() if labels_alone else plan.tasks(done, store.shown(), rates=rates)
     tasks = [] if stopped else list(wanted)
-    pool = open_pool(settings)
-    try:
-        for record in pool.results(tasks):
-            intake.take(record)
-            if not stopped and (stopped := spending.spent(time.monotonic() - began)):
-                pool.stop()
-    finally:
-        intake.commit()
-        pool.close()
+    with closing(open_pool(settings)) as pool:
+        try:
+            for record in pool.results(tasks):
+                intake.take(record)
+                if not stopped and (stopped := spending.spent(time.monotonic() - began)):
+                    pool.stop()
+        finally:
+            intake.commit()
     missing = len(plan.cells.keys() - store.keys().keys())
     seconds = time.monotonic() - began
     return CampaignResult(store.counts(), missing, stopped if missing else "", seconds, store.failures())

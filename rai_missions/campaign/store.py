@@ -237,10 +237,20 @@ class ResultStore:
 
     @contextmanager
     def _transaction(self) -> Iterator[None]:
-        """All of it, or nothing."""
-        with self._db:
-            self._db.execute("BEGIN IMMEDIATE")
-            yield
+        """All of it, or nothing.
+
+        Raises:
+            UsageError: The disk is full, or takes nothing.
+        """
+        try:
+            with self._db:
+                self._db.execute("BEGIN IMMEDIATE")
+                yield
+        except sqlite3.OperationalError as error:
+            raise UsageError(
+                f"results cannot be written at {self.path}: {error}; what was stored before is kept, and the same"
+                " command continues from there"
+            ) from None
 
     # -- what is read ----------------------------------------------------------------------------------------------
 
@@ -319,11 +329,13 @@ def _locked(path: Path) -> int:
 
 def _opened(path: Path, *, writes: bool) -> sqlite3.Connection:
     """A connection to a store; the tables of a new one are made in one transaction."""
-    uri = f"{path.resolve().as_uri()}?mode={'rw' if writes else 'ro'}"
-    try:
-        db = sqlite3.connect(uri, uri=True, isolation_level=None, timeout=30, check_same_thread=False)
-    except sqlite3.Error as error:
-        raise UsageError(f"{path} cannot be opened: {error}") from None
+    db = _connected(path, "mode=rw" if writes else "mode=ro")
+    if not writes and not _is_readable(db):  # where no file can be made, SQLite has no place for its lock
+        db.close()
+        wal = path.with_name(f"{path.name}-wal")
+        if wal.exists() and wal.stat().st_size:
+            raise UsageError(f"{path} has a part in {wal.name}; open it once where files can be written, or copy both")
+        db = _connected(path, "immutable=1")
     try:
         if writes and not db.execute("SELECT count(*) FROM sqlite_master").fetchone()[0]:
             _begin(db)
@@ -341,6 +353,25 @@ def _opened(path: Path, *, writes: bool) -> sqlite3.Connection:
         db.close()
         raise
     return db
+
+
+def _connected(path: Path, how: str) -> sqlite3.Connection:
+    uri = f"{path.resolve().as_uri()}?{how}"
+    try:
+        return sqlite3.connect(uri, uri=True, isolation_level=None, timeout=30, check_same_thread=False)
+    except sqlite3.Error as error:
+        raise UsageError(f"{path} cannot be opened: {error}") from None
+
+
+def _is_readable(db: sqlite3.Connection) -> bool:
+    """Whether the file can be read in the way in which it was opened, whatever it holds."""
+    try:
+        db.execute("SELECT count(*) FROM sqlite_master").fetchone()
+    except sqlite3.OperationalError as error:
+        return error.sqlite_errorcode & 0xFF not in (sqlite3.SQLITE_CANTOPEN, sqlite3.SQLITE_READONLY)
+    except sqlite3.DatabaseError:
+        return True
+    return True
 
 
 def _begin(db: sqlite3.Connection) -> None:

@@ -4,11 +4,14 @@
 from __future__ import annotations
 
 import json
+import os
 import sqlite3
 import subprocess
 import sys
 import tempfile
 import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
@@ -161,6 +164,51 @@ def test_what_is_no_store_is_left_as_it_is(tmp_path: Path, content: bytes | None
         assert path.read_bytes() == content
     with pytest.raises(UsageError, match=fault):
         ResultStore(path)
+
+
+def test_a_full_disk_is_named_and_what_was_stored_before_is_kept(tmp_path: Path) -> None:
+    with ResultStore(tmp_path / "a.db", writes=True) as store:
+        store.add([CELL])
+        connection: sqlite3.Connection = vars(store)["_db"]
+        connection.execute("PRAGMA max_page_count=1").fetchall()  # SQLite's own "database or disk is full"
+        with pytest.raises(
+            UsageError, match=r"results cannot be written at .*a\.db: database or disk is full; what was"
+        ):
+            store.add([CELL._replace(cell=f"k{at}", raw="x" * 9000) for at in range(2, 99)])
+        connection.execute("PRAGMA max_page_count=100000").fetchall()
+        store.add([CELL._replace(cell="k2")])
+    with ResultStore(tmp_path / "a.db") as store:
+        assert [each.cell for each in store.cells()] == ["k1", "k2"]
+
+
+@contextmanager
+def read_only(folder: Path) -> Iterator[None]:
+    """No file can be made in a folder, also where the tests are run by root."""
+    folder.chmod(0o555)
+    is_root = os.geteuid() == 0
+    if is_root:
+        os.seteuid(65534)
+    try:
+        yield
+    finally:
+        if is_root:
+            os.seteuid(0)
+        folder.chmod(0o755)
+
+
+def test_a_store_is_read_where_no_file_can_be_made_unless_a_part_of_it_is_elsewhere() -> None:
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "a.db"
+        with ResultStore(path, writes=True) as store:
+            store.add([CELL])
+        with read_only(path.parent), ResultStore(path) as store:
+            assert [each.cell for each in store.cells()] == ["k1"]
+        (Path(folder) / "a.db-wal").write_bytes(b"left by a kill")
+        with (
+            read_only(path.parent),
+            pytest.raises(UsageError, match=r"a\.db has a part in a\.db-wal; open it once where files can be written"),
+        ):
+            ResultStore(path)
 
 
 def test_a_database_of_another_program_is_refused(tmp_path: Path) -> None:
