@@ -101,6 +101,20 @@ def test_an_option_that_was_never_offered_is_a_wrong_answer(tmp_path: Path) -> N
     assert math.isnan(calm.accuracy.share) and calm.unlabelled == len(figures.scenes)
 
 
+def test_scenes_that_a_stopped_campaign_has_not_reached_are_named(tmp_path: Path) -> None:
+    store = make_results(tmp_path / "a.db", scenes=40)
+    whole = read(store)
+    assert whole.reached == len(whole.scenes) > 3
+    with ResultStore(store, writes=True) as opened:
+        kept = set(sorted(whole.scenes)[:3])
+        opened.drop([each.cell for each in opened.cells() if each.scene not in kept])
+    page, listed, _ = write_report(store, tmp_path / "a.html")
+    left = len(whole.scenes) - 3
+    assert read(store).reached == 3
+    assert f"{left} of them without a cell yet" in listed.read_text(encoding="utf-8")
+    assert f"<dt>scenes without a cell yet (in no share)</dt><dd>{left}</dd>" in page.read_text(encoding="utf-8")
+
+
 def test_scenes_for_tuning_are_in_no_figure(results: Path) -> None:
     figures = read(results)
     assert {scene.split for scene in figures.scenes.values()} == {"report"}

@@ -24,7 +24,9 @@ def markdown(figures: CampaignFigures, comparisons: Sequence[Comparison], *, nam
 def _lines(figures: CampaignFigures, comparisons: Sequence[Comparison], name: str) -> Iterator[str]:
     seeds = len({scene.seed for scene in figures.scenes.values()})
     yield from (f"### Campaign {quoted(name)}", "")
-    yield f"{len(figures.scenes)} scenes of {seeds} seeds (split {quoted(figures.split)}); shares with 95 % intervals."
+    left = f", {left} of them without a cell yet" if (left := len(figures.scenes) - figures.reached) else ""
+    split = quoted(figures.split)
+    yield f"{len(figures.scenes)} scenes of {seeds} seeds (split {split}){left}; shares with 95 % intervals."
     yield from ("", "| model | embodiment | mission | best | 95 % | harm | harm past the guard | named most "
                 "| median s | tokens a cell | answered | no answer | failed |", "|" + " --- |" * 13)  # fmt: skip
     yield from map(_group, figures.groups)

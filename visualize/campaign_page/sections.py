@@ -55,6 +55,7 @@ def _overview(figures: CampaignFigures) -> Markup:
     unlabelled = sum(group.unlabelled for group in figures.groups)
     counts: list[tuple[str, object]] = [
         ("scenes", len(figures.scenes)), ("of the split", figures.split),
+        ("scenes without a cell yet (in no share)", len(figures.scenes) - figures.reached),
         ("seeds", len({scene.seed for scene in figures.scenes.values()})), ("answered", status["answered"]),
         ("no answer", status["no_answer"]), ("failed (could not be asked; in no share)", status["failed"]),
         ("refused by the rules", sum(group.refused for group in figures.groups)),

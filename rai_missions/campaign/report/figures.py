@@ -182,6 +182,8 @@ class CampaignFigures(NamedTuple):
     """Cells in scenes of another split, which no figure counts."""
     foreign: int
     """Cells whose scene the store lacks."""
+    reached: int
+    """How many of the scenes have a cell; the others are for the next run."""
 
 
 def figures_of(store: ResultStore) -> CampaignFigures:
@@ -191,18 +193,20 @@ def figures_of(store: ResultStore) -> CampaignFigures:
     scenes = {name: scene for name, scene in every.items() if split == "all" or scene.split == split}
     labels = store.labels()
     groups: dict[GroupName, GroupFigures] = {}
-    other = foreign = 0
+    reached, other, foreign = set[str](), 0, 0
     for cell in store.cells():
         if cell.scene in scenes:
             name = GroupName(cell.mission, cell.model, cell.embodiment)
             group = groups.get(name) or groups.setdefault(name, GroupFigures(name))
+            reached.add(cell.scene)
             _count(group, cell, scenes[cell.scene].kind, labels.get(cell.scene))
         elif cell.scene in every:
             other += 1
         else:
             foreign += 1
     ordered = sorted(groups.values(), key=lambda group: (group.name.mission, group.name.embodiment, group.name.model))
-    return CampaignFigures(split, scenes, labels, tuple(ordered), baselines_of(scenes, labels), other, foreign)
+    baselines = baselines_of(scenes, labels)
+    return CampaignFigures(split, scenes, labels, tuple(ordered), baselines, other, foreign, len(reached))
 
 
 def _count(group: GroupFigures, cell: CellRecord, kind: str, labels: Mapping[str, str] | None) -> None:
