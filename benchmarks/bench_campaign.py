@@ -5,7 +5,7 @@
     python -m benchmarks.bench_campaign tasks 300 --ray            # of Ray, on this machine
     python -m benchmarks.bench_campaign workers FILE --rounds 2    # a campaign with one worker and with two, in turn
 
-Times of a machine with other work say little; CPU times and ratios of one call can be compared.
+Times of a machine with other work are of little worth; CPU times and ratios of one call can be compared.
 """
 
 from __future__ import annotations
