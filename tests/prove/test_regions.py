@@ -18,6 +18,7 @@ from rai_missions.prove.environment import Environment
 from rai_missions.prove.explorer import Space
 from rai_missions.prove.limits import Limits
 from rai_missions.prove.properties import claims, lost, stuck
+from tests.prove.connected import CONNECTED
 from tests.prove.regional import FACTS, regional
 
 Json = dict[str, Any]
@@ -101,6 +102,12 @@ def hold_apart(seeds: range) -> None:
 @pytest.mark.parametrize("seed", [0, 4, 7, 160])
 def test_part_by_part_is_what_a_full_exploration_is(seed: int) -> None:
     hold_against_full(regional(seed), FACTS if seed % 4 else RobotFacts())
+
+
+@pytest.mark.parametrize("what", CONNECTED)
+def test_what_connects_regions_makes_no_difference(what: str) -> None:
+    assert hold_against_full(CONNECTED[what], FACTS) is not None
+    hold_one_by_one(CONNECTED[what])
 
 
 def test_one_at_a_time_is_what_a_full_exploration_is() -> None:

@@ -1,0 +1,96 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Small missions, each with two regions that one thing connects."""
+
+from __future__ import annotations
+
+from typing import Any
+
+__all__ = ("CONNECTED",)
+
+Json = dict[str, Any]
+FAILED = ["failed", "timed_out", "rejected"]
+
+
+def region(name: str, first: list[Json], second: list[Json], **more: Json) -> Json:
+    """Two states, `a` and `b`."""
+    a, b = {"transitions": first, **more.get("a", {})}, {"transitions": second, **more.get("b", {})}
+    return {"initial": f"{name}a", "states": {f"{name}a": a, f"{name}b": b, f"{name}end": {"final": "succeeded"}}}
+
+
+def mission(left: Json, right: Json, outer: list[Json] | None = None, **words: Any) -> Json:
+    """Two regions, and an event that ends all."""
+    around = [{"on": "succeeded", "to": "over"}, {"on": "failed", "to": "over"}, *(outer or [])]
+    return {
+        "format": 1, "name": "connected", "version": "1.0.0", "initial": "work",
+        "blackboard": {
+            "n": {"type": "integer", "initial": 0}, "armed": {"type": "boolean", "initial": False},
+            "clear": {"type": "boolean", "source": "robot", "max_age_s": 3},
+        },
+        "events": {event: {} for event in ("l", "r", "k", "both", "stop")},
+        "states": {
+            "work": {"parallel": {"left": left, "right": right}, "transitions": around},
+            "after": {"transitions": [{"on": "both", "to": "work"}]}, "over": {"final": "aborted"},
+        },
+        "transitions": [{"on": "stop", "to": "over"}], **words,
+    }  # fmt: skip
+
+
+def moves(name: str, event: str, **words: Any) -> Json:
+    """There and back by an event."""
+    return region(name, [{"on": event, "to": f"{name}b", **words}], [{"on": event, "to": f"{name}a"}])
+
+
+def ending(name: str, event: str, **words: Any) -> Json:
+    """There, and to the end."""
+    return region(name, [{"on": event, "to": f"{name}b"}], [{"on": event, "to": f"{name}end", **words}])
+
+
+def acting(name: str, action: str) -> Json:
+    """An action, again and again."""
+    ends = [{"on": "succeeded", "to": f"{name}b"}, {"on": FAILED, "to": f"{name}b"}]
+    return region(name, ends, [{"on": "both", "to": f"{name}a"}], a={"action": action, "timeout_s": 3})
+
+
+ARMED: Json = {"key": "armed", "==": True}
+ARM: list[Json] = [{"set": "armed", "value": True}]
+CONNECTED: dict[str, Json] = {
+    "nothing": mission(moves("l", "l"), moves("r", "r")),
+    "a guard that names the other's state": mission(moves("l", "l"), moves("r", "r", when={"in": "lb"})),
+    "a rule without an event that does": mission(
+        moves("l", "l"), region("r", [{"when": {"in": "lb"}, "to": "rb"}], [{"on": "r", "to": "ra"}])),
+    "an event of both": mission(moves("l", "both"), moves("r", "both")),
+    "an event that one raises": mission(moves("l", "l", do=[{"raise": "r"}]), moves("r", "r")),
+    "a key that one writes and the other waits for": mission(
+        moves("l", "l", do=ARM), region("r", [{"when": ARMED, "to": "rb"}], [{"on": "r", "to": "ra", "do": [
+            {"set": "armed", "value": False}]}])),
+    "a key that one writes and the other asks for": mission(moves("l", "l", do=ARM), moves("r", "r", when=ARMED)),
+    "a key of the robot": mission(
+        region("l", [{"when": {"key": "clear", "==": True}, "to": "lb"}], [{"on": "l", "to": "la"}]),
+        region("r", [{"when": {"key": "clear", "==": False}, "to": "rb"}], [{"on": "r", "to": "ra"}])),
+    "a key of the robot that may go stale while the other waits": mission(
+        region("l", [{"when": {"not": {"fresh": "clear"}}, "to": "lb"}], [{"on": "l", "to": "la"}]),
+        region("r", [{"after_s": 2, "to": "rb"}], [{"on": "r", "to": "ra"}])),
+    "actions that exclude each other": mission(acting("l", "lift"), acting("r", "lift")),
+    "their end": mission(ending("l", "l"), ending("r", "r")),
+    "their end, and what it requires": mission(
+        ending("l", "l", do=ARM), {**(right := ending("r", "r")), "states": {
+            **right["states"], "rend": {"final": "succeeded", "requires": ARMED}}}),
+    "what each does as it is left": mission(
+        region("l", [{"on": "l", "to": "lb"}], [{"on": "l", "to": "la"}], b={"exit": [{"set": "n", "add": 1}]}),
+        moves("r", "r"), [{"on": "k", "to": "after"}], invariants={"few": {"key": "n", "<": 3}}),
+    "a rule around them that names a state": mission(
+        moves("l", "l"), moves("r", "r"), [{"on": "k", "when": {"in": "lb"}, "to": "after"}]),
+    "a rule around them without an event that names a state": mission(
+        moves("l", "l"), moves("r", "r", do=ARM), [{"when": {"all": [{"in": "lb"}, ARMED]}, "to": "over"}]),
+    "an invariant that names both": mission(
+        moves("l", "l"), moves("r", "r"), invariants={"one": {"not": {"all": [{"in": "lb"}, {"in": "rb"}]}}}),
+    "an invariant over a state and a key": mission(
+        moves("l", "l"), moves("r", "r", do=ARM), invariants={"one": {"not": {"all": [{"in": "lb"}, ARMED]}}}),
+    "what may be read later": mission(
+        region("l", [{"on": "l", "when": ARMED, "to": "lend"}, {"on": "k", "to": "lend"}], []),
+        region("r", [{"on": "r", "do": ARM, "to": "rend"}], []), [{"on": "both", "to": "over"}]),
+    "the order in which they began": mission(
+        acting("l", "lift"), region("r", [{"on": "r", "to": "rb"}], [{"on": "succeeded", "to": "ra"}, {
+            "on": FAILED, "to": "ra"}], b={"action": "look", "timeout_s": 3})),
+}  # fmt: skip
+"""What connects the regions → the mission."""
