@@ -18,8 +18,16 @@ def region(name: str, first: list[Json], second: list[Json], **more: Json) -> Js
 
 
 def mission(left: Json, right: Json, outer: list[Json] | None = None, **words: Any) -> Json:
-    """Two regions, and an event that ends all."""
-    around = [{"on": "succeeded", "to": "over"}, {"on": "failed", "to": "over"}, *(outer or [])]
+    """Two regions, and an event that ends all.
+
+    Args:
+        left: A region.
+        right: A region.
+        outer: Transitions around them.
+        words: Of the mission, in place of others.
+    """
+    back = "over" if "on_cancel" in words else "after"
+    around = [{"on": "succeeded", "to": "over"}, {"on": "failed", "to": back}, *(outer or [])]
     return {
         "format": 1, "name": "connected", "version": "1.0.0", "initial": "work",
         "blackboard": {
@@ -45,14 +53,15 @@ def ending(name: str, event: str, **words: Any) -> Json:
     return region(name, [{"on": event, "to": f"{name}b"}], [{"on": event, "to": f"{name}end", **words}])
 
 
-def acting(name: str, action: str) -> Json:
+def acting(name: str, action: str, event: str) -> Json:
     """An action, again and again."""
     ends = [{"on": "succeeded", "to": f"{name}b"}, {"on": FAILED, "to": f"{name}b"}]
-    return region(name, ends, [{"on": "both", "to": f"{name}a"}], a={"action": action, "timeout_s": 3})
+    return region(name, ends, [{"on": event, "to": f"{name}a"}], a={"action": action, "timeout_s": 3})
 
 
 ARMED: Json = {"key": "armed", "==": True}
 ARM: list[Json] = [{"set": "armed", "value": True}]
+OVER: Json = {"on_cancel": "over"}
 CONNECTED: dict[str, Json] = {
     "nothing": mission(moves("l", "l"), moves("r", "r")),
     "a guard that names the other's state": mission(moves("l", "l"), moves("r", "r", when={"in": "lb"})),
@@ -63,6 +72,10 @@ CONNECTED: dict[str, Json] = {
     "a key that one writes and the other waits for": mission(
         moves("l", "l", do=ARM), region("r", [{"when": ARMED, "to": "rb"}], [{"on": "r", "to": "ra", "do": [
             {"set": "armed", "value": False}]}])),
+    "a key that one writes and the other comes to wait for": mission(
+        moves("l", "l", do=ARM),
+        region("r", [{"on": "r", "to": "rb"}], [{"when": ARMED, "to": "ra", "do": [{"set": "armed", "value": False}]}]),
+    ),
     "a key that one writes and the other asks for": mission(moves("l", "l", do=ARM), moves("r", "r", when=ARMED)),
     "a key of the robot": mission(
         region("l", [{"when": {"key": "clear", "==": True}, "to": "lb"}], [{"on": "l", "to": "la"}]),
@@ -70,8 +83,14 @@ CONNECTED: dict[str, Json] = {
     "a key of the robot that may go stale while the other waits": mission(
         region("l", [{"when": {"not": {"fresh": "clear"}}, "to": "lb"}], [{"on": "l", "to": "la"}]),
         region("r", [{"after_s": 2, "to": "rb"}], [{"on": "r", "to": "ra"}])),
-    "actions that exclude each other": mission(acting("l", "lift"), acting("r", "lift")),
+    "actions that exclude each other": mission(acting("l", "lift", "l"), acting("r", "lift", "r")),
     "their end": mission(ending("l", "l"), ending("r", "r")),
+    "their ends, in two ways": mission(
+        {**(left := ending("l", "l")), "states": {**left["states"], "lb": {"transitions": [
+            {"on": "l", "to": "lend"}, {"on": "k", "to": "lfailed"}]}, "lfailed": {"final": "failed"}}},
+        {**(other := ending("r", "r")), "states": {**other["states"], "rb": {"transitions": [
+            {"on": "r", "to": "rend"}, {"on": "both", "to": "rfailed"}]}, "rfailed": {"final": "failed"}}},
+        outer=[], transitions=[{"on": "stop", "to": "after"}]),
     "their end, and what it requires": mission(
         ending("l", "l", do=ARM), {**(right := ending("r", "r")), "states": {
             **right["states"], "rend": {"final": "succeeded", "requires": ARMED}}}),
@@ -89,8 +108,12 @@ CONNECTED: dict[str, Json] = {
     "what may be read later": mission(
         region("l", [{"on": "l", "when": ARMED, "to": "lend"}, {"on": "k", "to": "lend"}], []),
         region("r", [{"on": "r", "do": ARM, "to": "rend"}], []), [{"on": "both", "to": "over"}]),
+    "what both may read later": mission(
+        region("l", [{"on": "l", "when": ARMED, "to": "lb"}, {"on": "k", "to": "lb"}], []),
+        region("r", [{"on": "r", "when": ARMED, "to": "rb"}, {"on": "r", "to": "rb"}], []),
+        [{"on": "both", "do": ARM}], **OVER),
     "the order in which they began": mission(
-        acting("l", "lift"), region("r", [{"on": "r", "to": "rb"}], [{"on": "succeeded", "to": "ra"}, {
+        acting("l", "lift", "l"), region("r", [{"on": "r", "to": "rb"}], [{"on": "succeeded", "to": "ra"}, {
             "on": FAILED, "to": "ra"}], b={"action": "look", "timeout_s": 3})),
 }  # fmt: skip
 """What connects the regions → the mission."""
