@@ -7,6 +7,7 @@ left out; `make bench` installs those of Python, `npm install` in tests/oracles 
 
 from __future__ import annotations
 
+import itertools
 import json
 import shutil
 import subprocess
@@ -16,7 +17,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any, TypedDict
 
-from benchmarks.figures import figure
+from benchmarks.figures import figure, peak_bytes
 from rai_missions.check import check
 from rai_missions.engine import Chart
 from rai_missions.event import Event
@@ -301,6 +302,12 @@ def measured(peer: str, case: str) -> float | None:
     return per_event_us(send, EVENTS[case], rounds=3, least_s=least)
 
 
+def in_turn(send: Send, events: tuple[str, ...]) -> Callable[[], object]:
+    """Sends one event after the other, from the beginning again."""
+    names = itertools.cycle(events)
+    return lambda: send(next(names))
+
+
 def cell(us: float | None, own: float) -> str:
     return f"{us:8.2f} ({us / own:4.0f}x)" if us is not None else f"{'–':>16}"
 
@@ -317,6 +324,9 @@ def table() -> None:
     for case, us in own.items():
         nearest = min(((found[case], peer) for peer, found in peers.items() if found[case] is not None), default=None)
         figure(f"an event to a chart: {case}", us, "µs", peer=nearest and (nearest[1], nearest[0] or 0.0), most=MOST_US)
+    for case in CASES:
+        send = ours(case)
+        figure(f"an event to a chart: {case}, memory at its peak", peak_bytes(in_turn(send, EVENTS[case])), "bytes")
     for case, (peer, times) in TARGETS.items():
         theirs = peers[peer][case]
         if theirs is not None:

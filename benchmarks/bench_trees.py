@@ -16,7 +16,7 @@ from typing import Any, NamedTuple
 
 import py_trees
 
-from benchmarks.figures import figure
+from benchmarks.figures import figure, peak_bytes
 from rai_missions.engine import Chart
 from rai_missions.engine.activities.ticker import TreeState
 from rai_missions.engine.trees import CompiledTrees
@@ -169,6 +169,7 @@ def main() -> None:
         ours = cpu_us(stepping(tree, keys))
         theirs = cpu_us(stepping(tree, keys, PyTrees()), 30 if keys == 50 else 1)
         figure(f"a step that changes one guard of {keys}", ours, "µs", peer=("on py_trees", theirs))
+        figure(f"the same, of {keys}: memory at its peak", peak_bytes(stepping(tree, keys)), "bytes")
         print(f"{name:>16} {nodes:>8} {theirs:>16.1f} {ours:>16.1f}")
 
 

@@ -1,14 +1,17 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A figure that a benchmark found, handed to what gathers them: `make bench` names the file."""
+"""A figure that a benchmark found, handed to what gathers them: `make bench` names the file; and memory, counted."""
 
 from __future__ import annotations
 
+import gc
 import json
 import os
+import tracemalloc
+from collections.abc import Callable
 from pathlib import Path
 from typing import NamedTuple
 
-__all__ = ("VARIABLE", "Figure", "figure", "figures_in")
+__all__ = ("VARIABLE", "Figure", "figure", "figures_in", "peak_bytes")
 
 VARIABLE = "RAI_MISSIONS_FIGURES"
 """The environment's variable that names the file; without it a figure is kept nowhere."""
@@ -54,3 +57,23 @@ def figures_in(path: Path) -> list[Figure]:
     if not path.exists():
         return []
     return [Figure(**json.loads(line)) for line in path.read_text(encoding="utf-8").splitlines()]
+
+
+def peak_bytes(step: Callable[[], object], times: int = 300) -> float:
+    """The bytes that one call has allocated at its peak, its result among them; the mean, and no timing."""
+    for _ in range(60):
+        step()
+    gc.collect()
+    gc.disable()
+    tracemalloc.start()
+    try:
+        total, kept = 0, list[object]()
+        for _ in range(times):
+            before, _ = tracemalloc.get_traced_memory()
+            tracemalloc.reset_peak()
+            kept.append(step())
+            total += tracemalloc.get_traced_memory()[1] - before
+        return total / times
+    finally:
+        tracemalloc.stop()
+        gc.enable()

@@ -12,7 +12,7 @@ from functools import partial
 from typing import Any
 
 from rai_missions.engine.blackboard import known, note_news, write_key
-from rai_missions.engine.nodes import Act
+from rai_missions.engine.nodes import Act, WriteAct, Written
 from rai_missions.engine.program import Program
 from rai_missions.engine.state import RunState, Trigger
 from rai_missions.engine.step import CallService, LogLine, PublishMessage, SayAloud
@@ -72,11 +72,13 @@ def _set(effect: Set, site: Site) -> Act:
     if key is None or type_error(key, value):
         return partial(_write, name, value)
 
-    def put(program: Program, run: RunState) -> None:
-        run.board[name] = _new(Stamped, (value, run.at))
-        run.draft.written.append((name, value))
+    written = ((name, value),)
 
-    return put
+    def write(run: RunState) -> Written:
+        run.board[name] = _new(Stamped, (value, run.at))
+        return written
+
+    return WriteAct(write, partial(_write, name, value))
 
 
 def _write(name: str, value: Any, program: Program, run: RunState) -> None:
@@ -102,20 +104,24 @@ def _add(name: str, key: Key | None, amount: float) -> Act:
     is_whole = isinstance(amount, int) and abs(amount) <= LARGEST and key is not None and key.type == "integer"
     kind = int if is_whole else None
 
-    def add(program: Program, run: RunState) -> None:
+    def write(run: RunState) -> Written | None:
         board = run.board
-        entry = board.get(name)
-        old = entry[0] if entry is not None else 0
-        if old.__class__ is kind:
-            value = old + amount
-            board[name] = _new(Stamped, (value, run.at))
-            run.draft.written.append((name, value))
-        elif is_number(old):
+        old = board[name][0] if name in board else 0
+        if type(old) is not kind:
+            return None
+        value = old + amount
+        board[name] = _new(Stamped, (value, run.at))
+        return ((name, value),)
+
+    def add(program: Program, run: RunState) -> None:
+        entry = run.board.get(name)
+        old = entry.value if entry is not None else 0
+        if is_number(old):
             write_key(program, run, name, old + amount)
         else:
             run.draft.notes.append(f"'{name}' was not written: nothing can be added to {clipped(repr(old), 80)}")
 
-    return add
+    return WriteAct(write, add)
 
 
 def _raise(effect: Raise, site: Site) -> Act:

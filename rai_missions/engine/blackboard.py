@@ -10,9 +10,9 @@ from rai_missions.engine.program import Program
 from rai_missions.engine.state import RunState
 from rai_missions.errors import in_words
 from rai_missions.guards.guard import Truth
-from rai_missions.keys import Stamped, stale_at, type_error
+from rai_missions.keys import Key, Stamped, stale_at, type_error
 
-__all__ = ("ask_named", "known", "note_news", "write_key")
+__all__ = ("ask_named", "is_other", "known", "note_news", "write_key")
 
 
 def known(program: Program, state: RunState, key: str) -> Any:
@@ -25,11 +25,16 @@ def known(program: Program, state: RunState, key: str) -> Any:
 
 def note_news(program: Program, state: RunState, key: str, before: Any, by: str = "") -> bool:
     """Whether a key that was written has another value than before; if so, trees that look at it are ticked."""
-    value = known(program, state, key)
-    if value is before or (before is not None and value == before):
+    if not is_other(before, program.keys.get(key), state.board.get(key), state.at):
         return False
     state.draft.news[key] = by
     return True
+
+
+def is_other(before: Any, key: Key | None, entry: Stamped | None, now: float) -> bool:
+    """Whether what is known of a key is another than before; None is unknown."""
+    value = entry.value if entry is not None and now < stale_at(key, entry) else None
+    return not (value is before or (before is not None and value == before))
 
 
 def write_key(program: Program, state: RunState, key: str, value: Any, by: str = "") -> bool:

@@ -11,28 +11,28 @@ from collections.abc import Iterable, Iterator, Mapping
 from math import inf
 from typing import Any
 
-from rai_missions.engine import snapshot
+from rai_missions.engine import short_way, snapshot
 from rai_missions.engine.activities.goal_ledger import OpenGoal, awaited, loose
 from rai_missions.engine.activities.ticker import Trees
 from rai_missions.engine.activities.tree import questions_in
-from rai_missions.engine.configuration import CompiledStep, Configuration, DirectStep
-from rai_missions.engine.decision import Question, with_verdicts
+from rai_missions.engine.configuration import Configuration
+from rai_missions.engine.decision import Question
 from rai_missions.engine.events import NOT_STARTED
 from rai_missions.engine.handover import settle_holds
 from rai_missions.engine.hold import held_by, holder_of, live
-from rai_missions.engine.macrostep import complete, enabled
 from rai_missions.engine.modes import Mode, mode_of
+from rai_missions.engine.nodes import Written
 from rai_missions.engine.program import Named
 from rai_missions.engine.robot_facts import RobotFacts
 from rai_missions.engine.snapshot import Snapshot
-from rai_missions.engine.state import StepDraft, copied
-from rai_missions.engine.step import Cause, Effect, Move, Step
+from rai_missions.engine.state import copied
+from rai_missions.engine.step import Cause, Step
 from rai_missions.engine.stepping import begin_run, close, compiled, fresh, make_step
 from rai_missions.engine.surroundings import Surroundings
 from rai_missions.engine.timing import look_ahead
 from rai_missions.errors import UsageError
 from rai_missions.event import Event
-from rai_missions.guards.guard import Truth, View
+from rai_missions.guards.guard import View
 from rai_missions.keys import Stamped
 from rai_missions.mission.mission import Mission
 from rai_missions.model import suggestion
@@ -42,6 +42,7 @@ from rai_missions.states.state import Holder
 __all__ = ("NOT_STARTED", "Chart", "Named", "Snapshot")
 
 _new = tuple.__new__
+NO_WRITES: Written | None = ()
 
 
 class Chart:
@@ -142,85 +143,34 @@ class Chart:
         """
         state = self.state
         name, at, data, kind, _ = event
-        if kind != "event" or not state.quick or at >= state.wake:
+        if not state.quick or kind != "event" or not at < state.wake:
+            if kind == "write" and state.quick and at < state.wake:
+                return short_way.reading(self.program, state, event)
             return make_step(self.program, state, event)
+        direct = state.config.direct.get(name)
+        if direct is None:
+            return short_way.step(self.program, state, event)
         if at > state.at:
             state.at = at
-        config = state.config
-        direct = config.direct.get(name)
-        if direct is not None:
-            return self._direct(event, direct)
-        plan = config.plans.get(name)
-        if plan is None:
-            plan = config.plan(name, declared=name in self.program.declared)
-        if not plan:
-            is_declared = name in self.program.declared
-            return self._short(event, (), ()) if is_declared else make_step(self.program, state, event)
         state.event = data
-        looked: list[tuple[str, Truth]] = []
-        transitions = enabled(state, plan, looked)
-        if not transitions:
-            return self._short(event, (), tuple(looked))
-        leap = config.leaps.get((tuple(transitions), name))
-        if leap is None or not leap.plain or not state.listening.isdisjoint(leap.shifts):
-            return make_step(self.program, state, event)
-        first = plan[0][0]
-        if all(chain[0].test is None for chain in plan):
-            config.direct[name] = (None, "", leap)
-        elif len(plan) == len(plan[0]) == 1:
-            config.direct[name] = (first.test, first.place, leap)
-        return self._leapt(event, leap, tuple(looked))
-
-    def _direct(self, event: Event, direct: DirectStep) -> Step:
-        """A step on the short way where it is known what fires, if anything does."""
-        state = self.state
-        test, place, leap = direct
-        state.event = event.data
-        looked: tuple[tuple[str, Truth], ...] = ()
-        if test is not None:
-            value = test(state)
-            looked = ((place, value),)
-            if value is not True:
-                return self._short(event, (), looked)
-        if state.listening and not state.listening.isdisjoint(leap.shifts):
-            return make_step(self.program, state, event)
-        return self._leapt(event, leap, looked)
-
-    def _leapt(self, event: Event, leap: CompiledStep, looked: tuple[tuple[str, Truth], ...]) -> Step:
-        """The end of a step on the short way that makes a move."""
-        state = self.state
+        test, looked, leap = direct
+        if test is not None and (value := test(state)) is not True:
+            return short_way.value(state, event, (), ((looked[0][0], value),))
+        write, written = leap.write, NO_WRITES
+        if state.listening or (write is None and leap.acts):
+            return short_way.leapt(self.program, state, event, leap, looked)
+        if write is not None:
+            written = write(state)
+            if written is None:
+                return short_way.leapt(self.program, state, event, leap, looked)
         state.config = config = leap.config
         state.active = config.active
-        if not leap.acts:
-            return self._short(event, leap.moves, looked)
-        program, draft = self.program, state.draft
-        for act in leap.acts:
-            act(program, state)
-        written = draft.written
-        if draft.internal or (written and state.listening):
-            draft.moves.append(leap.move)
-            draft.looked += looked
-            complete(program, state, None)
-            return close(program, state, event)
-        if draft.effects or draft.notes or draft.news:
-            notes = with_verdicts(draft.notes)[0] if draft.notes else ()
-            state.draft = StepDraft()
-            return self._short(event, leap.moves, looked, tuple(written), tuple(draft.effects), notes)
-        step = self._short(event, leap.moves, looked, tuple(written))
-        written.clear()
-        return step
-
-    def _short(
-        self, event: Event, moves: tuple[Move, ...], looked: tuple[tuple[str, Truth], ...],
-        written: tuple[tuple[str, Any], ...] = (), effects: tuple[Effect, ...] = (), notes: tuple[str, ...] = (),
-    ) -> Step:  # fmt: skip
-        """The value of a step on the short way; without moves no transition fired."""
-        state = self.state
         state.seq = seq = state.seq + 1
+        state.quiet = False
         wake = state.wake
         return _new(Step, (
-            seq, state.at, event, moves, looked, written, None, None if wake == inf else wake, effects, "", notes,
-            (), "running", state.holder, (), "", False,
+            seq, state.at, event, leap.moves, looked, written, None, None if wake == inf else wake, (), "", (), (),
+            "running", state.holder, (), "", False,
         ))  # fmt: skip
 
     def absorb(self, writes: Iterable[tuple[str, Any, float]], *, at: float, seq: int) -> None:

@@ -77,8 +77,10 @@ class CompiledMission:
             assert state is not None
             node.initial = tuple(self.nodes[name] for name in _leads(node))
             node.clocked = node.clocked or node.activity  # its machine's guards, a profile's too, may ask for its age
-            node.entry = self._acts(state.entry, f"{node.place}/entry", node)
-            node.exit = self._acts(state.exit, f"{node.place}/exit", node)
+            if state.entry:
+                node.entry = self._acts(state.entry, f"{node.place}/entry", node)
+            if state.exit:
+                node.exit = self._acts(state.exit, f"{node.place}/exit", node)
             if isinstance(state, Final) and state.requires is not None:
                 node.requires = self.condition(state.requires, f"{node.place}/requires", node.name)
             if not node.is_history:  # its transition is its default, which never fires
@@ -109,7 +111,8 @@ class CompiledMission:
             transition.targets = tuple(self.nodes[name] for name in definition.to)
             if self._has_history:
                 transition.uses_history = self.uses_history or any(target.is_history for target in transition.targets)
-            transition.acts = self._acts(definition.do, f"{transition.place}/do", node)
+            if definition.do:
+                transition.acts = self._acts(definition.do, f"{transition.place}/do", node)
             if definition.when is not None:
                 transition.condition = self.condition(definition.when, transition.place, node.name)
                 transition.test = transition.condition.test

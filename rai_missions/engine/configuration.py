@@ -6,23 +6,26 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from rai_missions.engine.nodes import Act, CompiledTransition, Node
+from rai_missions.engine.nodes import Act, CompiledTransition, Node, Write, WriteAct
 from rai_missions.engine.step import Move
-from rai_missions.guards.guard import Test
+from rai_missions.guards.guard import Test, Truth
 from rai_missions.states.state import ANY_EVENT
 
-__all__ = ("CompiledStep", "Configuration", "DirectStep")
+__all__ = ("CompiledStep", "Configuration", "DirectStep", "Looked")
 
 
 class CompiledStep:
     """What taking certain transitions in a configuration does: a `Move` and all that the chart needs to make it."""
 
     __slots__ = (
-        "acts", "config", "entered", "exited", "move", "moves", "plain", "remember", "shifts",
+        "acts", "config", "entered", "exited", "move", "moves", "plain", "remember", "shifts", "write",
     )  # fmt: skip
 
     def __init__(self, move: Move, config: Configuration, acts: tuple[Act, ...]) -> None:
         self.move, self.moves, self.config, self.acts = move, (move,), config, acts
+        only = acts[0] if len(acts) == 1 else None
+        self.write: Write | None = only.write if isinstance(only, WriteAct) else None
+        """Does what `acts` do, where that is one write and no one listens to keys."""
         self.exited: tuple[Node, ...] = ()
         self.entered: tuple[Node, ...] = ()
         self.remember: tuple[tuple[int, tuple[Node, ...]], ...] = ()
@@ -37,8 +40,10 @@ class CompiledStep:
         """
 
 
-DirectStep = tuple[Test | None, str, CompiledStep]
-"""The guard of the transition, if it has one, its JSON pointer, and what taking it does."""
+Looked = tuple[tuple[str, Truth], ...]
+"""JSON pointers of guards that were looked at, and their truth."""
+DirectStep = tuple[Test | None, Looked, CompiledStep]
+"""The guard of the transition, if it has one, what a step notes of it where it is true, and what taking it does."""
 
 
 class Configuration:

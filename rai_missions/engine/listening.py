@@ -9,7 +9,10 @@ from typing import Any
 
 from rai_missions.engine.activities.activity import Machine, listens
 
-__all__ = ("WatchedNames",)
+__all__ = ("RunningTree", "WatchedNames")
+
+RunningTree = tuple[str, Machine, Any]
+"""A state, the machine of its tree and what that remembers."""
 
 
 class WatchedNames(AbstractSet[str]):
@@ -17,20 +20,27 @@ class WatchedNames(AbstractSet[str]):
 
     Args:
         names: What is listened to but for trees.
-        trees: The machines of the trees that run, each with its state.
+        trees: Those that run.
     """
 
     __slots__ = ("names", "trees")
 
-    def __init__(self, names: frozenset[str], trees: tuple[tuple[Machine, Any], ...]) -> None:
+    def __init__(self, names: frozenset[str], trees: tuple[RunningTree, ...]) -> None:
         self.names, self.trees = names, trees
+
+    def with_tree(self, tree: RunningTree) -> WatchedNames:
+        """The same once a tree that runs in a state has come further."""
+        return WatchedNames(self.names, tuple([tree if each[0] == tree[0] else each for each in self.trees]))
 
     @classmethod
     def _from_iterable(cls, names: Any) -> Any:
         return frozenset(names)
 
     def __contains__(self, name: object) -> bool:
-        return name in self.names or any(listens(machine, state, (str(name),)) for machine, state in self.trees)
+        return name in self.names or any(listens(machine, state, (str(name),)) for _, machine, state in self.trees)
+
+    def __bool__(self) -> bool:
+        return True  # a tree runs; what it looks at is asked for by name
 
     def __iter__(self) -> Iterator[str]:
         return iter(self.all())
@@ -40,7 +50,7 @@ class WatchedNames(AbstractSet[str]):
 
     def all(self) -> frozenset[str]:
         """Every name."""
-        return self.names.union(*(machine.reads(state) for machine, state in self.trees))
+        return self.names.union(*(machine.reads(state) for _, machine, state in self.trees))
 
     def __repr__(self) -> str:
         return repr(self.all())

@@ -12,12 +12,39 @@ from rai_missions.states.final import Final
 from rai_missions.states.history import History
 from rai_missions.states.state import State, Transition
 
-__all__ = ("Act", "CompiledGuard", "CompiledTransition", "Content", "Memory", "Node")
+__all__ = (
+    "Act", "CompiledGuard", "CompiledTransition", "Content", "Memory", "Node", "Write", "WriteAct", "Written",
+)  # fmt: skip
 
 Act = Callable[[Any, Any], None]
 """An effect compiled: does its work on the program and the state of the run that it is given."""
+Written = tuple[tuple[str, Any], ...]
+"""Keys and their new values, in order."""
+Write = Callable[[Any], Written | None]
+"""Writes a key of a run's blackboard and returns what a step notes; None where it has written nothing."""
 Memory = Mapping[int, tuple["Node", ...]]
 """Index of a history state → the states it leads back to."""
+
+
+class WriteAct:
+    """An act that writes one key and needs nothing of the step in hand, where its value is of the simplest sort.
+
+    Args:
+        write: Makes the act in that case; `CompiledStep.write` uses it alone.
+        otherwise: Makes it in any other.
+    """
+
+    __slots__ = ("otherwise", "write")
+
+    def __init__(self, write: Write, otherwise: Act) -> None:
+        self.write, self.otherwise = write, otherwise
+
+    def __call__(self, program: Any, run: Any) -> None:
+        written = self.write(run)
+        if written is not None:
+            run.draft.written.extend(written)
+        else:
+            self.otherwise(program, run)
 
 
 class Content(NamedTuple):

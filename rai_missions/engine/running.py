@@ -13,7 +13,7 @@ from rai_missions.engine.activities.tree import TreeActivity, limit_of
 from rai_missions.engine.activities.tree_rounds import Rounds
 from rai_missions.engine.blackboard import write_key
 from rai_missions.engine.hold import awake, drop_reports, holder_of, is_held, live
-from rai_missions.engine.listening import WatchedNames
+from rai_missions.engine.listening import RunningTree, WatchedNames
 from rai_missions.engine.nodes import Node
 from rai_missions.engine.program import Program
 from rai_missions.engine.state import RunState, Trigger
@@ -23,7 +23,7 @@ from rai_missions.event import Event
 
 __all__ = (
     "Host", "begin", "begin_starting", "cancel_goals", "dispatch", "leave_activity", "outcome_of", "poll", "reads",
-    "request_control", "resting", "take_back", "unfinished",
+    "request_control", "resting", "take_back", "take_turn", "unfinished",
 )  # fmt: skip
 
 
@@ -112,7 +112,7 @@ def begin(program: Program, state: RunState, node: Node) -> None:
     if machine is not None:
         turn = machine.begin(Host(program, state))
         state.running[node.name] = turn.state
-        _turn(program, state, node.name, turn)
+        take_turn(program, state, node.name, turn)
 
 
 def leave_activity(program: Program, state: RunState, node: Node) -> None:
@@ -130,7 +130,7 @@ def leave_activity(program: Program, state: RunState, node: Node) -> None:
 # -- informed ---------------------------------------------------------------------------------------------------------
 
 
-def _turn(program: Program, state: RunState, name: str, turn: Turn) -> None:
+def take_turn(program: Program, state: RunState, name: str, turn: Turn) -> None:
     """Take over what a machine has made of something."""
     state.draft.touched = True
     for key, value in turn.writes:
@@ -191,7 +191,7 @@ def _informed(
         tick = Event("tick", state.at, data, "tick")
         turn = machine.receive(activity, tick, Host(program, state))
         if turn is not None:
-            _turn(program, state, name, turn)
+            take_turn(program, state, name, turn)
             has_acted = True
     return has_acted
 
@@ -201,7 +201,7 @@ def dispatch(program: Program, state: RunState, event: Event) -> bool:
     for name, machine, activity in live(program, state):
         turn = machine.receive(activity, event, Host(program, state))
         if turn is not None:
-            _turn(program, state, name, turn)
+            take_turn(program, state, name, turn)
             poll(program, state)
             return True
     return False
@@ -225,10 +225,11 @@ def unfinished(program: Program, state: RunState) -> frozenset[str]:
 
 def reads(program: Program, state: RunState) -> AbstractSet[str]:
     """What may change something now when it changes: keys, and states that an activity asks for."""
-    found, trees = state.config.reads | program.graph.invariant_reads, []
-    for _, machine, activity in live(program, state):
+    found, trees = state.config.reads | program.graph.invariant_reads, list[RunningTree]()
+    for each in live(program, state) if state.running else ():
+        _, machine, activity = each
         if isinstance(activity, TreeActivity):
-            trees.append((machine, activity))
+            trees.append(each)
         else:
             found |= machine.reads(activity)
     if state.settling or state.final is not None:

@@ -108,8 +108,9 @@ def make_step(program: Program, state: RunState, event: Event) -> Step:
 
 def close(program: Program, state: RunState, event: Event) -> Step:
     """The value of the step in hand; the next one begins with an empty draft."""
-    take_back(program, state)
     draft = state.draft
+    if draft.given_up:
+        take_back(program, state)
     changed = bool(draft.moves or draft.effects or draft.notes or draft.touched or draft.refused)
     is_fact = event.kind in ("write", "tick")
     if not changed and is_fact and state.mode == "running":
@@ -121,7 +122,9 @@ def close(program: Program, state: RunState, event: Event) -> Step:
     notes, verdicts = with_verdicts(draft.notes) if draft.notes else ((), ())
     if draft.refused and event.kind == "proposal":
         verdicts = (*verdicts, stale_verdict(event, draft.refused))
-    state.quiet = is_fact and not (changed or any(place.startswith("named:") for place, _ in draft.looked))
+    state.quiet = is_fact and not (
+        changed or (draft.looked and any(place.startswith("named:") for place, _ in draft.looked))
+    )
     state.draft = StepDraft()
     state.seq += 1
     made: Step = tuple.__new__(Step, (

@@ -137,10 +137,16 @@ def next_instant(program: Program, state: RunState) -> float:
     if state.mode == "ended" or state.mode == "ready":
         return soonest if state.mode == "ended" else math.inf
     for _, condition in program.invariants:
-        soonest = _soonest(state, condition.instants, soonest)
+        if condition.instants:
+            soonest = _soonest(state, condition.instants, soonest)
     if state.mode == "paused":
         return soonest
-    soonest = _soonest(state, state.config.instants, min(_deadline(program, state), soonest, state.cancel_by))
+    if state.cancel_by < soonest:
+        soonest = state.cancel_by
+    if state.timers or state.pending or state.settling:
+        soonest = min(soonest, _deadline(program, state))
+    if state.config.instants:
+        soonest = _soonest(state, state.config.instants, soonest)
     if state.settling or state.final is not None:
         finals = {state.final, *(program.graph.nodes[name] for name in state.settling)}
         requires = [final.requires for final in finals if final is not None and final.requires is not None]

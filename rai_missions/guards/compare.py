@@ -202,14 +202,26 @@ def _plain(key: str, apply: Callable[[Any, Any], Any], value: Any, *, equality: 
     """The common case made short: a whole key that never goes stale, against a value."""
     if value.__class__ is bool and apply is operator.eq:
         return _is_flag(key, value)
-    number = isinstance(value, int | float) and not isinstance(value, bool)
+    if type(value) is int or type(value) is float:
+        return _number(key, apply, value, equality=equality)
 
     def test(view: View) -> Truth:
-        entry = view.board.get(key)
-        if entry is None:
+        board = view.board
+        return truth(apply, board[key][0], value, equality=equality) if key in board else None
+
+    return test
+
+
+def _number(key: str, apply: Callable[[Any, Any], Any], value: float, *, equality: bool) -> Test:
+    """The same against a number."""
+
+    def test(view: View) -> Truth:
+        board = view.board
+        if key not in board:
             return None
-        left = entry[0]
-        if number and (left.__class__ is int or left.__class__ is float):
+        left = board[key][0]
+        kind = type(left)
+        if kind is int or kind is float:
             return apply(left, value)  # type: ignore[no-any-return]
         return truth(apply, left, value, equality=equality)
 
@@ -220,10 +232,10 @@ def _is_flag(key: str, value: bool) -> Test:
     """The same for a key that is a boolean, and nothing else."""
 
     def test(view: View) -> Truth:
-        entry = view.board.get(key)
-        if entry is None:
+        board = view.board
+        if key not in board:
             return None
-        left = entry[0]
+        left = board[key][0]
         return left is value if left is True or left is False else None
 
     return test

@@ -152,6 +152,8 @@ class GoalMachine(Machine):
             instants = self.settling_instants
         elif state.phase == "running":
             instants = self.composed_instants
+        if not instants:
+            return state.until
         later = [instant for instant in (each(view) for each in instants) if instant > view.at]
         return min([state.until, *later])
 

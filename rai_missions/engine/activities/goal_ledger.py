@@ -206,4 +206,8 @@ def give_up_overdue(goals: Goals, at: float) -> list[Goal]:
 
 def next_overdue(goals: Goals) -> float:
     """The next instant at which a cancel is overdue; infinity for none."""
-    return min((goal.until for goal in goals.values() if goal.phase not in GIVEN_UP), default=math.inf)
+    soonest = math.inf
+    for goal in goals.values():
+        if goal.until < soonest and goal.phase not in GIVEN_UP:
+            soonest = goal.until
+    return soonest

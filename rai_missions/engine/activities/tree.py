@@ -9,10 +9,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
+from collections.abc import Set as AbstractSet
 from typing import Any, Literal, NamedTuple
 
 from rai_missions.engine.activities.action import GoalActivity
 from rai_missions.engine.activities.activity import (
+    NO_KEYS,
     ActivityHost,
     Bench,
     Machine,
@@ -89,6 +91,8 @@ def is_settling(state: Any) -> bool:
 class _TurnDraft:
     """What a turn is gathering."""
 
+    __slots__ = ("changed", "effects", "has_written", "leaves", "limit", "news", "notes", "outcomes", "tree", "wake")
+
     def __init__(self, state: TreeActivity) -> None:
         self.tree, self.leaves, self.wake, self.limit = state.tree, dict(state.leaves), state.wake, state.limit
         self.effects: list[Effect] = []
@@ -97,7 +101,7 @@ class _TurnDraft:
         self.has_written = False
         self.news: set[str] = set()
         """Keys to which the tree has given another value since its last tick began."""
-        self.changed: set[str] | None = set()
+        self.changed: AbstractSet[str] | None = NO_KEYS
         """All else that is another than at the last tick; None where some of it may have been missed."""
 
     def write(self, host: ActivityHost, writes: Iterable[tuple[str, Any]], owner: str) -> None:
@@ -131,7 +135,7 @@ class TreeMachine(Machine):
         if state.limit or (event.kind == "tick" and event.data.get("unseen")):
             draft.changed = None
         elif event.kind == "tick":
-            draft.changed = set(event.data["news"])
+            draft.changed = event.data["news"]
         for path, leaf in state.leaves.items():
             turn = self._leaf(path, leaf, event, host)
             if turn is not None:
@@ -141,8 +145,9 @@ class TreeMachine(Machine):
             turn = self._rest(draft, host)
         elif draft.outcomes or self._is_due(state, event, host):
             turn = self._tick(draft, host)
-        elif event.kind == "tick" and self.ticker.listens(state.tree, event.data["keys"]):
-            if self.ticker.listens(state.tree, event.data["news"]):
+        elif event.kind == "tick" and self.ticker.listens(state.tree, keys := event.data["keys"]):
+            news = event.data["news"]
+            if news is keys or self.ticker.listens(state.tree, news):
                 turn = self._look(draft, host)
             else:  # the same value, and it grows stale later
                 draft.wake = self.ticker.wake_at(draft.tree, host.view)
@@ -193,24 +198,29 @@ class TreeMachine(Machine):
         """Tick, and at once again while there is a reason, and room for it."""
         draft.limit = ""
         while True:
-            changed = draft.changed | draft.news if draft.changed is not None else None
-            draft.news.clear()
+            changed = draft.changed
+            if draft.news:
+                changed = changed | draft.news if changed is not None else None
+                draft.news = set()
             late_s = host.begins_at - host.view.at
             ticked = self.ticker.tick(draft.tree, host.view, draft.outcomes, late_s, changed)
-            draft.outcomes, draft.changed = {}, set()
+            draft.outcomes, draft.changed = {}, NO_KEYS
             self._apply(draft, ticked, host)
             if ticked.status in ("success", "failure"):
                 self._end(draft, draft.leaves, host)
                 return draft.turn(Outcome("succeeded" if ticked.status == "success" else "failed"))
-            if not self._again(draft, ticked, self._rounds(host)):
+            if not self._again(draft, ticked, host):
                 return self._rest(draft, host)
 
-    def _again(self, draft: _TurnDraft, ticked: TickResult, rounds: Rounds) -> bool:
+    def _again(self, draft: _TurnDraft, ticked: TickResult, host: ActivityHost) -> bool:
         """Whether the next tick is due in this step.
 
         It is where a loop begins its next round, a leaf has ended as soon as it was started, or the tree has given
         another value to a key that it looks at.
         """
+        if not (ticked.rounds or ticked.begun or draft.outcomes or draft.news):
+            return False
+        rounds = self._rounds(host)
         if rounds.next_begins(ticked):
             draft.limit = "rounds" if rounds.are_spent else ""
             return not draft.limit
@@ -232,9 +242,12 @@ class TreeMachine(Machine):
 
     def _apply(self, draft: _TurnDraft, ticked: TickResult, host: ActivityHost) -> None:
         draft.tree = ticked.state
-        draft.write(host, ticked.writes, self.owner)
-        draft.effects += [PublishMessage(topic, message) for topic, message in ticked.published]
-        self._end(draft, ticked.ended, host)
+        if ticked.writes:
+            draft.write(host, ticked.writes, self.owner)
+        if ticked.published:
+            draft.effects += [PublishMessage(topic, message) for topic, message in ticked.published]
+        if ticked.ended:
+            self._end(draft, ticked.ended, host)
         for path in ticked.started:
             leaf_machine = self.leaf_machines[path]
             deadline = host.begins_at + leaf_machine.timeout_s if leaf_machine.timeout_s is not None else math.inf
@@ -253,20 +266,20 @@ class TreeMachine(Machine):
         return draft.turn(None)._replace(state=None)
 
     def wake_at(self, state: TreeActivity, view: View) -> float:
-        leaves = (
-            min(leaf.deadline, self.leaf_machines[path].machine.wake_at(leaf.state, view))
-            for path, leaf in state.leaves.items()
-        )
-        return min([state.wake, *leaves])
+        soonest = state.wake
+        for path, leaf in state.leaves.items():
+            soonest = min(soonest, leaf.deadline, self.leaf_machines[path].machine.wake_at(leaf.state, view))
+        return soonest
 
     def reads(self, state: TreeActivity) -> frozenset[str]:
         each = (self.leaf_machines[path].machine.reads(leaf.state) for path, leaf in state.leaves.items())
         return self.ticker.reads(state.tree).union(*each)
 
     def listens(self, state: TreeActivity, names: Collection[str]) -> bool:
-        return self.ticker.listens(state.tree, names) or any(
-            listens(self.leaf_machines[path].machine, leaf.state, names) for path, leaf in state.leaves.items()
-        )
+        if self.ticker.listens(state.tree, names):
+            return True
+        leaves, machines = state.leaves.items(), self.leaf_machines
+        return any(listens(machines[path].machine, leaf.state, names) for path, leaf in leaves)
 
     def awaits(self, state: TreeActivity) -> frozenset[int]:
         each = (self.leaf_machines[path].machine.awaits(leaf.state) for path, leaf in state.leaves.items())

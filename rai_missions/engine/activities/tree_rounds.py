@@ -6,6 +6,8 @@ Rule: no tree fails for going round, and every step ends.
 
 from __future__ import annotations
 
+from collections.abc import Set as AbstractSet
+
 from rai_missions.engine.activities.ticker import TickResult
 
 __all__ = ("MOST_ROUNDS", "MOST_WAKES", "Rounds")
@@ -14,6 +16,9 @@ MOST_ROUNDS = 10_000
 """Rounds of all loops of one tree that end in the step in which they began; the rest follow in the next step."""
 MOST_WAKES = 1000
 """Ticks of one tree in one step that a key which was written in this step has caused; then the tree rests."""
+
+
+NONE: frozenset[str] = frozenset()
 
 
 class Rounds:
@@ -27,7 +32,7 @@ class Rounds:
 
     def __init__(self, loops: int) -> None:
         self._loops = loops
-        self._begun: set[str] = set()
+        self._begun: AbstractSet[str] = NONE
         self._ended = self._leaf_ends = 0
         self.own = 0
         """Ticks that keys written by the tree itself have caused."""
@@ -39,13 +44,13 @@ class Rounds:
 
         One with a number always does; one without where the round took time: it had begun in an earlier step.
         """
-        begins = False
+        begins, begun = False, set(self._begun)
         for each in ticked.rounds:
-            at_once = each.at_once or each.path in self._begun
-            self._begun.discard(each.path)
+            at_once = each.at_once or each.path in begun
+            begun.discard(each.path)
             self._ended += at_once
             begins = begins or (each.continues and (each.counted or not at_once))
-        self._begun.update(ticked.begun)
+        self._begun = begun.union(ticked.begun)
         if begins:
             self._leaf_ends = 0
         return begins

@@ -33,6 +33,7 @@ class CompiledComposite(CompiledNode):
     """
 
     __slots__ = ("current", "memory_", "top")
+    doubts_later = True
 
     def __init__(self, children: Sequence[Any], *, memory: bool = False) -> None:
         super().__init__(children)
@@ -57,53 +58,74 @@ class CompiledComposite(CompiledNode):
                 child.stop(now)
         self.top = min(self.top, first - 1)
 
-    def _place(self, status: Status, current: int, now: Tick) -> Status:
-        """Have a status and a current child from now on."""
-        if status is not self.status or current != self.current:
-            self.status, self.current = status, current
-            now.touched.append(self)
-        return status
+    def _among_seen(self, number: int, passes: Status, now: Tick, *, restarts: bool) -> int:
+        """Tick those from a number on that are not idle, among the children at which the last tick has looked.
 
-    def _visit(self, number: int, last: int, passes: Status, now: Tick, *, restarts: bool) -> int:
-        """Tick the children from a number on that are not idle, until one reports what ends the visit.
+        One that is idle would report the same.
 
         Args:
             number: Of the first.
-            last: Until here the last tick has looked; what comes after may be as it was long ago.
             passes: The report after which the next one follows.
             now: The tick.
             restarts: A child is stopped before it is ticked.
 
         Returns:
-            The number of the child whose report counts.
+            The number of the first child that it had no reason to look at; less than 0 where one has ended the visit,
+            of which `~` is the number.
         """
-        children, end = self.children, len(self.children) - 1
-        while True:
-            if number <= last:
-                if not self.todo & children[number].bit:
-                    number = self._next(number, last)
-                    if number > last and (last == end or children[last].status is not passes):
-                        return last
-                child = children[number]
-                if restarts and not child.renews and child.status is not INVALID:
-                    child.stop(now)
-            else:
-                child = children[number]
-                if child.status is not INVALID:
-                    child.doubt()
+        children, seen = self.children, self.current
+        end = len(children) - 1
+        while number <= seen:
+            rest = self.todo >> number
+            number += (rest & -rest).bit_length() - 1 if rest else end + 1
+            if number > seen:
+                return seen + 1 if children[seen].status is passes and seen < end else ~seen
+            child = children[number]
+            if restarts and not child.renews and child.status is not INVALID:
+                child.stop(now)
             status = child.tick(now)
             if not child.idle:
                 self.todo |= child.bit
             elif self.todo & child.bit:
                 self.todo ^= child.bit
             if status is not passes or number == end:
+                return ~number
+            number += 1
+        return number
+
+    def _among_rest(self, number: int, passes: Status, now: Tick, *, restarts: bool) -> int:
+        """Tick all from a number on; gives the number of the child whose report counts. See `_among_seen`."""
+        children = self.children
+        self.todo &= (1 << number) - 1
+        for child in children[number:] if number else children:
+            test = child.quick
+            if test is not None:
+                status = SUCCESS if test(now.sight) is True else FAILURE
+                if status is not child.status:
+                    child.status = status
+                    now.touched.append(child)
+                child.idle = True
+            else:
+                if child.status is INVALID:
+                    pass
+                elif restarts and not child.renews:
+                    child.stop(now)
+                elif child.doubts_later:
+                    child.todo = -1
+                else:
+                    child.doubt()
+                status = child.tick(now)
+                if not child.idle:
+                    self.todo |= child.bit
+            if status is not passes:
                 return number
             number += 1
+        return number - 1
 
-    def _next(self, number: int, last: int) -> int:
-        """The first child from a number on that is not idle; the one after the last if all are idle until there."""
-        rest = self.todo >> number
-        return min(number + (rest & -rest).bit_length() - 1, last + 1) if rest else last + 1
+    def doubt(self) -> None:
+        """See `CompiledNode.doubt`; the children are put in doubt where they are visited."""
+        self.idle = False
+        self.todo = -1
 
     def memory(self) -> Mapping[str, Any] | None:
         if self.current < 0:
@@ -132,9 +154,13 @@ class CompiledSequence(CompiledComposite):
     __slots__ = ()
 
     def tick(self, now: Tick) -> Status:
-        begins, memory, last = self.status is not RUNNING, self.memory_, self.current
-        number = self._visit(last if memory and not begins else 0, last, SUCCESS, now, restarts=begins)
-        child = self.children[number]
+        begins, memory, children = self.status is not RUNNING, self.memory_, self.children
+        first = self.current if memory and not begins else 0
+        number = first
+        if self.todo >= 0 and number <= self.current:
+            number = self._among_seen(number, SUCCESS, now, restarts=begins)
+        number = ~number if number < 0 else self._among_rest(number, SUCCESS, now, restarts=begins)
+        child = children[number]
         status: Status = child.status
         if self.top > number:
             self._stop_from(number + 1, now)
@@ -145,7 +171,10 @@ class CompiledSequence(CompiledComposite):
             self.doubt()
         else:
             self.idle = not self.todo & ((2 << number) - 1)
-        return self._place(status, number, now)
+        if status is not self.status or number != self.current:
+            self.status, self.current = status, number
+            now.touched.append(self)
+        return status
 
 
 class CompiledSelector(CompiledComposite):
@@ -159,25 +188,29 @@ class CompiledSelector(CompiledComposite):
 
     def tick(self, now: Tick) -> Status:
         begins, memory, last = self.status is not RUNNING, self.memory_, self.current
-        first = 0
+        children, first = self.children, 0
         if memory and not begins:
             first = last
-            for child in self.children[:last]:
+            for child in children[:last]:
                 if child.status is not INVALID:
                     child.stop(now)
-        number = self._visit(first, last, FAILURE, now, restarts=False)
-        status: Status = self.children[number].status
+        number = first
+        if self.todo >= 0 and number <= self.current:
+            number = self._among_seen(number, FAILURE, now, restarts=False)
+        number = ~number if number < 0 else self._among_rest(number, FAILURE, now, restarts=False)
+        child = children[number]
+        status: Status = child.status
         if status is not FAILURE and self.top > number and number != (0 if begins else last):
             self._stop_from(number + 1, now)
-        self.top = max(self.top, number)
-        self._settle(status, number, begins=begins, first=first)
-        return self._place(status, number, now)
-
-    def _settle(self, status: Status, number: int, *, begins: bool, first: int) -> None:
-        """Whether it is idle from now on."""
-        if status is RUNNING and self.memory_:
-            self.idle = number == first and self.children[number].idle
-        elif self.memory_ and not begins:
+        if self.top < number:
+            self.top = number
+        if status is RUNNING and memory:
+            self.idle = number == first and child.idle
+        elif memory and not begins:
             self.doubt()
         else:
             self.idle = not self.todo & ((2 << number) - 1) and (status is RUNNING or self.top == number)
+        if status is not self.status or number != self.current:
+            self.status, self.current = status, number
+            now.touched.append(self)
+        return status

@@ -149,7 +149,7 @@ class CompiledTimeout(CompiledConverter):
     def tick(self, now: Tick) -> Status:
         child = self.child
         if self.status is not RUNNING:
-            self.until = now.sight.at + now.sight.late_s + self.duration_s
+            self.until = now.sight.at + now.late_s + self.duration_s
             now.waits.append(self)
         status = child.status if child.idle else child.tick(now)
         if status is RUNNING and now.sight.at >= self.until:

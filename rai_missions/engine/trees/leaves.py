@@ -27,11 +27,12 @@ class CompiledCheck(CompiledNode):
         steady: It depends on nothing else.
     """
 
-    __slots__ = ("steady", "test")
+    __slots__ = ("quick", "steady", "test")
 
     def __init__(self, test: Test, site: Site, *, steady: bool) -> None:
         super().__init__()
         self.test, self.site, self.steady = test, site, steady
+        self.quick = test if steady else None
 
     def tick(self, now: Tick) -> Status:
         status = SUCCESS if self.test(now.sight) is True else FAILURE

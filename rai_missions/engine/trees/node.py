@@ -14,7 +14,7 @@ from typing import Any, Literal
 
 from rai_missions.engine.activities.ticker import Status
 from rai_missions.engine.trees.tick import Tick
-from rai_missions.guards.guard import Site
+from rai_missions.guards.guard import Site, Test
 
 __all__ = ("FAILURE", "INVALID", "PLAIN", "RUNNING", "STATUSES", "SUCCESS", "CompiledNode")
 
@@ -44,6 +44,11 @@ class CompiledNode:
     """The keys that a tick of it may write."""
     role: Literal["", "activity", "waits"] = ""
     """What the ticker keeps it for while it runs: the chart runs it, or it has a deadline."""
+
+    doubts_later = False
+    """It puts its children in doubt as its tick comes to them, where its `todo` is less than 0."""
+    quick: Test | None = None
+    """Of a check that depends on keys, states and time alone, its guard: a composite makes its tick by itself."""
 
     def __init__(self, children: Sequence[Any] = ()) -> None:
         self.status: Status = INVALID

@@ -8,7 +8,7 @@ from typing import Any
 
 from rai_missions.engine.activities.ticker import Status
 from rai_missions.engine.trees.composites import CompiledComposite
-from rai_missions.engine.trees.node import FAILURE, INVALID, RUNNING, SUCCESS
+from rai_missions.engine.trees.node import FAILURE, INVALID, RUNNING, SUCCESS, CompiledNode
 from rai_missions.engine.trees.tick import Tick
 
 __all__ = ("CompiledParallel",)
@@ -24,6 +24,7 @@ class CompiledParallel(CompiledComposite):
     """
 
     __slots__ = ("policy", "synchronise")
+    doubts_later = False
 
     def __init__(self, children: Sequence[Any], policy: str | tuple[int, ...], *, synchronise: bool) -> None:
         super().__init__(children)
@@ -58,7 +59,12 @@ class CompiledParallel(CompiledComposite):
         else:
             self._stop_running(now)
             self.doubt()
-        return self._place(status, current, now)
+        if status is not self.status or current != self.current:
+            self.status, self.current = status, current
+            now.touched.append(self)
+        return status
+
+    doubt = CompiledNode.doubt
 
     def _restart(self, now: Tick) -> None:
         """Stop what has ended, but for what would come to the same again."""

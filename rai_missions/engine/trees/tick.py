@@ -48,7 +48,10 @@ class Tick:
     Live nodes of a tree share one `Tick` for good; `begin` makes it that of the next tick.
     """
 
-    sight: TickView
+    sight: Any
+    """What is seen: a `View`, of a tree that writes or counts time a `TickView`."""
+    late_s: float
+    """How much later than now what is begun is carried out, in seconds."""
     outcomes: dict[str, str]
     started: dict[str, None]
     ended: dict[str, None]
@@ -65,13 +68,28 @@ class Tick:
     turning: list[Any]
     """The children of loops of which a run has begun."""
 
+    __slots__ = (
+        "_on_write", "ended", "late_s", "outcomes", "published", "sight", "started", "touched", "trace", "turned",
+        "turning", "waits", "writes",
+    )  # fmt: skip
+
     def __init__(self, on_write: Callable[[str], None] | None = None) -> None:
         self._on_write = on_write
+        self.clear()
 
-    def begin(self, sight: TickView, outcomes: Mapping[str, str]) -> None:
-        self.sight, self.outcomes = sight, dict(outcomes)
+    def clear(self) -> None:
+        """Forget what was done."""
         self.started, self.ended, self.writes, self.published, self.trace = {}, {}, [], [], []
         self.touched, self.waits, self.turned, self.turning = [], [], [], []
+
+    def begin(self, sight: Any, outcomes: Mapping[str, str], late_s: float = 0.0) -> None:
+        """Become the next tick."""
+        self.clear()
+        self.look(sight, outcomes, late_s)
+
+    def look(self, sight: Any, outcomes: Mapping[str, str], late_s: float) -> None:
+        """Become the next tick where nothing was done in the last one."""
+        self.sight, self.outcomes, self.late_s = sight, dict(outcomes) if outcomes else {}, late_s
 
     def start(self, path: str) -> None:
         """Ask for the start of a leaf's activity; what came of an earlier one no longer counts."""

@@ -24,6 +24,7 @@ from rai_missions.states.tree import TreeNode
 __all__ = ("CompiledTicker",)
 
 NOTHING: Mapping[str, Any] = {}
+_new = tuple.__new__
 
 
 class CompiledTicker:
@@ -57,8 +58,19 @@ class CompiledTicker:
         self.shown = TreeState()
         """The state in which the nodes are."""
         self.own_keys = {name for node in self.nodes for name in node.writes}
+        self.is_plain = not (self.holds or self.own_keys or any(site.clocked for _, site in sites))
+        """What is known is seen as it is: the tree writes nothing, and counts no time from its own beginning."""
+        self._pending: Mapping[str, str] = NOTHING
+        """The outcomes that the state in which the nodes are has for its leaves."""
+        self._is_over = False
+        """A tick was worked out since `round` was cleared."""
+        self._still = TickResult(self.shown, INVALID)
+        """What a tick of its state did that did nothing."""
         self._written: Collection[str] = ()
         """What the last tick has written; the mission may have refused it."""
+        self._wanted: dict[str, bool] = {}
+        """Names that were asked for → whether a change of one wants a tick, in `_asked_in`."""
+        self._asked_in: TreeState | None = None
         self._calm: tuple[TreeState | None, float] = (None, 0.0)
         """A state, and until when no guard that is looked at in it changes by time alone."""
         self._parts: list[list[Any]] = [
@@ -72,31 +84,40 @@ class CompiledTicker:
         changed: Collection[str] | None = None,
     ) -> TickResult:  # fmt: skip
         """Tick once; see `Ticker`."""
-        sight, ends = self._restore(state, view), outcomes
-        sight.late_s = late_s
+        if state is not self.shown:
+            self._recall(state)
+        ends, done, root = outcomes, self.round, self.root
         if changed is None:
-            self._doubt_all()
+            root.doubt()
         else:
-            self._wake_all(changed, sight.at)
-        if state.leaves:
-            pending = _pending(state)
-            ends = {**pending, **outcomes} if pending else outcomes
+            self._wake_all(changed, view.at)
+        if self._pending:
+            ends = {**self._pending, **outcomes}
+        if ends:
             for path in ends:
                 self.nodes[self.paths.numbers[path]].wake()
         for node in self.waiting.values():
-            if sight.at >= node.deadline():
+            if view.at >= node.deadline():
                 node.wake()
-        self.round.begin(sight, ends)
-        if not self.root.idle:
-            self.root.tick(self.round)
-        return self._ticked(state, sight)
+        if self._is_over:
+            done.clear()
+            self._is_over = False
+        done.look(view if self.is_plain else self._sight(view), ends, late_s)
+        if not root.idle:
+            root.tick(done)
+        if (
+            done.touched or done.writes or done.published or done.turned or done.turning or done.waits
+            or ends or self.holds or state is not self._still.state
+        ):  # fmt: skip
+            return self._ticked(state)
+        return self._still
 
     def stop(self, state: TreeState, view: View) -> TickResult:
         """End whatever runs; see `Ticker`."""
-        sight = self._restore(state, view)
-        self.round.begin(sight, _pending(state))
+        self._recall(state)
+        self.round.begin(self._sight(view), self._pending)
         self.root.stop(self.round)
-        return self._ticked(state, sight)
+        return self._ticked(state)
 
     def _wake(self, key: str) -> None:
         for node in self.dependents.get(key, ()):
@@ -122,8 +143,8 @@ class CompiledTicker:
 
     # -- remembered ---------------------------------------------------------------------------------------------------
 
-    def _restore(self, state: TreeState, view: View) -> TickView:
-        self._recall(state)
+    def _sight(self, view: View) -> TickView:
+        """What a tick sees of a view, where the tree writes keys or counts time by itself."""
         root = self.root.shown or NOTHING
         sight = TickView(view, self.state, root.get("began", view.at), root.get("held", NOTHING))
         return self._hold(sight) if self.holds else sight
@@ -152,6 +173,7 @@ class CompiledTicker:
             node: Any = self.nodes[self.paths.numbers[path]]
             if isinstance(node, CompiledActivity):
                 node.refused = leaf.outcome == "rejected"
+        self._pending = {path: leaf.outcome for path, leaf in state.leaves.items() if leaf.outcome}
         self.shown, self._written = state, self.own_keys
 
     def _recall_parts(self, parts: list[list[Any]]) -> None:
@@ -193,12 +215,17 @@ class CompiledTicker:
         else:
             self.waiting.pop(node.number, None)
 
-    def _ticked(self, before: TreeState, sight: TickView) -> TickResult:
-        done = self.round
+    def _ticked(self, before: TreeState) -> TickResult:
+        done, self._is_over = self.round, True
         if done.writes and self.holds:
-            sight = self._hold(sight)
-        self._written = [key for key, _ in done.writes]
-        self.shown = self._remembered(before, sight)
+            self._hold(done.sight)
+        self._written = [key for key, _ in done.writes] if done.writes else ()
+        self.shown = self._remembered(before, done.sight)
+        self._pending = NOTHING
+        is_short = not (done.started or done.ended or done.writes or done.published)
+        if is_short and not (done.turned or done.turning or done.waits):
+            self._still = _new(TickResult, (self.shown, self.root.status, (), (), (), (), (), (), (), ()))
+            return self._still
         begun: tuple[str, ...] = ()
         rounds: tuple[LoopRound, ...] = ()
         if done.turned or done.turning:
@@ -213,33 +240,40 @@ class CompiledTicker:
             tuple(done.published), (), begun, rounds, waits,
         )  # fmt: skip
 
-    def _remembered(self, before: TreeState, sight: TickView) -> TreeState:
+    def _remembered(self, before: TreeState, sight: Any) -> TreeState:
         """The state after a tick; it shares with the one before what is the same."""
-        has_run, parts, copied, touched = False, self._parts, set[int](), self.round.touched
-        if self.holds or self.root.shown is None:
-            touched.append(self.root)
+        has_run, parts, touched, root = False, self._parts, self.round.touched, self.root
+        copied: list[int] = []
+        if self.holds or root.shown is None:
+            touched.append(root)
         for node in touched:
             if node.role:
                 self._note(node)
                 has_run = has_run or node.role == "activity"
             memory = node.memory()
-            if node is self.root:
-                memory = _with_began(memory, sight)
+            if node is root:
+                memory = self._with_began(memory, sight)
             if memory is node.shown or memory == node.shown:
                 continue
-            node.shown, (at, place) = memory, divmod(node.number, PART)
+            node.shown, number = memory, node.number
+            at = number // PART
             if at not in copied:
-                parts = list(parts) if not copied else parts
-                parts[at] = list(parts[at])
-                copied.add(at)
-            parts[at][place] = memory
+                parts = parts if copied else parts.copy()
+                parts[at] = parts[at].copy()
+                copied.append(at)
+            parts[at][number % PART] = memory
         leaves = before.leaves
-        if has_run or (before.leaves and _pending(before)):
+        if has_run or self._pending:
             leaves = {self.nodes[number].path: Leaf(self.awaited[number].run) for number in sorted(self.awaited)}
         if not copied and leaves is before.leaves and isinstance(before.nodes, NodeMemories):
             return before
         self._parts = parts
         return TreeState(NodeMemories(self.paths, parts), leaves)
+
+    def _with_began(self, memory: Mapping[str, Any] | None, sight: Any) -> Mapping[str, Any]:
+        """What the root remembers besides: when the tree was ticked first, and since when guards have held."""
+        began, held = (self.root.shown or NOTHING).get("began", sight.at), sight.held if self.holds else NOTHING
+        return {**(memory or PLAIN[INVALID]), "began": began, **({"held": dict(held)} if held else {})}
 
     def shift(self, state: TreeState, by_s: float) -> TreeState:
         """The state as it would be had everything happened so much later; see `Ticker`."""
@@ -249,12 +283,13 @@ class CompiledTicker:
 
     def wake_at(self, state: TreeState, view: View) -> float:
         """The next deadline of what runs, or instant at which a guard's facts grow old; see `Ticker`."""
-        sight = self._restore(state, view)
-        soonest, now = math.inf, sight.at
+        self._recall(state)
+        soonest, now = math.inf, view.at
         for node in self.waiting.values():
             if now < (due := node.deadline()) < soonest:
                 soonest = due
         next_due = math.inf
+        sight = view if self.is_plain or not self.timed else self._sight(view)
         for node in self.timed:
             for instant in node.site.instants:
                 if now < (due := instant(sight)) < next_due and (node.site.holds or (node.looks and node.is_seen())):
@@ -275,23 +310,21 @@ class CompiledTicker:
 
     def listens(self, state: TreeState, names: Collection[str]) -> bool:
         """Whether a change of one of these wants a tick; see `Ticker`."""
-        self._recall(state)
-        if self.held_by and concerns(self.held_by, names):
-            return True
-        looking = [node for name in names for node in self.dependents.get(name, ())]
-        if "*" in self.dependents and any(not name.startswith("#") for name in names):
-            looking += self.dependents["*"]
-        return any(node.looks and node.is_seen() for node in looking)
+        if state is not self.shown:
+            self._recall(state)
+        if state is not self._asked_in:
+            self._asked_in, self._wanted = state, {}
+        wanted = self._wanted
+        return any([wanted[name] if name in wanted else self._wants(name) for name in names])  # noqa: C419 - quicker
 
-
-def _with_began(memory: Mapping[str, Any] | None, sight: TickView) -> Mapping[str, Any]:
-    """What a root remembers."""
-    held = {"held": dict(sight.held)} if sight.held else {}
-    return {**(memory or PLAIN[INVALID]), "began": sight.began, **held}
-
-
-def _pending(state: TreeState) -> Mapping[str, str]:
-    return {path: leaf.outcome for path, leaf in state.leaves.items() if leaf.outcome} if state.leaves else NOTHING
+    def _wants(self, name: str) -> bool:
+        """Whether a change of this wants a tick, in the state in which the nodes are."""
+        looking = self.dependents.get(name, ())
+        if "*" in self.dependents and not name.startswith("#"):
+            looking = (*looking, *self.dependents["*"])
+        is_held = bool(self.held_by) and concerns(self.held_by, (name,))
+        wants = self._wanted[name] = is_held or any(each.looks and each.is_seen() for each in looking)
+        return wants
 
 
 def _dependents(sites: Iterable[tuple[CompiledNode, Site]]) -> Mapping[str, tuple[CompiledNode, ...]]:

@@ -1,0 +1,146 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The short way: a step that does so little that its value is known without a draft.
+
+Rule: it is taken from `Chart.send` where the last step has found it open (`RunState.quick`), and comes to the same as
+`stepping.make_step`; what it cannot do it hands over before it has changed anything.
+"""
+
+from __future__ import annotations
+
+from math import inf
+
+from rai_missions.engine.activities.activity import NO_KEYS, listens
+from rai_missions.engine.blackboard import is_other
+from rai_missions.engine.configuration import CompiledStep, Looked
+from rai_missions.engine.decision import with_verdicts
+from rai_missions.engine.listening import RunningTree, WatchedNames
+from rai_missions.engine.macrostep import complete, enabled
+from rai_missions.engine.nodes import Written
+from rai_missions.engine.program import Program
+from rai_missions.engine.running import Host, take_turn
+from rai_missions.engine.state import RunState, StepDraft
+from rai_missions.engine.step import Effect, Move, Step
+from rai_missions.engine.stepping import close, make_step
+from rai_missions.engine.timing import next_instant
+from rai_missions.event import Event
+from rai_missions.guards.guard import Truth
+from rai_missions.keys import Stamped, stale_at, type_error
+
+__all__ = ("leapt", "reading", "step", "value")
+
+_new = tuple.__new__
+
+
+def reading(program: Program, state: RunState, event: Event) -> Step:
+    """What a write does at which no one looks, or one tree alone."""
+    name, at, data, _, _ = event
+    listening, board = state.listening, state.board
+    trees, names = (listening.trees, listening.names) if isinstance(listening, WatchedNames) else ((), listening)
+    key, now = program.keys.get(name), max(at, state.at)
+    if key is None or name in names or "*" in names:
+        return make_step(program, state, event)
+    given, entry = data.get("value"), board.get(name)
+    stamp = min(float(data.get("stamp", at)), now)
+    if type_error(key, given) or (entry is not None and entry.at > stamp):
+        return make_step(program, state, event)
+    looking = [each for each in trees if listens(each[1], each[2], (name,))] if trees else []
+    if len(looking) > 1 or (looking and (state.config.watchful or program.always_held)):
+        return make_step(program, state, event)
+    state.at = now
+    before = entry.value if entry is not None and now < stale_at(key, entry) else None
+    board[name] = entry = _new(Stamped, (given, stamp))
+    if not looking:
+        return value(state, event, (), (), ((name, given),), quiet=True)
+    return _looked_at(program, state, event, looking[0], is_news=is_other(before, key, entry, now))
+
+
+def _looked_at(program: Program, state: RunState, event: Event, tree: RunningTree, *, is_news: bool) -> Step:
+    """The end of a step in which one tree looks at what was written, as `running.poll` and `complete` would let it."""
+    name, machine, activity = tree
+    written, keys = (event.name, event.data["value"]), frozenset((event.name,))
+    draft, listening = state.draft, state.listening
+    draft.written.append(written)
+    draft.polled = 1
+    draft.tree_rounds.clear()
+    tick = Event("tick", state.at, {"keys": keys, "news": keys if is_news else NO_KEYS, "unseen": False}, "tick")
+    turn = machine.receive(activity, tick, Host(program, state))
+    if turn is not None:
+        take_turn(program, state, name, turn)
+        does_more = draft.internal or draft.notes or draft.news or draft.goal_ended or len(draft.written) > 1
+        if does_more or turn.state.limit:
+            complete(program, state, None)
+            return close(program, state, event)
+        if isinstance(listening, WatchedNames):
+            state.listening = listening.with_tree((name, machine, turn.state))
+    state.wake = next_instant(program, state)
+    effects = tuple(draft.effects)
+    draft.effects, draft.touched, draft.polled = [], False, 0
+    draft.written.clear()
+    return value(state, event, (), (), (written,), effects, quiet=turn is None)
+
+
+def step(program: Program, state: RunState, event: Event) -> Step:
+    """What an event does that has not yet done it in this configuration; if it does little, it is remembered."""
+    name, at, data, _, _ = event
+    if at > state.at:
+        state.at = at
+    config = state.config
+    plan = config.plans.get(name)
+    if plan is None:
+        plan = config.plan(name, declared=name in program.declared)
+    if not plan and name not in program.declared:
+        return make_step(program, state, event)
+    state.event = data
+    looked: list[tuple[str, Truth]] = []
+    transitions = enabled(state, plan, looked)
+    if not transitions:
+        return value(state, event, (), tuple(looked))
+    leap = config.leaps.get((tuple(transitions), name))
+    if leap is None or not leap.plain:
+        return make_step(program, state, event)
+    first = plan[0][0]
+    if all(chain[0].test is None for chain in plan):
+        config.direct[name] = (None, (), leap)
+    elif len(plan) == len(plan[0]) == 1:
+        config.direct[name] = (first.test, ((first.place, True),), leap)
+    return leapt(program, state, event, leap, tuple(looked))
+
+
+def leapt(program: Program, state: RunState, event: Event, leap: CompiledStep, looked: Looked) -> Step:
+    """The end of a step that makes a move; its time and its payload are the run's already."""
+    if not state.listening.isdisjoint(leap.shifts):
+        return make_step(program, state, event)
+    state.config = config = leap.config
+    state.active = config.active
+    if not leap.acts:
+        return value(state, event, leap.moves, looked)
+    draft = state.draft
+    for act in leap.acts:
+        act(program, state)
+    written = draft.written
+    if draft.internal or (written and state.listening):
+        draft.moves.append(leap.move)
+        draft.looked += looked
+        complete(program, state, None)
+        return close(program, state, event)
+    if draft.effects or draft.notes or draft.news:
+        notes = with_verdicts(draft.notes)[0] if draft.notes else ()
+        state.draft = StepDraft()
+        return value(state, event, leap.moves, looked, tuple(written), tuple(draft.effects), notes)
+    made = value(state, event, leap.moves, looked, tuple(written))
+    written.clear()
+    return made
+
+
+def value(
+    state: RunState, event: Event, moves: tuple[Move, ...], looked: Looked, written: Written = (),
+    effects: tuple[Effect, ...] = (), notes: tuple[str, ...] = (), *, quiet: bool = False,
+) -> Step:  # fmt: skip
+    """The value of such a step; without moves no transition fired."""
+    state.seq = seq = state.seq + 1
+    state.quiet = quiet
+    wake = state.wake
+    return _new(Step, (
+        seq, state.at, event, moves, looked, written, None, None if wake == inf else wake, effects, "", notes,
+        (), "running", state.holder, (), "", False,
+    ))  # fmt: skip
