@@ -223,6 +223,9 @@ def _find(given: Any, hint: Any, place: str, into: list[Reference]) -> None:
             into.append(Reference(PATH, given[word], f"{place}/{word}"))
     elif isinstance(hint, _ListHint):
         bare = hint.one_or_many and len(given) == 1
+        if bare and isinstance(hint.item, Refers) and hint.item.sort not in ("template", "operand"):
+            into.append(Reference(hint.item, given[0], place))
+            return
         for index, item in enumerate(given):
             _find(item, hint.item, place if bare else f"{place}/{index}", into)
     elif isinstance(hint, _MapHint):

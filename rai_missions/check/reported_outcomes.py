@@ -22,6 +22,8 @@ class OutcomeReports:
         self._below: list[frozenset[str]] = [frozenset()] * len(spots)
         for spot in reversed(spots):
             ends = self._of(spot)
+            if not ends and not spot.children:
+                continue
             climbing = (ends & (ENDS | {"timed_out", "rejected", "unclear", "refused"})) - {"succeeded"}
             self._ends[spot.index] = ends
             self._below[spot.index] = climbing.union(*(self._below[child.index] for child in spot.children))

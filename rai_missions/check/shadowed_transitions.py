@@ -26,7 +26,7 @@ def overlapping_transitions(survey: MissionIndex) -> Found:
     """No transition comes after one of the same state that fires whenever it would."""
     for _, group in itertools.groupby(survey.transitions, key=lambda transition: transition.owner):
         transitions = [*group]
-        if len(transitions) == 1:
+        if len(transitions) == 1 or _all_differ(transitions):
             continue
         earlier, leaving = Earlier(survey.mission.events), TimedExits()
         for transition in transitions:
@@ -131,6 +131,16 @@ def _triggers(transition: TransitionRef) -> list[tuple[str, str]]:
     if definition.after_s is not None:
         return [("after_s", str(definition.after_s))]
     return [(word, definition.of or "") for word in definition.on] or [("", "")]
+
+
+def _all_differ(transitions: Sequence[TransitionRef]) -> bool:
+    """Whether each has triggers of its own, events or outcomes, so that none can come first where another would."""
+    words: list[str] = []
+    for _, _, definition in transitions:
+        if definition.after_s is not None or not definition.on:
+            return False
+        words += definition.on
+    return len(set(words)) == len(words) and ANY_EVENT not in words
 
 
 def _overlap(transition: TransitionRef, before: list[TransitionRef]) -> str:

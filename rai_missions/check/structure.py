@@ -70,13 +70,13 @@ def history_defaults(survey: MissionIndex) -> Found:
 def target_lists(survey: MissionIndex) -> Found:
     """A list of targets names one state in each of several regions of one parallel."""
     lists = [("/initial", survey.mission.initial)]
-    lists += [(f"{spot.place}/initial", getattr(spot.state, "initial", ())) for spot in survey.spots]
-    lists += [(f"{transition.place}/to", transition.definition.to) for transition in survey.transitions]
+    initials = ((spot.place, getattr(spot.state, "initial", ())) for spot in survey.spots)
+    lists += [(f"{place}/initial", names) for place, names in initials if len(names) > 1]
+    lists += [(f"{each.place}/to", each.definition.to) for each in survey.transitions if len(each.definition.to) > 1]
     for place, names in lists:
-        if len(names) > 1:
-            targets = [survey.by_name.get(name) for name in names]
-            if sentence := _clash([target for target in targets if target is not None]):
-                yield place, sentence
+        targets = [survey.by_name.get(name) for name in names]
+        if sentence := _clash([target for target in targets if target is not None]):
+            yield place, sentence
 
 
 def _clash(targets: Sequence[StateRef]) -> str:
@@ -151,6 +151,8 @@ def misused_internal(survey: MissionIndex) -> Found:
 
 def crossing_transitions(survey: MissionIndex) -> Found:
     """A transition that leads from one region into another restarts the whole parallel."""
+    if not any(isinstance(spot.state, Parallel) for spot in survey.spots):
+        return
     for transition in survey.transitions:
         for target in survey.found(transition.definition.to):
             parallel = _crossed(transition, target)

@@ -82,12 +82,20 @@ class WaysOut:
 
     def here(self, spot: StateRef) -> bool:
         """Whether a transition of the state or of one around it leaves it."""
+        if not spot.children and any(self._leaves(spot, transition) for transition in spot.transitions):
+            return True
         in_parallel = False
         for owner in spot.upward():
             in_parallel = in_parallel or isinstance(owner.state, Parallel)
             if owner.transitions and self._freeing(owner, in_parallel).free(spot):
                 return True
         return False
+
+    def _leaves(self, spot: StateRef, transition: TransitionRef) -> bool:
+        """Whether a transition of a state that has none inside can fire there, and leads to one other."""
+        targets = transition.definition.to
+        is_led_away = len(targets) == 1 and self._survey.spot(targets[0]) is not spot
+        return is_led_away and _can_fire(self._survey, transition, frozenset())
 
     def of_mission(self, spot: StateRef) -> bool:
         """Whether one of the mission's own transitions leaves it."""

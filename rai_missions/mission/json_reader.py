@@ -100,8 +100,13 @@ def parse_json(raw: bytes, source: str = "") -> Any:
 
 def too_deep(text: str) -> int | None:
     """Where JSON text first nests deeper than `MAX_DEPTH`, if it does."""
-    depths = accumulate(map(DEEPER.__getitem__, map(itemgetter(1), TOKEN.finditer(text))))
-    number = next((number for number, depth in enumerate(depths) if depth > MAX_DEPTH), None)
+
+    def depths() -> Iterator[int]:
+        return accumulate(map(DEEPER.__getitem__, map(itemgetter(1), TOKEN.finditer(text))))
+
+    if max(depths(), default=0) <= MAX_DEPTH:
+        return None
+    number = next((number for number, depth in enumerate(depths()) if depth > MAX_DEPTH), None)
     return None if number is None else next(islice(TOKEN.finditer(text), number, None)).start()
 
 

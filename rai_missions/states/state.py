@@ -191,6 +191,8 @@ class State(TaggedModel, family="state", group="rai_missions.activities", word="
     @classmethod
     def choose(cls, data: Mapping[str, Any]) -> str:
         """A state has at most one kind's word; `each` comes with `states`, and none is a plain state."""
+        if data.keys() <= cls.known_words():
+            return ""
         given = [word for word in cls.kinds if word and word in data]
         if "each" in given and "states" in given:
             given.remove("states")
