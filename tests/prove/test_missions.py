@@ -118,9 +118,9 @@ def test_a_flaw_is_found_and_shown(change: Callable[[Json], None], claim: str, s
 # -- bounds and order ------------------------------------------------------------------------------------------------
 
 
-def counting(many: int) -> Mission:
-    """Regions that count by themselves, so that their states multiply."""
-    regions = {
+def counting(many: int, *, shared: bool = False) -> Mission:
+    """Regions that count by themselves, so that their states multiply; or the first lights a lamp for the others."""
+    regions: dict[str, Any] = {
         f"region{number}": {
             "initial": f"a{number}",
             "states": {
@@ -131,7 +131,11 @@ def counting(many: int) -> Mission:
         }
         for number in range(many)
     }
+    if shared:
+        regions["region0"]["states"]["a0"]["transitions"][0]["do"] = [{"set": "lit", "value": True}]
+        regions["region1"]["states"]["a1"]["transitions"][0]["when"] = {"key": "lit", "==": True}
     return Mission.model_validate({
+        "blackboard": {"lit": {"type": "boolean", "initial": False}} if shared else {},
         "format": 1, "name": "regions", "version": "1.0.0", "initial": "all",
         "events": {**{f"e{number}": {} for number in range(many)}, "stop": {}},
         "states": {"all": {"parallel": regions}, "over": {"final": "aborted"}},
@@ -144,10 +148,10 @@ def test_independent_regions_multiply(many: int) -> None:
     assert proof_of(counting(many)).states == 3**many + 2  # `over`, and canceled
 
 
-def test_a_bound_is_kept_and_nothing_beyond_it_is_called_proved() -> None:
-    mission = counting(4)
-    proof = prove(mission, most=20)
-    assert proof.states == 20 and not proof.is_whole and proof.never == ()
+@pytest.mark.parametrize(("mission", "most"), [(counting(4, shared=True), 20), (counting(4), 5)])
+def test_a_bound_is_kept_and_nothing_beyond_it_is_called_proved(mission: Mission, most: int) -> None:
+    proof = prove(mission, most=most)
+    assert proof.states == most and not proof.is_whole and proof.never == ()
     assert {claim.verdict for claim in proof.claims} == {"explored"} and proof.verdict == "explored"
 
 
