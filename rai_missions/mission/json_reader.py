@@ -150,7 +150,21 @@ def _syntax(error: json.JSONDecodeError, text: str) -> str:
         return f"the text ends in the middle ({reason}); is the file cut short?"
     if error.msg == "Extra data":
         return "there is more after the end of the JSON value; keep one value a file"
-    return f"not JSON: {reason}, at {shown(text[error.pos : error.pos + 20])}"
+    rest = text[error.pos :]
+    remedy = next((remedy for pattern, remedy in REMEDIES if pattern.match(rest)), "")
+    if COMMA.match(rest) or (text[: error.pos].rstrip().endswith(",") and rest[:1] in "}]"):
+        remedy = "; take away the comma before the end"
+    return f"not JSON: {reason}, at {shown(rest[:20].partition(chr(10))[0])}{remedy}"
+
+
+COMMA = re.compile(r",\s*[}\]]")
+REMEDIES = (
+    (re.compile(r"//|/\*|#"), '; JSON has no comments: write what is for people as "about"'),
+    (re.compile("'"), "; texts and words are in double quotes"),
+    (re.compile("True|False"), "; write true or false, in lower case"),
+    (re.compile("None"), "; write null"),
+)
+"""What those write who know another format → what is right here."""
 
 
 def _where(text: str, at: int) -> str:

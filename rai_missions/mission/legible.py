@@ -82,8 +82,8 @@ def legible_part(data: Mapping[str, Any]) -> LegiblePart | None:
     Args:
         data: The JSON document.
     """
-    document = copy.deepcopy(dict(data))
-    repair = _Repair(document)
+    document, original = copy.deepcopy(dict(data)), copy.deepcopy(dict(data))
+    repair = _Repair(document, original)
     faults: list[Fault] = []
     for _ in range(ROUNDS):
         try:
@@ -92,7 +92,7 @@ def legible_part(data: Mapping[str, Any]) -> LegiblePart | None:
             if error.error_count() > MOST_FAULTS:
                 return None
             found = faults_of(error, Mission, document)
-            faults += [each for each in found if _is_original(each.place.rpartition("/")[0], data, document)]
+            faults += [each for each in found if _is_original(each.place, original, document)]
             if not repair.attempt(error):
                 return None
         else:
@@ -117,10 +117,11 @@ class _Repair:
 
     Args:
         document: Changed in place.
+        original: As its author wrote it, but for guards that were replaced: no name around one depends on it.
     """
 
-    def __init__(self, document: dict[str, Any]) -> None:
-        self._document = document
+    def __init__(self, document: dict[str, Any], original: dict[str, Any]) -> None:
+        self._document, self._original = document, original
         self.unread: list[Steps] = []
         self._tried: set[Steps] = set()
         self._misnamed: set[Steps] = set()
@@ -176,7 +177,15 @@ class _Repair:
             return False
         else:
             holder[last] = neutral
+            if _is_guard(steps):
+                self._replace_in_original(steps, neutral)
         return True
+
+    def _replace_in_original(self, steps: Steps, neutral: Any) -> None:
+        holder: Any = self._original
+        for step in steps[:-1]:
+            holder = holder[step]
+        holder[steps[-1]] = neutral
 
     def _forget(self, steps: Steps, was: Any) -> None:
         """Remember what is not known any more."""
@@ -225,16 +234,21 @@ def _flags(state: Mapping[str, Any]) -> frozenset[str]:
 
 
 def _is_original(place: str, data: Any, document: Any) -> bool:
-    """Whether what is at a place now is as its author wrote it; if not, a repair may be the cause."""
-    for word in place.split("/")[1:]:
+    """Whether the object at a place, or around it, is as its author wrote it; if not, a repair may be the cause."""
+    words, around = place.split("/")[1:], (data, document)
+    for index, word in enumerate(words):
         step: Any = unescaped(word)
         if isinstance(data, list) and isinstance(document, list) and step.isdigit():
             step = int(step)
         try:
             data, document = data[step], document[step]
         except (KeyError, IndexError, TypeError):
-            return False
-    return bool(data == document)
+            if index < len(words) - 1:
+                return False
+            break  # a word that is missing
+        if isinstance(document, Mapping | list):
+            around = data, document
+    return bool(around[0] == around[1])
 
 
 def _is_entry(steps: Steps) -> bool:

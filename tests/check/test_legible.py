@@ -186,3 +186,27 @@ def test_a_mission_that_cannot_be_read_is_reported_whole_to_programs_too(tmp_pat
     with pytest.raises(DefinitionError) as raised:
         agents.run(path)
     assert {fault.place for fault in raised.value.faults} == {"/states/odd", *NAMES}
+
+
+def test_a_guard_that_cannot_be_read_hides_no_fault_of_the_decision_around_it(tmp_path: Path) -> None:
+    document = {
+        "format": 1, "name": "m", "initial": "asking",
+        "blackboard": {"battery": {"type": "number", "source": "robot", "max_age_s": 3}},
+        "states": {
+            "asking": {
+                "decision": {
+                    "question": "?", "deadline_s": 3, "fallback": "z",
+                    "options": {"x": {}, "y": {"when": {"key": "battery", "=<": 0.3}}},
+                },
+                "transitions": [{"on": "x", "to": "end"}, {"on": "y", "too": "end"}],
+            },
+            "end": {"final": "aborted"},
+        },
+    }  # fmt: skip
+    path = tmp_path / "m.json"
+    path.write_text(json.dumps(document))
+    found = {each.finding.place: each.finding.sentence for each in check_file(str(path)).findings}
+    assert found.keys() == {
+        "/states/asking/decision", "/states/asking/decision/options/y/when/=<", "/states/asking/transitions/1/too",
+    }  # fmt: skip
+    assert found["/states/asking/decision"] == "'fallback' names no option: 'z'; there is: x, y"

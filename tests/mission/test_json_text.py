@@ -62,6 +62,11 @@ def test_a_text_cut_short_is_never_read_as_a_whole_object(value: object, data: s
             "is the file cut short?",
         ),
         (b'{"a" 1}', "/: line 1, column 6: not JSON: expecting ':' delimiter, at '1}'"),
+        (
+            b'{"a": True}',
+            "/: line 1, column 7: not JSON: expecting value, at 'True}'; write true or false, in lower case",
+        ),
+        (b'{"a": None}', "/: line 1, column 7: not JSON: expecting value, at 'None}'; write null"),
         (b"{} {}", "/: line 1, column 4: there is more after the end of the JSON value; keep one value a file"),
         (b'{"a":\n"\xff"}', "/: line 2, byte 7: not UTF-8; save the file in that encoding"),
         ('{"a": 1}'.encode("utf-16"), "/: line 1, byte 0: not UTF-8; save the file in that encoding"),
@@ -80,6 +85,22 @@ def test_a_text_cut_short_is_never_read_as_a_whole_object(value: object, data: s
 )
 def test_what_is_wrong_is_reported_with_its_place(raw: bytes, sentence: str) -> None:
     assert refusals(raw) == [f"m.json: {sentence}"]
+
+
+@pytest.mark.parametrize(
+    ("raw", "remedy"),
+    [
+        (b'{"a": 1,\n // b\n "c": 2}', "at '// b'; JSON has no comments: write what is for people as \"about\""),
+        (b'{"a": 1 # b\n}', "at '# b'; JSON has no comments: write what is for people as \"about\""),
+        (b'{"a": 1,\n}', "; take away the comma before the end"),
+        (b"[1, 2,]", "; take away the comma before the end"),
+        (b"{'a': 1}", "; texts and words are in double quotes"),
+    ],
+)
+def test_what_other_formats_allow_is_refused_with_what_is_right_here(raw: bytes, remedy: str) -> None:
+    (sentence,) = refusals(raw)
+    assert "not JSON" in sentence
+    assert sentence.endswith(remedy)
 
 
 def test_brackets_in_text_do_not_nest() -> None:
