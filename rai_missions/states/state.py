@@ -75,6 +75,12 @@ TriggerName = Annotated[str, Field(pattern=r"^(\*|[a-z][a-z0-9_]*(/[a-z][a-z0-9_
 class Transition(MissionModel):
     """What triggers it, under which guard, where it leads and what it does on the way."""
 
+    meant: ClassVar[Mapping[str, str]] = dict.fromkeys(("target", "goto", "next"), "to") | dict.fromkeys(
+        ("event", "trigger", "outcome"), "on"
+    ) | dict.fromkeys(("guard", "cond", "condition", "if"), "when") | dict.fromkeys(("actions", "effects"), "do") | {
+        "delay": "after_s", "wait": "after_s", "description": "about",
+    }  # fmt: skip
+
     on: Annotated[tuple[TriggerName, ...], TRIGGER, *one_or_many] = ()
     """Events or outcomes; `*` is any declared event. Without `on` and `after_s` it fires as soon as its guard holds."""
     of: StateName | None = None
@@ -148,6 +154,11 @@ class TypeNeed(NamedTuple):
 class State(TaggedModel, family="state", group="rai_missions.activities", word=""):
     """A state that only waits; the other kinds are known by their word."""
 
+    meant: ClassVar[Mapping[str, str]] = {
+        "on": "transitions", "outcomes": "transitions", "regions": "parallel", "children": "states",
+        "on_entry": "entry", "on_exit": "exit", "invoke": "action", "description": "about",
+    }  # fmt: skip
+
     yields: ClassVar[bool] = True
     """What it runs is ended while someone else has control, or the run is paused, and begins again afterwards."""
     reports_robot: ClassVar[bool] = False
@@ -207,7 +218,8 @@ class State(TaggedModel, family="state", group="rai_missions.activities", word="
         if not given:
             for word in unknown:
                 known = {*cls.kinds, *cls.known_words()} - {""}  # a plain state has no word
-                raise fault("kind", f"a state has no '{word}'" + suggestion(word, known))
+                near = f"; did you mean '{cls.meant[word]}'?" if word in cls.meant else suggestion(word, known)
+                raise fault("kind", f"a state has no '{word}'{near}")
         return given[0] if given else ""
 
     @classmethod
