@@ -41,6 +41,10 @@ GROUPS: Mapping[str, tuple[ChoiceKind, ...]] = {
 """A title → the kinds of choices under it; what is awaited comes before them, facts come after, and what is rare last.
 """
 
+LEAVING = ("q", "quit", "exit")
+SAME = {"help": "?", "h": "?", "undo": "u", "wait": "t", "save": "s", "more": "m"}
+"""What is typed before `?` was read → the order that is meant."""
+
 
 class TerminalPlay:
     """A play, line by line.
@@ -70,7 +74,7 @@ class TerminalPlay:
         self._print(f"{mission.name} {mission.version}: {trimmed(mission.about)}".rstrip(": "))
         self._print("You are the robot, and everyone else. ? lists what can be typed.")
         self._show()
-        while (line := self._ask("> ")) is not None and line not in ("q", "quit"):
+        while (line := self._ask("> ")) is not None and line not in LEAVING:
             if not line:
                 continue
             try:
@@ -82,6 +86,7 @@ class TerminalPlay:
 
     def _take(self, line: str) -> None:
         word, _, rest = line.partition(" ")
+        word = SAME.get(word, word)
         if word in self._orders:
             self._orders[word](_split(rest))
             return

@@ -77,6 +77,17 @@ def test_what_is_piped_is_played_saved_and_written_as_a_test(
     assert 'assert chart.outcome == "aborted"' in Path("test_door.py").read_text(encoding="utf-8")
 
 
+def test_an_order_is_taken_by_its_whole_word_too(
+    door: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    typed(monkeypatch, "help", "1", "start", "event knock", "undo", "wait 5", "save p.journal", "exit", "event no")
+    assert main(["try", "door.json"]) == 0
+    printed = capsys.readouterr()
+    assert printed.err == ""
+    assert "saved p.journal" in printed.out
+    assert printed.out.count("NUMBER") > 1, "the list of what can be typed"
+
+
 def test_verify_takes_no_play_for_evidence(
     door: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
