@@ -111,12 +111,12 @@ def understanding() -> dict[str, State]:
             transitions=[On("yes", to="judging", do=[Set(k.wanted, from_=k.proposed)]), On("no", to="asking")],
         ),
         "asking": Decision(
-            "What should be so on the desk? I did not understand the request.",
+            "What should be so on the desk? I am not sure what was meant.",
             about="the person puts it in other words, or leaves it",
             evidence=[k.sentence, k.reading],
             options={
                 "say": Option(
-                    "the request in other words",
+                    "which one was meant ('the second', 'the green one'), or the request in other words",
                     parameters={
                         "type": "object",
                         "properties": {"request": {"type": "string", "maxLength": 500}},

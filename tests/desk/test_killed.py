@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import random
 from contextlib import closing
 from pathlib import Path
 from typing import NamedTuple
@@ -10,14 +11,20 @@ from typing import NamedTuple
 import pytest
 
 from tests.desk.episodes import DESK_MISSIONS
+from tests.desk.outside import hard_case
+from tests.desk.plain_judge import is_met
 from tests.desk.test_desk import TWO
-from tests.replay.mortal import live
+from tests.replay.mortal import Fate, live
 from tests.replay.shipped import AfterRow, ShippedLand
 from tests.rigs.journals import rows_of
 
 pytestmark = pytest.mark.sim
 RED, BLUE = "red_cube", "blue_cube"
 DONE = "succeeded", "'done' was reached, and wanted is reached over objects"
+
+
+TOWERS = (28, 26, 27)
+"""Seeds of hard cases, modulo 72: a tower of what is built already, of what lies far, and near."""
 
 
 class Ending(NamedTuple):
@@ -60,3 +67,28 @@ def test_killed_after_every_row(tmp_path: Path, dead_s: float) -> None:
     ]
     assert {(one.how, one.is_built) for one in ends} == {(DONE, True)}
     assert RED in {one.held_at_death for one in ends}
+
+
+def stacked(path: Path, seed: int) -> tuple[str | None, str, bool, bool]:
+    """Have a tower of all cubes built on a desk with more things, by a run that is killed three times.
+
+    Returns:
+        How it ended; whether it is so by the judge that knows poses and contacts alone; whether the hand is empty.
+    """
+    rng = random.Random(f"killed {seed}")
+    case = hard_case(72 * seed + TOWERS[seed % len(TOWERS)])
+    fates: list[Fate] = [AfterRow(rng.randint(2, 14)) for _ in range(3)]
+    world = {**case.world, "camera": False}
+    with closing(ShippedLand(DESK_MISSIONS, world, {"request": case.request}, "arrange.json")) as there:
+        outing = there.drive(path, fates, rng.choice((0.0, 1.0, 5.0, 30.0)))
+        truth = there.world.truth()  # type: ignore[attr-defined]
+        return outing.outcome, outing.why, is_met(case.goal, truth), not truth.held
+
+
+@pytest.mark.drill
+@pytest.mark.timeout(3600)
+@pytest.mark.parametrize("seed", range(12))
+def test_killed_three_times_with_more_on_the_desk_it_claims_what_is_so(tmp_path: Path, seed: int) -> None:
+    outcome, why, is_so, is_empty = stacked(tmp_path / "run.journal", seed)
+    assert (outcome == "succeeded") == is_so, why
+    assert is_empty or outcome != "succeeded"
