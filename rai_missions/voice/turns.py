@@ -22,7 +22,7 @@ class TurnSettings(NamedTuple):
     """How probable speech must be in a frame."""
     begin_frames: int = 2
     """Frames of speech with which a turn begins."""
-    present_frames: int = 3
+    present_frames: int = 2
     """Frames of speech, of the last six, from which on a person surely speaks: what is played is cut."""
     early_s: float = 0.192
     """Quiet after which a turn is offered for transcription."""

@@ -60,7 +60,7 @@ def test_a_turn_is_offered_after_192_ms_of_quiet_and_ends_after_400() -> None:
     times = {event.kind: event.at - quiet_from for event in found}
     assert times["offered"] == pytest.approx(0.192, abs=1e-6)
     assert times["ended"] == pytest.approx(0.416, abs=1e-6), "the first frame that ends at 400 ms or later"
-    assert times["present"] == pytest.approx(-17 * FRAME_S), "three frames of speech: 96 ms"
+    assert times["present"] == pytest.approx(-18 * FRAME_S), "two frames of speech: 64 ms"
     assert found[-1].spoken_until == pytest.approx(quiet_from)
 
 
