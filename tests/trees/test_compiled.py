@@ -8,6 +8,7 @@ from typing import Any
 
 import pytest
 from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
 
 from rai_missions.engine import Chart
 from rai_missions.engine.activities.ticker import Ticker, TickResult, TreeState
@@ -16,7 +17,17 @@ from rai_missions.event import Event, Tick
 from rai_missions.keys import stale_at
 from rai_missions.states.tree import TreeNode
 from rai_missions.trees import PyTrees
-from tests.trees.growing import Moment, flipping_lives, lasting, lasting_trees, long_lives, often, rich_trees, trees
+from tests.trees.growing import (
+    FACTS,
+    Moment,
+    flipping_lives,
+    lasting,
+    lasting_trees,
+    long_lives,
+    often,
+    rich_trees,
+    trees,
+)
 from tests.trees.polling import lives as happenings
 from tests.trees.polling import mission_of, polled_trees
 from tests.trees.test_state import KEYS, life_of, outcomes, stored, view
@@ -31,10 +42,11 @@ class Both:
         self.theirs: Ticker = PyTrees().compile(root, "/states/s/tree", KEYS, "s")
         self.state, self.their_state, self.last = TreeState(), TreeState(), view(0.0, Moment({}, (), 0))
 
-    def tick(self, at: float, moment: Moment) -> tuple[TickResult, TickResult]:
+    def tick(self, at: float, moment: Moment, *, is_known: bool = True) -> tuple[TickResult, TickResult]:
         now = view(at, moment)
         ends = outcomes(self.their_state, moment)
-        ours = self.ours.tick(self.state, now, ends, 0.0, self.changed(now))
+        changed = self.changed(now) if is_known else None
+        ours = self.ours.tick(self.state, now, ends, 0.0, changed)
         theirs = self.theirs.tick(self.their_state, now, ends)
         self.state, self.their_state, self.last = ours.state, theirs.state, now
         return ours, theirs
@@ -54,11 +66,12 @@ def comparable(ticked: TickResult) -> Any:
     return ticked._replace(trace=(), state=TreeState(dict(ticked.state.nodes), dict(ticked.state.leaves)))
 
 
-def as_py_trees(tree: Any, life: list[Moment]) -> None:
+def as_py_trees(tree: Any, life: list[Moment], *, unknown: int = 0) -> None:
+    """Compares each tick; of each `unknown`th it is not known what has changed, of none for 0."""
     both, at = Both(tree), 0.0
-    for moment in life:
+    for number, moment in enumerate(life, 1):
         at += moment.later_s
-        ours, theirs = both.tick(at, moment)
+        ours, theirs = both.tick(at, moment, is_known=not unknown or number % unknown > 0)
         assert comparable(ours) == comparable(theirs)
         assert both.ours.reads(ours.state) == both.theirs.reads(theirs.state)
         assert both.ours.wake_at(ours.state, both.last) == both.theirs.wake_at(theirs.state, both.last)
@@ -83,6 +96,34 @@ def test_so_is_one_with_all_that_a_mission_can_write(tree: Any, life: list[Momen
 @given(lasting_trees, flipping_lives)
 def test_so_is_one_that_runs_on_while_one_fact_after_the_other_changes(tree: Any, life: list[Moment]) -> None:
     as_py_trees(tree, life)
+
+
+@often
+@given(lasting_trees, flipping_lives, st.integers(1, 3))
+def test_so_is_one_of_which_it_is_not_known_what_has_changed(tree: Any, life: list[Moment], unknown: int) -> None:
+    as_py_trees(tree, life, unknown=unknown)
+
+
+def test_a_branch_deep_inside_is_looked_at_where_it_is_not_known_what_has_changed() -> None:
+    first, second = FACTS[:2]
+    way = {"sequence": [{"check": {"key": second, "==": True}}, {"call": "horn"}], "memory": False}
+    ways = {"selector": [way, {"call": "bell"}], "memory": False}
+    both = Both({"sequence": [{"check": {"key": first, "==": True}}, ways], "memory": False})
+    both.tick(0.0, Moment({first: True, second: False}, (), 0))
+    ours, theirs = both.tick(1.0, Moment({first: True, second: True}, (), 0), is_known=False)
+    assert comparable(ours) == comparable(theirs)
+    assert ours.started and ours.ended
+
+
+def test_what_wants_a_tick_is_asked_for_in_each_state_of_a_tree() -> None:
+    first, second = FACTS[:2]
+    inside = [{"check": {"key": key, "==": True}} for key in (first, second)]
+    ways = [{"sequence": [*inside, {"call": "horn"}], "memory": False}, {"call": "bell"}]
+    chart = Chart(mission_of({"selector": ways, "memory": False}))
+    chart.start(0.0)
+    assert chart.write(second, True, 1.0).effects == ()  # not looked at, as the first is false
+    for key, value in ((first, True), (second, False), (second, True)):
+        assert chart.write(key, value, chart.at + 1.0).effects
 
 
 @pytest.mark.drill
