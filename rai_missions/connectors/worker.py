@@ -94,7 +94,8 @@ class Worker:
         with self._lock:
             if self._is_closed:
                 return False
-            self.start()
+            if self._thread is None:
+                self.start()
             if self._jobs.qsize() >= self._limit and not self._make_room():
                 return False
             self._jobs.put(work)

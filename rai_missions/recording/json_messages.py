@@ -12,6 +12,7 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from rai_missions.connectors.connector import Reply, Report
 from rai_missions.engine.description import step_json, way_words
 from rai_missions.engine.step import Step
 from rai_missions.image import Image
@@ -20,7 +21,19 @@ from rai_missions.plain_data import plain
 from rai_missions.recording.schemas import COMPRESSED_IMAGE, RAW_IMAGE, Schema
 from rai_missions.runtime.lifecycle import Status
 
-__all__ = ("image_in", "log_of", "picture_of", "short", "stamp", "state_of", "status_of", "step_of", "write_of")
+__all__ = (
+    "call_of",
+    "image_in",
+    "log_of",
+    "picture_of",
+    "report_of",
+    "short",
+    "stamp",
+    "state_of",
+    "status_of",
+    "step_of",
+    "write_of",
+)
 
 Json = dict[str, Any]
 INFO, WARNING, ERROR = 2, 3, 4
@@ -67,6 +80,20 @@ def write_of(key: str, value: Any, at: float) -> Json:
     if isinstance(value, bool | int) or (isinstance(value, float) and math.isfinite(value)):
         words["number"] = float(value)
     return words
+
+
+def call_of(service: str, request: Mapping[str, Any], reply: Reply, seconds: float) -> Json:
+    """A call of a service, with its request in a line of bounded length."""
+    return {
+        "service": service, "request": short(request), "seconds": seconds, "outcome": reply.outcome,
+        "data": plain(reply.data), "why": reply.why,
+    }  # fmt: skip
+
+
+def report_of(action: str, report: Report) -> Json:
+    """What an action's server has reported of a goal."""
+    rest = report._asdict()
+    return {"action": action, "said": rest.pop("status"), **plain(rest)}  # the file's word
 
 
 def status_of(status: Status, mission: Mission) -> Json:

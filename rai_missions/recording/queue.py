@@ -9,12 +9,12 @@ from __future__ import annotations
 import threading
 from collections import Counter
 from collections.abc import Callable
-from typing import Literal, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 __all__ = ("Kind", "QueueBudget", "QueuedItem")
 
 Kind = Literal["message", "picture", "row"]
-MOST: dict[Kind, int] = {"message": 20_000, "picture": 20, "row": 100_000}
+MOST: dict[Kind, int] = {"message": 100_000, "picture": 20, "row": 100_000}
 """How many of a kind wait at the most. A picture may have to be rendered first, which takes its time."""
 MOST_BYTES: dict[Kind, int] = {"message": 64 << 20, "picture": 64 << 20, "row": 64 << 20}
 
@@ -27,8 +27,12 @@ class QueuedItem(NamedTuple):
     """Under which it is counted: a topic, or a part of the mission."""
     size: int
     """Bytes, as far as they are known before it is written."""
-    write: Callable[[], None]
-    """Writes it; called on the recording's own thread."""
+    wall: int
+    run: int
+    """When it was so, in nanoseconds: by the time of day at which it came, and by the run's clock."""
+    write: Callable[..., None]
+    """Writes what is `given`, with its times; called on the recording's own thread."""
+    given: tuple[Any, ...]
 
 
 class QueueBudget:

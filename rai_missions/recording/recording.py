@@ -22,9 +22,8 @@ from rai_missions.engine.step import Step
 from rai_missions.errors import UsageError
 from rai_missions.journal import Blob, Journal, Raw, Record
 from rai_missions.mission.mission import Mission
-from rai_missions.plain_data import plain
 from rai_missions.recording.encoder import JOURNAL_TOPIC, TOPIC, MessageEncoder, When
-from rai_missions.recording.json_messages import image_in, short, status_of, write_of
+from rai_missions.recording.json_messages import call_of, image_in, report_of, status_of, write_of
 from rai_missions.recording.queue import Kind, QueueBudget, QueuedItem
 from rai_missions.recording.schemas import BLACKBOARD, CALL, GOAL, STATUS, Schema
 from rai_missions.redaction import logger
@@ -140,45 +139,34 @@ class Recording:
         image = image_in(message.data)
         kind: Kind = "message" if image is None else "picture"
         size = MESSAGE_BYTES if image is None else image.width * image.height * 3
-        self._put(
-            kind,
-            message.topic,
-            size,
-            lambda when: self._pen.received(self._cleaned(message), type_name, when),
-            message.at,
-        )
+        self._put(kind, message.topic, size, message.at, self._write_received, message, type_name)
 
     def received_raw(self, message: RawMessage, definition: str) -> None:
         """A message of ROS as it came over the wire."""
-        size = len(message.data)
-        self._put("message", message.topic, size, lambda when: self._pen.raw(message, definition, when), message.at)
+        self._put("message", message.topic, len(message.data), message.at, self._pen.raw, message, definition)
 
     def called(self, service: str, request: Mapping[str, Any], reply: Reply, seconds: float) -> None:
         """A service has answered, or has not."""
-        record = {"service": service, "request": short(request), "seconds": seconds}
-        record |= {"outcome": reply.outcome, "data": reply.data, "why": reply.why}
-        self._write("calls", CALL, lambda: plain(record))
+        self._write("calls", CALL, None, call_of, service, request, reply, seconds)
 
     def reported(self, action: str, report: Report) -> None:
         """An action's server has reported something of a goal."""
-        rest = report._asdict()
-        record = {"action": action, "said": rest.pop("status"), **rest}  # the file's word
-        self._write("goals", GOAL, lambda: plain(record))
+        self._write("goals", GOAL, None, report_of, action, report)
 
     def row(self, raw: Raw, blobs: Iterable[Blob]) -> None:
         """The journal has got a row."""
         kept = tuple(blobs)
         size = len(raw[2]) + sum(len(data) for _, _, data in kept)
-        self._put("row", JOURNAL_TOPIC, size, lambda when: self._pen.row(raw, kept, when), None)
+        self._put("row", JOURNAL_TOPIC, size, None, self._pen.row, raw, kept)
 
     def step(self, step: Step) -> None:
         """A step was made: what it wrote on the blackboard, also where the journal waits for the next row."""
         for key, value in step.writes:
-            self._write("blackboard", BLACKBOARD, lambda key=key, value=value: write_of(key, value, step.at), step.at)  # type: ignore[misc]
+            self._write("blackboard", BLACKBOARD, step.at, write_of, key, value, step.at)
 
     def status(self, status: Status) -> None:
         """The run's mode, control or states have changed."""
-        self._write("status", STATUS, lambda: status_of(status, self._mission))
+        self._write("status", STATUS, None, status_of, status, self._mission)
 
     def close(self, journal: Path | None = None) -> Summary:
         """Write what waits, and the end; doing so twice changes nothing.
@@ -204,22 +192,21 @@ class Recording:
         """Close it after the run's journal, if there is one."""
         self.close(journal.path if journal is not None else None)
 
-    def _write(self, name: str, schema: Schema, make: Callable[[], Any], at: float | None = None) -> None:
+    def _write(self, name: str, schema: Schema, at: float | None, make: Callable[..., Any], *given: Any) -> None:
         topic = TOPIC + name
-        self._put(
-            "message", topic, MESSAGE_BYTES, lambda when: self._pen.json(topic, schema, self._clean(make()), when), at
-        )
+        self._put("message", topic, MESSAGE_BYTES, at, self._write_json, topic, schema, make, given)
 
-    def _cleaned(self, message: Message) -> Message:
-        return message._replace(data=self._clean(message.data))
+    def _put(self, kind: Kind, name: str, size: int, at: float | None, write: Callable[..., None], *given: Any) -> None:
+        """Have something written, with its times.
 
-    def _put(self, kind: Kind, name: str, size: int, write: Callable[[Any], None], at: float | None) -> None:
-        """Have something written, with its times."""
+        What waits is a tuple and no closure: in a flood the garbage collector looks at all that waits, and a closure is
+        many objects.
+        """
         if not self._why:
             wall = time.time_ns()
             run_s = self._now() if at is None else at
             run = self._began_ns + round(run_s * 1e9) if math.isfinite(run_s) else wall
-            item = QueuedItem(kind, name, size, lambda: write(When(wall, run)))
+            item = QueuedItem(kind, name, size, wall, run, write, given)
             if self._budget.enter(item) and not self._worker.post(partial(self._do, item)):
                 self._budget.leave(item)
 
@@ -235,7 +222,7 @@ class Recording:
         if self._why:
             return
         try:
-            item.write()
+            item.write(*item.given, When(item.wall, item.run))
         except OSError:
             raise
         except Exception:
@@ -251,6 +238,14 @@ class Recording:
         else:
             self._closing.wait(REST_S)
         self._spell = time.monotonic() + SPELL_S
+
+    def _write_received(self, message: Message, type_name: str, when: When) -> None:
+        self._pen.received(message._replace(data=self._clean(message.data)), type_name, when)
+
+    def _write_json(
+        self, topic: str, schema: Schema, make: Callable[..., Any], given: Iterable[Any], when: When
+    ) -> None:
+        self._pen.json(topic, schema, self._clean(make(*given)), when)
 
     def _flush(self) -> None:
         self._is_flush_due = False

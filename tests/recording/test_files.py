@@ -196,8 +196,8 @@ def test_a_full_disk_ends_the_recording_and_not_the_mission(
 def test_so_many_of_a_kind_wait_and_the_others_are_counted(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(rooms.MOST, "message", 2)
     monkeypatch.setitem(rooms.MOST_BYTES, "picture", 100)
-    budget, message = QueueBudget(), QueuedItem("message", "/a", 1, lambda: None)
-    small, big = (QueuedItem("picture", name, size, lambda: None) for name, size in (("/small", 100), ("/big", 101)))
+    budget, message = QueueBudget(), QueuedItem("message", "/a", 1, 0, 0, print, ())
+    small, big = (QueuedItem("picture", name, size, 0, 0, print, ()) for name, size in (("/small", 100), ("/big", 101)))
     assert [budget.enter(message) for _ in range(5)] == [True, True, False, False, False]
     assert not budget.enter(big) and budget.enter(small)
     assert budget.dropped == {"/a": 3, "/big": 1} and budget.is_filling
