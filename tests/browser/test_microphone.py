@@ -56,6 +56,30 @@ def test_the_microphone_is_open_from_one_click_to_the_next_and_its_sound_is_pass
     assert abs(found - TONE_HZ) < 2 * RATE_HZ / len(loud), "the tone, at its own rate"
 
 
+SLOW = """() => {
+  const given = navigator.mediaDevices.getUserMedia.bind(navigator.mediaDevices);
+  navigator.mediaDevices.getUserMedia = async (wanted) => {
+    await new Promise((allow) => { window.allow = allow; });
+    return (window.given = await given(wanted));
+  };
+}"""
+
+
+@pytest.mark.long
+def test_a_microphone_that_is_shut_before_it_is_allowed_records_nothing(recorded: Look) -> None:
+    with SpokenRun() as run:
+        run.start()
+        window = recorded(run.page)
+        window.keyboard.press("c")
+        window.evaluate(SLOW)
+        window.click("#talk-speak")
+        until(window, "Boolean(window.allow)")
+        window.click("#talk-speak")
+        assert window.inner_text("#talk-speak") == "speak"
+        window.evaluate("window.allow()")
+        until(window, "window.given && window.given.getTracks().every((track) => track.readyState === 'ended')")
+
+
 @pytest.mark.long
 def test_a_refusal_shuts_the_microphone_with_its_reason(recorded: Look) -> None:
     with SpokenRun() as run:

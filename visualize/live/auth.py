@@ -59,14 +59,14 @@ class Allowance:
         self._every_s, self._most = every_s, most
         self._left, self._at = float(most), time.monotonic()
 
-    def take(self) -> bool:
-        """Whether there was one left."""
+    def take(self, acts: int = 1) -> bool:
+        """Whether there were so many left."""
         now = time.monotonic()
         self._left = min(float(self._most), self._left + (now - self._at) / self._every_s)
         self._at = now
-        if self._left < 1.0:
+        if self._left < acts:
             return False
-        self._left -= 1.0
+        self._left -= acts
         return True
 
 

@@ -6,7 +6,7 @@ Rule: the page's token sets the role; nothing that comes with the sound does. No
 
 from __future__ import annotations
 
-from typing import Protocol
+from typing import Protocol, get_args
 
 from starlette.requests import Request
 from starlette.responses import JSONResponse, Response
@@ -21,8 +21,12 @@ LARGEST_PIECE = 32_768
 """Bytes of a piece: a second at 16 kHz, mono, 16 bits, and a little more."""
 KIND = "audio/l16"
 """RFC 2586's name for such samples; here they are little-endian, as browsers have them."""
+PART = 4096
+"""Bytes of 128 ms, in which sound is counted; a piece has one part at least."""
 EVERY_S, MOST = 0.08, 40
-"""A piece of 128 ms comes back after so long: half as much again as there is sound."""
+"""A part comes back after so long: half as much again as there is sound."""
+LAST = 8
+"""Parts that count where a microphone is shut: a second of silence follows."""
 
 
 class SoundDesk(Protocol):
@@ -52,7 +56,9 @@ class SoundPages:
     """
 
     def __init__(self, desk: SoundDesk) -> None:
-        self._desk, self._pieces = desk, Allowance(EVERY_S, MOST)
+        self._desk = desk
+        self._parts = {role: Allowance(EVERY_S, MOST) for role in get_args(Role)}
+        """By role: no viewer uses up what the operator may send."""
 
     def routes(self) -> list[Route]:
         """By path."""
@@ -62,8 +68,6 @@ class SoundPages:
         kind = request.headers.get("content-type", "").partition(";")[0].strip().lower()
         if kind != KIND:
             return _refused(415, f"sound is {KIND}: 16 kHz, mono, 16 bits")
-        if not self._pieces.take():
-            return _refused(429, "more sound than time has passed; wait a second")
         body = bytearray()
         async for piece in request.stream():
             body += piece
@@ -71,10 +75,13 @@ class SoundPages:
                 return _refused(413, f"a piece has at most {LARGEST_PIECE} bytes")
         if len(body) % 2:
             return _refused(400, "a piece has whole samples of 2 bytes")
-        given = request.query_params
+        given, role = request.query_params, request.scope[ROLE]
+        is_last = given.get("last", "") == "1"
+        if not self._parts[role].take(max(1, -(-len(body) // PART)) + is_last * LAST):
+            return _refused(429, "more sound than time has passed; wait a second")
         why = self._desk.listen(
-            bytes(body), key=given.get("key", "")[:64], author=given.get("by", "")[:64], role=request.scope[ROLE],
-            is_last=given.get("last", "") == "1",
+            bytes(body), key=given.get("key", "")[:64], author=given.get("by", "")[:64], role=role,
+            is_last=is_last,
         )  # fmt: skip
         return _refused(409, why) if why else JSONResponse({"success": True, "why": ""})
 

