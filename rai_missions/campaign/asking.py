@@ -90,7 +90,7 @@ class AskSettings(NamedTuple):
         reply: CellReply | None = None
         for attempt in range(1 + (self.file.retries if is_chat(cell.model, self.file) else 0)):
             if self._waits(cell.model, pause_s):
-                return None
+                break
             if self.recorded is None:
                 self.models.open(cell.model, question, (cell.embodiment, self.bodies[cell.embodiment]))
             began = time.perf_counter()
@@ -101,7 +101,8 @@ class AskSettings(NamedTuple):
             pause_s = max(2.0**attempt, reply.after_s)
             if not reply.raised or reply.raised == GONE or pause_s > LONGEST_PAUSE_S:
                 break
-        assert reply is not None
+        if reply is None:
+            return None
         record = _record(key, cell, reply, asked)
         price = self.file.prices.get(cell.model, FREE)
         cost = (used.tokens_in * price.prompt + used.tokens_out * price.completion) / MILLION

@@ -11,7 +11,7 @@ from collections.abc import Iterable
 from rai_missions.campaign.file import BudgetEntry, RateEntry
 from rai_missions.campaign.store import CellRecord
 
-__all__ = ("CallPace", "Spending")
+__all__ = ("CallPace", "Spending", "with_use_of")
 
 
 class Spending:
@@ -47,6 +47,19 @@ class Spending:
             if limit is not None and amount >= limit:
                 return f"the budget of {limit:g} {word} is spent"
         return ""
+
+
+def with_use_of(record: CellRecord, earlier: CellRecord) -> CellRecord:
+    """A cell that was asked again, with what was used when it failed: no budget forgets that.
+
+    Args:
+        record: The cell as it is now.
+        earlier: The same cell, which had failed.
+    """
+    return record._replace(
+        calls=record.calls + earlier.calls, prompt_tokens=record.prompt_tokens + earlier.prompt_tokens,
+        completion_tokens=record.completion_tokens + earlier.completion_tokens, cost=record.cost + earlier.cost,
+    )  # fmt: skip
 
 
 class CallPace:

@@ -12,7 +12,7 @@ from contextlib import closing
 from datetime import timedelta
 from typing import NamedTuple
 
-from rai_missions.campaign.budget import Spending
+from rai_missions.campaign.budget import Spending, with_use_of
 from rai_missions.campaign.cells import Cell, cells_of, code_digest, digest
 from rai_missions.campaign.file import LoadedCampaign
 from rai_missions.campaign.models import is_chat, model_digest
@@ -145,10 +145,11 @@ def run_campaign(
     plan = plan_of(loaded, _whole(store.labels(), loaded.subject.options if rates else ()))
     _drop_outdated(plan, store)
     done = store.done()
-    spending = Spending(loaded.file.budget, (each for each in store.cells() if each.status != "failed"))
+    spending = Spending(loaded.file.budget, store.cells())
     intake = Intake(store, spending, on_progress, len(done), len(plan.cells))
     if labels_alone:
-        intake = Intake(store, spending, on_progress, len(plan.labels), len(plan.scenes), counts=LabelRecord)
+        labelled = sum(each.scene in plan.labels for each in plan.scenes)
+        intake = Intake(store, spending, on_progress, labelled, len(plan.scenes), counts=LabelRecord)
     stopped = spending.spent(0.0)
     wanted = plan.label_tasks() if labels_alone else plan.tasks(done, store.shown(), rates=rates)
     tasks = [] if stopped else list(wanted)
@@ -185,16 +186,19 @@ class Intake:
         self._before, self._total, self._counts = done, total, counts
         self._new = set[str]()
         self._began = self._committed = time.monotonic()
+        self._failed = {each.cell: each._replace(raw="") for each in store.cells() if each.status == "failed"}
         self._held: list[TaskRecord] = []
 
     def take(self, record: TaskRecord | None) -> None:
         """A record, or None where only time has passed."""
-        if record is not None:
-            self._held.append(record)
         if isinstance(record, self._counts):
             self._new.add(record[0])
         if isinstance(record, CellRecord):
             self._spending.add(record)
+            earlier = self._failed.get(record.cell)
+            record = record if earlier is None else with_use_of(record, earlier)
+        if record is not None:
+            self._held.append(record)
         if len(self._held) >= COMMIT_RECORDS or time.monotonic() - self._committed > COMMIT_S:
             self.commit()
 

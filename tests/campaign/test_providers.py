@@ -39,6 +39,12 @@ def server() -> Iterator[Server]:
     served.server_close()
 
 
+NO_DATES = (
+    "Mon, 1 Jan 2024 00:00:00 +99999999999999999999", "Mon, 1 Jan 99999999999999999999 00:00:00 GMT",
+    "Mon, 1 Jan 2024 00:00:00 +9999", "9" * 5000,
+)  # fmt: skip
+
+
 class PatientEvent(threading.Event):
     """An event that never comes, and for which no one really waits: it notes how long it was to be."""
 
@@ -84,9 +90,39 @@ def test_a_provider_that_limits_its_rate_for_good_has_failed(
     assert (record.status, record.calls, waits) == ("failed", 1, [])
 
 
+class SpentEvent(PatientEvent):
+    """An event that comes while it is waited for: the budget is spent during a pause."""
+
+    def wait(self, timeout: float | None = None) -> bool:
+        super().wait(timeout)
+        return True
+
+
+def test_what_was_used_before_a_pause_counts_where_the_budget_is_spent_in_it(
+    loaded: LoadedCampaign, asked: AskedScene, server: Server
+) -> None:
+    server.replies = [refused(429, "slow down", retry_after="17")]
+    file, over = loaded.file.model_copy(update={"retries": 2}), SpentEvent()
+    with CampaignModels(
+        file, loaded.subject.robot, {}, open_chat=lambda name: ThreadChat(server.model())
+    ) as models:  # fmt: skip
+        record = AskSettings(file, models, {}, {"none": RobotView()}, over).ask("key", CELL, asked, LABELS)
+    assert record is not None and over.waits == [17.0]
+    assert (record.status, record.calls) == ("failed", 1) and "429" in record.error
+
+
 @pytest.mark.parametrize(
     ("header", "seconds"),
-    [("7", 7.0), ("0.5", 0.5), ("0", 0.0), ("-3", 0.0), ("nan", 0.0), ("inf", 0.0), ("soon", 0.0)],
+    [
+        ("7", 7.0),
+        ("0.5", 0.5),
+        ("0", 0.0),
+        ("-3", 0.0),
+        ("nan", 0.0),
+        ("inf", 0.0),
+        ("soon", 0.0),
+        *((each, 0.0) for each in NO_DATES),
+    ],
 )
 def test_a_retry_after_is_read_in_seconds(header: str, seconds: float) -> None:
     assert ModelFault.by(limited(header)).after_s == seconds

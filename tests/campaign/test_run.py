@@ -234,6 +234,31 @@ def test_a_spent_budget_stops_cleanly_and_the_next_run_asks_the_rest(
     assert ran(write_campaign(tmp_path, campaign_data(2, **given)), store).missing == 0
 
 
+def test_what_failed_cells_used_counts_in_every_run_that_follows(tmp_path: Path) -> None:
+    store, given = tmp_path / "results.db", {"scripts": {"teller": {"*": USED}}}
+    ran(write_campaign(tmp_path, campaign_data(2, **given)), store)
+    with ResultStore(store, writes=True) as opened:
+        cells = [cell for cell in opened.cells() if cell.model == "teller"]
+        failed = [cell._replace(status="failed", option="", calls=3, cost=0.5) for cell in cells[:2]]
+        opened.add(failed)
+        spent = sum(cell.calls for cell in opened.cells())
+    budget = {"calls": spent}
+    assert ran(write_campaign(tmp_path, campaign_data(2, budget=budget, **given)), store).counts["failed"] == 2
+    assert ran(write_campaign(tmp_path, campaign_data(2, **given)), store).counts == {"answered": 12}
+    again = {cell.cell: cell for cell in cells_in(store)}
+    assert [(again[each.cell].calls, again[each.cell].cost) for each in failed] == [(4, 0.5)] * 2
+    assert [again[each.cell].prompt_tokens for each in failed] == [200] * 2
+
+
+def test_labels_of_other_scenes_are_no_progress(tmp_path: Path) -> None:
+    path, store = write_campaign(tmp_path, campaign_data(2, labels="rollouts")), tmp_path / "results.db"
+    with ResultStore(store, writes=True) as opened:
+        opened.add(labels(["s0", "s1", "s2"]))
+    noted: list[Progress] = []
+    ran(path, store, lambda settings: RefusingPool(), labels_alone=True, on_progress=noted.append)
+    assert {(each.done, each.total) for each in noted} == {(2, 2)}
+
+
 def test_a_scene_that_cannot_be_built_fails_alone(tmp_path: Path) -> None:
     data = campaign_data(2)
     data["scenes"]["given"][1]["options"] = {"obstacles": ["dragon"]}

@@ -75,7 +75,7 @@ def _after_s(error: BaseException) -> float:
     except ValueError:
         try:
             seconds = parsedate_to_datetime(text).timestamp() - time.time()
-        except ValueError:
+        except (ValueError, OverflowError):
             return 0.0
     return seconds if 0 < seconds < math.inf else 0.0
 
