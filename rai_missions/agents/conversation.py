@@ -146,7 +146,7 @@ class ConversationalAgent:
         return reported
 
     def wait_decided(self) -> None:
-        """Wait while a request of the run that is over waits for a person's yes; no longer than a confirmation may."""
+        """Wait while the run is over and a start waits for a person's yes; at most two confirmations long."""
         self._drain(1.0)
         self._is_decided.wait(2 * self._settings.confirm_s)
 

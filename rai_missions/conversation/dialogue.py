@@ -57,7 +57,7 @@ class Dialogue:
 
     @property
     def asks_to_begin(self) -> bool:
-        """Whether a request waits for a person's yes after the mission before it did not succeed."""
+        """Whether a mission is over and a start, of a request or ordered since, waits for a person's yes."""
         return self._orders.asks_to_begin
 
     @property

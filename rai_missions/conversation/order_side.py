@@ -404,8 +404,8 @@ class OrderSide:
 
     @property
     def asks_to_begin(self) -> bool:
-        """Whether a request waits for a person's yes after its mission did not succeed."""
-        return self._pending is not None and self._pending.is_request
+        """Whether a mission is over and a start, of a request or ordered since, waits for a person's yes."""
+        return self._pending is not None and self._pending.sense.name == "start" and not is_alive(self._talk.view)
 
     def wake_at(self) -> float | None:
         """When a confirmation expires."""

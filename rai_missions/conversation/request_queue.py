@@ -10,7 +10,6 @@ from collections import deque
 from typing import NamedTuple
 
 from rai_missions.conversation.inputs import Utterance
-from rai_missions.conversation.language import spoken
 from rai_missions.conversation.outputs import Mapper
 from rai_missions.conversation.senses import Sense
 from rai_missions.conversation.speaking import SpeechSide
@@ -71,13 +70,12 @@ class RequestQueue:
         """
         if not self._waiting:
             return
-        view, language = self._talk.view, self._talk.language
+        language = self._talk.language
         requests = language.listed([*self.words])
         for each in self._waiting:
             self._talk.note("dropped", order=order_data(each.sense))
         self._waiting.clear()
-        values = {"mission": spoken(view.mission), "mode": language.word("modes", view.mode), "requests": requests}
-        self._speaking.speak(language.text(form, **values), priority="question")
+        self._speaking.speak(language.text(form, requests=requests), priority="question")
 
 
 def order_data(sense: Sense) -> dict[str, object]:

@@ -146,7 +146,7 @@ def untaken(order: Command) -> str:
     return f"the run has not taken it yet; {then}, and what became of it is reported then"
 
 
-def ignore_reply(_reply_of: CommandReply) -> None:
+def ignore_reply(_reply: CommandReply) -> None:
     """No one asks what became of an order."""
 
 

@@ -11,6 +11,7 @@ import pytest
 from rai_missions.conversation import (
     AskModel,
     Dialogue,
+    MissionView,
     ModelText,
     Settings,
     Speech,
@@ -23,6 +24,23 @@ from rai_missions.conversation.sentences import SentenceStream, sentences
 from rai_missions.errors import UsageError
 
 RUNNING = StatusView(run="r", mode="running", mission="patrol")
+
+
+def test_a_start_that_is_ordered_instead_of_a_request_is_waited_for_too() -> None:
+    running = RUNNING._replace(missions=(MissionView("patrol"), MissionView("orchard")))
+    failed = running._replace(mode="failed", outcome="failed")
+    dialogue = Dialogue(view=running)
+
+    def say(text: str, at: float, view: StatusView) -> bool:
+        dialogue.on_utterance(Utterance(text, "operator", "terminal", at=at), view)
+        return dialogue.asks_to_begin
+
+    dialogue.on_status(running, 0.0)
+    assert [say("start the patrol", 1.0, running), say("yes", 2.0, running)] == [False, False]
+    dialogue.on_status(failed, 3.0)
+    assert dialogue.asks_to_begin
+    assert say("start the orchard", 4.0, failed), "it is read back in place of the request"
+    assert not say("no", 5.0, failed)
 
 
 def test_a_profile_adds_to_what_a_role_may() -> None:
