@@ -143,8 +143,8 @@ class Chart:
         """
         state = self.state
         name, at, data, kind, _ = event
-        if not state.quick or kind != "event" or not at < state.wake:
-            if kind == "write" and state.quick and at < state.wake:
+        if not state.quick or kind != "event" or not -inf < at < state.wake:
+            if kind == "write" and state.quick and -inf < at < state.wake:
                 return short_way.reading(self.program, state, event)
             return make_step(self.program, state, event)
         direct = state.config.direct.get(name)

@@ -58,10 +58,10 @@ def enabled(
     return transitions
 
 
-def complete(program: Program, state: RunState, trigger: Trigger | None) -> None:
-    """Take what is enabled until nothing is (SCXML: mainEventLoop)."""
+def complete(program: Program, state: RunState, trigger: Trigger | None, *, made: int = 0) -> None:
+    """Take what is enabled until nothing is (SCXML: mainEventLoop), after so many microsteps that were made before."""
     draft, seen = state.draft, set[Any]()
-    draft.macrosteps, draft.microsteps = draft.macrosteps + 1, 0
+    draft.macrosteps, draft.microsteps = draft.macrosteps + 1, made
     while draft.microsteps < MOST_MICROSTEPS:
         draft.microsteps += 1
         if _is_over(program, state):

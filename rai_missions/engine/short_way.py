@@ -61,7 +61,6 @@ def _looked_at(program: Program, state: RunState, event: Event, tree: RunningTre
     draft, listening = state.draft, state.listening
     draft.written.append(written)
     draft.polled = 1
-    draft.tree_rounds.clear()
     tick = Event("tick", state.at, {"keys": keys, "news": keys if is_news else NO_KEYS, "unseen": False}, "tick")
     turn = machine.receive(activity, tick, Host(program, state))
     if turn is not None:
@@ -76,20 +75,21 @@ def _looked_at(program: Program, state: RunState, event: Event, tree: RunningTre
     effects = tuple(draft.effects)
     draft.effects, draft.touched, draft.polled = [], False, 0
     draft.written.clear()
+    draft.tree_rounds.clear()
     return value(state, event, (), (), (written,), effects, quiet=turn is None)
 
 
 def step(program: Program, state: RunState, event: Event) -> Step:
     """What an event does that has not yet done it in this configuration; if it does little, it is remembered."""
     name, at, data, _, _ = event
+    if name not in program.declared:  # one that the engine raises has a plan, too
+        return make_step(program, state, event)
     if at > state.at:
         state.at = at
     config = state.config
     plan = config.plans.get(name)
     if plan is None:
-        plan = config.plan(name, declared=name in program.declared)
-    if not plan and name not in program.declared:
-        return make_step(program, state, event)
+        plan = config.plan(name, declared=True)
     state.event = data
     looked: list[tuple[str, Truth]] = []
     transitions = enabled(state, plan, looked)
@@ -114,15 +114,18 @@ def leapt(program: Program, state: RunState, event: Event, leap: CompiledStep, l
     state.active = config.active
     if not leap.acts:
         return value(state, event, leap.moves, looked)
-    draft = state.draft
+    draft, timers = state.draft, (state.order, len(state.timers))
     for act in leap.acts:
         act(program, state)
     written = draft.written
     if draft.internal or (written and state.listening):
         draft.moves.append(leap.move)
         draft.looked += looked
-        complete(program, state, None)
+        draft.presence_changes |= leap.shifts
+        complete(program, state, None, made=1)
         return close(program, state, event)
+    if (state.order, len(state.timers)) != timers:
+        state.wake = next_instant(program, state)
     if draft.effects or draft.notes or draft.news:
         notes = with_verdicts(draft.notes)[0] if draft.notes else ()
         state.draft = StepDraft()

@@ -153,7 +153,8 @@ def plain_mission(rng: random.Random) -> Mission:
     """States without activities, between which events lead, with guards and effects of the simplest sorts."""
     effects = [
         {"set": "n", "add": 1}, {"set": "x", "add": 0.5}, {"set": "n", "value": 3}, {"set": "flag", "value": True},
-        {"set": "x", "from": "fact"}, {"raise": "c"}, {"publish": "lamp", "message": {"n": {"from": "n"}}},
+        {"set": "x", "from": "fact"}, {"raise": "c"}, {"raise": "d", "after_s": 0.5}, {"drop": "later"},
+        {"raise": "d", "after_s": 1.5, "id": "later"}, {"publish": "lamp", "message": {"n": {"from": "n"}}},
     ]  # fmt: skip
     guards = [
         {"key": "n", rng.choice(["<", ">=", "==", "!="]): rng.randint(0, 4)}, {"key": "flag", "==": True},
@@ -161,12 +162,12 @@ def plain_mission(rng: random.Random) -> Mission:
     ]  # fmt: skip
 
     def transition() -> dict[str, Any]:
-        on = {"on": rng.choice(["a", "a", "b", "c"])} if rng.random() < 0.95 else {}
+        on = {"on": rng.choice(["a", "a", "b", "c", "d"])} if rng.random() < 0.95 else {}
         guarded = {"when": rng.choice(guards)} if rng.random() < 0.5 or not on else {}
         to = {"to": rng.choice(["s", "t", "u"])} if rng.random() < 0.9 or not on else {}
         done = rng.choices(effects, k=rng.choice([0, 1, 1, 1, 2]))
         if on.get("on") != "a":  # so that nothing raises what raises it
-            done = [each for each in done if "raise" not in each]
+            done = [each for each in done if "raise" not in each or "after_s" in each]
         return {**on, **guarded, **to, "do": done}
 
     keys = {
