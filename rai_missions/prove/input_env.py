@@ -130,9 +130,9 @@ class InputEnvironment:
             yield Stimulus(words, "robot", do, goal.number, is_of_goal=True)
 
     def of_calls(self) -> Iterator[Stimulus]:
-        """The same of calls."""
+        """The same of calls whose reply no state waits for: a failure is an event."""
         for number, service in self._chart.state.calls.items():
-            yield from self._call(number, service)
+            yield from (each._replace(event="call_failed") for each in self._call(number, service))
 
     def _call(self, number: int, owner: str) -> Iterator[Stimulus]:
         for reply in REPLIES:

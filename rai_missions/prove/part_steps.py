@@ -278,7 +278,7 @@ class PartSteps:
         view = self._view(spot)
         outcomes = {share.group: found.step for share in shares if (found := share.course(store, view)) is not None}
         if not self._search.is_over:
-            apart.leave(head, spot.parts, [part.wakes for part in view.parts], depth, outcomes)
+            apart.leave(head, spot, [part.wakes for part in view.parts], depth, outcomes)
 
     def _make(self, number: int, spot: PartNumbers, store: Store, scopes: Sequence[int] = ()) -> list[Share]:
         """The same where not all of it is known.

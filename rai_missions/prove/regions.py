@@ -25,6 +25,7 @@ from rai_missions.prove.open_world import OpenWorld
 from rai_missions.prove.parts import guards_in, parts
 from rai_missions.prove.stimulus import Stimulus
 from rai_missions.states.action import Action
+from rai_missions.states.effects import Raise
 from rai_missions.states.state import ANY_EVENT
 from rai_missions.states.tree.leaves import ActionLeaf
 
@@ -151,7 +152,8 @@ class Regions:
         is_any = ANY_EVENT in fired
         events = {event: OUTSIDE if is_any or event in fired or len(some) != 1 else min(some)
                   for event, some in handlers.items()}  # fmt: skip
-        named |= {group for event, some in handlers.items() if event in outer - fired for group in some}
+        around_raise = {each.event for each in parts(around, Raise)} | (outer - fired)
+        named |= {group for event, some in handlers.items() if event in around_raise for group in some}
         outside = {
             group: frozenset().union(*(each.watched for each in waiting
                                        if any(group_of.get(name) == group for name in _states(each))))
@@ -208,15 +210,16 @@ class Regions:
 
     def concerned(self, parallel: RegionGroups, happening: Stimulus, scope: int) -> frozenset[int]:
         """The groups that something may look at, whatever it wakes."""
+        looking = parallel.named | parallel.trees if happening.is_tick else parallel.named
         if scope >= 0:
-            return parallel.named | {scope}
+            return looking | {scope}
         if happening.event:
-            return parallel.named | parallel.handlers.get(happening.event, frozenset())
-        if happening.is_tick:
-            return parallel.named | parallel.trees
+            return looking | parallel.handlers.get(happening.event, frozenset())
+        if happening.is_tick and happening.kind == "write":
+            return looking
         if happening.kind in ("time", "robot") or happening.is_cancel:
             built_in = (parallel.handlers.get(event, frozenset()) for event in BUILT_IN_EVENTS)
-            return parallel.named.union(*built_in)
+            return looking.union(*built_in)
         return parallel.every
 
 

@@ -24,6 +24,7 @@ from typing import NamedTuple
 
 from rai_missions.engine.nodes import Node
 from rai_missions.prove.environment import Environment
+from rai_missions.prove.region_parts import PartNumbers
 from rai_missions.prove.regions import OUTSIDE, RegionGroups
 from rai_missions.prove.step_cache import Arrival, CachedStep
 
@@ -119,13 +120,13 @@ class SeparateRegions:
         return found or [*range(len(parts))]
 
     def leave(
-        self, head: int, parts: tuple[int, ...], waits: Sequence[int], depth: int, outcomes: Mapping[int, CachedStep]
+        self, head: int, spot: PartNumbers, waits: Sequence[int], depth: int, outcomes: Mapping[int, CachedStep]
     ) -> None:  # fmt: skip
         """Note what can happen in a state, by group and around all.
 
         Args:
             head: Of its code.
-            parts: The numbers of its parts.
+            spot: The numbers of its frame and parts.
             waits: What each of them waits for, as bits.
             depth: Steps of the shortest run to there.
             outcomes: Group, or `OUTSIDE`, → what comes of all that happens on its account.
@@ -135,14 +136,14 @@ class SeparateRegions:
         """
         block = self._blocks[head]
         for group, outcome in outcomes.items():
-            is_apart = _is_around(outcome) if group == OUTSIDE else _is_of_one(outcome, group)
+            is_apart = _is_around(outcome, spot.frame) if group == OUTSIDE else _is_of_one(outcome, group, spot.frame)
             is_woken = group != OUTSIDE and block.is_woken(group, outcome.footprint.wakes, waits[group])
             if is_woken or not is_apart:
                 raise EntangledError
             if group == OUTSIDE:
                 block.around = outcome.steps
             else:
-                block.steps[group][parts[group]] = outcome.steps
+                block.steps[group][spot.parts[group]] = outcome.steps
                 block.far[group] = max(block.far[group], depth - block.depth)
 
     def totals(self) -> LeftOut:
@@ -155,18 +156,18 @@ class SeparateRegions:
         )
 
 
-def _is_of_one(outcome: CachedStep, group: int) -> bool:
+def _is_of_one(outcome: CachedStep, group: int, frame: int) -> bool:
     """Each step changes one part, or leaves the parallel state, and rests on no other part."""
     footprint = outcome.footprint
     is_alone = footprint.needs in ((), (group,)) and not footprint.turns
-    return is_alone and all(_is_out(each) or _is_within(each) for each in outcome.arrivals)
+    return is_alone and all(_is_out(each) or _is_within(each, frame) for each in outcome.arrivals)
 
 
-def _is_around(outcome: CachedStep) -> bool:
+def _is_around(outcome: CachedStep, frame: int) -> bool:
     """Each step leaves the parallel state, whatever its parts are, or does nothing; one that may come is an end."""
     footprint, arrivals = outcome.footprint, outcome.arrivals
     is_free = not (footprint.needs or footprint.turns)
-    is_left = all(_is_out(each) or (_is_within(each) and not each.changed) for each in arrivals)
+    is_left = all(_is_out(each) or (_is_within(each, frame) and not each.changed) for each in arrivals)
     return is_free and is_left and any(each.kind == "event" and each.ended is not None for each in arrivals)
 
 
@@ -175,11 +176,12 @@ def _is_out(arrival: Arrival) -> bool:
     return arrival.changed is None and arrival.kind != "time"
 
 
-def _is_within(arrival: Arrival) -> bool:
-    """Whether it changes parts alone, and takes no time."""
-    change = arrival.change
+def _is_within(arrival: Arrival, frame: int) -> bool:
+    """Whether it changes parts alone, neither frame nor store, and takes no time."""
+    change, spot = arrival.change, arrival.spot
     is_kept = change is not None and not (change.written or change.added or change.goals or change.is_absolute)
-    return is_kept and arrival.changed is not None and arrival.kind not in ("time", "command")
+    is_here = arrival.changed is not None and spot is not None and spot.frame == frame
+    return is_kept and is_here and arrival.kind not in ("time", "command")
 
 
 def may_be_apart(environment: Environment, parallels: Iterable[RegionGroups]) -> bool:

@@ -31,7 +31,7 @@ class Stimulus(NamedTuple):
     is_of_goal: bool = False
     """It is about a goal that nothing pursues."""
     event: str = ""
-    """The event that is received, or the one that a timer raises."""
+    """The event that is received, or the one that a timer, or the failure of a call, raises."""
     key: str = ""
     """The key of which something else is known from now on."""
     is_tick: bool = False

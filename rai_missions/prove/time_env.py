@@ -188,7 +188,8 @@ class TimeEnvironment:
             if name and is_held(self._chart.state, self._chart.program.graph.nodes[name]):
                 continue
             words = f"'{name or 'the mission'}' has lasted {self._codec.next_age(name):g} s"
-            yield Stimulus(words, "time", self.elapse(self._aged(name), *self._chart.state.running), owner=name)
+            aged = self.elapse(self._aged(name), *self._chart.state.running)
+            yield Stimulus(words, "time", aged, owner=name, is_tick=True)
         for memory, since in list(self._chart.state.held.items()):
             if since == NOW and self._chart.program.graph.memories.get(memory) not in self._chart.state.frozen:
                 words = f"{memory} has held for long enough"

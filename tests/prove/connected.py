@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from typing import Any
 
-__all__ = ("CONNECTED",)
+__all__ = ("CONNECTED", "mission", "region")
 
 Json = dict[str, Any]
 FAILED = ["failed", "timed_out", "rejected"]
@@ -27,12 +27,13 @@ def mission(left: Json, right: Json, outer: list[Json] | None = None, **words: A
         words: Of the mission, in place of others.
     """
     back = "over" if "on_cancel" in words else "after"
+    clear: Json = {"type": "boolean", "source": "robot", "max_age_s": 3}
     around = [{"on": "succeeded", "to": "over"}, {"on": "failed", "to": back}, *(outer or [])]
     return {
         "format": 1, "name": "connected", "version": "1.0.0", "initial": "work",
         "blackboard": {
             "n": {"type": "integer", "initial": 0}, "armed": {"type": "boolean", "initial": False},
-            "clear": {"type": "boolean", "source": "robot", "max_age_s": 3},
+            **({"clear": clear} if "'clear'" in repr((left, right)) else {}),
         },
         "events": {event: {} for event in ("l", "r", "k", "both", "stop")},
         "states": {
@@ -46,6 +47,13 @@ def mission(left: Json, right: Json, outer: list[Json] | None = None, **words: A
 def moves(name: str, event: str, **words: Any) -> Json:
     """There and back by an event."""
     return region(name, [{"on": event, "to": f"{name}b", **words}], [{"on": event, "to": f"{name}a"}])
+
+
+def onward(name: str, event: str, back: str) -> Json:
+    """Two states further by an event, and back by another."""
+    third = {"transitions": [{"on": back, "to": f"{name}a"}]}
+    two = region(name, [{"on": event, "to": f"{name}b"}], [{"on": event, "to": f"{name}c"}])
+    return {**two, "states": {**two["states"], f"{name}c": third}}
 
 
 def ending(name: str, event: str, **words: Any) -> Json:
@@ -112,6 +120,17 @@ CONNECTED: dict[str, Json] = {
         region("l", [{"on": "l", "when": ARMED, "to": "lb"}, {"on": "k", "to": "lb"}], []),
         region("r", [{"on": "r", "when": ARMED, "to": "rb"}, {"on": "r", "to": "rb"}], []),
         [{"on": "both", "do": ARM}], **OVER),
+    "a service that is called like a state of the other": mission(
+        moves("l", "l", do=[{"call": "la"}]),
+        region("r", [{"on": "r", "to": "rb"}], [{"on": ["r", "call_failed"], "to": "ra"}])),
+    "an event that rules around them raise and handle": mission(
+        onward("l", "l", "both"), onward("r", "r", "r"),
+        [{"on": "k", "do": [{"raise": "l"}, {"raise": "l"}]}, {"on": "l", "do": [{"log": "stays"}]}]),
+    "an event that comes later": mission(
+        region("l", [{"on": "l", "to": "lb", "do": [{"raise": "k", "after_s": 2}]}], [{"on": "k", "to": "la"}]),
+        moves("r", "r")),
+    "an event that a rule around them has come later": mission(
+        moves("l", "l"), moves("r", "r"), [{"on": "both", "do": [{"raise": "k", "after_s": 2}]}]),
     "the order in which they began": mission(
         acting("l", "lift", "l"), region("r", [{"on": "r", "to": "rb"}], [{"on": "succeeded", "to": "ra"}, {
             "on": FAILED, "to": "ra"}], b={"action": "look", "timeout_s": 3})),

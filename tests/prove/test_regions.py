@@ -9,6 +9,7 @@ from typing import Any
 import pytest
 
 from benchmarks.bench_prove import counting
+from rai_missions.engine.activities import tree_rounds
 from rai_missions.engine.robot_facts import RobotFacts
 from rai_missions.mission.mission import Mission
 from rai_missions.prove import prove
@@ -18,7 +19,8 @@ from rai_missions.prove.environment import Environment
 from rai_missions.prove.explorer import Space
 from rai_missions.prove.limits import Limits
 from rai_missions.prove.properties import claims, lost, stuck
-from tests.prove.connected import CONNECTED
+from tests.prove.connected import CONNECTED, region
+from tests.prove.connected import mission as connected
 from tests.prove.regional import FACTS, regional
 
 Json = dict[str, Any]
@@ -108,6 +110,18 @@ def test_part_by_part_is_what_a_full_exploration_is(seed: int) -> None:
 def test_what_connects_regions_makes_no_difference(what: str) -> None:
     assert hold_against_full(CONNECTED[what], FACTS) is not None
     hold_one_by_one(CONNECTED[what])
+
+
+def test_a_tree_that_rests_continues_where_a_state_of_another_region_has_lasted(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """All trees look again then, and one has rounds left that had no room in the step before."""
+    monkeypatch.setattr(tree_rounds, "MOST_ROUNDS", 20)
+    rounds = {"repeat": 16, "child": {"repeat": 3, "child": {"set": "armed", "value": True}}}
+    tree = {"tree": {"sequence": [{"wait_s": 2}, rounds]}}
+    left = region("l", [{"when": {"elapsed_s": 3}, "to": "lb"}], [{"on": "l", "to": "la"}])
+    right = region("r", [{"on": "r", "to": "rb"}], [{"on": ["succeeded", "failed"], "to": "ra"}], b=tree)
+    assert hold_against_full(connected(left, right), FACTS) is not None
 
 
 def test_one_at_a_time_is_what_a_full_exploration_is() -> None:
