@@ -167,8 +167,21 @@ def arranging() -> dict[str, State]:
             about="all of them were meant: what was hidden at first, too",
             transitions=[
                 On("succeeded", to="comparing", do=[Set(k.wanted, from_=k.reading.goal)]),
-                On("unclear", "refused", "rejected", to="looking", do=[Set(k.failures, add=1)]),
+                On(
+                    "unclear",
+                    "refused",
+                    "rejected",
+                    when=k.failures < MOST_FAILURES,
+                    to="looking_closer",
+                    do=[Set(k.failures, add=1)],
+                ),
+                On("unclear", "refused", to="impossible", do=[Set(k.report, from_=k.reading.about)]),
+                On("rejected", to="blind"),
             ],
+        ),
+        "looking_closer": State(
+            about="what is seen now leaves open what was meant: the camera looks again, and nothing is done until then",
+            transitions=[After(1.6, to="reading_again")],
         ),
         "comparing": State(
             about="is it so of all that are seen now?",

@@ -128,7 +128,7 @@ class GoalWriter:
 
     def _under(self, clause: Clause) -> Iterator[Plain]:
         names, target = self._names(clause.subjects, clause.target), self._one(clause.target)
-        if len(names) > 1 or target == DESK:
+        if len(names) > 1 or target == DESK or self._is_container(names[0]):
             raise self._ask("where", self._listed(names))
         yield {"on": [target, names[0]]}
 

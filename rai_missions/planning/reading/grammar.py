@@ -22,6 +22,9 @@ BETWEEN = (",", ".", "and", "then")
 MUTUAL: dict[str, ClauseKind] = {
     "stack": "stack", "next_to": "side_by_side", "group": "group", "apart": "spread", "swap": "swap",
 }  # fmt: skip
+NEAR_IT = frozenset({"under", "next_to", "left_of", "right_of"})
+"""After a verb of grasping these may as well mean where the thing is now: `take the cube under the apple`."""
+WHERE = NEAR_IT | {"on", "in"}
 
 
 def clauses(symbols: Sequence[Symbol], lexicon: Vocabulary) -> tuple[Clause, ...]:
@@ -55,6 +58,7 @@ class Rules:
         self.cursor = cursor
         self.lexicon = lexicon
         self._gap: float | None = None
+        self._is_grasped_there = False
 
     def unread(self) -> Unread:
         """What is raised where no rule fits."""
@@ -86,7 +90,17 @@ class Rules:
         subjects = noun_phrases(cursor)
         if not subjects:
             raise self.unread()
-        return self._after(self._about(subjects, is_held=is_held))
+        found = self._about(subjects, is_held=is_held)
+        self._check_grasped(found[0], is_held=is_held)
+        return self._after(found)
+
+    def _check_grasped(self, found: Clause, *, is_held: bool) -> None:
+        """Where something is grasped is no wish: `take the cube on the apple and put it …`."""
+        is_there = is_held and found.kind in WHERE
+        is_it = any(each.kind == "pronoun" for each in found.subjects)
+        if (is_held and found.kind in NEAR_IT) or (self._is_grasped_there and is_it):
+            raise self.unread()
+        self._is_grasped_there = is_there
 
     def _after(self, found: list[Clause]) -> list[Clause]:
         self.cursor.skip("put", "too", "grasp")
@@ -117,6 +131,7 @@ class Rules:
         if cursor.kind() == ":" and cursor.kind(1) in ("axis", "("):
             cursor.take()
         if has_place(cursor):
+            self._refuse_shift()
             x, y = place(cursor, self.lexicon)
             return [Clause("at", subjects, x=x, y=y)]
         if cursor.kind() in ("relation", "number", "gap"):
@@ -124,6 +139,13 @@ class Rules:
         if is_held and cursor.kind() in ("", *BETWEEN):
             return [Clause("held", subjects)]
         raise self.unread()
+
+    def _refuse_shift(self) -> None:
+        """`move it 30 cm ahead and 10 cm to the left` may be counted from where it is; `to 30 cm ahead` is a place."""
+        cursor = self.cursor
+        is_shift = any(each.kind == "put" and each.value == "shift" for each in cursor.symbols[: cursor.at])
+        if is_shift and cursor.kind() == "number" and cursor.kind(1) == "side":
+            raise Unread("coordinates", self.lexicon.text("coordinates"))
 
     def _skip_all(self) -> None:
         """Past a word that repeats that all are meant: `the red and the blue cube, both on the tray`."""

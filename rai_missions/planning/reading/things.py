@@ -94,7 +94,7 @@ class Things:
         alike = [each for each in found if each.type in self._heads.get(phrase, ())]
         if len({each.type for each in alike}) == 1:
             found = alike
-        elif not phrase.is_one:
+        elif not (phrase.is_one or phrase.is_all):
             found = [each for each in found if each.type in COLOURED] or found
         sure = [each for each in found if has_colour(each, phrase.colour)]
         return (sure, [each for each in found if each not in sure]) if sure else (found, [])

@@ -53,3 +53,33 @@ def test_a_bottom_a_middle_and_a_top_are_a_whole_tower() -> None:
 @pytest.mark.parametrize("request_", ["get rid of the corn", "throw the corn out", "dispose of the corn"])
 def test_what_is_thrown_away_is_asked_back_as_into_the_bin(request_: str) -> None:
     assert reading_of(request_, SEEN).candidates == (goal({"in": ["corn", "bin"]}),)
+
+
+@pytest.mark.parametrize(
+    "request_",
+    [
+        "take the red cube under the blue cube and put it in the tray", "grab the red cube under the blue cube",
+        "take the red cube on the blue cube and put it in the tray", "take the apple right from the tray",
+        "pick up the red cube near the tray", "take the apple next to the tray and put it in the bin",
+        "move the red cube 30 cm forward and 10 cm left", "push the apple 30 cm ahead and 10 cm to the right",
+        "slide the tray under the apple", "put all red in the bin",
+    ],
+)  # fmt: skip
+def test_what_may_as_well_mean_where_something_is_now_is_asked_back(request_: str) -> None:
+    found = reading_of(request_, SEEN)
+    assert found.outcome == "unclear"
+
+
+@pytest.mark.parametrize(
+    ("request_", "predicates"),
+    [
+        ("take the red cube off the blue cube and put it in the tray",
+         [{"on": ["red_cube", "desk"]}, {"in": ["red_cube", "tray"]}]),
+        ("get the apple in the bin and the carrot next to the corn",
+         [{"in": ["apple", "bin"]}, {"next_to": ["carrot", "corn"]}]),
+        ("move the red cube to 30 cm ahead and 10 cm left", [{"at": "red_cube", "x": 0.3, "y": 0.1}]),
+        ("take the red cube and move it left of the blue cube", [{"left_of": ["red_cube", "blue_cube"]}]),
+    ],
+)  # fmt: skip
+def test_a_wish_after_a_verb_of_grasping_is_read(request_: str, predicates: list[Any]) -> None:
+    assert reading_of(request_, SEEN).goal == goal(*predicates)
