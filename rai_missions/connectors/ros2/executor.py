@@ -43,6 +43,8 @@ CLOCK = "/clock"
 listened."""
 A_TURN = 10
 """How many messages one turn may bring, as many as a queue holds by default."""
+ALL = 1 << 62
+"""The count of someone who is found ready by a look: it is not known how much there is, so all of it is taken."""
 EVENTS_S = 0.1
 """How soon someone is notified that a publisher does not fit: each subscription has such an event, and none is
 urgent. As often it is looked whether ROS was shut down."""
@@ -201,7 +203,7 @@ class SingleThreadExecutor(Executor):  # type: ignore[misc]
         for waitable in waitables:
             counts.pop(waitable, None)
         for party in ready:
-            counts.setdefault(party, 1)
+            counts[party] = ALL
 
     def _wait_for_all(self, timeout_s: float) -> None:
         waitables, now = self._waitables, time.monotonic()

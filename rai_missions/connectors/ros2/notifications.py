@@ -89,12 +89,15 @@ class Notifications:
         self._reset_error = library.rcutils_reset_error
         self._write = ctypes.cast(ctypes.CDLL(None).eventfd_write, ctypes.c_void_p)
         self._lock = threading.Lock()
-        self._bell = _eventfd()
-        self._poll: select.epoll | None = select.epoll()
-        self._poll.register(self._bell, select.EPOLLIN)
         self._parties: dict[int, list[Hashable]] = {}
-        self._shared = self._open()
         self._sources: dict[Hashable, tuple[int, list[Source]]] = {}
+        self._poll: select.epoll | None = select.epoll()
+        self._bell = self._opened()
+        try:
+            self._shared = self._open()
+        except OSError:
+            os.close(self._bell)
+            raise
 
     def __contains__(self, party: Hashable) -> bool:
         return party in self._sources
@@ -125,7 +128,7 @@ class Notifications:
         file, sources = self._sources.pop(party)
         self._parties[file].remove(party)
         for kind, pointer in sources if is_alive else ():
-            self._set[kind](pointer, None, None)
+            self._checked(self._set[kind](pointer, None, None))
 
     def wait(self, timeout_s: float) -> dict[Hashable, int]:
         """Who has been notified of how much since the last wait; empty after `timeout_s` or a `ring`."""
@@ -155,10 +158,13 @@ class Notifications:
 
     def _hook(self, source: Source, file: int) -> bool:
         kind, pointer = source
-        if self._set[kind](pointer, self._write, file) == 0:
-            return True
-        self._reset_error()  # else rclpy reports it at its next fault
-        return False
+        return self._checked(self._set[kind](pointer, self._write, file))
+
+    def _checked(self, returned: int) -> bool:
+        """Whether rcl did it; its words on a failure are taken back, for rclpy would report them at its next fault."""
+        if returned != 0:
+            self._reset_error()
+        return returned == 0
 
     def _file(self) -> int:
         """A file that no party has; one that is shared where there are too many."""
@@ -172,12 +178,17 @@ class Notifications:
             return self._shared if least is None else least
 
     def _open(self) -> int:
-        file = _eventfd()
+        file = self._opened()
         self._parties[file] = []
-        assert self._poll is not None
-        self._poll.register(file, select.EPOLLIN)
         return file
 
-
-def _eventfd() -> int:
-    return os.eventfd(0, os.EFD_NONBLOCK | os.EFD_CLOEXEC)
+    def _opened(self) -> int:
+        """A file that is waited for; none is left open where the system waits for no more of them."""
+        file = os.eventfd(0, os.EFD_NONBLOCK | os.EFD_CLOEXEC)
+        assert self._poll is not None
+        try:
+            self._poll.register(file, select.EPOLLIN)
+        except OSError:
+            os.close(file)
+            raise
+        return file

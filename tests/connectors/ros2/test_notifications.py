@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 from collections import Counter
 from collections.abc import Callable
@@ -124,6 +125,54 @@ def test_what_no_one_was_notified_of_is_found_by_the_next_sweep(open_ros: Open) 
     runtime.ask(lose_notifications, None)
     connector.publish("/unnoticed", STRING, {"data": "second"})
     assert received.wait(lambda all_: len(all_) == 2, "found")[-1].data["data"] == "second"
+
+
+def test_one_sweep_finds_all_that_no_one_was_notified_of(open_ros: Open, monkeypatch: pytest.MonkeyPatch) -> None:
+    from rai_missions.connectors.ros2 import executor
+
+    monkeypatch.setattr(executor, "SWEEP_S", 1e9)
+    connector, received = open_ros(qos={"/swept": {"depth": 50}}), Inbox[Message]()
+    connector.subscribe("/swept", STRING, received)
+    connector.publish("/swept", STRING, {"data": "first"})
+    received.wait(bool, "it is known")
+    runtime = connector._session.runtime
+
+    def lose_what_was_counted() -> None:
+        """As where an entity is found destroyed."""
+        spinning = runtime._executor
+        spinning._counts.clear()
+        while any(spinning._notifications.wait(0.2)):
+            spinning._counts.clear()
+        spinning._is_sweep_due_at = 0.0
+
+    for number in range(25):
+        connector.publish("/swept", STRING, {"data": str(number)})
+    runtime.ask(lose_what_was_counted, None)
+    received.wait(lambda all_: len(all_) == 26, "all of them were found")
+
+
+def test_where_no_more_files_can_be_waited_for_others_are_shared_and_none_is_left_open(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    from rai_missions.connectors.ros2.notifications import Notifications
+
+    class FullPoll:
+        """An epoll of a system in which no more files may be waited for."""
+
+        def register(self, _file: int, _events: int) -> None:
+            raise OSError(errno.ENOSPC, "no space")
+
+    found = Notifications()
+    poll, opened = found._poll, len(os.listdir("/proc/self/fd"))
+    monkeypatch.setattr(found, "_poll", FullPoll())
+    for party in range(3):
+        assert found.add(party, [])
+    assert {file for file, _ in found._sources.values()} == {found._shared}
+    assert len(os.listdir("/proc/self/fd")) == opened
+    monkeypatch.setattr(found, "_poll", poll)
+    os.eventfd_write(found._shared, 1)
+    assert found.wait(0.0) == {0: 1, 1: 1, 2: 1}
+    found.close()
 
 
 def test_a_callback_that_raises_loses_none_of_the_messages_behind_its_own(open_ros: Open) -> None:
