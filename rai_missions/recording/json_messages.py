@@ -32,6 +32,7 @@ __all__ = (
     "state_of",
     "status_of",
     "step_of",
+    "without_bytes",
     "write_of",
 )
 
@@ -60,6 +61,11 @@ def image_in(data: Any) -> Image | None:
         return data
     values = data.values() if isinstance(data, Mapping) else ()
     return next((item for item in values if isinstance(item, Image)), None)
+
+
+def without_bytes(value: Any) -> Any:
+    """A value as it waits: of a picture its reference alone is written, so its bytes need not wait with it."""
+    return Image(value.ref, value.width, value.height, value.encoding, b"") if isinstance(value, Image) else value
 
 
 def picture_of(image: Image, data: Any, at_ns: int) -> tuple[Schema, Json]:

@@ -23,7 +23,7 @@ from rai_missions.errors import UsageError
 from rai_missions.journal import Blob, Journal, Raw, Record
 from rai_missions.mission.mission import Mission
 from rai_missions.recording.encoder import JOURNAL_TOPIC, TOPIC, MessageEncoder, When
-from rai_missions.recording.json_messages import call_of, image_in, report_of, status_of, write_of
+from rai_missions.recording.json_messages import call_of, image_in, report_of, status_of, without_bytes, write_of
 from rai_missions.recording.queue import Kind, QueueBudget, QueuedItem
 from rai_missions.recording.schemas import BLACKBOARD, CALL, GOAL, STATUS, Schema
 from rai_missions.redaction import logger
@@ -162,7 +162,7 @@ class Recording:
     def step(self, step: Step) -> None:
         """A step was made: what it wrote on the blackboard, also where the journal waits for the next row."""
         for key, value in step.writes:
-            self._write("blackboard", BLACKBOARD, step.at, write_of, key, value, step.at)
+            self._write("blackboard", BLACKBOARD, step.at, write_of, key, without_bytes(value), step.at)
 
     def status(self, status: Status) -> None:
         """The run's mode, control or states have changed."""

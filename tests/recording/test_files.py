@@ -9,6 +9,7 @@ import subprocess
 import sys
 import threading
 import time
+import weakref
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -222,6 +223,31 @@ def test_a_picture_that_takes_long_holds_up_no_one_and_what_is_dropped_is_report
     count = len(kept(tmp_path / "run.mcap").messages["/camera"])
     assert count >= rooms.MOST["picture"] and summary.dropped == {"/camera": 50 - count}
     assert f"/camera {50 - count}" in caplog.text and f"{50 - count} dropped" in str(summary)
+
+
+def test_pictures_that_were_written_on_the_blackboard_do_not_wait_with_their_bytes(tmp_path: Path) -> None:
+    made, rendered = recording(tmp_path / "run.mcap"), threading.Event()
+    made.received(
+        Message(
+            "/camera", {"data": Image("c", 1, 1, "rgb8", lambda: b"abc" if rendered.wait(PATIENCE_S) else b"")}, 0.0
+        ),
+        "",
+    )
+    held = list[weakref.ref[Any]]()
+    for number in range(100):
+
+        def render() -> bytes:
+            return bytes(3_000_000)
+
+        held.append(weakref.ref(render))
+        image = Image(f"c@{number}", 1000, 1000, "rgb8", render)
+        made.step(Step(number + 1, 0.0, Event("camera", 0.0), writes=(("camera", image),)))
+    del image, render
+    assert not [each for each in held if each() is not None]
+    rendered.set()
+    assert made.close().dropped == {}
+    written = kept(tmp_path / "run.mcap").messages["/rai_missions/blackboard"]
+    assert written[99]["value"] == {"picture": "c@99", "width": 1000, "height": 1000, "encoding": "rgb8"}
 
 
 def test_rows_for_which_there_was_no_room_are_read_from_the_journal(
