@@ -131,6 +131,10 @@ CONNECTED: dict[str, Json] = {
         moves("r", "r")),
     "an event that a rule around them has come later": mission(
         moves("l", "l"), moves("r", "r"), [{"on": "both", "do": [{"raise": "k", "after_s": 2}]}]),
+    "an end that a rule around them takes away": mission(
+        region("l", [{"on": "l", "to": "lb"}, {"on": "k", "to": "over"}], []),
+        region("r", [{"on": "r", "to": "rb"}, {"on": "both", "to": "over"}], []),
+        [{"on": "stop", "do": [{"log": "stays"}]}]),
     "the order in which they began": mission(
         acting("l", "lift", "l"), region("r", [{"on": "r", "to": "rb"}], [{"on": "succeeded", "to": "ra"}, {
             "on": FAILED, "to": "ra"}], b={"action": "look", "timeout_s": 3})),
