@@ -46,8 +46,9 @@ A_TURN = 10
 ALL = 1 << 62
 """The count of someone who is found ready by a look: it is not known how much there is, so all of it is taken."""
 EVENTS_S = 0.1
-"""How soon someone is notified that a publisher does not fit: each subscription has such an event, and none is
-urgent. As often it is looked whether ROS was shut down."""
+"""How often it is looked whether a publisher does not fit: each subscription has such an event, and none is urgent.
+The middleware forgets one of these when it notifies of it, so they are asked. As often it is looked whether ROS was
+shut down."""
 SWEEP_S = 1.0
 """How often all are looked at in spite of the notifications: for what has only come of age, such as an old result."""
 
@@ -193,12 +194,13 @@ class SingleThreadExecutor(Executor):  # type: ignore[misc]
         for party, count in notifications.wait(0.0 if counts else min(timeout_s, EVENTS_S)).items():
             counts[party] = counts.get(party, 0) + count
         now = time.monotonic()
+        events = self._events_due(now)
         if now >= self._is_sweep_due_at:
             self._is_sweep_due_at = now + SWEEP_S
-            waitables = self._waitables + self._events
+            waitables = self._waitables + events
             ready = self._look(0.0, waitables, self._handles)
         else:
-            waitables = tuple(each for each in counts if isinstance(each, Waitable))
+            waitables = tuple(each for each in counts if isinstance(each, Waitable)) + events
             ready = self._look(0.0, waitables) if waitables else []
         for waitable in waitables:
             counts.pop(waitable, None)
@@ -206,13 +208,16 @@ class SingleThreadExecutor(Executor):  # type: ignore[misc]
             counts[party] = ALL
 
     def _wait_for_all(self, timeout_s: float) -> None:
-        waitables, now = self._waitables, time.monotonic()
+        waitables = self._waitables + self._events_due(time.monotonic())
+        found = self._look(min(timeout_s, EVENTS_S), waitables, self._handles)
+        self._counts = dict.fromkeys(found, A_TURN)
+
+    def _events_due(self, now: float) -> tuple[Waitable, ...]:
+        """The events, if it is time to look at them."""
         if now < self._are_events_due_at:
-            timeout_s = min(timeout_s, EVENTS_S)
-        else:
-            self._are_events_due_at = now + EVENTS_S
-            waitables += self._events
-        self._counts = dict.fromkeys(self._look(timeout_s, waitables, self._handles), A_TURN)
+            return ()
+        self._are_events_due_at = now + EVENTS_S
+        return self._events
 
     def _look(
         self,
@@ -281,7 +286,7 @@ class SingleThreadExecutor(Executor):  # type: ignore[misc]
             if party not in self._ranks:
                 self._forget(notifications, party)
         for party in self._ranks:
-            if party not in notifications:
+            if party not in notifications and not isinstance(party, EventHandler):
                 self._is_sweep_due_at = 0.0
                 if not self._add(notifications, party):
                     log.info("the middleware does not notify of what arrives: all are waited for")
@@ -292,7 +297,7 @@ class SingleThreadExecutor(Executor):  # type: ignore[misc]
         if isinstance(party, Waitable):
             self._wait_set.clear_entities()
             party.add_to_wait_set(self._wait_set)
-            return notifications.add(party, sources_of(self._wait_set), is_urgent=not isinstance(party, EventHandler))
+            return notifications.add(party, sources_of(self._wait_set))
         kind = next(kind for kind, known in self._pointers.items() if known.get(party.handle.pointer) is party)
         return notifications.add(party, [(kind, party.handle.pointer)])
 

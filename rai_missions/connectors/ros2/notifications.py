@@ -33,7 +33,6 @@ SETTERS: Mapping[str, str] = {
     "subscription": "rcl_subscription_set_on_new_message_callback",
     "client": "rcl_client_set_on_new_response_callback",
     "service": "rcl_service_set_on_new_request_callback",
-    "event": "rcl_event_set_callback",
 }
 Setter = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p)
 """`rcl_ret_t set(entity, callback, user data)`; null for the callback takes it back."""
@@ -53,7 +52,7 @@ class _WaitSet(ctypes.Structure):
 
 
 def sources_of(wait_set: Any) -> list[Source]:
-    """The entities that are in a wait set now, but for guard conditions and timers, which notify no one."""
+    """The entities that are in a wait set now, but for guard conditions, timers and events, which notify no one."""
     with wait_set:
         held = _WaitSet.from_address(wait_set.pointer)
         return [
@@ -105,15 +104,14 @@ class Notifications:
     def __iter__(self) -> Any:
         return iter(tuple(self._sources))
 
-    def add(self, party: Hashable, sources: Iterable[Source], *, is_urgent: bool = True) -> bool:
+    def add(self, party: Hashable, sources: Iterable[Source]) -> bool:
         """Count from now on what arrives at a party's entities, and what has arrived already; False if rcl cannot.
 
         Args:
             party: Which.
             sources: Its entities.
-            is_urgent: False: it shares a file with all others that are not, since something seldom arrives.
         """
-        file, known = self._file() if is_urgent else self._shared, list(sources)
+        file, known = self._file(), list(sources)
         self._sources[party] = (file, known)
         self._parties[file].append(party)
         return all(self._hook(source, file) for source in known)
