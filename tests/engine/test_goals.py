@@ -178,7 +178,7 @@ def test_a_request_is_read_in_the_step_in_which_it_begins(words: str, end: str, 
     step = chart.start(0.0)
     (reading,) = (value for key, value in step.writes if key == "reading")
     assert step.entered[-1] == end and reading[part], reading
-    assert {"goal", "question", "candidates", "reason", "about"} == reading.keys()
+    assert {"goal", "question", "candidates", "reason", "about", "covers_all"} == reading.keys()
     if end == "read":
         assert reading["goal"] == TOWER
 

@@ -13,8 +13,6 @@ from rai_missions.mission.files import load
 from rai_missions.mission.mission import Mission
 from rai_missions.prove.environment import Environment
 from rai_missions.prove.explorer import CANCEL, Arrival, Edge, Space
-from rai_missions.prove.stimulus import Stimulus
-from rai_missions.prove.store import Store
 from tests.strategies import KEYS, missions
 from tests.visualize.runs import ROOT, tractor
 from visualize.page.reachability import Roads
@@ -30,18 +28,16 @@ class Moving(Space):
     def __init__(self, chart: Environment, most: int) -> None:
         super().__init__(chart, most)
         self.came: list[tuple[int, bool, tuple[Move, ...]]] = []
-        self._moves: dict[int, tuple[Arrival, tuple[Move, ...]]] = {}
+        self._moves: dict[int, tuple[Edge, tuple[Move, ...]]] = {}
 
-    def _arrival(self, way: Edge, happening: Stimulus, before: Store, kept: frozenset[str] | None) -> Arrival:
+    def learn(self, source: int, way: Edge, *, is_paused: bool) -> None:
         moves = tuple(self.environment.chart.state.draft.moves)
-        arrival = super()._arrival(way, happening, before, kept)
-        self._moves[id(arrival)] = arrival, moves  # the arrival is kept, so that no other gets its id
-        return arrival
+        self._moves[id(way)] = way, moves  # the way is kept, so that no other gets its id
+        super().learn(source, way, is_paused=is_paused)
 
-    def _arrive(self, source: int, arrival: Arrival, before: Store) -> None:
-        super()._arrive(source, arrival, before)
-        if len(self.came) < self.states:
-            self.came.append((source, arrival.way.words == CANCEL, self._moves[id(arrival)][1]))
+    def _find(self, key: bytes | int, source: int, arrival: Arrival, *rest: Any) -> int:
+        self.came.append((source, arrival.way.words == CANCEL, self._moves[id(arrival.way)][1]))
+        return super()._find(key, source, arrival, *rest)
 
 
 def hold(mission: Mission) -> None:
