@@ -101,11 +101,12 @@ def _rounded(value: Any) -> Any:
 
 
 def timer_key(key: tuple[str, Any], timer: Any) -> tuple[str, str, str]:
-    """A delayed `raise` without an id is named by its number, which makes no difference."""
+    """A delayed `raise` without an id is named by its number, which makes no difference; its event does."""
     kind, which = key
-    if isinstance(which, int):
-        return kind, timer.name, f"{timer.control} {timer.data}"
-    return kind, str(which), timer.control if kind == "raise" else ""
+    if kind == "raise":
+        name = "" if isinstance(which, int) else f" as {which}"
+        return kind, f"{timer.name}{name}", f"{timer.control} {timer.data}"
+    return kind, str(which), ""
 
 
 def plain(value: Any) -> Any:

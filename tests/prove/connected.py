@@ -135,6 +135,11 @@ CONNECTED: dict[str, Json] = {
         region("l", [{"on": "l", "to": "lb"}, {"on": "k", "to": "over"}], []),
         region("r", [{"on": "r", "to": "rb"}, {"on": "both", "to": "over"}], []),
         [{"on": "stop", "do": [{"log": "stays"}]}]),
+    "two events that come later under one id": mission(
+        region("l", [{"on": "l", "to": "lb", "do": [{"raise": "k", "after_s": 2, "id": "x"}]}], [
+            {"on": "k", "to": "over"}, {"on": "l", "to": "la"}]),
+        region("r", [{"on": "r", "to": "rb", "do": [{"raise": "both", "after_s": 2, "id": "x"}]}], [
+            {"on": "both", "to": "rend"}, {"on": "r", "to": "ra"}])),
     "the order in which they began": mission(
         acting("l", "lift", "l"), region("r", [{"on": "r", "to": "rb"}], [{"on": "succeeded", "to": "ra"}, {
             "on": FAILED, "to": "ra"}], b={"action": "look", "timeout_s": 3})),
