@@ -17,7 +17,7 @@ from rai_missions.engine.step import Move
 from rai_missions.guards.guard import presence
 from rai_missions.states.history import History
 
-__all__ = ("Graph",)
+__all__ = ("Graph", "is_done")
 
 
 class Graph(CompiledMission):
@@ -161,7 +161,7 @@ class Graph(CompiledMission):
 
     def complete(self, region_of: Node | None, nodes: set[Node]) -> Iterable[Node]:
         """The parallel states that have all their regions in a final now, inner first."""
-        while region_of is not None and region_of.is_parallel and _is_done(region_of, nodes):
+        while region_of is not None and region_of.is_parallel and is_done(region_of, nodes):
             yield region_of
             region_of = region_of.parent
 
@@ -218,10 +218,10 @@ class Graph(CompiledMission):
                 self._descend(child, entered, memory)
 
 
-def _is_done(node: Node, nodes: set[Node]) -> bool:
+def is_done(node: Node, nodes: set[Node]) -> bool:
     """Whether a state has reached its end (SCXML: isInFinalState)."""
     if node.is_parallel:
-        return all(_is_done(child, nodes) for child in node.children)
+        return all(is_done(child, nodes) for child in node.children)
     if node.is_final:
         return node in nodes
     return any(child.is_final and child in nodes for child in node.children)

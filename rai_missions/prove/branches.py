@@ -12,11 +12,16 @@ from typing import Any
 
 from rai_missions.engine.activities.tree import TreeActivity
 
-__all__ = ("Groups", "firsts", "parted", "passed")
+__all__ = ("Groups", "firsts", "groups_key", "parted", "passed")
 
 Groups = tuple[frozenset[str], ...]
 """Paths of what waits in a tree, in groups. Of one before another, what is left of its time is at the most what is
 noted; of the last one it is known how much was left when it became the last."""
+
+
+def groups_key(groups: Mapping[str, Groups]) -> list[tuple[str, list[list[str]]]]:
+    """What distinguishes the groups of several trees, by the state that each runs in."""
+    return [(name, [sorted(each) for each in found]) for name, found in sorted(groups.items())]
 
 
 def _until(nodes: Mapping[str, Mapping[str, Any]], group: Collection[str]) -> float:

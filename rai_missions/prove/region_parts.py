@@ -17,8 +17,9 @@ from rai_missions.engine.configuration import Configuration
 from rai_missions.engine.handover import is_kept
 from rai_missions.engine.nodes import Node
 from rai_missions.engine.state import TABLE, Holds, RunState, copied
+from rai_missions.engine.transitions import is_done
 from rai_missions.prove.abstraction import Abstraction
-from rai_missions.prove.branches import Groups
+from rai_missions.prove.branches import Groups, groups_key
 from rai_missions.prove.open_world import OpenWorld
 from rai_missions.prove.regions import TIME, RegionGroups, Regions
 from rai_missions.prove.state_key import Ahead, Place, SavedState, StateCodec
@@ -151,10 +152,7 @@ class RegionParts:
         if holds == "since":
             return parallel.group_of.get(self._keepers.get(key, ""))
         if holds == "timers":
-            kind, which = key
-            sources = self._chart.program.graph.transitions
-            name = sources[which].source.name if kind == "after" else which if kind == "timeout" else ""
-            return parallel.group_of.get(name)
+            return parallel.group_of.get(self.regions.timer_owner(key))
         owner = value.owner.partition("#")[0] if holds == "goals" else key
         return parallel.group_of.get(owner)
 
@@ -163,8 +161,7 @@ class RegionParts:
         atomic = tuple(node for node in run.config.atomic if of.get(node.name) == group)
         groups = {name: each for name, each in saved.groups.items() if of.get(name) == group}
         keys = [(name, self._codec.key_of(name, entries)) for name, entries in sorted(fields.items())]
-        waits = [(name, [sorted(each) for each in found]) for name, found in sorted(groups.items())]
-        place = parallel.node, group, fingerprint(([node.index for node in atomic], keys, waits))
+        place = parallel.node, group, fingerprint(([node.index for node in atomic], keys, groups_key(groups)))
         number, known = self._part_numbers.get(place), self.parts[parallel.node][group]
         if number is None:
             number = self._part_numbers[place] = len(known)
@@ -182,7 +179,7 @@ class RegionParts:
         kept = any(name in self._is_kept for name in running)
         trees = any(isinstance(each, TreeActivity) for each in running.values())
         wakes = self.regions.mask(self._waits_for(parallel, group, nodes, fields))
-        is_ended = all(_is_ended(region, nodes) for region in parallel.members[group])
+        is_ended = all(is_done(region, nodes) for region in parallel.members[group])
         around = (parallel.node, *parallel.node.ancestors)
         reads = self._rest.live.within(nodes) - self._rest.live.within(around)
         return Part(atomic, dict(fields), groups, wakes, is_quiet, (kept, trees), is_ended, reads)
@@ -254,11 +251,3 @@ class RegionParts:
         state.listening = frozenset(key for key in state.board if key in self._world.fleeting)
         groups = {name: each for part in parts for name, each in part.groups.items()}
         return Place(SavedState(state, groups), store)
-
-
-def _is_ended(region: Node, nodes: Iterable[Node]) -> bool:
-    """Whether a region has come to its end (SCXML: isInFinalState)."""
-    if region.is_parallel:
-        return all(_is_ended(each, nodes) for each in region.children)
-    active = set(nodes)
-    return region in active if region.is_final else any(each.is_final and each in active for each in region.children)

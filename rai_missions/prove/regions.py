@@ -19,6 +19,7 @@ from pydantic import BaseModel
 from rai_missions.engine import Chart
 from rai_missions.engine.activities.activity import GOALS
 from rai_missions.engine.nodes import CompiledGuard, CompiledTransition, Node
+from rai_missions.engine.state import TimerKey
 from rai_missions.guards.guard import presence
 from rai_missions.mission.mission import BUILT_IN_EVENTS
 from rai_missions.prove.open_world import OpenWorld
@@ -198,15 +199,20 @@ class Regions:
         if happening.is_of_goal:
             return OF_GOALS
         if happening.timer is not None:
-            kind, which = happening.timer[0]
-            sources = self._chart.program.graph.transitions
-            owner = sources[which].source.name if kind == "after" else which if kind == "timeout" else ""
+            owner = self.timer_owner(happening.timer[0])
         elif happening.event:
             return parallel.events.get(happening.event, OUTSIDE)
         elif happening.key:
             return parallel.key_of.get(happening.key, OUTSIDE)
         owner = owner.partition("#")[0] or happening.owner
         return parallel.group_of.get(owner, OUTSIDE)
+
+    def timer_owner(self, key: TimerKey) -> str:
+        """The state to which a timer belongs; empty for that of an event that is raised later."""
+        kind, which = key
+        if kind == "after":
+            return self._chart.program.graph.transitions[which].source.name
+        return str(which) if kind == "timeout" else ""
 
     def concerned(self, parallel: RegionGroups, happening: Stimulus, scope: int) -> frozenset[int]:
         """The groups that something may look at, whatever it wakes."""

@@ -19,7 +19,7 @@ from rai_missions.engine.state import HOLDS, TABLE, Holds, RunState, StepDraft, 
 from rai_missions.keys import Stamped
 from rai_missions.prove.abstraction import INDIFFERENT, PURSUED, Abstraction
 from rai_missions.prove.activity_key import key_of, plain, timer_key
-from rai_missions.prove.branches import Groups
+from rai_missions.prove.branches import Groups, groups_key
 from rai_missions.prove.control_env import kept_words
 from rai_missions.prove.counts import Count, clamped
 from rai_missions.prove.liveness import Later
@@ -215,8 +215,7 @@ class StateCodec:
         keyed = [
             (to_key(value) or None) if value else None for to_key, value in zip(self._keys_of, values, strict=True)
         ]
-        groups = [(name, [sorted(each) for each in found]) for name, found in sorted(self.groups.items())]
-        return fingerprint((self._plain_values(state), keyed, groups))
+        return fingerprint((self._plain_values(state), keyed, groups_key(self.groups)))
 
     def core_of(self, run: RunState, fields: Mapping[str, Any]) -> bytes:
         """The same of what is left of a saved state: it has these fields in place of its own, and no active states."""

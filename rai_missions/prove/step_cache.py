@@ -88,7 +88,7 @@ class Arrival(NamedTuple):
     has_moved: bool
     """A transition was taken, a round of a tree's loop has ended that took time, or a tree's wait has begun."""
     ended: tuple[str, str] | None
-    """ShareOutcome and why; None where the mission continues."""
+    """Outcome and why; None where the mission continues."""
     core: bytes = b""
     """That of the state afterwards; of an end what distinguishes it from others."""
     state: SavedState | None = None
