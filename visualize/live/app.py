@@ -27,6 +27,7 @@ from visualize.live.auth import ASGI, ROLE, Allowance, Receive, Scope, Send
 from visualize.live.hub import Hub, Viewer
 from visualize.live.images import ImageStream
 from visualize.live.page_files import PageFiles
+from visualize.live.posts import body_within, kind_of, refused
 from visualize.live.sound import SoundPages
 from visualize.live.talk import TalkDesk, TalkPages
 from visualize.page.as_json import Json
@@ -132,36 +133,37 @@ class Pages:
         try:
             viewer = await self._hub.join(request.headers.get("last-event-id", ""))
         except UsageError as error:
-            return _refused(503, str(error))
+            return refused(503, str(error))
         return Stream(self._hub, viewer)
 
     async def picture(self, request: Request) -> Response:
         key, number = request.query_params.get("key", ""), request.query_params.get("question", "0")
         question = int(number) if number.isascii() and number.isdigit() and len(number) < 10 else -1
         if self._hub.scene.picture(key, question) is None:
-            return _refused(404, "there is no such picture now")
+            return refused(404, "there is no such picture now")
         camera = self._cameras.setdefault((key, question), ImageStream())
         self._cameras.move_to_end((key, question))
         while len(self._cameras) > MOST_CAMERAS:
             self._cameras.popitem(last=False)
         kind, data = await camera.show(lambda: self._hub.scene.picture(key, question))
-        return Response(data, media_type=kind) if kind else _refused(404, data.decode("utf-8", "replace"))
+        return Response(data, media_type=kind) if kind else refused(404, data.decode("utf-8", "replace"))
 
     async def orders(self, request: Request) -> Response:
         if self._desk is None:
-            return _refused(403, "this page only looks on; orders go to the page that the run itself serves")
-        kind = request.headers.get("content-type", "").partition(";")[0].strip().lower()
+            return refused(403, "this page only looks on; orders go to the page that the run itself serves")
+        kind = kind_of(request)
         if kind != "application/json":
-            return _refused(415, "an order is application/json")
-        text = await _body(request)
-        if text is None:
-            return _refused(413, f"an order has at most {LARGEST_ORDER} bytes")
+            return refused(415, "an order is application/json")
+        body = await body_within(request, LARGEST_ORDER)
+        if body is None:
+            return refused(413, f"an order has at most {LARGEST_ORDER} bytes")
+        text = body.decode("utf-8", "replace")  # what is no UTF-8 is judged with the rest of the order
         command = _command(text)
         allowance = self._stops if command == "e_stop" else self._orders
         if not allowance.take():
-            return _refused(429, "too many orders at once; wait a second")
+            return refused(429, "too many orders at once; wait a second")
         if command not in ALWAYS and (why := _is_late(request.headers.get(SENT_HEADER))):
-            return _refused(409, why)
+            return refused(409, why)
         return await self._carry(self._desk, text, command)
 
     async def _carry(self, desk: CommandSink, text: str, command: str) -> Response:
@@ -185,7 +187,7 @@ class Pages:
                 if command in ALWAYS
                 else f"unless it does within {OLDEST_S:.0f} s, it is dropped"
             )
-            return _refused(202, f"the run has not taken it yet; {then}, and the journal will state it")
+            return refused(202, f"the run has not taken it yet; {then}, and the journal will state it")
         return JSONResponse({"success": success, "why": why}, 200 if success else 409)
 
 
@@ -201,20 +203,6 @@ def application(
     deaf = ear.deaf if ear is not None else ""
     about = {**about, "talks": talk is not None, "listens": ear is not None, "deaf": deaf}
     return Starlette(routes=[*Pages(mission, hub, desk, about).routes(), *routes])
-
-
-def _refused(status: int, why: str) -> Response:
-    return JSONResponse({"success": False, "why": why}, status)
-
-
-async def _body(request: Request) -> str | None:
-    """The body as text; None where it is too large. What is no UTF-8 is judged with the rest of the order."""
-    found = bytearray()
-    async for piece in request.stream():
-        found += piece
-        if len(found) > LARGEST_ORDER:
-            return None
-    return found.decode("utf-8", "replace")
 
 
 def _command(text: str) -> str:

@@ -21,6 +21,7 @@ from rai_missions.states.state import CONTROLLERS
 from visualize.build import picture
 from visualize.live.auth import ASGI, Allowance
 from visualize.live.page_files import PageFiles
+from visualize.live.posts import body_within, kind_of
 from visualize.page.as_json import Json
 from visualize.page.chart_data import chart_data
 
@@ -74,17 +75,15 @@ class PlayPages:
         return JSONResponse(await asyncio.to_thread(self._desk.look))
 
     async def act(self, request: Request) -> Response:
-        kind = request.headers.get("content-type", "").partition(";")[0].strip().lower()
+        kind = kind_of(request)
         if kind != "application/json":
             return await self._refused(415, "an order is application/json")
-        body = bytearray()
-        async for piece in request.stream():
-            body += piece
-            if len(body) > LARGEST_ORDER:
-                return await self._refused(413, f"an order has at most {LARGEST_ORDER} bytes")
+        body = await body_within(request, LARGEST_ORDER)
+        if body is None:
+            return await self._refused(413, f"an order has at most {LARGEST_ORDER} bytes")
         if not self._orders.take():
             return await self._refused(429, "too many orders at once; wait a second")
-        order = _object(bytes(body))
+        order = _object(body)
         if order is None:
             return await self._refused(400, "an order is a JSON object")
         try:

@@ -14,6 +14,7 @@ from starlette.routing import Route
 
 from rai_missions.event import Role
 from visualize.live.auth import ROLE, Allowance
+from visualize.live.posts import body_within, kind_of, refused
 
 __all__ = ("LARGEST_PIECE", "SoundDesk", "SoundPages")
 
@@ -65,26 +66,20 @@ class SoundPages:
         return [Route("/sound", self.sound, methods=["POST"])]
 
     async def sound(self, request: Request) -> Response:
-        kind = request.headers.get("content-type", "").partition(";")[0].strip().lower()
+        kind = kind_of(request)
         if kind != KIND:
-            return _refused(415, f"sound is {KIND}: 16 kHz, mono, 16 bits")
-        body = bytearray()
-        async for piece in request.stream():
-            body += piece
-            if len(body) > LARGEST_PIECE:
-                return _refused(413, f"a piece has at most {LARGEST_PIECE} bytes")
+            return refused(415, f"sound is {KIND}: 16 kHz, mono, 16 bits")
+        body = await body_within(request, LARGEST_PIECE)
+        if body is None:
+            return refused(413, f"a piece has at most {LARGEST_PIECE} bytes")
         if len(body) % 2:
-            return _refused(400, "a piece has whole samples of 2 bytes")
+            return refused(400, "a piece has whole samples of 2 bytes")
         given, role = request.query_params, request.scope[ROLE]
         is_last = given.get("last", "") == "1"
         if not self._parts[role].take(max(1, -(-len(body) // PART)) + is_last * LAST):
-            return _refused(429, "more sound than time has passed; wait a second")
+            return refused(429, "more sound than time has passed; wait a second")
         why = self._desk.listen(
-            bytes(body), key=given.get("key", "")[:64], author=given.get("by", "")[:64], role=role,
+            body, key=given.get("key", "")[:64], author=given.get("by", "")[:64], role=role,
             is_last=is_last,
         )  # fmt: skip
-        return _refused(409, why) if why else JSONResponse({"success": True, "why": ""})
-
-
-def _refused(status: int, why: str) -> Response:
-    return JSONResponse({"success": False, "why": why}, status)
+        return refused(409, why) if why else JSONResponse({"success": True, "why": ""})

@@ -15,6 +15,7 @@ from starlette.routing import Route
 
 from rai_missions.event import Role
 from visualize.live.auth import ROLE, Allowance
+from visualize.live.posts import body_within, kind_of, refused
 from visualize.live.sound import SoundDesk
 
 __all__ = ("LARGEST_TALK", "TalkDesk", "TalkPages")
@@ -59,22 +60,20 @@ class TalkPages:
         return [Route("/talk", self.talk, methods=["POST"])]
 
     async def talk(self, request: Request) -> Response:
-        kind = request.headers.get("content-type", "").partition(";")[0].strip().lower()
+        kind = kind_of(request)
         if kind != "application/json":
-            return _refused(415, "a message is application/json")
-        body = bytearray()
-        async for piece in request.stream():
-            body += piece
-            if len(body) > LARGEST_TALK:
-                return _refused(413, f"a message has at most {LARGEST_TALK} bytes")
-        given = _object(bytes(body))
+            return refused(415, "a message is application/json")
+        body = await body_within(request, LARGEST_TALK)
+        if body is None:
+            return refused(413, f"a message has at most {LARGEST_TALK} bytes")
+        given = _object(body)
         if given is None:
-            return _refused(400, 'a message is a JSON object: {"text": …, "by": …}')
+            return refused(400, 'a message is a JSON object: {"text": …, "by": …}')
         text, author = given["text"], given.get("by", "")
         if not (self._stops if self._desk.is_stop(text) else self._sentences).take():
-            return _refused(429, "too many messages at once; wait a second")
+            return refused(429, "too many messages at once; wait a second")
         why = self._desk.receive(text, author[:64], request.scope[ROLE])
-        return _refused(409, why) if why else JSONResponse({"success": True, "why": ""})
+        return refused(409, why) if why else JSONResponse({"success": True, "why": ""})
 
 
 def _object(body: bytes) -> dict[str, Any] | None:
@@ -85,7 +84,3 @@ def _object(body: bytes) -> dict[str, Any] | None:
     if not isinstance(found, dict) or not isinstance(found.get("text"), str):
         return None
     return found if isinstance(found.get("by", ""), str) else None
-
-
-def _refused(status: int, why: str) -> Response:
-    return JSONResponse({"success": False, "why": why}, status)
