@@ -16,16 +16,13 @@ __all__ = ()
 
 
 def _read(request: Any, seen: Any, last: Any) -> ComputedResult:
-    from rai_missions.planning.reading import read_answer  # a grammar with its languages
+    from rai_missions.planning.reading import RequestReading, read_answer, reading_data  # a grammar with its languages
 
     offered = last.get("candidates") if isinstance(last, Mapping) else None
     try:
         value = read_answer(str(request), offered or (), read_scene(seen))
     except DefinitionError:
-        about = "what is seen cannot be read"
-        value = {
-            "goal": None, "question": "", "candidates": [], "reason": "unreadable", "about": about, "covers_all": False,
-        }  # fmt: skip
+        value = reading_data(RequestReading(reason="unreadable", about="what is seen cannot be read"))
     outcome = "succeeded" if value["goal"] is not None else "unclear" if value["question"] else "refused"
     return ComputedResult(outcome, value, value["about"])
 

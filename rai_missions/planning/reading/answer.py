@@ -11,7 +11,8 @@ from rai_missions.planning.goal import Goal, read_goal
 from rai_missions.planning.reading.lexicon import Vocabulary, lexicon, lexicons
 from rai_missions.planning.reading.noun_phrases import Cursor, noun_phrases
 from rai_missions.planning.reading.phrases import Unread
-from rai_missions.planning.reading.read import read_request, reading_of
+from rai_missions.planning.reading.read import read_request, reading_data, reading_of
+from rai_missions.planning.reading.reading import RequestReading
 from rai_missions.planning.reading.symbols import LONGEST_REQUEST, symbols, words_of
 from rai_missions.planning.reading.things import Things
 from rai_missions.planning.scene import Scene
@@ -54,7 +55,7 @@ def read_answer(text: str, offered: Iterable[Any], scene: Scene) -> dict[str, An
     goal = chosen(text, [*_goals(offered)], scene)
     if goal is None:
         return read_request(text, scene)
-    return {"goal": goal.written(), "question": "", "candidates": [], "reason": "", "about": "", "covers_all": False}
+    return reading_data(RequestReading(goal=goal))
 
 
 def _goals(offered: Iterable[Any]) -> Iterable[Goal]:

@@ -47,10 +47,17 @@ def read_request(request: str, scene: Scene) -> dict[str, Any]:
         scene: What is seen.
     """
     found = reading_of(request, scene)
+    goal = without_swaps(found.goal, scene) if found.goal is not None else None
+    candidates = tuple(without_swaps(each, scene) for each in found.candidates)
+    return reading_data(found.model_copy(update={"goal": goal, "candidates": candidates}))
+
+
+def reading_data(found: RequestReading) -> dict[str, Any]:
+    """A reading as plain data, with each of its words."""
     return {
-        "goal": without_swaps(found.goal, scene).written() if found.goal is not None else None,
+        "goal": found.goal.written() if found.goal is not None else None,
         "question": found.question,
-        "candidates": [without_swaps(goal, scene).written() for goal in found.candidates],
+        "candidates": [goal.written() for goal in found.candidates],
         "reason": found.reason,
         "about": found.about,
         "covers_all": found.covers_all,
