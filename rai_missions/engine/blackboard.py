@@ -12,15 +12,17 @@ from rai_missions.errors import in_words
 from rai_missions.guards.guard import Truth
 from rai_missions.keys import Key, Stamped, stale_at, type_error
 
-__all__ = ("ask_named", "is_other", "known", "note_news", "write_key")
+__all__ = ("ask_named", "is_other", "known", "note_news", "value_at", "write_key")
 
 
 def known(program: Program, state: RunState, key: str) -> Any:
     """The value of a key; None where it is missing or stale."""
-    entry = state.board.get(key)
-    if entry is None or state.at >= stale_at(program.keys.get(key), entry):
-        return None
-    return entry.value
+    return value_at(program.keys.get(key), state.board.get(key), state.at)
+
+
+def value_at(key: Key | None, entry: Stamped | None, now: float) -> Any:
+    """The value of an entry; None where there is none, or it is stale."""
+    return entry.value if entry is not None and now < stale_at(key, entry) else None
 
 
 def note_news(program: Program, state: RunState, key: str, before: Any, by: str = "") -> bool:
@@ -33,7 +35,7 @@ def note_news(program: Program, state: RunState, key: str, before: Any, by: str 
 
 def is_other(before: Any, key: Key | None, entry: Stamped | None, now: float) -> bool:
     """Whether what is known of a key is another than before; None is unknown."""
-    value = entry.value if entry is not None and now < stale_at(key, entry) else None
+    value = value_at(key, entry, now)
     return not (value is before or (before is not None and value == before))
 
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 from math import inf
 
 from rai_missions.engine.activities.activity import NO_KEYS, listens
-from rai_missions.engine.blackboard import is_other
+from rai_missions.engine.blackboard import is_other, value_at
 from rai_missions.engine.configuration import CompiledStep, Looked
 from rai_missions.engine.decision import with_verdicts
 from rai_missions.engine.listening import RunningTree, WatchedNames
@@ -24,7 +24,7 @@ from rai_missions.engine.stepping import close, make_step
 from rai_missions.engine.timing import next_instant
 from rai_missions.event import Event
 from rai_missions.guards.guard import Truth
-from rai_missions.keys import Stamped, stale_at, type_error
+from rai_missions.keys import Stamped, type_error
 
 __all__ = ("leapt", "reading", "step", "value")
 
@@ -47,11 +47,11 @@ def reading(program: Program, state: RunState, event: Event) -> Step:
     if len(looking) > 1 or (looking and (state.config.watchful or program.always_held)):
         return make_step(program, state, event)
     state.at = now
-    before = entry.value if entry is not None and now < stale_at(key, entry) else None
-    board[name] = entry = _new(Stamped, (given, stamp))
+    board[name] = made = _new(Stamped, (given, stamp))
     if not looking:
         return value(state, event, (), (), ((name, given),), quiet=True)
-    return _looked_at(program, state, event, looking[0], is_news=is_other(before, key, entry, now))
+    is_news = is_other(value_at(key, entry, now), key, made, now)
+    return _looked_at(program, state, event, looking[0], is_news=is_news)
 
 
 def _looked_at(program: Program, state: RunState, event: Event, tree: RunningTree, *, is_news: bool) -> Step:
