@@ -49,15 +49,16 @@ class TopicSound(PieceSound):
 
     def start(self) -> None:
         """See `SoundConnector`."""
-        if self._close is not None:
-            return
-        self._out.clear()
         super().start()
-        self._close = self._hri.listen(self._topics[0], self._receive, author="human", is_whole=False)
+        with self._lock:
+            if self._close is None:
+                self._out.clear()
+                self._close = self._hri.listen(self._topics[0], self._receive, author="human", is_whole=False)
 
     def stop(self) -> None:
         """See `SoundConnector`."""
-        close, self._close = self._close, None
+        with self._lock:
+            close, self._close = self._close, None
         if close is not None:
             close()
         super().stop()
