@@ -115,7 +115,7 @@ audit: .venv/.ready-audit ## Hold the lock against pyproject.toml, and look up w
 lock: .venv/.ready-audit ## Choose the versions of requirements/dev.lock again
 	$(BIN)/uv pip compile pyproject.toml --universal --python-version 3.11 --generate-hashes --no-annotate --no-header \
 	    --no-emit-index-url --upgrade --quiet -o requirements/dev.lock \
-	    --extra sim --extra draw --extra local --extra mqtt --extra record --extra watch --extra browser --extra dev
+	    $(addprefix --extra ,$(shell cat requirements/dev.extras))
 
 bench: .venv/.ready-bench ## Measure against the peers, into docs/performance.md: ONLY="chart trees", BASE=COMMIT in turn with it, ROUNDS=3
 	@$(BIN)/python scripts/bench.py $(ONLY) $(if $(BASE),--base $(BASE)) --rounds $(or $(ROUNDS),3) \

