@@ -21,22 +21,30 @@ from rai_missions.mission.mission import Mission
 from rai_missions.prove.parts import parts
 from rai_missions.states.decision import DecisionSpec
 from rai_missions.states.effects import Effect, Set
+from rai_missions.states.state import State
 from rai_missions.states.tree.leaves import ActionLeaf
 
 __all__ = ("ALL", "Later", "LiveReads", "LooksAhead")
 
 REMEMBERED = 4096
 """Of so many configurations it is remembered what makes a difference."""
+PLAIN = (bool, int, float, str, list)
 NONE: frozenset[str] = frozenset()
 ANSWER, ALL = "answer", "*"
 """The name of the answer in hand, and what represents all of its parameters."""
-START, RECALL = "start ", "recall "
-"""Prefixes of the name of an action that may be started, and of a history state that may be looked up."""
+START, RECALL, KNOWN = "start ", "recall ", "known "
+"""Prefixes of the name of an action that may be started, of a history state that may be looked up, and of a key of
+which it is only asked whether it is known."""
 
 
 @lru_cache(maxsize=REMEMBERED)
 def _roots(paths: frozenset[str]) -> frozenset[str]:
     return frozenset(path.partition(".")[0] for path in paths)
+
+
+def _root(word: str) -> str:
+    """The key that a word is about."""
+    return word.removeprefix(KNOWN).partition(".")[0]
 
 
 def _parameter(path: str) -> str:
@@ -55,11 +63,13 @@ class Later(NamedTuple):
     """The history states whose memory may be looked up before it is written again."""
     answers: frozenset[str]
     """The parameters of the last answer that may be read before the next answer; `*` for all."""
+    known: frozenset[str] = NONE
+    """Keys of which it is only asked whether they are known."""
 
     @property
     def roots(self) -> frozenset[str]:
-        """The keys into which something may look."""
-        return _roots(self.keys)
+        """The keys that something may look at."""
+        return _roots(self.keys) | self.known
 
     def part(self, path: str, value: Mapping[str, Any]) -> Mapping[str, Any]:
         """What may be read of an object."""
@@ -73,8 +83,12 @@ class Later(NamedTuple):
         return found
 
     def of(self, key: str, value: Any) -> Any:
-        """What may be read of the value of a key."""
-        return self.part(key, value) if isinstance(value, Mapping) else value
+        """What may be read of the value of a key; where only that it is known, one value represents all of its type."""
+        if isinstance(value, Mapping):
+            return self.part(key, value)
+        if key in self.known and key not in _roots(self.keys):
+            return next((kind() for kind in PLAIN if isinstance(value, kind)), value)
+        return value
 
 
 class LooksAhead(Protocol):
@@ -137,10 +151,14 @@ class LiveReads:
             looked_up = {node for node in self._graph.order if node.is_history}
         recalls = {node for node in looked_up if not (node in self._rewritten and node.parent in config.nodes)}
         answers = frozenset(_parameter(word) for word in words if word.partition(".")[0] == ANSWER)
-        return Later(self._paths(words), starts, frozenset(node.index for node in recalls), answers)
+        recalled = frozenset(node.index for node in recalls)
+        return Later(self._paths(words), starts, recalled, answers, self._known(words))
 
     def _paths(self, words: Iterable[str]) -> frozenset[str]:
         return frozenset(word for word in words if word.partition(".")[0] in self._keys)
+
+    def _known(self, words: Iterable[str]) -> frozenset[str]:
+        return frozenset(_root(word) for word in words if word.startswith(KNOWN))
 
     def with_outcome(self, node: Node, outcome: str, others: Collection[str]) -> Later:
         """What makes a difference once a state ends with an outcome, and not with others that it could end with.
@@ -156,7 +174,7 @@ class LiveReads:
         others_active = {*node.ancestors, self._graph.root}
         others_active |= {each for each in self._graph.order if any(a.is_parallel for a in each.ancestors)} - {node}
         paths = words.union(*(self._live[each] for each in others_active))
-        return Later(self._paths(paths), NONE, frozenset(), NONE)
+        return Later(self._paths(paths), NONE, frozenset(), NONE, self._known(paths))
 
     def _is_rewritten(self, history: Node) -> bool:
         """Whether leaving its parent always comes before looking it up again."""
@@ -172,11 +190,23 @@ class LiveReads:
         if node.state is None:
             return frozenset()
         fields = {*type(node.state).model_fields} - {"states", "parallel", "transitions", "entry", "exit"}
-        fields -= {"into"} if node.state.computed() else set()  # written; its old value is not worked with here
         own = [getattr(node.state, field) for field in sorted(fields)]
         actions = {getattr(node.state, "action", ""), *(leaf.action for leaf in parts(own, ActionLeaf))} - {""}
+        looked = self._worked_with(node.state, fields) if node.state.computed() else self._mentions(own)
         done = self._reads_of((*node.state.entry, *node.state.exit))
-        return frozenset({*self._mentions(own), *done, *(START + action for action in actions)})
+        return frozenset({*looked, *done, *(START + action for action in actions)})
+
+    def _worked_with(self, state: State, fields: Collection[str]) -> Iterator[str]:
+        """What a state looks at that works a value out of others.
+
+        Why the others need only be known: it may come to any of its outcomes, with any value that can come with it
+        (`OpenWorld.anything_of`), whatever they are; if one is unknown, it is rejected. What it wrote before is
+        written again.
+        """
+        for field in sorted({*fields} - {"into"}):
+            value = getattr(state, field)
+            is_key = isinstance(value, str) and value in self._keys
+            yield from (KNOWN + value,) if is_key else self._mentions(value)
 
     def _reads_of(self, effects: Iterable[Effect]) -> Iterator[str]:
         for effect in effects:
@@ -233,7 +263,7 @@ class LiveReads:
         asking = node if of is None else self._graph.nodes[of]
         if named and (asking.options & transition.outcomes).issuperset(named) and ANSWER not in self._keys:
             written.add(ANSWER)
-        return frozenset(path for path in words if path.partition(".")[0] not in written) if written else words
+        return frozenset(word for word in words if _root(word) not in written) if written else words
 
     def _of_transition(self, transition: CompiledTransition) -> frozenset[str]:
         definition = transition.definition
@@ -242,7 +272,7 @@ class LiveReads:
                    if isinstance(effect, Set) and effect.add is None and effect.source is None}  # fmt: skip
         later = frozenset[str]().union(*(self._live[node] for node in self._into(transition.targets)))
         recalled = {RECALL + target.name for target in transition.targets if target.is_history}
-        return frozenset(reads | recalled) | {path for path in later if path.partition(".")[0] not in written}
+        return frozenset(reads | recalled) | {word for word in later if _root(word) not in written}
 
     def _into(self, targets: Iterable[Node]) -> set[Node]:
         """All that may be active once these are entered, with what was active before."""

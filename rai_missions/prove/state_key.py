@@ -307,7 +307,7 @@ def _kept(lists: frozenset[str], later: Later | None, key: str, entry: Any) -> A
         return entry
     if key not in later.roots:
         return None
-    return Stamped(later.part(key, entry[0]), entry[1]) if isinstance(entry[0], Mapping) else entry
+    return Stamped(later.of(key, entry[0]), entry[1])
 
 
 def _is_never(until: float) -> bool:
