@@ -2,9 +2,8 @@
 """Things over looks: which sighting is of which thing, what it is called, and whether it lies still.
 
 Rule: a sighting belongs to the nearest thing, whatever class it got in this look, and among things in one place to that
-of its class; a class counts once its looks lead
-those of every other class by `LEAD`. With one look in ten wrong, a wrong class leads so far once in 500 000 times
-(gambler's ruin: (0.1 / 0.9) ** LEAD).
+of its class; a class counts once its looks lead those of every other class by `LEAD`. With one look in ten wrong, a
+wrong class leads so far once in 500 000 times (gambler's ruin: (0.1 / 0.9) ** LEAD). No thing is within another.
 """
 
 from __future__ import annotations
@@ -87,15 +86,29 @@ class ObjectTrack:
         last = self.pose
         return math.dist(pose[1:4], last[1:4]) <= STILL_M + SIGMAS * math.sqrt(2) * last.sigma_m
 
+    @property
+    def kind(self) -> str:
+        """What it counts as, or else what it was taken for last."""
+        return (self.thing or self.classes[-1]).kind
+
     def probe(self) -> tuple[float, float, float]:
-        """A point within it: its middle, or that of a wall where it is hollow."""
-        kind, pose = (self.thing or self.classes[-1]).kind, self.pose
-        aside = KINDS[kind].size[0] / 2 - WALL_M / 2 if KINDS[kind].is_container else 0.0
-        return pose.x + aside * math.cos(pose.yaw), pose.y + aside * math.sin(pose.yaw), pose.z
+        """A point within it, above the desk: its middle, or that of a wall where it is hollow."""
+        kind, pose = KINDS[self.kind], self.pose
+        aside = kind.size[0] / 2 - WALL_M / 2 if kind.is_container else 0.0
+        lowest_m = min(kind.size) / 2  # what was measured in the desk is looked for on it
+        return pose.x + aside * math.cos(pose.yaw), pose.y + aside * math.sin(pose.yaw), max(pose.z, lowest_m)
+
+    def encloses(self, x: float, y: float, z: float) -> bool:
+        """Whether a point is within its body, where no other thing can have its middle; what is hollow can hold one."""
+        size, pose = KINDS[self.kind].size, self.pose
+        along, aside = math.cos(pose.yaw), math.sin(pose.yaw)
+        dx, dy = x - pose.x, y - pose.y
+        away = abs(dx * along + dy * aside), abs(dy * along - dx * aside), abs(z - pose.z)
+        return not KINDS[self.kind].is_container and all(one <= wide / 2 for one, wide in zip(away, size, strict=True))
 
     def bears(self, other: ObjectTrack) -> bool:
         """Whether the other one rests on it."""
-        mine, its = (KINDS[(one.thing or one.classes[-1]).kind].size for one in (self, other))
+        mine, its = (KINDS[one.kind].size for one in (self, other))
         away = math.dist(self.pose[1:3], other.pose[1:3])
         gap = other.pose.z - self.pose.z - (mine[2] + its[2]) / 2
         return away < max(mine[:2]) / 2 and abs(gap) < BORNE_M
@@ -164,6 +177,7 @@ class Tracks:
             if index not in used:
                 self._made += 1
                 self._tracks.append(ObjectTrack(sighting, self._made, self.looks))
+        self._drop_doubles()
         self._name()
 
     def things(self) -> list[dict[str, Any]]:
@@ -183,6 +197,13 @@ class Tracks:
     def _is_held_down(self, track: ObjectTrack) -> bool:
         """Whether something that lies still rests on it: it cannot have moved unseen."""
         return any(track.bears(other) and other.is_still for other in self._tracks if other is not track)
+
+    def _drop_doubles(self) -> None:
+        """What no class counts for yet, and is within a thing that is in sight, is a mistake about that thing."""
+        seen = [track for track in self._tracks if track.name and not track.missed]
+        self._tracks = [
+            track for track in self._tracks if track.name or not any(one.encloses(*track.probe()) for one in seen)
+        ]
 
     def _name(self) -> None:
         for track in self._tracks:
