@@ -413,3 +413,17 @@ def test_what_is_measured_in_the_desk_is_gone_once_the_desk_is_seen_there() -> N
     for _ in range(3):
         tracks.add([], lambda x, y, z: z > 0)
     assert tracks.unsure() == 0
+
+
+def test_a_name_that_was_given_to_another_goes_back_to_the_thing_once_that_is_known() -> None:
+    """What is carried past a hidden cube is taken for it in one look, and goes on as that one's."""
+    tracks, seen = Tracks(), (lambda *_: False)
+    for _ in range(LEAD):
+        tracks.add([sighting(0.3, "red"), sighting(0.36, "blue")], seen)
+    tracks.add([sighting(0.4, "red")], seen)
+    tracks.add([sighting(0.4, "blue")], seen)
+    for _ in range(3):
+        tracks.add([sighting(0.4, "blue"), sighting(0.3, "red")], lambda x, *_: x == 0.36)
+    for _ in range(2 * LEAD):
+        tracks.add([sighting(0.4, "blue"), sighting(0.3, "red")], seen)
+    assert {one["name"]: one["x"] for one in tracks.things()} == {"red_cube": 0.3, "blue_cube": 0.4}

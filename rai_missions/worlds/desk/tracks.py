@@ -54,7 +54,8 @@ class ObjectTrack:
         self.classes: deque[ThingClass] = deque(maxlen=LOOKS)
         self.poses: deque[SeenBody] = deque(maxlen=STILL_LOOKS)
         self.looks = 0
-        self.since = since
+        self.since = self.shown = since
+        """The look that shows it first, and the last one that gave it the class that it counts as."""
         self.seen_through = 0
         self.missed = 0
         self.thing: ThingClass | None = None
@@ -166,13 +167,14 @@ class Tracks:
                 matched.add(number)
                 used.add(index)
                 track.add(sighting, 0.0 if self._is_held_down(track) else GROWTH_M)
+                track.shown = self.looks if sighting.thing == track.thing else track.shown
         for track in self._tracks:
             if track.number not in matched:
                 track.miss(is_seen_through=is_free(*track.probe()))
         gone = [track for track in self._tracks if track.seen_through >= GONE]
         self._tracks = [track for track in self._tracks if track.seen_through < GONE]
         for track in gone:
-            self._hand_on_name(track)
+            self._hand_on_name(track, self.looks - track.missed)
         for index, sighting in enumerate(sightings):
             if index not in used:
                 self._made += 1
@@ -209,7 +211,8 @@ class Tracks:
         for track in self._tracks:
             thing = track.leading() or track.thing
             if thing is not None and thing != track.thing:
-                track.thing, track.name = thing, ""
+                self._hand_on_name(track, track.shown)
+                track.thing, track.name, track.shown = thing, "", self.looks
         for track in self._tracks:
             if track.thing is not None and not track.name:
                 carried = self._carried(track)
@@ -218,12 +221,11 @@ class Tracks:
                     self._tracks.remove(carried)
                     break
 
-    def _hand_on_name(self, gone: ObjectTrack) -> None:
-        """What left its place unseen is the only thing of its class that appeared since: it keeps the name."""
-        last_seen = self.looks - gone.missed
-        found = [one for one in self._tracks if one.name and one.thing == gone.thing and one.since > last_seen]
-        if gone.name and len(found) == 1:
-            found[0].name = gone.name
+    def _hand_on_name(self, track: ObjectTrack, last_shown: int) -> None:
+        """What has left its place unseen, or gave it to another, is the only thing of its class that appeared since."""
+        found = [one for one in self._tracks if one.name and one.thing == track.thing and one.since > last_shown]
+        if track.name and len(found) == 1:
+            found[0].name = track.name
 
     def _carried(self, found: ObjectTrack) -> ObjectTrack | None:
         """The thing that this one is: it moved when it was seen last, it is the only such, and of the same class."""
