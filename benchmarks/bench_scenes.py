@@ -26,6 +26,8 @@ from pydantic import TypeAdapter
 
 from rai_missions.campaign.labels import Label, best_options, label, verdict_of
 from rai_missions.campaign.scenes import scene
+from rai_missions.connectors.connector import Message
+from rai_missions.connectors.local import LocalConnector
 from rai_missions.errors import UsageError
 from rai_missions.guards.guard import Guard, Site, View
 from rai_missions.keys import Key, Stamped
@@ -33,6 +35,7 @@ from rai_missions.mission.files import load
 from rai_missions.model import AnyOf
 from rai_missions.profile import load_profile
 from rai_missions.worlds.orchard.trial import decision_world, try_branch
+from rai_missions.worlds.orchard.world import Orchard
 
 TRACTOR = Path(__file__).parents[1] / "missions" / "tractor"
 BEFORE = {"all": [{"key": "obstacle.living", "==": False}, {"key": "obstacle.height_m", "<": 0.25}]}
@@ -69,12 +72,41 @@ def measured(seed: int, measure: Callable[[Any, Any], Mapping[str, Any]]) -> dic
     one, begun = scene("orchard", seed), time.process_time()
     found: dict[str, Any] = {"seed": seed, "kind": one.kind, "split": one.split}
     try:
-        world = decision_world({**one.spec["options"], "camera": False, "sight": "geometry"})
-        found["fact"] = world.look()
+        heard = ObstacleReports()
+        world = decision_world({**one.spec["options"], "camera": False, "sight": "geometry"}, heard.listen)
+        found["fact"] = heard.known(world)
         found |= measure(one, (world, found["fact"]))
     except UsageError as fault:
         found["error"] = str(fault)
     return found | {"cpu_s": round(time.process_time() - begun, 3)}
+
+
+class ObstacleReports:
+    """What the detector reports of the obstacle, as a mission knows it: the last report, unless it is too old."""
+
+    def __init__(self) -> None:
+        self._last: tuple[float, Fact] | None = None
+
+    def listen(self, world: Orchard) -> None:
+        """Receive what this orchard reports."""
+        connector = LocalConnector(now=lambda: world.at)
+        topic = load_profile(TRACTOR / "robot.sim.json").blackboard["obstacle"]
+
+        def receive(message: Message) -> None:
+            self._last = world.at, json.loads(message.data["data"])
+
+        connector.subscribe(topic.topic or "", topic.type or "", receive)
+        world.open(connector)
+        connector.start()
+
+    def known(self, world: Orchard) -> Fact | None:
+        """The fact at the instant at which the mission hears of the stop, for which it asks every so often."""
+        profile, key = load_profile(TRACTOR / "robot.sim.json"), keys()["obstacle"]
+        asks_at = world.at + (profile.events["anomaly"].every_s or 0.0)
+        while world.at < asks_at:
+            world.step()
+        at, fact = self._last if self._last is not None else (-math.inf, None)
+        return fact if world.at - at < (key.max_age_s or math.inf) else None
 
 
 def labelled(one: Any, _at: Any) -> Mapping[str, Any]:

@@ -46,16 +46,18 @@ class Trial:
     """How far the obstacle was moved."""
 
 
-def decision_world(options: Mapping[str, Any]) -> Orchard:
+def decision_world(options: Mapping[str, Any], listen: Callable[[Orchard], None] = lambda world: None) -> Orchard:
     """An orchard whose tractor has stopped for its obstacle and hands over.
 
     Args:
         options: Keywords of `Orchard`.
+        listen: Is given the orchard before it begins, to receive what it reports on the way.
 
     Raises:
         UsageError: Nothing stopped the tractor.
     """
     world = Orchard(**options)
+    listen(world)
     world.call("continue")
     if not _run(world, lambda: world.autonomy.word == "STOPPED", ARRIVES_S):
         raise UsageError("nothing stopped the tractor: there is no decision in this scene")
