@@ -72,9 +72,9 @@ def measured(seed: int, measure: Callable[[Any, Any], Mapping[str, Any]]) -> dic
     one, begun = scene("orchard", seed), time.process_time()
     found: dict[str, Any] = {"seed": seed, "kind": one.kind, "split": one.split}
     try:
-        heard = ObstacleReports()
-        world = decision_world({**one.spec["options"], "camera": False, "sight": "geometry"}, heard.listen)
-        found["fact"] = heard.known(world)
+        reports = ObstacleReports()
+        world = decision_world({**one.spec["options"], "camera": False, "sight": "geometry"}, reports.listen)
+        found["fact"] = reports.known(world)
         found |= measure(one, (world, found["fact"]))
     except UsageError as fault:
         found["error"] = str(fault)
@@ -100,7 +100,7 @@ class ObstacleReports:
         connector.start()
 
     def known(self, world: Orchard) -> Fact | None:
-        """The fact at the instant at which the mission hears of the stop, for which it asks every so often."""
+        """The fact at the instant at which the mission learns of the stop, for which it asks every so often."""
         profile, key = load_profile(TRACTOR / "robot.sim.json"), keys()["obstacle"]
         asks_at = world.at + (profile.events["anomaly"].every_s or 0.0)
         while world.at < asks_at:

@@ -416,7 +416,7 @@ def test_what_is_measured_in_the_desk_is_gone_once_the_desk_is_seen_there() -> N
 
 
 def test_a_name_that_was_given_to_another_goes_back_to_the_thing_once_that_is_known() -> None:
-    """What is carried past a hidden cube is taken for it in one look, and goes on as that one's."""
+    """What is carried past a hidden cube is taken for it in one look, and continues as that one's."""
     tracks, seen = Tracks(), (lambda *_: False)
     for _ in range(LEAD):
         tracks.add([sighting(0.3, "red"), sighting(0.36, "blue")], seen)
