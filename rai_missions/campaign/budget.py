@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from rai_missions.campaign.file import BudgetEntry, RateEntry
-from rai_missions.campaign.store import CellRecord
+from rai_missions.campaign.store import CellRecord, DroppedUse
 
 __all__ = ("CallPace", "Spending", "with_use_of")
 
@@ -20,12 +20,14 @@ class Spending:
     Args:
         limits: How much it may use.
         before: What its store holds already.
+        dropped: What was used by cells that it does not hold any more.
     """
 
-    def __init__(self, limits: BudgetEntry, before: Iterable[CellRecord] = ()) -> None:
+    def __init__(
+        self, limits: BudgetEntry, before: Iterable[CellRecord] = (), dropped: DroppedUse | None = None
+    ) -> None:
         self._limits = limits
-        self.calls = self.tokens = 0
-        self.money = 0.0
+        self.calls, self.tokens, self.money = dropped or DroppedUse()
         for record in before:
             self.add(record)
 

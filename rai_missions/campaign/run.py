@@ -145,7 +145,7 @@ def run_campaign(
     plan = plan_of(loaded, _whole(store.labels(), loaded.subject.options if rates else ()))
     _drop_outdated(plan, store)
     done = store.done()
-    spending = Spending(loaded.file.budget, store.cells())
+    spending = Spending(loaded.file.budget, store.cells(), store.dropped)
     intake = Intake(store, spending, on_progress, len(done), len(plan.cells))
     if labels_alone:
         labelled = sum(each.scene in plan.labels for each in plan.scenes)

@@ -19,8 +19,8 @@ from typing import Any, Literal, NamedTuple, Self, get_args
 from rai_missions.errors import UsageError, irregular
 
 __all__ = (
-    "BEST_FIRST", "CellRecord", "CellStatus", "LabelRecord", "PictureRecord", "QuestionRecord", "ResultStore",
-    "SceneRecord", "graded",
+    "BEST_FIRST", "CellRecord", "CellStatus", "DroppedUse", "LabelRecord", "PictureRecord", "QuestionRecord",
+    "ResultStore", "SceneRecord", "graded",
 )  # fmt: skip
 
 CellStatus = Literal["answered", "no_answer", "failed"]
@@ -113,6 +113,15 @@ class CellRecord(NamedTuple):
     """JSON: the answer as it came."""
 
 
+class DroppedUse(NamedTuple):
+    """What cells have used that are not in the store any more: no budget forgets that."""
+
+    calls: int = 0
+    tokens: int = 0
+    cost: float = 0.0
+    """As for a cell."""
+
+
 RECORDS: Mapping[str, type[Any]] = {
     "scene": SceneRecord, "label": LabelRecord, "question": QuestionRecord, "picture": PictureRecord,
     "cell": CellRecord,
@@ -140,6 +149,8 @@ TABLES = {
     "meta": "CREATE TABLE meta (key TEXT PRIMARY KEY, value TEXT) WITHOUT ROWID",
     **{table: _made(table, record) for table, record in RECORDS.items()},
 }
+DELETE = "DELETE FROM cell WHERE cell = ? RETURNING calls, prompt_tokens + completion_tokens, cost"
+DROPPED = "dropped"
 RANKS = " UNION ALL ".join(f"SELECT '{word}' AS verdict, {rank} AS rank" for rank, word in enumerate(BEST_FIRST))
 GRADE = f"""
 UPDATE cell SET
@@ -226,9 +237,15 @@ class ResultStore:
             self._db.executemany("INSERT OR REPLACE INTO meta VALUES (?, ?)", rows)
 
     def drop(self, keys: Iterable[str]) -> None:
-        """Take cells out by their keys."""
+        """Take cells out by their keys; what they have used is counted on in `dropped`."""
+        used = self.dropped
         with self._transaction():
-            self._db.executemany("DELETE FROM cell WHERE cell = ?", ((key,) for key in keys))
+            for key in keys:
+                gone = self._db.execute(DELETE, (key,)).fetchall()
+                for amounts in gone:
+                    used = DroppedUse(*(one + more for one, more in zip(used, amounts, strict=True)))
+            if used != DroppedUse():
+                self._db.execute("INSERT OR REPLACE INTO meta VALUES (?, ?)", (DROPPED, json.dumps(used)))
 
     def grade(self) -> None:
         """Work out `verdict` and `best` of every cell again, from the labels."""
@@ -258,6 +275,11 @@ class ResultStore:
     def meta(self) -> dict[str, Any]:
         """What is noted about the campaign."""
         return {key: json.loads(value) for key, value in self._db.execute("SELECT key, value FROM meta")}
+
+    @property
+    def dropped(self) -> DroppedUse:
+        """What was used by cells that were taken out."""
+        return DroppedUse(*self.meta.get(DROPPED, ()))
 
     def scenes(self) -> Iterator[SceneRecord]:
         """By name."""

@@ -4,14 +4,16 @@
 from __future__ import annotations
 
 from itertools import pairwise
+from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from rai_missions.campaign.budget import CallPace, Spending
 from rai_missions.campaign.file import BudgetEntry, RateEntry
-from rai_missions.campaign.store import CellRecord
+from rai_missions.campaign.store import CellRecord, ResultStore
 
 CELL = CellRecord("k", "m", "s", 1, "openai:gpt", "none", "written", "answered")
 used = st.tuples(st.integers(0, 3), st.integers(0, 500), st.integers(0, 500), st.floats(0, 2))
@@ -39,6 +41,23 @@ def test_what_a_store_holds_already_counts_and_time_does_not() -> None:
     spending.add(CELL._replace(calls=2))
     assert spending.spent(0.0) == "the budget of 5 calls is spent"
     assert Spending(BudgetEntry()).spent(1e9) == ""
+
+
+@settings(max_examples=20, deadline=None)
+@given(st.lists(st.tuples(used, st.integers(0, 3)), max_size=6))
+def test_what_is_taken_out_of_a_store_stays_spent(cells: list[tuple[tuple[int, int, int, float], int]]) -> None:
+    """Whenever cells are dropped, and however often: as if the store had kept them."""
+    kept = [
+        CELL._replace(cell=f"k{at}", calls=calls, prompt_tokens=prompt, completion_tokens=completion, cost=cost)
+        for at, ((calls, prompt, completion, cost), _) in enumerate(cells)
+    ]
+    with TemporaryDirectory() as folder, ResultStore(Path(folder) / "results.db", writes=True) as store:
+        store.add(kept)
+        for turn in range(1, 4):
+            store.drop([each.cell for each, (_, when) in zip(kept, cells, strict=True) if when == turn])
+        found, whole = Spending(BudgetEntry(), store.cells(), store.dropped), Spending(BudgetEntry(), kept)
+    assert (found.calls, found.tokens) == (whole.calls, whole.tokens)
+    assert found.money == pytest.approx(whole.money)
 
 
 def asked_at(rate: RateEntry, workers: int, tokens: list[int]) -> list[float]:
