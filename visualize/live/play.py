@@ -21,7 +21,7 @@ from rai_missions.states.state import CONTROLLERS
 from visualize.build import picture
 from visualize.live.auth import ASGI, Allowance
 from visualize.live.page_files import PageFiles
-from visualize.live.posts import body_within, kind_of
+from visualize.live.posts import PostRefusal, body_within, kind_of
 from visualize.page.as_json import Json
 from visualize.page.chart_data import chart_data
 
@@ -78,9 +78,9 @@ class PlayPages:
         kind = kind_of(request)
         if kind != "application/json":
             return await self._refused(415, "an order is application/json")
-        body = await body_within(request, LARGEST_ORDER)
-        if body is None:
-            return await self._refused(413, f"an order has at most {LARGEST_ORDER} bytes")
+        body = await body_within(request, LARGEST_ORDER, "an order")
+        if isinstance(body, PostRefusal):
+            return await self._refused(*body)
         if not self._orders.take():
             return await self._refused(429, "too many orders at once; wait a second")
         order = _object(body)

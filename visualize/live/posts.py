@@ -3,10 +3,16 @@
 
 from __future__ import annotations
 
+import asyncio
+from typing import NamedTuple
+
 from starlette.requests import Request
 from starlette.responses import JSONResponse, Response
 
-__all__ = ("body_within", "kind_of", "refused")
+__all__ = ("COMES_WITHIN_S", "PostRefusal", "body_within", "kind_of", "refused")
+
+COMES_WITHIN_S = 10.0
+"""From the head of a request to the end of its body."""
 
 
 def kind_of(request: Request) -> str:
@@ -14,13 +20,30 @@ def kind_of(request: Request) -> str:
     return request.headers.get("content-type", "").partition(";")[0].strip().lower()
 
 
-async def body_within(request: Request, most: int) -> bytes | None:
-    """The body; None as soon as it is longer than `most` bytes, of which no more is read."""
+class PostRefusal(NamedTuple):
+    """Why a body is not taken."""
+
+    status: int
+    why: str
+
+
+async def body_within(request: Request, most: int, what: str) -> bytes | PostRefusal:
+    """The body; or why it is not taken: it is too long, of which no more is read, or does not come to its end.
+
+    Args:
+        request: What is posted.
+        most: Bytes that it may have.
+        what: What it is, for the refusal: `a message`.
+    """
     found = bytearray()
-    async for piece in request.stream():
-        found += piece
-        if len(found) > most:
-            return None
+    try:
+        async with asyncio.timeout(COMES_WITHIN_S):
+            async for piece in request.stream():
+                found += piece
+                if len(found) > most:
+                    return PostRefusal(413, f"{what} has at most {most} bytes")
+    except TimeoutError:
+        return PostRefusal(408, f"{what} comes within {COMES_WITHIN_S:g} s; post it again")
     return bytes(found)
 
 

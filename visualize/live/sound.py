@@ -14,7 +14,7 @@ from starlette.routing import Route
 
 from rai_missions.event import Role
 from visualize.live.auth import ROLE, Allowance
-from visualize.live.posts import body_within, kind_of, refused
+from visualize.live.posts import PostRefusal, body_within, kind_of, refused
 
 __all__ = ("LARGEST_PIECE", "SoundDesk", "SoundPages")
 
@@ -69,9 +69,9 @@ class SoundPages:
         kind = kind_of(request)
         if kind != KIND:
             return refused(415, f"sound is {KIND}: 16 kHz, mono, 16 bits")
-        body = await body_within(request, LARGEST_PIECE)
-        if body is None:
-            return refused(413, f"a piece has at most {LARGEST_PIECE} bytes")
+        body = await body_within(request, LARGEST_PIECE, "a piece")
+        if isinstance(body, PostRefusal):
+            return refused(*body)
         if len(body) % 2:
             return refused(400, "a piece has whole samples of 2 bytes")
         given, role = request.query_params, request.scope[ROLE]

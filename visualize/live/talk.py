@@ -15,7 +15,7 @@ from starlette.routing import Route
 
 from rai_missions.event import Role
 from visualize.live.auth import ROLE, Allowance
-from visualize.live.posts import body_within, kind_of, refused
+from visualize.live.posts import PostRefusal, body_within, kind_of, refused
 from visualize.live.sound import SoundDesk
 
 __all__ = ("LARGEST_TALK", "TalkDesk", "TalkPages")
@@ -63,9 +63,9 @@ class TalkPages:
         kind = kind_of(request)
         if kind != "application/json":
             return refused(415, "a message is application/json")
-        body = await body_within(request, LARGEST_TALK)
-        if body is None:
-            return refused(413, f"a message has at most {LARGEST_TALK} bytes")
+        body = await body_within(request, LARGEST_TALK, "a message")
+        if isinstance(body, PostRefusal):
+            return refused(*body)
         given = _object(body)
         if given is None:
             return refused(400, 'a message is a JSON object: {"text": …, "by": …}')

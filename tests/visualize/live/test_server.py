@@ -17,7 +17,7 @@ import pytest
 from rai_missions.errors import UsageError
 from rai_missions.image import Image, png
 from tests.visualize.live.stage import Run, Viewer, ask, until
-from visualize.live import LivePage, PageAddress, hub
+from visualize.live import LivePage, PageAddress, hub, posts
 from visualize.live import timeouts as impatient
 
 WITH_TOKEN = [("GET", "/mission"), ("GET", "/events"), ("GET", "/picture?key=camera"), ("POST", "/orders")]
@@ -212,6 +212,19 @@ def test_who_knocks_and_sends_nothing_is_cut_off(run: Run, monkeypatch: pytest.M
         except ConnectionResetError:
             pass
     assert ask(run.page, "GET", "/mission")[0] == 200
+
+
+def test_an_order_whose_rest_never_comes_is_refused(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(posts, "COMES_WITHIN_S", 0.2)
+    head = (
+        f"POST /orders HTTP/1.1\r\nHost: 127.0.0.1:{run.page.port}\r\nX-Mission-Token: {run.page.token}\r\n"
+        f"Content-Type: application/json\r\nContent-Length: {len(PAUSE)}\r\n\r\n"
+    )
+    with socket.create_connection(("127.0.0.1", run.page.port), timeout=30) as line:
+        line.sendall(head.encode() + PAUSE[:-1])
+        reported = line.recv(1000)
+    assert reported.split()[1] == b"408", reported
+    assert run.desk.orders == [] and ask(run.page, "GET", "/mission")[0] == 200
 
 
 def test_a_viewer_is_not_cut_off(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
