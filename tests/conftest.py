@@ -39,7 +39,9 @@ for name in [name for name in os.environ if name.endswith(("_API_KEY", "_API_TOK
     del os.environ[name]
 os.environ.update(LANGSMITH_TRACING="false", LANGCHAIN_TRACING_V2="false")
 signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell's background job ignores it, and so would the runs
-os.environ["XDG_STATE_HOME"] = tempfile.mkdtemp(prefix="rai_missions_state_")  # what a gate finds again stays here
+STATE_HOME = tempfile.TemporaryDirectory(prefix="rai_missions_state_")
+"""What a gate finds again stays here, as long as the process lives."""
+os.environ["XDG_STATE_HOME"] = STATE_HOME.name
 
 
 def is_here(host: object) -> bool:

@@ -57,7 +57,7 @@ def test_the_store_grades_as_one_cell_is_graded(drawn: list[tuple[str, dict[str,
         for at, (option, _, status) in enumerate(drawn)
     ]
     found = [LabelRecord(f"s{at}", *each, "{}") for at, (_, few, _) in enumerate(drawn) for each in few.items()]
-    with ResultStore(fresh(), writes=True) as store:
+    with fresh() as store:
         store.add([*cells, *found])
         store.grade()
         assert list(store.cells()) == [graded(cell, drawn[at][1]) for at, cell in enumerate(cells)]
@@ -67,15 +67,17 @@ def test_an_answer_with_parameters_keeps_its_grade() -> None:
     """A label is of the parameters that were tried, and the store knows the option alone."""
     given = json.dumps({"answer": {"option": "replan", "parameters": {"far_m": 3}}})
     cells = [CELL._replace(raw=given), CELL._replace(cell="k2", raw="{cut"), CELL._replace(cell="k3", raw="{}")]
-    with ResultStore(fresh(), writes=True) as store:
+    with fresh() as store:
         store.add([*cells, LabelRecord("s1", "replan", "completes", "{}")])
         store.grade()
         assert [cell.best for cell in store.cells()] == [None, 1, 1]
 
 
-def fresh() -> Path:
-    """A path at which there is nothing yet; of this process alone."""
-    return Path(tempfile.mkdtemp(prefix="rai_campaign_")) / "results.db"
+@contextmanager
+def fresh() -> Iterator[ResultStore]:
+    """A store in which there is nothing yet; for examples, which share a test's `tmp_path`."""
+    with tempfile.TemporaryDirectory() as folder, ResultStore(Path(folder) / "results.db", writes=True) as store:
+        yield store
 
 
 def test_what_is_added_is_read_back(tmp_path: Path) -> None:
