@@ -146,9 +146,14 @@ class ConversationalAgent:
         return reported
 
     def wait_decided(self) -> None:
-        """Wait while the run is over and a start waits for a person's yes; at most two confirmations long."""
+        """Wait while the run is over and a start waits for a person's yes; two confirmations after the last line.
+
+        Of several requests that wait, each is asked for in its turn.
+        """
         self._drain(1.0)
-        self._is_decided.wait(2 * self._settings.confirm_s)
+        lines = self._count
+        while not self._is_decided.wait(2 * self._settings.confirm_s) and lines != self._count:
+            lines = self._count
 
     def decide_nothing(self) -> None:
         """Nothing is waited for any more; from any thread."""
