@@ -30,12 +30,21 @@ ClaimKind = Literal[
 CLAUSES = re.compile(r"[,;:()\n–—…|/]+|\s-+\s|[.!?]+\s+|\b(?=that\b)")
 DISGUISES = str.maketrans({"0": "o", "1": "i", "3": "e", "4": "a", "5": "s", "7": "t", "@": "a", "$": "s"})
 MIXED = re.compile(r"\b(?=\w*[^\W\d_])(?=\w*\d)\w+|\b\w*[@$]\w+")
-SPACED = re.compile(r"\b(?:[^\W\d_] ){2,}[^\W\d_]\b")
+SPACED = re.compile(r"(?<![\w'])(?:(?:[^\W\d_]|') ){2,}[^\W\d_](?![\w'])")
+SPACED_SHORT = re.compile(r"\b[^\W\d_] [^\W\d_]\b")
+ENDS = re.compile(r"[.!?…:]+[\"'”’)\]*_`]*$")
+CLOSED = re.compile(r"(?<!\.\.)[.!?][\"'”’)\]*_`]*$")
+ITEM = re.compile(r"\s*(?:[-*+•]|\d+[.)])\s")
+PAUSES = re.compile(r"[-–…!?]|\.(?!\d)")
 MARKS = re.compile(r"[*_`~#>\"“”„«»\[\]{}]+|(?<!\w)'|'(?!\w)")
 DONE_SIGNS = frozenset("✅✔☑🏁🎉👍👌🆗💯🚀")
 """Signs that report a result without a word."""
 LEAST_SHARE = 0.15
 """Of a sentence's words that are the language's small words, below which it is taken for another language."""
+LONGEST_PIECE = 4
+"""Words up to which a sentence may be the beginning of the next: `The way. Is free.`"""
+LONGEST_BEGUN = 400
+"""Characters of what was begun that are kept."""
 SHORT = 2
 """Words up to which a sentence passes only if it is listed as harmless, or has a small word."""
 
@@ -70,7 +79,7 @@ class Claims:
             return "script"
         if not words:
             return "script" if sentence.strip(" \n.!?…-") else ""
-        if any(rules.is_counted(text) for rules in self._every):
+        if any(rules.is_counted(each) for each in (text, PAUSES.sub(" ", text)) for rules in self._every):
             return "progress"
         if self._own.harmless.fits(words):
             return ""
@@ -85,6 +94,25 @@ class Claims:
                     return kind
         return self._unknown(words, share)
 
+    def begun(self, before: str, sentence: str, view: StatusView) -> str:
+        """The two as one sentence, where a reader may take them for one; empty where they are two.
+
+        Args:
+            before: What was spoken before of the same reply, as a sentence or as this returned it; may be empty.
+            sentence: The next one.
+            view: The run.
+        """
+        bare, rules = ENDS.sub("", before.strip()), self._own
+        words, rest = rules.words(bare), rules.words(sentence)
+        is_calm = rules.harmless.fits(words) and not rules.self_words & set(words)
+        if not words or is_calm or rules.harmless.fits(rest):
+            return ""
+        is_open = not CLOSED.search(before.strip()) and not ITEM.match(sentence)
+        is_continued = next((each for each in sentence if each.isalpha()), "").islower()
+        is_short = len(words) <= LONGEST_PIECE or len(rest) <= SHORT or words[-1].isdigit()
+        is_begun = is_short or any(each.end == len(words) for each in rules.subjects(words, _names(view)))
+        return f"{bare[-LONGEST_BEGUN:]} {sentence}" if is_open or is_continued or is_begun else ""
+
     def _unknown(self, words: Sequence[str], share: float) -> ClaimKind:
         if len(words) <= SHORT:
             return "" if share else "fragment"
@@ -93,8 +121,12 @@ class Claims:
 
 def _plain(sentence: str) -> str:
     """Without marks, quotes and disguises."""
-    text = MARKS.sub(" ", readable(sentence, by=cut))
-    text = SPACED.sub(lambda found: found.group().replace(" ", ""), text)
+    text = readable(sentence, by=cut)
+    if SPACED.search(text):
+        for spaced in (SPACED, SPACED_SHORT):
+            text = spaced.sub(lambda found: found.group().replace(" ", ""), text)
+        text = re.sub(" +", " ", text)
+    text = MARKS.sub(" ", text)
     return MIXED.sub(lambda found: found.group().translate(DISGUISES), text)
 
 

@@ -103,15 +103,18 @@ class ModelSide:
         utterance, number, sentence = turn.sentence.utterance, turn.sentence.number, cut(sentence, LONGEST_NOTE)
         self._talk.note("model_text", request=turn.number, text=sentence)
         why = self._claims.why_replaced(sentence, self._talk.view)
+        joined = self._claims.begun(turn.before, sentence, self._talk.view)
+        if joined and not why:
+            why = self._claims.why_replaced(joined, self._talk.view)
         if not why:
             speech = self._speaking.speak(sentence, to=utterance.channel, reply_to=number, way="model")
             self._spoken[speech.key] = turn.number
-            return turn._replace(spoken=turn.spoken + 1)
+            return turn._replace(spoken=turn.spoken + 1, before=joined or sentence)
         self._talk.note("replaced", request=turn.number, text=sentence, by=why)
         if not turn.is_replaced:
             status = self._talk.answers.status(self._talk.view)
             self._speaking.speak(status, to=utterance.channel, reply_to=number)
-        return turn._replace(spoken=turn.spoken + 1, is_replaced=True)
+        return turn._replace(spoken=turn.spoken + 1, before="", is_replaced=True)
 
     def _propose(self, order: object, turn: ModelTurn) -> ModelTurn:
         """An order that the model read in the person's sentence; it is judged as that person's."""

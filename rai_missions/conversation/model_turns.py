@@ -39,6 +39,8 @@ class ModelTurn(NamedTuple):
     """Sentences that went out or were replaced."""
     is_replaced: bool = False
     """The status was put in the place of a claim already."""
+    before: str = ""
+    """What went out last of the reply, with what it continued; a claim may be spread over several sentences."""
     has_order: bool = False
 
     @property
