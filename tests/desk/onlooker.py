@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Who stands at a desk while runs that drive its arm are killed: what was held, what fell, what became of each goal.
+"""A witness at a desk while runs that drive its arm are killed: what was held, what fell, what became of each goal.
 
 Rule: it reads the truth and what passes between the arm's servers and their client, and changes neither.
 """

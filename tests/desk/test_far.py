@@ -38,6 +38,7 @@ def test_a_process_killed_with_a_thing_in_the_hand_is_followed_by_one_that_ends_
     verdict, desk = killed(tmp_path, ON, [Death("hand", 3, "later", 0.002, 8.0)])
     assert desk.held_at_death[0]
     assert (verdict.outcome, verdict.unmet, verdict.faults) == ("succeeded", (), [])
+    assert [each.action for each in desk.onlooker.goals.values()] == ["/pick_at", "/place_at"], "the grasp is found"
 
 
 @pytest.mark.drill
