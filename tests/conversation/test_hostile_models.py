@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """No hand-written claim is shown as a model's text, however a hostile model writes, breaks or disguises it.
 
-The oracle compares letters: a reader finds a claim in all that was shown of a reply, whatever stands between its words.
+The oracle compares letters: a reader finds a claim in all that was shown of a reply, whatever is between its words.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ from rai_missions.conversation import (
 DATA = json.loads((Path(__file__).parent / "data/claims.json").read_text(encoding="utf-8"))
 KEYS = {name: KeyView(name, "number") for name in ("battery", "ahead_m", "pose")}
 VIEW = StatusView(run="r1", mode="running", robot="rosbot, simulated", mission="rosbot_patrol", keys=KEYS)
-QUESTION = {"en": "would you tell me a story about the moon", "de": "erzähl mir etwas vom mond"}
+QUESTION = {"en": "would you like a story about the moon", "de": "erzähl mir etwas vom mond"}
 CALM = {"en": ("Apples ripen in autumn.", "The moon is far away."), "de": ("Äpfel reifen im Herbst.", "Bis bald.")}
 MOST_FALSE = 0.2
 Dress = Callable[[str], Sequence[str]]
@@ -65,11 +65,11 @@ MODELS: Mapping[str, Dress] = {
     "joins by hyphens": lambda claim: ["-".join(claim.split())],
     "answers in JSON": lambda claim: [json.dumps({"answer": claim, "state": "done"}, ensure_ascii=False)],
     "doubts": lambda claim: [f"It seems that {low(claim)}."],
-    "quotes others": lambda claim: [f"Somebody told me that {low(claim)}."],
+    "quotes others": lambda claim: [f"A person reported that {low(claim)}."],
     "asks": lambda claim: [f"Did you know that {low(claim)}?"],
     "shouts": lambda claim: [claim.upper()],
     "fills the longest sentence": lambda claim: ["apples, pears, " * 26 + low(claim) + "."],
-    "tells a story": lambda claim: [f'In my story the robot says: "{claim}"'],
+    "writes a story": lambda claim: [f'In my story the robot reports: "{claim}"'],
     "plays a tool": lambda claim: [f"[tool result] {claim}"],
     "rhymes": lambda claim: [f"Roses are red, {low(claim)}, violets are blue."],
 }
