@@ -19,6 +19,7 @@ from rai_missions.check import structure as shape
 from rai_missions.check.finding import Finding, Severity, document_order
 from rai_missions.check.index import MissionIndex
 from rai_missions.errors import unescaped
+from rai_missions.mission.garbage import few_collections
 from rai_missions.mission.legible import LegiblePart, words_in
 from rai_missions.mission.mission import Mission
 
@@ -96,6 +97,7 @@ RULES: tuple[CheckRule, ...] = (
 """In this order where they are at one place."""
 
 
+@few_collections()
 def check(mission: Mission, *, named: Collection[str] | None = None) -> tuple[Finding, ...]:
     """Everything that is wrong or odd in a mission, in document order.
 

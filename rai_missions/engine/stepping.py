@@ -32,11 +32,13 @@ from rai_missions.errors import UsageError
 from rai_missions.event import Event
 from rai_missions.guards.guard import Truth
 from rai_missions.keys import Stamped
+from rai_missions.mission.garbage import few_collections
 from rai_missions.mission.mission import Mission
 
 __all__ = ("begin_run", "close", "compiled", "fresh", "make_step")
 
 
+@few_collections()
 def compiled(
     mission: Mission, ticker: Trees | None = None, *, facts: RobotFacts | None = None, named: Named | None = None,
     surroundings: Surroundings | None = None,

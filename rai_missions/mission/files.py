@@ -13,6 +13,8 @@ import stat
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from rai_missions.mission.garbage import few_collections
+
 if TYPE_CHECKING:
     from rai_missions.mission.mission import Mission
 
@@ -24,6 +26,7 @@ SCHEMA = "mission.schema.json"
 # The models are imported when used, so that the package's front door can offer these functions and stay light.
 
 
+@few_collections()
 def load(path: str | os.PathLike[str], *, python: bool = True) -> Mission:
     """The mission in a file, with the missions that it includes expanded.
 

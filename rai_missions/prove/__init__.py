@@ -6,17 +6,16 @@ Imports `engine`, `guards`, `journal`, `mission`, `planning` and `states`, and t
 
 from __future__ import annotations
 
-import gc
 import math
 import time
-from collections.abc import Callable, Collection, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable, Collection
 from pathlib import Path
 from typing import NamedTuple
 
 from rai_missions.engine.activities.ticker import Trees
 from rai_missions.engine.robot_facts import RobotFacts
 from rai_missions.journal import Header
+from rai_missions.mission.garbage import few_collections
 from rai_missions.mission.mission import Mission
 from rai_missions.prove.circles import circling
 from rai_missions.prove.counterexample import TraceReplayer, TraceStep, scenes, ways_to
@@ -92,19 +91,8 @@ def prove(
         continues: Where a claim is refuted, the others are explored to these limits all the same; else for some time.
         progress: Receives the number of states found and of states done, every hundred states.
     """
-    with _few_collections():
+    with few_collections():  # what is explored is kept, and in no circles
         return _ProofRun(mission, ticker, terms, Limits(most, seconds, memory_mb, work, continues), progress).proof()
-
-
-@contextmanager
-def _few_collections() -> Iterator[None]:
-    """What is explored is kept, and in no circles: looking for garbage in it over and over finds none."""
-    before = gc.get_threshold()
-    gc.set_threshold(100_000, 50, 1000)
-    try:
-        yield
-    finally:
-        gc.set_threshold(*before)
 
 
 class _ProofRun:

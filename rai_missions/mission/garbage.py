@@ -1,0 +1,66 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Garbage collection while much is built at once.
+
+Rule: a search for garbage visits all that is alive. What grows by much that stays, and in which hardly anything is
+garbage, is searched rarely until it is built.
+"""
+
+from __future__ import annotations
+
+import gc
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+__all__ = ("few_collections",)
+
+FEW = (100_000, 50, 1000)
+"""The thresholds meanwhile: objects until a search, and searches of one generation until one of the next."""
+
+
+class _Builders:
+    """Those that are building, in all threads of the process."""
+
+    def __init__(self) -> None:
+        self._lock = threading.Lock()
+        self._many = 0
+        self._before: tuple[int, int, int] | None = None
+        """The thresholds before the first of them; None where they stayed."""
+
+    def begin(self) -> None:
+        """One more is building."""
+        with self._lock:
+            self._many += 1
+            before = gc.get_threshold()
+            if self._many == 1 and gc.isenabled() and 0 < before[0] < FEW[0]:
+                self._before = before
+                gc.set_threshold(*FEW)
+
+    def end(self) -> None:
+        """One of them has finished."""
+        with self._lock:
+            self._many -= 1
+            if self._many or self._before is None:
+                return
+            if not gc.get_freeze_count():  # what the application has frozen would thaw with it
+                gc.freeze()
+                gc.unfreeze()
+            gc.set_threshold(*self._before)
+            self._before = None
+
+
+_builders = _Builders()
+
+
+@contextmanager
+def few_collections() -> Iterator[None]:
+    """Search rarely for garbage meanwhile, in any number of threads; then as before.
+
+    What was built is not searched at its end: it joins the oldest objects, as it would have after two searches. Where
+    thresholds are higher already, or collection is switched off, nothing changes.
+    """
+    _builders.begin()
+    try:
+        yield
+    finally:
+        _builders.end()
