@@ -82,8 +82,10 @@ class FarDesk:
                 break
             self.held_at_death.append(self.onlooker.truth.held)
             assert death is not None
+            self.onlooker.is_alone = True
             for _ in range(round(death.alone_s / self.world.period_s)):
-                self.onlooker.step(is_alone=True)
+                self.onlooker.step()
+            self.onlooker.is_alone = False
         return self.onlooker.verdict(self.journal, goal)
 
     @property

@@ -121,6 +121,8 @@ class Onlooker:
     world: Desk
     goals: dict[str, GoalRecord] = field(default_factory=dict)
     looks: int = 0
+    is_alone: bool = False
+    """No run lives."""
     drops: list[tuple[str, float]] = field(default_factory=list)
     truth: DeskTruth = field(init=False)
     seen: DeskTruth = field(init=False)
@@ -141,12 +143,11 @@ class Onlooker:
     def at(self) -> float:
         return self.world.at
 
-    def step(self, *, is_alone: bool = False) -> None:
-        """Step the world; alone: while no run lives."""
+    def step(self) -> None:
         looks = self.looks
         self.world.step()
         self.truth = self.world.truth()
-        if self.looks > looks and not is_alone:
+        if self.looks > looks and not self.is_alone:
             self.seen = self.truth
         self._watch_hand(self.truth)
 
