@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """A desk whose mission runs in another process, which is killed with SIGKILL while the arm lives on.
 
-Rule: a life is killed from here, at an instant that a seed chooses; what it had sent by then arrives, and nothing more.
+Rule: a life is killed from here, at an instant that a seed chooses; what it had sent by then may
+arrive, and nothing more.
 """
 
 from __future__ import annotations
@@ -13,6 +14,7 @@ import socket
 import subprocess
 import sys
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import Any, Literal, NamedTuple
 
@@ -162,8 +164,9 @@ class Life:
             self._process.wait(later_s)
         except subprocess.TimeoutExpired:
             self._kill()
-        for line in lines:
-            self._carry_out(json.loads(line))
+        with suppress(ConnectionResetError):  # it died before it read a reply
+            for line in lines:
+                self._carry_out(json.loads(line))
 
     def _reply(self, lines: Any, value: Any) -> None:
         came, self._came = self._came, []
