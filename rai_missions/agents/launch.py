@@ -21,7 +21,6 @@ from rai_missions.connectors.connector import Connector, SupportsRawMessages
 from rai_missions.connectors.local import LocalConnector
 from rai_missions.connectors.python_robot import PythonRobot, PythonRobotConnector, RobotTime
 from rai_missions.connectors.registry import CONNECTORS, connector_offer
-from rai_missions.embodiment import Identity
 from rai_missions.engine.activities.goal_ledger import may_move
 from rai_missions.engine.decision import Answerer
 from rai_missions.errors import DefinitionError, Fault, UsageError
@@ -41,9 +40,7 @@ from rai_missions.profile import (
     unknown_fields,
 )
 from rai_missions.profile.python_robot import KIND
-from rai_missions.recording import Recording, observers, recorded
 from rai_missions.redaction import Redaction, logger
-from rai_missions.replay.open_run import OpenedRun, open_run
 from rai_missions.runtime.arguments import accepted
 from rai_missions.runtime.clock import Clock, ContinuedClock, PublishedClock, SimulatedClock, WallClock
 from rai_missions.runtime.robot_clock import RobotClock
@@ -53,6 +50,9 @@ from rai_missions.worlds.world import World, open_world, world_offer
 
 if TYPE_CHECKING:
     from langchain_core.language_models import BaseChatModel
+
+    from rai_missions.recording import Recording
+    from rai_missions.replay.open_run import OpenedRun
 
 __all__ = ("PreparedRun", "prepare", "prepare_next")
 
@@ -240,13 +240,16 @@ def _made(
     header = _header(plan, environment.packages)
     recording = _open_recording(plan, environment.connector, environment.clock, header, closing)
     journal, moved_aside = _open_journal(plan, header, recording, closing)
-    reached = recorded(environment.connector, recording)
+    reached, observer = environment.connector, RunObserver(config.on_step, config.on_status)
+    if recording is not None:
+        from rai_missions.recording import observers, recorded
+
+        reached, observer = recorded(reached, recording), observers(recording, observer)
     new = NewRun(header.arguments, config.named, run=header.run, moved_aside=moved_aside, waits=config.waits)
     continued = resumed and resumed.resumption._replace(fresh=environment.world is not None, waits=config.waits)
     runner = Runner(
         plan.mission, robot=plan.robot, connector=reached, clock=environment.clock, answerers=answerers,
-        journal=journal, begin=continued or new,
-        observer=observers(recording, RunObserver(config.on_step, config.on_status)),
+        journal=journal, begin=continued or new, observer=observer,
     )  # fmt: skip
     return PreparedRun(
         plan, environment, runner, answerers, recording, journal, moved_aside, closing.pop_all(), reached
@@ -263,6 +266,8 @@ def _read(config: RunConfig, closing: CleanupStack) -> RunPlan:
         robot = given if isinstance(given, Robot) else None
     resumed = None
     if config.resume is not None:
+        from rai_missions.replay.open_run import open_run
+
         resumed = open_run(config.resume, mission=mission, robot=robot, named=config.named)
         closing.closes(resumed.record.close)
         mission, robot = resumed.mission, robot or resumed.robot
@@ -401,6 +406,7 @@ def _open_model(
     from rai_missions.answerers.model.process.model import ModelProcess
     from rai_missions.answerers.model.providers import check_model
     from rai_missions.answerers.model.tools import open_recall, open_toolbox
+    from rai_missions.embodiment import Identity
 
     identity = Identity.read(plan.identity) if plan.identity is not None else None
     toolbox = open_toolbox(plan.mission, plan.robot, connector, clock.now)
@@ -424,6 +430,8 @@ def _open_recording(
     path, resumed = plan.config.record, plan.resumed
     if path is None:
         return None
+    from rai_missions.recording import Recording
+
     about = {
         "robot": plan.robot.name if plan.robot is not None else "", "run": header.run,
         "versions": versions() | dict(header.versions),

@@ -109,6 +109,6 @@ class RecordedConnector(ConnectorWrapper):
         return record
 
 
-def recorded(connector: Connector | None, recording: Recording | None) -> Connector | None:
-    """A connector as a mission is to have it: recorded, where there is both."""
-    return connector if connector is None or recording is None else RecordedConnector(connector, recording)
+def recorded(connector: Connector | None, recording: Recording) -> Connector | None:
+    """A connector as a mission is to have it: recorded, where there is one."""
+    return RecordedConnector(connector, recording) if connector is not None else None

@@ -14,10 +14,8 @@ __all__ = ("observers",)
 T = TypeVar("T")
 
 
-def observers(recording: Recording | None, other: RunObserver) -> RunObserver:
+def observers(recording: Recording, other: RunObserver) -> RunObserver:
     """An observer that passes each step and each status on to both."""
-    if recording is None:
-        return other
     return RunObserver(_both(recording.step, other.on_step), _both(recording.status, other.on_status))
 
 

@@ -26,8 +26,6 @@ from rai_missions.errors import DefinitionError, UsageError
 from rai_missions.journal import free_name, make_way, opened
 from rai_missions.mission.mission import Mission
 from rai_missions.profile import load_profile, read_program
-from rai_missions.recording import check_name, is_mcap
-from rai_missions.replay.rebuild import mission_of
 
 if TYPE_CHECKING:
     from rai_missions.cli.commands.run import RunOptions
@@ -42,6 +40,8 @@ def run_mission(options: RunOptions) -> int:
     options = normalise_watch_args(options)
     is_python = is_robot_program(options.robot, python=not options.no_python)
     if options.record:
+        from rai_missions.recording import check_name
+
         check_name(Path(options.record))
     if options.managed:
         return _run_managed(options, is_python=is_python)
@@ -218,6 +218,8 @@ def _mission(options: RunOptions) -> Mission:
         if not options.mission:
             raise UsageError("name a mission (rai-missions run MISSION), or a run to resume: --resume JOURNAL")
         return load_whole(options.mission, python=not options.no_python)
+    from rai_missions.replay.rebuild import mission_of
+
     now = load_whole(options.mission, python=not options.no_python) if options.mission else None
     with opened(options.resume) as record:  # read whole, and looked at, when the run is resumed
         was = mission_of(record) if record.header.mission or now is None else now
@@ -245,6 +247,8 @@ def _lines(mission: Mission, options: RunOptions) -> Lines:
 
 def _recorded(path: Path) -> Path:
     """Where a recording goes; an older one of that name is moved aside."""
+    from rai_missions.recording import is_mcap
+
     if path.is_file():
         if not is_mcap(path):
             raise UsageError(f"{path} is there already, and is no recording; name another file")
