@@ -52,7 +52,7 @@ def flood(folder: Path, *, is_recorded: bool, is_journaled: bool) -> Flood:
         journal = Journal.create(folder / "run.journal", Header(dump(made)), witness=witness)
     runner = Runner(
         made, robot=ROBOT, connector=recorded(connector, recording) if recording is not None else connector,
-        journal=journal, observer=observers(recording, RunObserver()),
+        journal=journal, observer=observers(recording, RunObserver()) if recording is not None else RunObserver(),
     )  # fmt: skip
     thread = threading.Thread(target=runner.run)
     for _ in range(EVENTS):

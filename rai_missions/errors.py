@@ -63,6 +63,10 @@ class DefinitionError(MissionError):
         self.source = source
         super().__init__("\n".join(f"{source}{fault}" if not source else f"{source}: {fault}" for fault in self.faults))
 
+    def __reduce__(self) -> tuple[type[DefinitionError], tuple[tuple[Fault, ...], str]]:
+        """Made again of its faults, not of its text, when it is copied or comes out of another process."""
+        return type(self), (self.faults, self.source)
+
 
 class UsageError(MissionError):
     """The caller mends it: a name that does not exist, a call at the wrong time."""

@@ -1,0 +1,31 @@
+# SPDX-License-Identifier: Apache-2.0
+"""An error says the same wherever it arrives: copied, or out of a process of a pool."""
+
+from __future__ import annotations
+
+import copy
+import pickle
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from rai_missions.errors import ConnectorError, DefinitionError, Fault, MissionError, UsageError
+
+ERRORS = st.one_of(
+    st.builds(DefinitionError, st.lists(st.builds(Fault, st.text(), st.text()), min_size=1), st.text()),
+    *(st.builds(each, st.text()) for each in (MissionError, UsageError, ConnectorError)),
+)
+
+
+def pickled(error: MissionError) -> Any:
+    return pickle.loads(pickle.dumps(error))
+
+
+@pytest.mark.parametrize("arrive", [copy.copy, copy.deepcopy, pickled], ids=["copied", "deeply", "pickled"])
+@given(error=ERRORS)
+def test_an_error_says_the_same_wherever_it_arrives(arrive: Callable[[MissionError], Any], error: MissionError) -> None:
+    same = arrive(error)
+    assert type(same) is type(error) and str(same) == str(error) and vars(same) == vars(error)
