@@ -19,6 +19,7 @@ STEP = np.log(6.4) / 27
 """Above 1 kHz the scale is logarithmic: 27 mels to a factor of 6.4."""
 RANGE = 8.0
 """Decades below the loudest that are kept."""
+LEAST_POWER = 1e-10
 
 
 def _bands() -> Array:
@@ -46,11 +47,13 @@ def mel_features(samples: Array, frames: int) -> Array:
     Returns:
         80 bands × `frames`, about -1 to 1.
     """
-    length = frames * HOP
+    used = min(frames, -(-(len(samples) + WINDOW) // HOP))  # those after it are silence
+    length = used * HOP
     sound = np.zeros(length, np.float32)
     sound[: min(len(samples), length)] = samples[:length]
     sound = np.pad(sound, WINDOW // 2, mode="reflect")
-    windows = np.lib.stride_tricks.sliding_window_view(sound, WINDOW)[::HOP][:frames] * SHAPE
+    windows = np.lib.stride_tricks.sliding_window_view(sound, WINDOW)[::HOP][:used] * SHAPE
     power = np.abs(np.fft.rfft(windows, axis=1)).astype(np.float32) ** 2
-    bands = np.log10(np.maximum(BAND @ power.T, 1e-10))
+    bands = np.full((BANDS, frames), np.log10(LEAST_POWER), np.float32)
+    bands[:, :used] = np.log10(np.maximum(BAND @ power.T, LEAST_POWER))
     return np.asarray((np.maximum(bands, bands.max() - RANGE) + 4.0) / 4.0, np.float32)

@@ -38,6 +38,10 @@ LEAST_SCORE = -2.2
 MOST_SILENCE = 0.8
 """Probability that there is no speech, above which there is none."""
 BEGIN, PLAIN, BEFORE, PREFIX = "<|startoftranscript|>", "<|notimestamps|>", "<|startofprev|>", "<|"
+END = "<|endoftext|>"
+"""The first token that is no text."""
+ROUNDING = 1.0
+"""Nats by which two computations with whole numbers of 8 bits may differ."""
 
 
 def open_recogniser(folder: str = "", threads: int = 0) -> Whisper:
@@ -112,13 +116,34 @@ class Whisper:
     def _evidence(self, encoded: Any, phrases: Sequence[str]) -> dict[str, float]:
         """Each phrase's log probability, less that which it has with faint noise instead of speech.
 
+        Most phrases are out of the question by their first token: of those it is what they have at most, less than 0.
+
         Source: T. Z. Zhao et al., "Calibrate Before Use", 2021: a model's own liking of an answer is taken off.
         """
         if tuple(self._before_hand) != tuple(phrases):
             self._before = self._tokens.ids([BEFORE, *self._tokens.of(phrases), *self._task])
-            self._before_hand = self._log_chances(self._noise(), phrases)
-        found = self._log_chances(encoded, phrases)
-        return {each: found[each] - self._before_hand[each] for each in phrases}
+            noise = self._view.from_array(self._noise())
+            self._before_hand = {each: self._log_chance(noise, each) for each in phrases}
+        view = self._view.from_array(encoded)
+        most = self._most_log_chances(view, phrases)
+        return {
+            each: (self._log_chance(view, each) if most[each] + ROUNDING > before_hand else most[each]) - before_hand
+            for each, before_hand in self._before_hand.items()
+        }
+
+    def _most_log_chances(self, encoded: Any, phrases: Sequence[str]) -> dict[str, float]:
+        """What each phrase's log probability is at most: that of its first token, which one step gives for all."""
+        import numpy as np
+
+        (found,) = self._model.generate(
+            encoded, [self._before], beam_size=1, max_length=len(self._before), return_logits_vocab=True,
+            suppress_blank=False, suppress_tokens=[],
+        )  # fmt: skip
+        (end,) = self._tokens.ids([END])
+        raw = np.array(found.logits[0]).reshape(-1)[:end]
+        chances = raw - raw.max()
+        chances -= np.log(np.sum(np.exp(chances)))
+        return {each: float(chances[self._tokens.ids(self._tokens.of([each]))[0]]) for each in phrases}
 
     def _noise(self) -> Any:
         """The encoding of faint noise, whose power falls with the frequency."""
@@ -133,11 +158,8 @@ class Whisper:
         encoded = self._model.encode(self._view.from_array(mel_features(sound, WINDOW_STEPS)[None]))
         return np.ascontiguousarray(np.array(encoded)[:, : count // SAMPLES_A_STEP + AFTER_STEPS])
 
-    def _log_chances(self, encoded: Any, phrases: Sequence[str]) -> dict[str, float]:
-        view = self._view.from_array(encoded)
-        return {each: self._log_chance(view, self._tokens.ids(self._tokens.of([each]))) for each in phrases}
-
-    def _log_chance(self, encoded: Any, form: list[int]) -> float:
+    def _log_chance(self, encoded: Any, phrase: str) -> float:
+        form = self._tokens.ids(self._tokens.of([phrase]))
         (found,) = self._model.align(encoded, self._before, [form], 2 * encoded.shape[1])
         return sum(math.log(max(chance, LEAST_CHANCE)) for chance in found.text_token_probs)
 
