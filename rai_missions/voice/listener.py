@@ -17,6 +17,7 @@ from rai_missions.connectors.worker import SerialQueue
 from rai_missions.redaction import logger
 from rai_missions.voice.fusion import FusedTurn, evidence_in, fused
 from rai_missions.voice.kind import SHORT_S
+from rai_missions.voice.offers import OfferQueue, TurnOffer
 from rai_missions.voice.process import SpeechProcess, SpeechReply, sound_in, text_in
 from rai_missions.voice.turns import TurnDetector, TurnEvent, TurnFrame, TurnSettings
 
@@ -66,13 +67,6 @@ class Transcript(NamedTuple):
     """Why there is no transcript; empty if there is one."""
 
 
-class TurnOffer(NamedTuple):
-    """A turn that is being transcribed."""
-
-    number: int
-    offer: int
-
-
 class OfferReplies(NamedTuple):
     """What the recognisers made of an offer, as far as it is known."""
 
@@ -98,10 +92,12 @@ class SpeechListener:
         on_transcript: Callable[[Transcript], object],
         on_present: Callable[[float], object] = lambda at: None,
     ) -> None:  # fmt: skip
-        self._ear, self._first, self._second = ear, first, second
+        self._ear = ear
         self._settings, self._on_transcript, self._on_present = settings, on_transcript, on_present
         self._queue = SerialQueue()
         self._detector = TurnDetector(settings.turns)
+        self._recognisers = {"first": first} | ({"second": second} if second is not None else {})
+        self._offers = {which: OfferQueue() for which in self._recognisers}
         self._replies: dict[TurnOffer, OfferReplies] = {}
         self._ends: dict[int, TurnEvent] = {}
         self._began: dict[int, float] = {}
@@ -176,24 +172,35 @@ class SpeechListener:
         elif event.kind == "offered":
             self._latest[event.number] = event.offer
             self._transcribe(event)
+        elif event.kind == "void":
+            for queue in self._offers.values():
+                self._count(-queue.void(TurnOffer(event.number, event.offer)))
         elif event.kind == "ended":
             self._ends[event.number] = event
             self._conclude(event.number)
 
     def _transcribe(self, event: TurnEvent) -> None:
-        offer, order = TurnOffer(event.number, event.offer), {"do": "transcribe", "phrases": self._settings.phrases}
-        self._replies[offer] = OfferReplies(second=SpeechReply() if self._second is None else None)
+        offer = TurnOffer(event.number, event.offer)
+        self._replies[offer] = OfferReplies(second=None if "second" in self._offers else SpeechReply())
         is_short = len(event.quiet) <= 2 * RATE_HZ * SHORT_S
-        asked = [("first", self._first, event.quiet if is_short else event.clear)]
-        asked += [("second", self._second, event.quiet)] if self._second is not None else []
-        for which, recogniser, sound in asked:
+        for which, queue in self._offers.items():
             self._count(1)
-            recogniser.ask(order, (sound,), on_reply=self._on_reading(offer, which))
+            queue.add(offer, event.quiet if is_short or which == "second" else event.clear)
+            self._ask(which)
+
+    def _ask(self, which: str) -> None:
+        """Have a recogniser that has nothing to do transcribe what waits."""
+        if (taken := self._offers[which].take()) is not None:
+            offer, sound = taken
+            order = {"do": "transcribe", "phrases": self._settings.phrases}
+            self._recognisers[which].ask(order, (sound,), on_reply=self._on_reading(offer, which))
 
     def _on_reading(self, offer: TurnOffer, which: str) -> Callable[[SpeechReply], None]:
         return lambda reply: self._post(partial(self._read, offer, which, reply))
 
     def _read(self, offer: TurnOffer, which: str, reply: SpeechReply) -> None:
+        self._offers[which].done()
+        self._ask(which)
         known = self._replies.get(offer)
         if known is None:
             return
