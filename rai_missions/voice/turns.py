@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """When a person begins and ends to speak, from how probable speech is in each frame; pure.
 
-Rule: what is begun early may be void. A turn is offered after 192 ms of quiet and counts once it has ended; a person
+Rule: what is begun early may be void. A turn is offered after 128 ms of quiet and counts once it has ended; a person
 who only paused makes it void, and it is offered again with all that followed.
 """
 
@@ -24,7 +24,7 @@ class TurnSettings(NamedTuple):
     """Frames of speech with which a turn begins."""
     present_frames: int = 2
     """Frames of speech, of the last six, from which on a person surely speaks: what is played is cut."""
-    early_s: float = 0.192
+    early_s: float = 0.128
     """Quiet after which a turn is offered for transcription."""
     end_s: float = 0.4
     """Quiet after which a turn has ended."""

@@ -54,11 +54,11 @@ def test_the_same_frames_show_the_same(probabilities: list[float]) -> None:
     assert events(probabilities) == events(probabilities)
 
 
-def test_a_turn_is_offered_after_192_ms_of_quiet_and_ends_after_400() -> None:
+def test_a_turn_is_offered_after_128_ms_of_quiet_and_ends_after_400() -> None:
     found = events([0.0] * 10 + [0.9] * 20 + [0.0] * 30, end=False)
     quiet_from = 30 * FRAME_S
     times = {event.kind: event.at - quiet_from for event in found}
-    assert times["offered"] == pytest.approx(0.192, abs=1e-6)
+    assert times["offered"] == pytest.approx(0.128, abs=1e-6)
     assert times["ended"] == pytest.approx(0.416, abs=1e-6), "the first frame that ends at 400 ms or later"
     assert times["present"] == pytest.approx(-18 * FRAME_S), "two frames of speech: 64 ms"
     assert found[-1].spoken_until == pytest.approx(quiet_from)
