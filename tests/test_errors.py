@@ -26,6 +26,6 @@ def pickled(error: MissionError) -> Any:
 
 @pytest.mark.parametrize("arrive", [copy.copy, copy.deepcopy, pickled], ids=["copied", "deeply", "pickled"])
 @given(error=ERRORS)
-def test_an_error_reads_the_same_wherever_it_arrives(arrive: Callable[[MissionError], Any], error: MissionError) -> None:
+def test_an_error_reads_the_same_everywhere(arrive: Callable[[MissionError], Any], error: MissionError) -> None:
     same = arrive(error)
     assert type(same) is type(error) and str(same) == str(error) and vars(same) == vars(error)
