@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from rai_missions import After, EventSpec, Guard, Image, Key, Keys, Mission, On, Set, When
+from rai_missions import After, EventSpec, Guard, Image, Key, Keys, Mission, On, Publish, Set, When
 from rai_missions.states import Action, Compound, Decision, Each, Final, History, Option, State
 
 TROUBLE = ("failed", "unverified", "timed_out", "rejected")
@@ -92,6 +92,7 @@ def mission() -> Mission:
         deadline_s=120,
         fallback="leave",
         control="agent",
+        entry=[Publish("say", {"data": "My way is blocked. Can you clear it, please?"})],
         transitions=[On("go_on", to="going"), On("leave", to="passed_by"), On("stop", to="giving_up")],
     )
     on_the_way = Compound(

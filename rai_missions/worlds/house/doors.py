@@ -14,7 +14,9 @@ from rai_missions.worlds.house.scene import AWAY_Z, crate
 __all__ = ("Blocked", "Doors")
 
 Blocked = Sequence[str] | Mapping[str, Sequence[float]]
-"""Doors that are blocked all the time, or each with the seconds from and until."""
+"""Doors that are blocked all the time, or each with the seconds from and until, once or several times."""
+WITHIN_M = 1.5
+"""How near a person must be to a crate to carry it away."""
 ROOM_M = 0.8
 """No one puts a crate onto the robot: it waits until the robot is so far away."""
 
@@ -38,13 +40,20 @@ class Doors:
         for door, times in self._times.items():
             if door not in DOORS:
                 raise UsageError(f"blocked: no door {door!r}; there are: {', '.join(DOORS)}")
-            if len(times) not in (0, 2) or list(times) != sorted(times):
-                raise UsageError(f"blocked: {door}: {list(times)} is not when it begins and ends, as in [20, 60]")
+            if len(times) % 2 or list(times) != sorted(times):
+                sentence = "is not when it begins and ends, as in [20, 60] or [20, 60, 90, 120]"
+                raise UsageError(f"blocked: {door}: {list(times)} {sentence}")
         self._wanted: dict[str, bool] = {}
 
     def set(self, door: str, is_blocked: bool) -> None:
         """Block or free a door from now on, whatever its times state."""
         self._wanted[door] = is_blocked
+
+    def clear_near(self, person: tuple[float, float]) -> None:
+        """Have a person carry away the crates within reach; it is done at once."""
+        for door, place in DOORS.items():
+            if self.is_blocked(door) and math.dist(place, person) <= WITHIN_M:
+                self.set(door, False)
 
     def is_blocked(self, door: str) -> bool:
         """Whether its crate stands there now."""
@@ -65,4 +74,6 @@ class Doors:
 
     def _is_due(self, door: str, at: float) -> bool:
         times = self._times.get(door)
-        return times is not None and (not times or times[0] <= at < times[1])
+        if times is None:
+            return False
+        return not times or any(begins <= at < ends for begins, ends in zip(times[::2], times[1::2], strict=True))

@@ -97,15 +97,25 @@ def figure(kind: str, colour: str, name: str, place: tuple[float, float, float],
     return f'<body name="{name}" pos="{x:.3f} {y:.3f} {z:.3f}" euler="0 0 {turn_deg:.1f}">{geoms}</body>'
 
 
-def person(name: str, number: int, place: tuple[float, float]) -> str:
-    """One person's MJCF, moved by their will (mocap); the lidar meets the legs, as high as it looks."""
+def person(name: str, number: int, place: tuple[float, float], *, lies: bool = False) -> str:
+    """One person's MJCF, moved by their will (mocap); the lidar meets the legs, as high as it looks.
+
+    Args:
+        name: Of the body.
+        number: Chooses the colour of the clothes.
+        place: Where they are at first, m.
+        lies: On the back, lower than the lidar looks; the robot meets the body, the lidar does not.
+    """
     parts = {
         "skin": ".86 .66 .53 1", "vest": CLOTHES[number % len(CLOTHES)], "hair": ".2 .12 .07 1",
         "trousers": ".16 .18 .25 1", "boots": ".14 .1 .08 1",
     }  # fmt: skip
     seen = "".join(f'<geom type="mesh" mesh="{mesh}" rgba="{rgba}" {SEEN}/>' for mesh, rgba in parts.items())
-    legs = f'<geom type="cylinder" pos="0 0 .45" size=".17 .45" rgba="{HARDLY_SEEN}" {SOLID}/>'
-    return f'<body name="{name}" mocap="true" pos="{place[0]:.3f} {place[1]:.3f} 0">{seen}{legs}</body>'
+    solid = f'<geom type="cylinder" pos="0 0 .45" size=".17 .45" rgba="{HARDLY_SEEN}" {SOLID}/>'
+    if lies:
+        seen = f'<frame pos=".85 0 .12" euler="0 -90 0">{seen}</frame>'
+        solid = f'<geom type="capsule" fromto="-.8 0 .1 .7 0 .1" size=".1" rgba="{HARDLY_SEEN}" group="2"/>'
+    return f'<body name="{name}" mocap="true" pos="{place[0]:.3f} {place[1]:.3f} 0">{seen}{solid}</body>'
 
 
 def person_assets() -> dict[str, bytes]:

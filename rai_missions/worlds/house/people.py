@@ -26,7 +26,10 @@ People = int | Sequence[Mapping[str, Any]]
 MOST = 6
 KEEP_M = 0.75
 """How near they come to the robot."""
-BOUNDS = {"from_s": (0, 1_000_000), "pause_s": (0, 1_000_000), "speed_mps": (0.1, 2)}
+BOUNDS = {"from_s": (0, 1_000_000), "pause_s": (0, 1_000_000), "speed_mps": (0.1, 2), "turn_deg": (-360, 360)}
+FLAGS = ("lies", "helps")
+HELP_S, ASKED_M = 3.0, 4.0
+"""How long a person takes to help, and how near the robot must be to be understood."""
 PATIENCE_S = 6.0
 """How long one waits for the robot before turning to another place."""
 STAYS = (PLACES["kitchen"], PLACES["living_room"], PLACES["bedroom"], (6.2, 2.2), (3.6, 5.0), (1.2, 3.2))
@@ -47,6 +50,12 @@ class PersonPlan:
     """How long they stay at each place."""
     speed_mps: float = 0.8
     name: str = ""
+    turn_deg: float | None = None
+    """Where they look at first, 0 is east, counter-clockwise; None: drawn from the seed."""
+    lies: bool = False
+    """They lie on the floor, feet where they look: lower than the plane of the robot's lidar. They do not walk."""
+    helps: bool = False
+    """Asked by the robot, they clear the doorway that they are in or next to, and begin to walk."""
 
 
 def place_people(seed: int, wanted: People | Any) -> tuple[PersonPlan, ...]:
@@ -79,8 +88,15 @@ def _given(one: Any) -> PersonPlan:
     person = PersonPlan(**one)
     for name, (least, most) in BOUNDS.items():
         value = getattr(person, name)
+        if name == "turn_deg" and value is None:
+            continue
         if not isinstance(value, int | float) or isinstance(value, bool) or not least <= value <= most:
             raise UsageError(f"people: {name} takes a number from {least:g} to {most}, not {value!r}")
+    for name in FLAGS:
+        if not isinstance(getattr(person, name), bool):
+            raise UsageError(f"people: {name} takes true or false, not {getattr(person, name)!r}")
+    if person.lies and person.walks:
+        raise UsageError("people: a person who lies does not walk; drop 'lies' or 'walks'")
     if isinstance(person.walks, str):
         raise UsageError(f"people: walks takes a list of places, not {person.walks!r}")
     for stop in (person.at, *person.walks):
@@ -123,10 +139,24 @@ class Resident:
     def __init__(self, person: PersonPlan, seed: str) -> None:
         self.plan = person
         self.x, self.y = point(person.at)
-        self.heading = random.Random(seed).uniform(-math.pi, math.pi)
+        drawn = random.Random(seed).uniform(-math.pi, math.pi)
+        self.heading = drawn if person.turn_deg is None else math.radians(person.turn_deg)
         self._stops = [point(stop) for stop in person.walks]
         self._next, self._rests_until, self._way = 0, person.from_s, list[Point]()
         self._waits_since: float | None = None
+        self._helps_at = math.inf
+
+    def ask(self, at: float, robot: Point) -> None:
+        """The robot asks for help; it is understood within a few metres."""
+        if self.plan.helps and math.dist(robot, (self.x, self.y)) <= ASKED_M:
+            self._helps_at = min(self._helps_at, at + HELP_S)
+
+    def begin_to_help(self, at: float) -> bool:
+        """Whether they clear the way now; from then on they walk."""
+        if at < self._helps_at:
+            return False
+        self._helps_at, self._rests_until = math.inf, min(self._rests_until, at)
+        return True
 
     def step(self, at: float, period_s: float, robot: Point, blocked: Sequence[Point]) -> bool:
         """Live on for a period; whether they moved.

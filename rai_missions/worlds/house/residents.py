@@ -37,6 +37,15 @@ class Residents:
             if person.step(at, period_s, robot, (*blocked, *others)):
                 self._put(number)
 
+    def ask(self, at: float, robot: tuple[float, float]) -> None:
+        """The robot asks everyone near for help."""
+        for person in self.people:
+            person.ask(at, robot)
+
+    def helping(self, at: float) -> list[tuple[float, float]]:
+        """Where those are who clear the way now."""
+        return [(person.x, person.y) for person in self.people if person.begin_to_help(at)]
+
     def _put(self, number: int) -> None:
         person, half = self.people[number], self.people[number].heading / 2
         self._data.mocap_pos[self._mocap[number], :2] = person.x, person.y

@@ -59,7 +59,7 @@ def build(objects: Sequence[HouseObject] = (), people: Sequence[Resident] = ()) 
  {"".join(_box(box) for box in (*WALLS, *FURNITURE.values()))}
  {"".join(_crate(door) for door in DOORS)}
  {"".join(_object(number, one) for number, one in enumerate(objects))}
- {"".join(figures.person(person_name(number), number, (one.x, one.y)) for number, one in enumerate(people))}
+ {"".join(figures.person(person_name(number), number, (one.x, one.y), lies=one.plan.lies) for number, one in enumerate(people))}
  {_dock()}
  {rosbot.body(PLACES["dock"])}
  <camera name="top" pos="5 4 9.2" xyaxes="1 0 0 0 1 0" fovy="52"/>

@@ -54,7 +54,8 @@ class House(Simulation):
 
     Args:
         seed: Of the lidar's, the depth's and the detector's noise, and of the objects and people that are not given.
-        blocked: Doors with a crate in them, `["study_pantry"]`, or when, `{"study_pantry": [20, 60]}`.
+        blocked: Doors with a crate in them, `["study_pantry"]`, or when, `{"study_pantry": [20, 60]}`; several times
+            are one after the other, `[20, 60, 90, 120]`.
         recoveries: How many the navigation tries before it gives up.
         battery: `capacity_wh` and `charge` (0 to 1).
         camera: Without it there are no pictures and no detections, and no OpenGL is needed.
@@ -140,12 +141,15 @@ class House(Simulation):
         without = () if self._speech else (FROM_HUMAN,)
         self._open(connector, pictures=interface.SEEN, actions=actions, services=services, without=without)
         self._closes.append(connector.subscribe(*interface.CMD_VEL, self._on_command))
+        self._closes.append(connector.subscribe(*interface.SAY, self._on_say))
         if self.vision is not None:
             self._closes += self.vision.open(connector)
 
     def step(self) -> None:
         """Go one period on: look, drive, let physics happen, and publish what happened."""
         with self._outbox.lock:
+            for person in self.residents.helping(self._since()):
+                self.doors.clear_near(person)
             self.doors.step(self._since(), self.pose[:2])
             self.residents.step(self._since(), self.period_s, self.pose[:2], self.doors.blocked)
             if self._steps % FAST == 0:
@@ -200,6 +204,10 @@ class House(Simulation):
         if math.isfinite(speed) and math.isfinite(turn):
             with self._outbox.lock:
                 self._command, self._command_until = (speed, turn), self.at + COMMAND_S
+
+    def _on_say(self, message: Message) -> None:
+        with self._outbox.lock:
+            self.residents.ask(self._since(), self.pose[:2])
 
     def _door(self, door: str) -> Callable[[Mapping[str, Any]], dict[str, Any]]:
         def answer(request: Mapping[str, Any]) -> dict[str, Any]:
