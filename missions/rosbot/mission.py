@@ -92,7 +92,7 @@ def mission() -> Mission:
         deadline_s=120,
         fallback="leave",
         control="agent",
-        entry=[Publish("say", {"data": "My way is blocked. Can you clear it, please?"})],
+        entry=[Publish("ask_for_help", {"data": "My way is blocked. Can you clear it, please?"})],
         transitions=[On("go_on", to="going"), On("leave", to="passed_by"), On("stop", to="giving_up")],
     )
     on_the_way = Compound(

@@ -68,13 +68,22 @@ def _of_rollouts(file: CampaignFile, subject: CampaignSubject) -> Iterator[Fault
                 pointer(("rollouts", "parameters", tried)), f"no option '{tried}'{suggestion(tried, subject.options)}"
             )
     asking = {name: spec for _, name, state in subject.mission.walk() if (spec := state.question()) is not None}
-    for who, answers in file.rollouts.later.items():
-        known = sorted({each for spec in asking.values() for each in spec.ask})
+    yield from _of_later(("rollouts", "later"), file.rollouts.later, asking)
+    for number, each in enumerate(file.scenes.given):
+        yield from _of_later(("scenes", "given", number, "later"), each.later, asking)
+
+
+def _of_later(
+    place: tuple[str | int, ...], later: Mapping[str, Mapping[str, str]], asking: Mapping[str, DecisionSpec]
+) -> Iterator[Fault]:  # fmt: skip
+    """What is wrong with the answers to later questions at a place of the file."""
+    known = sorted({each for spec in asking.values() for each in spec.ask})
+    for who, answers in later.items():
         if who not in known:
-            yield Fault(pointer(("rollouts", "later", who)), f"no decision asks '{who}'{suggestion(who, known)}")
+            yield Fault(pointer((*place, who)), f"no decision asks '{who}'{suggestion(who, known)}")
         for state, option in answers.items():
             if sentence := _unfit_answer(state, option, asking):
-                yield Fault(pointer(("rollouts", "later", who, state)), sentence)
+                yield Fault(pointer((*place, who, state)), sentence)
 
 
 def _unfit_answer(state: str, option: str, asking: Mapping[str, DecisionSpec]) -> str:

@@ -4,13 +4,13 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Field, model_validator
 
 from rai_missions.campaign.store import SceneRecord
-from rai_missions.model import Integer, Json, MissionModel, Text, fault
+from rai_missions.model import Integer, Json, MissionModel, Name, Text, fault
 
 __all__ = ("GivenScene", "ScenesEntry")
 
@@ -34,6 +34,8 @@ class GivenScene(MissionModel):
     split: Split = "report"
     options: dict[Text, Json] = Field(default_factory=dict)
     """What the world is built from, over the options of all scenes."""
+    later: dict[Name, dict[Name, Name]] = Field(default_factory=dict)
+    """Who answers later questions of a rollout in this scene, over `rollouts.later`."""
 
 
 class ScenesEntry(MissionModel):
@@ -77,13 +79,16 @@ class ScenesEntry(MissionModel):
 
     def _written(self) -> Iterator[SceneRecord]:
         for each in self.given:
-            yield self._made(each.scene, each.kind, each.seed, each.split, {**self.options, **each.options})
+            options = {**self.options, **each.options}
+            yield self._made(each.scene, each.kind, each.seed, each.split, options, each.later)
         for seed in self.seeds:
             yield self._made(f"{self.world}_{seed}", self.world, seed, self.split or "report", self.options)
 
-    def _made(self, scene: str, kind: str, seed: int, split: str, options: Any) -> SceneRecord:
-        spec = json.dumps({"world": self.world, "options": options}, sort_keys=True)
-        return SceneRecord(scene, self.world, kind, seed, split, spec)
+    def _made(
+        self, scene: str, kind: str, seed: int, split: str, options: Any, later: Mapping[str, Any] | None = None
+    ) -> SceneRecord:  # fmt: skip
+        spec = {"world": self.world, "options": options, **({"later": later} if later else {})}
+        return SceneRecord(scene, self.world, kind, seed, split, json.dumps(spec, sort_keys=True))
 
 
 def _drawn(entry: ScenesEntry, count: int) -> list[SceneRecord]:

@@ -14,13 +14,18 @@ from dataclasses import dataclass
 from typing import Any, Literal
 
 from rai_missions.errors import UsageError
-from rai_missions.worlds.orchard.scene_cases import scene_options
+from rai_missions.worlds.house.scene_cases import scene_options as house_scene
+from rai_missions.worlds.orchard.scene_cases import scene_options as orchard_scene
 
 __all__ = ("CampaignScene", "Split", "scene", "scenes", "split_of")
 
 Split = Literal["tune", "report"]
-GENERATORS: Mapping[str, Callable[[int], tuple[str, dict[str, Any]]]] = {"orchard": scene_options}
-"""World → from a seed, the kind of what is in the way and the options that the world is built with."""
+Drawn = tuple[str, dict[str, Any], dict[str, Any]]
+GENERATORS: Mapping[str, Callable[[int], Drawn]] = {
+    "orchard": lambda seed: (*orchard_scene(seed), {}), "house": house_scene,
+}  # fmt: skip
+"""World → from a seed, the kind of what is in the way, the options that the world is built with, and who answers later
+questions of a rollout there."""
 
 
 @dataclass(frozen=True)
@@ -35,7 +40,7 @@ class CampaignScene:
     seed: int
     split: Split
     spec: Mapping[str, Any]
-    """JSON: `world`, and `options` with which `open_world` builds it."""
+    """JSON: `world`, `options` with which `open_world` builds it, and `later` where someone answers later questions."""
 
 
 def split_of(seed: int) -> Split:
@@ -54,10 +59,11 @@ def scene(world: str, seed: int) -> CampaignScene:
     """
     if world not in GENERATORS:
         raise UsageError(f"no scenes are generated for the world {world!r}; there are: {', '.join(GENERATORS)}")
-    kind, options = GENERATORS[world](seed)
+    kind, options, later = GENERATORS[world](seed)
     named = json.dumps({**options, "seed": 0}, sort_keys=True, separators=(",", ":"))
     name = f"{world}-{hashlib.sha256(named.encode()).hexdigest()[:12]}"
-    return CampaignScene(name, world, kind, seed, split_of(seed), {"world": world, "options": options})
+    spec = {"world": world, "options": options, **({"later": later} if later else {})}
+    return CampaignScene(name, world, kind, seed, split_of(seed), spec)
 
 
 def scenes(world: str, count: int, first_seed: int = 0) -> tuple[CampaignScene, ...]:

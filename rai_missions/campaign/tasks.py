@@ -133,9 +133,10 @@ class Workplace:
         if self._asking.file.labels != "rollouts" or asked.decision is None:
             return
         wanted = self._asking.file.rollouts
+        later = {**wanted.later, **json.loads(asked.scene.spec).get("later", {})}
         try:
             found = rollouts(
-                asked.decision, self._subject.options, later=answers_of(wanted.later, self._subject.mission),
+                asked.decision, self._subject.options, later=answers_of(later, self._subject.mission),
                 parameters=wanted.parameters, longest_s=wanted.longest_s,
             )  # fmt: skip
         except UsageError:

@@ -28,10 +28,13 @@ class TryingAgent:
         loaded: The campaign.
         option: Which option.
         parameters: Its parameters; None: those of the campaign.
+        later: Who answers later questions, as the campaign and the scene have it.
     """
 
-    def __init__(self, loaded: LoadedCampaign, option: str, parameters: Mapping[str, Any] | None = None) -> None:
-        self.later = answers_of(loaded.file.rollouts.later, loaded.subject.mission)
+    def __init__(
+        self, loaded: LoadedCampaign, option: str, parameters: Mapping[str, Any] | None, later: Mapping[str, Any]
+    ) -> None:  # fmt: skip
+        self.later = answers_of(later, loaded.subject.mission)
         self.longest_s, self.option = loaded.file.rollouts.longest_s, option
         self.parameters = loaded.file.rollouts.parameters.get(option, {}) if parameters is None else parameters
         self.prepared: PreparedRun | None = None
@@ -46,7 +49,7 @@ class TryingAgent:
         assert self.prepared is not None and self.prepared.plan.robot is not None
         world: Any = self.prepared.environment.world
         if self.found is not None:
-            answer({"option": "abort"})
+            answer({"option": "wait" if "agent" in self.later else "abort"})
             return
         decision = OpenDecision(world, self.view.branch(), self.prepared.plan.robot, self.view.run)
         self.began_s = world.at
@@ -65,15 +68,17 @@ class TryingAgent:
 
 
 def played(name: str, scene: str, option: str, parameters: Mapping[str, Any] | None = None) -> tuple[TryingAgent, Any]:
-    """A scene of a campaign, without pictures: who was asked, and the run's result with the world's end."""
+    """A scene of a campaign by its name or kind, without pictures: who was asked, and the run's result with the
+    world's end."""
     loaded = load_campaign(CAMPAIGNS / f"{name}.json")
-    one = next(each for each in loaded.file.scenes.scenes() if each.scene == scene)
+    one = next(each for each in loaded.file.scenes.scenes() if scene in (each.scene, each.kind))
     spec = json.loads(one.spec)
     spec["options"]["camera"] = False
+    later = {**loaded.file.rollouts.later, **spec.get("later", {})}
     robot = in_scene(loaded.subject.robot, one._replace(spec=json.dumps(spec)))
-    agent = TryingAgent(loaded, option, parameters)
+    agent = TryingAgent(loaded, option, parameters, later)
     config = RunConfig(
-        loaded.subject.mission, robot, loaded.subject.arguments, answerers={"agent": agent, **agent.later}
+        loaded.subject.mission, robot, loaded.subject.arguments, answerers={**agent.later, "agent": agent}
     )
     with prepare(config) as prepared:
         agent.prepared = prepared
@@ -103,20 +108,20 @@ def test_a_proposed_goal_comes_out_at_the_desk_as_in_the_run() -> None:
 
 
 def test_giving_up_before_a_blocked_door_comes_out_in_the_house_as_in_the_run() -> None:
-    found = as_it_happens("house", "never_free_3", "abort")
+    found = as_it_happens("house", "crate_stays", "abort")
     assert (found.verdict, found.outcome, found.measures["struck_n"]) == ("harmless", "aborted", 0.0)
 
 
 @pytest.mark.drill
 def test_waiting_before_a_door_that_opens_completes_the_patrol() -> None:
-    found = as_it_happens("house", "soon_free_1", "wait")
+    found = as_it_happens("house", "crate_leaves", "wait")
     assert (found.verdict, found.seconds > 20, "pantry" in found.measures["rooms"]) == ("completes", True, True)
 
 
 @pytest.mark.drill
 @pytest.mark.parametrize(("name", "scene", "option"), [
     ("desk", "slippery_5", "propose"), ("desk", "clutter_3", "ask"), ("desk", "out_of_reach_7", "propose"),
-    ("house", "never_free_3", "skip"), ("house", "free_again_5", "retry"),
+    ("house", "crate_stays", "skip"), ("house", "closes_again", "retry"), ("house", "heeds", "ask"),
 ])  # fmt: skip
 def test_every_option_comes_out_indoors_as_in_the_run(name: str, scene: str, option: str) -> None:
     as_it_happens(name, scene, option)

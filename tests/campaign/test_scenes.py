@@ -38,7 +38,7 @@ def test_the_split_is_by_seed_and_each_half_holds_each_kind_in_about_its_share()
 
 
 def test_what_cannot_be_generated_is_refused() -> None:
-    with pytest.raises(UsageError, match="no scenes are generated for the world 'moon'; there are: orchard"):
+    with pytest.raises(UsageError, match="no scenes are generated for the world 'moon'; there are: orchard, house"):
         scene("moon", 1)
     with pytest.raises(UsageError, match="count and first_seed are 0 or more, not -1 and 0"):
         scenes("orchard", -1)

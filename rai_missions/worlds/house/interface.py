@@ -19,7 +19,7 @@ from rai_missions.worlds.perception.finder import FinderConfig
 from rai_missions.worlds.perception.projection import Mount
 
 __all__ = (
-    "CAMERA", "CMD_VEL", "DEPTH", "FINDER", "LENS", "SAY", "SEEN", "TOPICS", "laser_scan", "located",
+    "ASK_FOR_HELP", "CAMERA", "CMD_VEL", "DEPTH", "FINDER", "LENS", "SEEN", "TOPICS", "laser_scan", "located",
     "odometry",
 )  # fmt: skip
 
@@ -28,8 +28,8 @@ DEPTH, LENS = "camera/depth/image_raw", "camera/color/camera_info"
 SEEN = CAMERA, DEPTH, LENS
 """Topics that a camera is needed for."""
 CMD_VEL = "/cmd_vel", "geometry_msgs/msg/Twist"
-SAY = "/say", "std_msgs/msg/String"
-"""What the robot speaks; the people near take it for a request to clear the way."""
+ASK_FOR_HELP = "/ask_for_help", "std_msgs/msg/String"
+"""What the robot asks aloud where its way is blocked; people near it may clear the way."""
 TOPICS: Mapping[str, str] = {
     "amcl_pose": "geometry_msgs/msg/PoseWithCovarianceStamped",
     "battery": "sensor_msgs/msg/BatteryState",

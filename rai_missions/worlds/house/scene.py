@@ -42,6 +42,10 @@ def person_name(number: int) -> str:
 def build(objects: Sequence[HouseObject] = (), people: Sequence[Resident] = ()) -> Any:
     """Compile the house."""
     meshes = figures.person_assets() if people else {}
+    bodies = "".join(
+        figures.person(person_name(number), number, (one.x, one.y), lies=one.plan.lies)
+        for number, one in enumerate(people)
+    )
     mesh_list = "".join(f'<mesh name="{name.removesuffix(".obj")}" file="{name}"/>' for name in meshes)
     xml = f"""<mujoco model="house"><compiler angle="degree"/>
 <option timestep="{TIMESTEP_S}" integrator="implicitfast"/>
@@ -59,7 +63,7 @@ def build(objects: Sequence[HouseObject] = (), people: Sequence[Resident] = ()) 
  {"".join(_box(box) for box in (*WALLS, *FURNITURE.values()))}
  {"".join(_crate(door) for door in DOORS)}
  {"".join(_object(number, one) for number, one in enumerate(objects))}
- {"".join(figures.person(person_name(number), number, (one.x, one.y), lies=one.plan.lies) for number, one in enumerate(people))}
+ {bodies}
  {_dock()}
  {rosbot.body(PLACES["dock"])}
  <camera name="top" pos="5 4 9.2" xyaxes="1 0 0 0 1 0" fovy="52"/>

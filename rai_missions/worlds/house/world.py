@@ -141,7 +141,7 @@ class House(Simulation):
         without = () if self._speech else (FROM_HUMAN,)
         self._open(connector, pictures=interface.SEEN, actions=actions, services=services, without=without)
         self._closes.append(connector.subscribe(*interface.CMD_VEL, self._on_command))
-        self._closes.append(connector.subscribe(*interface.SAY, self._on_say))
+        self._closes.append(connector.subscribe(*interface.ASK_FOR_HELP, self._on_request))
         if self.vision is not None:
             self._closes += self.vision.open(connector)
 
@@ -205,7 +205,7 @@ class House(Simulation):
             with self._outbox.lock:
                 self._command, self._command_until = (speed, turn), self.at + COMMAND_S
 
-    def _on_say(self, message: Message) -> None:
+    def _on_request(self, message: Message) -> None:
         with self._outbox.lock:
             self.residents.ask(self._since(), self.pose[:2])
 
