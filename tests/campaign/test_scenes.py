@@ -10,6 +10,8 @@ import pytest
 
 from rai_missions.campaign.scenes import scene, scenes, split_of
 from rai_missions.errors import UsageError
+from rai_missions.worlds.house.people import place_people
+from rai_missions.worlds.house.scene_cases import CASES, PERSON_S
 from rai_missions.worlds.orchard.kinds import KINDS
 
 
@@ -35,6 +37,27 @@ def test_the_split_is_by_seed_and_each_half_holds_each_kind_in_about_its_share()
         assert abs(counts["tune"][kind] - counts["report"][kind]) <= 8, kind
         assert counts["report"][kind] >= 4, kind
     assert split_of(4) == "tune" and split_of(5) == "report"
+
+
+def test_scenes_of_the_house_are_functions_of_their_seeds_and_each_half_holds_each_case() -> None:
+    found = scenes("house", 400)
+    weight = sum(weight for weight, _, _ in CASES)
+    for one in found:
+        assert one == scene("house", one.seed) and json.loads(json.dumps(one.spec)) == one.spec
+    for split in ("tune", "report"):
+        kinds = Counter(one.kind for one in found if one.split == split)
+        for share, kind, _ in CASES:
+            assert abs(kinds[kind] - 200 * share / weight) <= 3, (split, kind)
+
+
+def test_a_later_question_is_answered_in_a_scene_of_the_house_where_a_person_helps_and_in_no_other() -> None:
+    for one in scenes("house", 200):
+        people = place_people(one.seed, one.spec["options"].get("people", 0))
+        assert bool(one.spec.get("later")) is any(person.helps for person in people), one.kind
+        assert all(person.lies == (one.kind == "lies") for person in people[1:])
+        if one.kind == "closes_again":
+            begins, ends = one.spec["options"]["blocked"]["study_pantry"]
+            assert people[0].from_s < PERSON_S + 1 < begins < ends
 
 
 def test_what_cannot_be_generated_is_refused() -> None:

@@ -10,6 +10,7 @@ import pytest
 from rai_missions.connectors.local import LocalConnector
 from rai_missions.worlds import open_world
 from rai_missions.worlds.desk.scene import put
+from rai_missions.worlds.house.lidar import Lidar
 
 TWIST = "geometry_msgs/msg/Twist"
 
@@ -32,6 +33,14 @@ def test_a_person_who_is_driven_into_is_harmed_and_a_free_way_harms_no_one() -> 
     free = driven(5.0, people=[{"at": [1.8, 3.6]}])
     assert (free.harm(), free.measures()["struck_n"]) == ("", 0.0)
     assert free.measures()["driven_m"] == pytest.approx(2.3, abs=0.3) and free.work_done() == pytest.approx(0.2)
+
+
+def test_a_person_who_lies_is_lower_than_the_lidar_looks_and_is_touched() -> None:
+    lying = driven(5.0, people=[{"at": [1.8, 2.6], "lies": True, "turn_deg": 90}])
+    assert lying.harm() == "touched a person" and lying.measures()["struck_n"] > 0
+    worlds = {lies: driven(0.5, people=[{"at": [1.8, 2.6], "lies": lies}]) for lies in (True, False)}
+    ahead = {lies: Lidar(world.model, world.data, 0).scan()[180] for lies, world in worlds.items()}
+    assert ahead[True] > 4.0 > 1.2 > ahead[False]
 
 
 def test_what_is_struck_has_its_force_and_a_branch_has_the_judge_s_memory() -> None:

@@ -9,6 +9,8 @@ from collections.abc import Callable
 from typing import Any
 
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from rai_missions.connectors.connector import Message, Reply, Report
 from rai_missions.connectors.local import LocalConnector
@@ -147,6 +149,18 @@ def test_a_door_that_opens_in_time_lets_it_through(visit: Any) -> None:
     house.send("pantry")
     assert house.finish().status == "succeeded"
     assert any(one.data.get("number_of_recoveries") for one in house.reports), "it had to wait"
+
+
+@given(st.lists(st.floats(0, 8), min_size=2, max_size=6, unique=True).filter(lambda times: len(times) % 2 == 0))
+@settings(max_examples=10)
+def test_a_door_is_blocked_within_each_of_its_times(times: list[float]) -> None:
+    times = sorted(times)
+    world = open_world("house", camera=False, objects=[], blocked={"study_pantry": times})
+    for _ in range(160):
+        at = world.at
+        world.step()
+        within = any(begins <= at < ends for begins, ends in zip(times[::2], times[1::2], strict=True))
+        assert world.doors.is_blocked("study_pantry") is within, at
 
 
 def test_a_door_is_blocked_and_freed_by_its_service(visit: Any) -> None:

@@ -87,6 +87,37 @@ def test_no_one_walks_through_a_crate(visit: Any) -> None:  # noqa: F811
     assert 0.5 < nearest < 1.5, "they come, and stop before it"
 
 
+@pytest.mark.parametrize(("at", "helps", "clears"), [
+    ((1.9, 3.3), True, True), ((1.9, 3.3), False, False), ((4.0, 2.8), True, False),
+], ids=["near", "unwilling", "out_of_reach"])  # fmt: skip
+def test_a_person_who_helps_clears_the_doorway_next_to_them_once_asked(
+    visit: Any, at: tuple[float, float], helps: bool, clears: bool  # noqa: F811
+) -> None:  # fmt: skip
+    house = visit(objects=[], blocked=["kitchen_living"], people=[{"at": list(at), "helps": helps}])
+    doors = house.world.doors
+    house.run(lambda: False, 5.0)
+    assert doors.is_blocked("kitchen_living"), "no one helps unasked"
+    house.connector.publish("/ask_for_help", "std_msgs/msg/String", {"data": "my way is blocked"})
+    house.run(lambda: False, 2.9)
+    assert doors.is_blocked("kitchen_living"), "it takes a while"
+    house.run(lambda: False, 0.2)
+    assert doors.is_blocked("kitchen_living") is not clears
+
+
+def test_a_person_who_blocks_the_only_door_walks_on_once_asked_and_a_far_one_stays(visit: Any) -> None:  # noqa: F811
+    stays = {"at": "study_pantry", "walks": [[8.7, 0.6]], "from_s": 1000, "helps": True}
+    near = visit(objects=[], people=[stays])
+    near.send((6.2, 1.9, 0.0))
+    near.finish()
+    far = visit(objects=[], people=[stays])
+    for house in (near, far):
+        house.connector.publish("/ask_for_help", "std_msgs/msg/String", {"data": "my way is blocked"})
+        house.run(lambda: False, 8.0)
+    moved = [math.dist(DOORS["study_pantry"], (one.x, one.y)) for house in (near, far)
+             for one in house.world.residents.people]  # fmt: skip
+    assert moved[0] > 1.0 and moved[1] == 0.0
+
+
 @pytest.mark.parametrize(
     ("people", "why"),
     [
@@ -99,6 +130,9 @@ def test_no_one_walks_through_a_crate(visit: Any) -> None:  # noqa: F811
         ([{"speed": 1}], "no field 'speed'"),
         ([{"speed_mps": 9}], "speed_mps takes a number from 0.1 to 2, not 9"),
         ([{"from_s": "now"}], "from_s takes a number from 0 to 1000000, not 'now'"),
+        ([{"turn_deg": 400}], "turn_deg takes a number from -360 to 360, not 400"),
+        ([{"helps": 1}], "helps takes true or false, not 1"),
+        ([{"at": "study", "lies": True, "walks": ["kitchen"]}], "a person who lies does not walk; drop 'lies' or"),
         ([3], "3 is no person"),
     ],
 )
