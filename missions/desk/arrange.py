@@ -199,6 +199,7 @@ def arranging() -> dict[str, State]:
             k.wanted,
             over=k.objects,
             into=k.plan,
+            asked=k.sentence,
             about="the moves from what is seen to the goal",
             transitions=[
                 On("succeeded", when=Fresh(k.plan.next), to="moving", do=[Set(k.moves, add=1)]),

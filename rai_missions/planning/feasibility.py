@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Mapping
 from itertools import combinations
+from typing import Any
 
 from rai_missions.planning.geometry import gap
 from rai_missions.planning.goal import (
@@ -20,12 +21,12 @@ from rai_missions.planning.goal import (
     LeftOf,
     NextTo,
     OnTop,
-    Predicate,
     Refusal,
     Swapped,
 )
 from rai_missions.planning.relations import holds, inner
 from rai_missions.planning.scene import CONTAINERS, DESK, ROUND, Scene, Thing
+from rai_missions.planning.sentences import ENGLISH, refusal_sentence
 from rai_missions.planning.tolerances import AT, JUDGE, contact
 from rai_missions.planning.workspace import Workspace
 
@@ -35,8 +36,6 @@ HIGHEST = 6
 """Things on each other at the most."""
 FLOOR_M = -0.05
 """What is lower is not on the desk."""
-
-PLURALS: Mapping[str, str] = {"apple": "apples", "tomato": "tomatoes", "carrot": "carrots", "corn": "corn cobs"}
 
 REASONS: Mapping[str, str] = {
     "absent": "a thing that is not seen",
@@ -62,15 +61,16 @@ REASONS: Mapping[str, str] = {
 """The code of each refusal → what it refuses."""
 
 
-def refused_by_rule(goal: Goal, scene: Scene, workspace: Workspace) -> Refusal | None:
+def refused_by_rule(goal: Goal, scene: Scene, workspace: Workspace, language: str = ENGLISH) -> Refusal | None:
     """Why a goal cannot be met, whatever is moved; None where no rule is against it."""
     for rule in RULES:
-        for code, sentence in rule(goal, scene, workspace):
-            return Refusal(code, sentence)
+        for code, sentence, *values in rule(goal, scene, workspace):
+            return Refusal(code, refusal_sentence(sentence, tuple(values), language=language))
     return None
 
 
-Found = Iterator[tuple[str, str]]
+Found = Iterator[tuple[Any, ...]]
+"""The code of a refusal, the name of its sentence, and what fills that in."""
 
 
 def column_of(goal: Goal, name: str) -> tuple[str, ...]:
@@ -86,13 +86,13 @@ def _seen(goal: Goal, scene: Scene, workspace: Workspace) -> Found:
     for name in goal.things():
         thing = scene.get(name)
         if thing is None:
-            yield "absent", f"there is no '{name}' on the desk"
+            yield "absent", "absent", name
         elif thing.bottom < FLOOR_M:
-            yield "fallen", f"'{name}' lies on the floor"
+            yield "fallen", "fallen", name
         elif not thing.is_certain or 3 * thing.sigma_m > contact(thing):
-            yield "unclear", f"'{name}' is not seen well enough yet"
+            yield "unclear", "unclear", name
     for swap in goal.of_kind(Swapped):
-        yield "swap", f"where '{swap.swapped[0]}' and '{swap.swapped[1]}' were first is not known"
+        yield "swap", "swap", *swap.swapped
 
 
 def _containers(goal: Goal, scene: Scene, workspace: Workspace) -> Found:
@@ -100,13 +100,13 @@ def _containers(goal: Goal, scene: Scene, workspace: Workspace) -> Found:
         name, holder = each.in_
         thing, container = scene.thing(name), scene.thing(holder)
         if container.type not in CONTAINERS:
-            yield "no_container", f"nothing can be inside '{holder}'; a tray or a bin holds things"
+            yield "no_container", "no_container", holder
         elif thing.type in CONTAINERS:
-            yield "not_moved", f"'{name}' is not moved: it is a {thing.type}"
+            yield "not_moved", thing.type, name
         else:
             space = sorted(inner(container).size[:2])
             if any(side > room for side, room in zip(sorted(thing.size[:2]), space, strict=True)):
-                yield "too_big", f"'{name}' does not fit into '{holder}'"
+                yield "too_big", "too_big", name, holder
 
 
 def _supports(goal: Goal, scene: Scene, workspace: Workspace) -> Found:
@@ -115,19 +115,18 @@ def _supports(goal: Goal, scene: Scene, workspace: Workspace) -> Found:
         if lower is None:
             continue
         if lower.type in ROUND:
-            tower = f"no tower of {PLURALS[lower.type]}: they roll" if upper.type == lower.type else ""
-            yield "round", tower or f"nothing stays on '{lower.name}': it rolls"
+            yield "round", f"tower_{lower.type}" if upper.type == lower.type else "round", lower.name
         elif lower.type in CONTAINERS:
-            yield "no_support", f"nothing is put on '{lower.name}'; things are put in it"
+            yield "no_support", "no_support", lower.name
         elif upper.type in CONTAINERS:
-            yield "not_moved", f"'{upper.name}' is not moved: it is a {upper.type}"
+            yield "not_moved", upper.type, upper.name
 
 
 def _immovable(goal: Goal, scene: Scene, workspace: Workspace) -> Found:
     for each in goal.all:
         things = [scene.thing(name) for name in each.things() if name != DESK]
         if all(thing.type in CONTAINERS for thing in things) and not holds(each, _still(scene)):
-            yield "not_moved", f"'{things[0].name}' is not moved: it is a {things[0].type}"
+            yield "not_moved", things[0].type, things[0].name
 
 
 def _still(scene: Scene) -> Scene:
@@ -138,11 +137,10 @@ def _still(scene: Scene) -> Scene:
 def _places(goal: Goal, scene: Scene, workspace: Workspace) -> Found:
     for each in goal.of_kind(AtPlace):
         thing = scene.thing(each.at)
-        place = f"({each.x:g}, {each.y:g})"
         if not workspace.carries(thing.moved(each.x, each.y, thing.z).footprint):
-            yield "off_desk", f"{place} is not on the desk: '{each.at}' would fall"
+            yield "off_desk", "off_desk", each.at, each.x, each.y
         elif not workspace.reaches(each.x, each.y):
-            yield "out_of_reach", f"the arm does not reach {place}"
+            yield "out_of_reach", "place_out_of_reach", each.at, each.x, each.y
 
 
 def _graspable(goal: Goal, scene: Scene, workspace: Workspace) -> Found:
@@ -152,9 +150,9 @@ def _graspable(goal: Goal, scene: Scene, workspace: Workspace) -> Found:
         if isinstance(each, OnTop | AtPlace | InContainer) and not holds(each, still):
             thing = scene.thing(each.things()[0])
             if not workspace.reaches(thing.x, thing.y):
-                yield "out_of_reach", f"the arm does not reach '{thing.name}'"
+                yield "out_of_reach", "out_of_reach", thing.name
             elif min(thing.size[:2]) > workspace.opening_m:
-                yield "too_wide", f"'{thing.name}' is wider than the gripper opens"
+                yield "too_wide", "too_wide", thing.name
 
 
 def _two_places(goal: Goal, scene: Scene, workspace: Workspace) -> Found:
@@ -162,25 +160,21 @@ def _two_places(goal: Goal, scene: Scene, workspace: Workspace) -> Found:
     for each in goal.of_kind(OnTop, InContainer):
         name, below = each.things()
         if carriers.setdefault(name, below) != below:
-            yield "two_places", f"'{name}' cannot be at '{carriers[name]}' and at '{below}' at once"
+            yield "two_places", "two_carriers", name, carriers[name], below
     for one, other in combinations(goal.of_kind(AtPlace), 2):
         off = math.dist((one.x, one.y), (other.x, other.y))
         if one.at == other.at and off > AT:
-            yield "two_places", f"'{one.at}' cannot be at ({one.x:g}, {one.y:g}) and at ({other.x:g}, {other.y:g})"
+            yield "two_places", "two_places", one.at, one.x, one.y, other.x, other.y
         elif one.at != other.at and _in_one_column(goal, one.at, other.at):
             if off > AT:
-                yield "two_places", f"'{one.at}' and '{other.at}' are one on the other and at two places"
+                yield "two_places", "column_at_two_places", one.at, other.at
         elif one.at != other.at and gap(_there(one, scene).footprint, _there(other, scene).footprint) < 0:
-            yield "same_place", f"'{one.at}' and '{other.at}' would be in the same place"
+            yield "same_place", "same_place", one.at, other.at
 
 
 def _there(each: AtPlace, scene: Scene) -> Thing:
     thing = scene.thing(each.at)
     return thing.moved(each.x, each.y, thing.size[2] / 2)
-
-
-def _listed(predicate: Predicate) -> str:
-    return f"{predicate.word} {', '.join(predicate.things())}"
 
 
 def _in_one_column(goal: Goal, one: str, other: str) -> bool:
@@ -193,33 +187,33 @@ def _contradictions(goal: Goal, scene: Scene, workspace: Workspace) -> Found:
     for each in goal.of_kind(Apart):
         for pair in combinations(each.apart, 2):
             if any(set(pair) == set(other) for other in close):
-                yield "contradiction", f"'{pair[0]}' and '{pair[1]}' cannot be close together and apart"
+                yield "contradiction", "close_and_apart", *pair
             elif _in_one_column(goal, *pair):
-                yield "contradiction", f"'{pair[0]}' and '{pair[1]}' cannot be one on the other and apart"
+                yield "contradiction", "column_and_apart", *pair
     raised = {each.things()[0] for each in goal.of_kind(OnTop, InContainer) if each.things()[1] != DESK}
     places = {each.at: _there(each, scene) for each in goal.of_kind(AtPlace) if each.at not in raised}
     there = _still(scene.model_copy(update={"things": tuple(places.get(each.name, each) for each in scene.things)}))
     for relation in goal.of_kind(LeftOf, NextTo, Apart, Grouped):
         if all(name in places for name in relation.things()) and holds(relation, there, JUDGE) is False:
-            yield "contradiction", f"at the places that are named, this does not hold: {_listed(relation)}"
+            yield "contradiction", f"not_{relation.word}", ", ".join(relation.things())
     for side in goal.of_kind(LeftOf, NextTo):
         if _in_one_column(goal, *side.things()):
-            yield "contradiction", f"'{side.things()[0]}' cannot be on '{side.things()[1]}' and to a side of it"
+            yield "contradiction", "on_and_beside", *side.things()
 
 
 def _cycles(goal: Goal, scene: Scene, workspace: Workspace) -> Found:
     edges = {
-        "on itself": [each.on for each in goal.of_kind(OnTop)],
-        "to the left of itself": [each.left_of for each in goal.of_kind(LeftOf)],
+        "cycle_on": [each.on for each in goal.of_kind(OnTop)],
+        "cycle_left_of": [each.left_of for each in goal.of_kind(LeftOf)],
     }
-    for words, pairs in edges.items():
+    for sentence, pairs in edges.items():
         for start, _ in pairs:
             reachable, found = {start}, set[str]()
             while reachable:
                 reachable = {after for before, after in pairs if before in reachable} - found
                 found |= reachable
             if start in found:
-                yield "cycle", f"'{start}' would be {words}, by way of others"
+                yield "cycle", sentence, start
 
 
 def _crowded(goal: Goal, scene: Scene, workspace: Workspace) -> Found:
@@ -229,20 +223,20 @@ def _crowded(goal: Goal, scene: Scene, workspace: Workspace) -> Found:
             known.append(each.on[0])
     for lower, names in uppers.items():
         if len(names) > 1:
-            yield "too_many", f"one thing fits on '{lower}', not {len(names)}"
+            yield "too_many", "one_fits", lower, len(names)
     holders: dict[str, set[str]] = {}
     for each in goal.of_kind(InContainer):
         holders.setdefault(each.in_[1], set()).add(column_of(goal, each.in_[0])[-1])
     for holder, inside in holders.items():
         room = math.prod(inner(scene.thing(holder)).size[:2])
         if sum(math.prod(scene.thing(name).size[:2]) for name in inside) > room:
-            yield "too_many", f"{len(inside)} such things do not fit into '{holder}'"
+            yield "too_many", "too_many", holder, len(inside)
 
 
 def _heights(goal: Goal, scene: Scene, workspace: Workspace) -> Found:
     for each in goal.of_kind(OnTop):
         if len(column_of(goal, each.on[0])) > HIGHEST:
-            yield "too_high", f"a stack of more than {HIGHEST} things would fall"
+            yield "too_high", "too_high", HIGHEST
 
 
 Rule = Callable[[Goal, Scene, Workspace], Found]

@@ -21,6 +21,7 @@ from rai_missions.planning.placement import Placement
 from rai_missions.planning.plan import Plan, PlannedMove
 from rai_missions.planning.relations import columns, holds, support, without_swaps
 from rai_missions.planning.scene import CONTAINERS, DESK, Scene, Thing
+from rai_missions.planning.sentences import ENGLISH, refusal_sentence
 from rai_missions.planning.tolerances import contact
 from rai_missions.planning.workspace import Workspace
 
@@ -52,12 +53,12 @@ def feasible(goal: Goal, scene: Scene, workspace: Workspace | None = None) -> Re
         try:
             goal = without_swaps(goal, scene)
         except UsageError:
-            return Refusal("no_room", "what is to be swapped is not on the desk")
+            return Refusal("no_room", refusal_sentence("swap_absent"))
     found = planned(goal, scene, workspace)
     return found if isinstance(found, Refusal) else None
 
 
-def planned(goal: Goal, scene: Scene, workspace: Workspace | None = None) -> Plan | Refusal:
+def planned(goal: Goal, scene: Scene, workspace: Workspace | None = None, *, language: str = ENGLISH) -> Plan | Refusal:
     """The moves that reach a goal, or why it is refused. The same question has the same answer.
 
     What moves is taken as at rest where it was seen, and the gripper as empty; each move states so.
@@ -66,12 +67,14 @@ def planned(goal: Goal, scene: Scene, workspace: Workspace | None = None) -> Pla
         goal: What is wanted, its swaps rewritten.
         scene: What is seen.
         workspace: Where the arm works.
+        language: Of the sentence of a refusal.
     """
     workspace = workspace or Workspace()
-    if (refusal := refused_by_rule(goal, scene, workspace)) is not None:
+    if (refusal := refused_by_rule(goal, scene, workspace, language)) is not None:
         return refusal
     things = tuple(thing.model_copy(update={"at_rest": True}) for thing in scene.things)
-    return _Planner(goal, scene.model_copy(update={"things": things, "gripper": "empty"}), workspace).plan()
+    found = _Planner(goal, scene.model_copy(update={"things": things, "gripper": "empty"}), workspace).plan()
+    return found if found is not None else Refusal("no_room", refusal_sentence("no_room", language=language))
 
 
 class _Planner:
@@ -110,15 +113,14 @@ class _Planner:
             yield below
             below = self.below.get(below)
 
-    def plan(self) -> Plan | Refusal:
+    def plan(self) -> Plan | None:
         for clearances in (CLEARANCES_M[:2], CLEARANCES_M[2:]):
             for movers, lined_up in self._choices():
                 found = [moves for each in clearances
                          if (moves := self._moves(movers, each, lined_up=lined_up)) is not None]  # fmt: skip
                 if found:
                     return Plan(min(found, key=len))
-        about = "there is no arrangement with all of this at once that leaves room for the fingers"
-        return Refusal("no_room", about)
+        return None
 
     # -- which things move ---------------------------------------------------------------------------------------------
 

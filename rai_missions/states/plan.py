@@ -19,7 +19,7 @@ class Plan(State, word="plan"):
     """Orders the moves to a goal by rule, in the step in which it begins; nothing moves.
 
     Outcomes: `succeeded`, there is a plan, without moves where the goal is reached; `failed`, with a reason;
-    `rejected`, the goal or what is seen is unknown.
+    `rejected`, the goal, what is seen or the request is unknown.
     """
 
     plan: Path
@@ -28,9 +28,11 @@ class Plan(State, word="plan"):
     """The key that holds what the robot sees."""
     into: Annotated[Name, Refers("key", "plan")]
     """The mission key that the plan is written to, an object: `moves`, `next`, `reason`, `about`."""
+    asked: Path | None = None
+    """The key that holds the request, a string: `about` is in its language. Left out: in English."""
 
     def __init__(
-        self, plan: KeyPath, *, over: KeyPath, into: KeyPath,
+        self, plan: KeyPath, *, over: KeyPath, into: KeyPath, asked: KeyPath | None = None,
         about: str = "", control: Controller | None = None, entry: Effect | Sequence[Effect] = (),
         exit: Effect | Sequence[Effect] = (), transitions: Sequence[Transition] = (), timeout_s: float | None = None,
         handover_s: float = 5.0,
@@ -49,14 +51,20 @@ class Plan(State, word="plan"):
         yield TypeNeed("/plan", self.plan, "object", "a plan leads to a goal, an object")
         yield TypeNeed("/over", self.over, "object", "a plan begins at what is seen, an object")
         yield TypeNeed("/into", self.into, "object", "a plan is an object")
+        if self.asked is not None:
+            yield TypeNeed("/asked", self.asked, "string", "the language is that of a request, a string")
 
     def distinguish(self, by: Distinctions) -> None:
         by.ask(self.plan)
         by.ask(self.over)
+        if self.asked is not None:
+            by.ask(self.asked)
 
     def activity(self) -> str:
         return f"plan {self.plan}"
 
     def details(self) -> Iterator[str]:
         yield f"over {self.over}, into {self.into}"
+        if self.asked is not None:
+            yield f"in the language of {self.asked}"
         yield from super().details()

@@ -7,7 +7,7 @@ Imports the modules of the root only.
 from rai_missions.planning.reading.answer import chosen, read_answer
 from rai_missions.planning.reading.grounding import is_said, unsaid
 from rai_missions.planning.reading.model_schema import goal_parameters
-from rai_missions.planning.reading.read import read_request, reading_data, reading_of
+from rai_missions.planning.reading.read import language_of, read_request, reading_data, reading_of
 from rai_missions.planning.reading.reading import RequestReading
 
 __all__ = (
@@ -15,6 +15,7 @@ __all__ = (
     "chosen",
     "goal_parameters",
     "is_said",
+    "language_of",
     "read_answer",
     "read_request",
     "reading_data",

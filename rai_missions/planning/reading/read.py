@@ -25,7 +25,7 @@ from rai_missions.planning.relations import without_swaps
 from rai_missions.planning.scene import CONTAINERS, Scene
 from rai_missions.redaction import clipped
 
-__all__ = ("read_request", "reading_of")
+__all__ = ("language_of", "read_request", "reading_of")
 
 MOST_CANDIDATES = 6
 """Goals that a question offers."""
@@ -80,6 +80,13 @@ def reading_of(request: str, scene: Scene, languages: Sequence[str] = ()) -> Req
     best = min(attempts, key=lambda attempt: attempt.unknown)
     goals = {attempt.reading.goal for attempt in attempts if attempt.reading.goal is not None}
     return best.reading if len(goals) < 2 else _asked([*goals], lexicon(codes[0]))
+
+
+def language_of(request: str) -> str:
+    """The code of the language whose words a request has most of; English where two have as many."""
+    codes = sorted(lexicons(), key=lambda code: code != PREFERRED)
+    text = request[:LONGEST_REQUEST]
+    return min(codes, key=lambda code: sum(each.kind == "unknown" for each in symbols(text, lexicon(code))))
 
 
 @dataclass(frozen=True, slots=True)
