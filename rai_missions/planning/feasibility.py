@@ -198,7 +198,7 @@ def _contradictions(goal: Goal, scene: Scene, workspace: Workspace) -> Found:
             yield "contradiction", f"not_{relation.word}", ", ".join(relation.things())
     for side in goal.of_kind(LeftOf, NextTo):
         if _in_one_column(goal, *side.things()):
-            yield "contradiction", "on_and_beside", *side.things()
+            yield "contradiction", "on_and_next_to", *side.things()
 
 
 def _cycles(goal: Goal, scene: Scene, workspace: Workspace) -> Found:
