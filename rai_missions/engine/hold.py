@@ -63,12 +63,20 @@ def free(state: RunState, plan: Plan) -> Plan:
     return tuple(chain for chain in chains if chain)
 
 
+ABSENT: Any = object()
+"""In the place of an activity that was left meanwhile."""
+
+
 def live(program: Program, state: RunState) -> Iterator[tuple[str, Machine, Any]]:
-    """The activities that run, each with its machine and state; one that is left meanwhile is passed over."""
-    for name in tuple(state.running):
-        machine = program.machines[name]
-        if name in state.running and machine is not None:
-            yield name, machine, state.running[name]
+    """The activities that run, each with its machine and state; one that is left meanwhile is passed over.
+
+    From any thread: what is left or entered meanwhile by a step may be missed, and nothing fails.
+    """
+    running = state.running
+    for name in tuple(running):
+        machine, activity = program.machines[name], running.get(name, ABSENT)
+        if activity is not ABSENT and machine is not None:
+            yield name, machine, activity
 
 
 def awake(program: Program, state: RunState) -> Iterator[tuple[str, Machine, Any]]:

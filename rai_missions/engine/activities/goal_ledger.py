@@ -113,8 +113,8 @@ def obstruction(goals: Goals, facts: RobotFacts, action: str) -> Obstruction:
 
 
 def awaited(goals: Goals) -> int:
-    """How many goals have an end that the run waits for."""
-    return sum(goal.phase not in GIVEN_UP for goal in goals.values())
+    """How many goals have an end that the run waits for; from any thread."""
+    return sum(goal.phase not in GIVEN_UP for goal in tuple(goals.values()))
 
 
 def reason_of(goal: Goal) -> Reason:
@@ -125,10 +125,10 @@ def reason_of(goal: Goal) -> Reason:
 
 
 def loose(goals: Goals) -> tuple[OpenGoal, ...]:
-    """The goals that may still be executing and that no cancel can be relied on to end."""
+    """The goals that may still be executing and that no cancel can be relied on to end; from any thread."""
     return tuple(
         OpenGoal(goal.number, goal.action, goal.owner, reason_of(goal))
-        for goal in goals.values()
+        for goal in tuple(goals.values())
         if goal.phase in GIVEN_UP or goal.is_refused
     )
 

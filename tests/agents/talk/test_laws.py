@@ -274,7 +274,8 @@ def check_orders(seeds: Iterable[int]) -> None:
         names = [event.name if event.kind == "command" else "answer" for event in events]
         assert sorted(names) == sorted(each for each in given if each in names), (seed, names, rows)
         roles = {(event.data["role"], event.name) for event in events}
-        assert all(role == "operator" or (role, name) == ("person", "pause") for role, name in roles), (seed, roles)
+        assert {name for role, name in roles if role != "operator"} <= {"pause", "stop"}, (seed, roles)
+        assert "viewer" not in {role for role, _ in roles}, (seed, roles)
     assert confirmed or len(list(seeds)) < ENOUGH, "some orders were confirmed"
 
 
