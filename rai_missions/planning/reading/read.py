@@ -122,12 +122,19 @@ def _read_symbols(found: list[Symbol], scene: Scene, words: Vocabulary) -> Reque
     unknown = next((symbol for symbol in found if symbol.kind == "unknown"), None)
     if unknown is not None:
         raise Unread("unknown_word", words.text("unknown_word", unknown.text))
+    if _is_part_of_desk([symbol.kind for symbol in found if symbol.kind != "the"]):
+        raise Unread("coordinates", words.text("coordinates"))
     is_sorted = any(symbol.kind == "sorted" for symbol in found)
     wishes = clauses([symbol for symbol in found if symbol.kind != "sorted"], words)
     goals, is_sure = _goals(wishes, scene, words)
     if len(goals) == 1 and is_sure and not thrown and not is_sorted:
         return RequestReading(goal=goals[0], covers_all=_covers_all(wishes, goals[0]))
     return _asked(goals, words)
+
+
+def _is_part_of_desk(kinds: Sequence[str]) -> bool:
+    """`in the middle of the desk`: a place without numbers, and no level of a tower."""
+    return any(tuple(kinds[at : at + 3]) == ("level", "with", "desk") for at in range(len(kinds)))
 
 
 def _covers_all(wishes: Sequence[Clause], goal: Goal) -> bool:

@@ -34,3 +34,9 @@ def test_a_yes_means_the_only_one(answer: str, is_meant: bool) -> None:
     assert reading.outcome == "unclear"
     assert (chosen(answer, reading.candidates, SCENES["kitchen"]) is not None) is is_meant
     assert chosen(answer, (), SCENES["kitchen"]) is None
+
+
+@pytest.mark.parametrize("part", ["in the middle", "at the bottom", "at the top"])
+def test_a_part_of_the_desk_is_no_level_of_a_tower(part: str) -> None:
+    reading = reading_of(f"put the red cube {part} of the desk", SCENES["cubes"])
+    assert reading.question == "A place has x and y in metres. Which did you mean?"
