@@ -25,6 +25,7 @@ from rai_missions.campaign.store import ResultStore
 from rai_missions.cli.campaign_report import write_report
 from rai_missions.errors import UsageError
 from tests.campaign.results import HOSTILE, KINDS, OPTIONS, SORTS, Sort, make_results
+from visualize.campaign_page.plots import chance
 
 BOTH = (Sort("rules", 0.6), Sort("small", 0.5))
 
@@ -262,6 +263,31 @@ def test_nothing_of_a_store_becomes_markup(files: tuple[Path, ...]) -> None:
     data = json.loads(found.data)
     assert {each["reason"] for each in data["answers"] if "reason" in each} >= {HOSTILE[0], HOSTILE[1]}
     assert "default-src &#x27;none&#x27;" in page and "connect-src &#x27;none&#x27;" in page
+
+
+@pytest.mark.parametrize(("p", "shown"), [(1.7e-81, "< 0.0001"), (1e-4, "0.0001"), (0.0312, "0.031"), (1.0, "1")])
+def test_a_probability_is_shown_as_a_reader_needs_it(p: float, shown: str) -> None:
+    assert chance(p) == shown
+
+
+def test_every_answerer_and_embodiment_of_a_page_is_explained_once(tmp_path: Path) -> None:
+    names = ("rules", "oracle", "constant:abort", "constant:replan", "openai:a")
+    page, *_ = write_report(make_results(tmp_path / "a.db", sorts=tuple(map(Sort, names))), tmp_path / "a.html")
+    words = re.search(r'<dl class="words">(.*?)</dl>', page.read_text(), re.DOTALL)
+    assert words is not None
+    terms = re.findall(r"<dt>(.*?)</dt>", words[1])
+    assert terms == ["best", "rules", "oracle", "constant:abort, constant:replan", "openai:a", "in italics",
+                     "embodiment none"]  # fmt: skip
+
+
+def test_comparisons_that_are_noise_are_folded_and_the_others_are_not(tmp_path: Path) -> None:
+    sorts = (Sort("rules", 0.5), Sort("better", 1.0), Sort("alike", 0.5))
+    page, *_ = write_report(make_results(tmp_path / "a.db", sorts=sorts, scenes=60), tmp_path / "a.html")
+    section = re.search(r'<section id="differences">(.*?)</section>', page.read_text(), re.DOTALL)
+    assert section is not None
+    open_part, _, folded = section[1].partition("<details>")
+    assert "<td>better" in open_part and "<td>noise</td>" not in open_part
+    assert "<td>noise</td>" in folded and "<td>significant</td>" not in folded
 
 
 def test_a_picture_and_a_prompt_are_there_once_a_scene(files: tuple[Path, ...]) -> None:

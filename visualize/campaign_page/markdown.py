@@ -10,7 +10,7 @@ from collections.abc import Iterator, Sequence
 
 from rai_missions.campaign.report.comparisons import LEVEL, Comparison
 from rai_missions.campaign.report.figures import CampaignFigures, GroupFigures
-from visualize.campaign_page.plots import percent, span
+from visualize.campaign_page.plots import chance, percent, span
 from visualize.diff.markdown import quoted
 
 __all__ = ("markdown",)
@@ -45,7 +45,7 @@ def _comparison(found: Comparison) -> str:
     test = found.test
     interval = f"{100 * test.low:+.1f} – {100 * test.high:+.1f}"
     names = f"{quoted(found.first)} | {quoted(found.second)} | {found.measure}"
-    return f"| {names} | {100 * test.difference:+.1f} | {interval} | {found.adjusted:.2g} |"
+    return f"| {names} | {100 * test.difference:+.1f} | {interval} | {chance(found.adjusted)} |"
 
 
 def _group(group: GroupFigures) -> str:

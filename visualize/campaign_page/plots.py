@@ -13,7 +13,7 @@ from collections.abc import Sequence
 from rai_missions.campaign.statistics import Interval
 from visualize.campaign_page.markup import Markup, node
 
-__all__ = ("COLOURS", "axis", "colour", "interval_plot", "length_plot", "percent", "share_plot", "span")
+__all__ = ("COLOURS", "axis", "chance", "colour", "interval_plot", "length_plot", "percent", "share_plot", "span")
 
 COLOURS = 7
 """Colours of options, then they begin again; classes `c0` to `c6` of the style sheet."""
@@ -27,6 +27,11 @@ INSET = 1.5
 def percent(share: float) -> str:
     """A share as text; a dash where it is none."""
     return "–" if math.isnan(share) else f"{100 * share:.1f} %"
+
+
+def chance(p: float) -> str:
+    """A probability, as a reader needs it."""
+    return f"{p:.2g}" if p >= 1e-4 else "< 0.0001"
 
 
 def span(found: Interval) -> str:

@@ -4,13 +4,13 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 
 from rai_missions.campaign.report.comparisons import LEVEL, Comparison
 from rai_missions.campaign.report.figures import CampaignFigures, GroupFigures, best_options
 from rai_missions.campaign.statistics import Interval
 from visualize.campaign_page.markup import Child, Markup, node
-from visualize.campaign_page.plots import axis, colour, interval_plot, length_plot, percent, share_plot, span
+from visualize.campaign_page.plots import axis, chance, colour, interval_plot, length_plot, percent, share_plot, span
 
 __all__ = ("NO_ANSWER", "sections")
 
@@ -20,6 +20,23 @@ SOURCES = (
     " and Graubard (1998) as Dean and Pagano (2015) found it to cover. Comparisons are paired in the same scenes; the"
     " sign of each seed's difference is a fair coin if nothing differs (McNemar's exact test where a seed has one"
     " pair), and all of them are corrected together by Holm (1979)."
+)
+
+WORDS: Sequence[tuple[str, str]] = (
+    ("rules", "the fixed rules of the robot's profile"),
+    ("oracle", "the best option by the labels, among those that the mission offered: a bound that no robot can know"),
+    ("constant:", "always this one option"),
+    ("", "a script of the campaign's file, or a model"),
+)
+"""What the name of an answerer begins with → who that is."""
+EMBODIMENTS: Mapping[str, str] = {
+    "none": "the question, its facts and its options alone", "description": "and what the robot's profile states of it",
+    "documents": "and what its documents state on the question", "pictures": "and the pictures of robot and camera",
+}  # fmt: skip
+"""What an embodiment shows, each more than the one before."""
+BEST = "the option that comes out best in its scene: “completes” before “harmless” before “harms”; several may share it"
+BASELINES = (
+    "from the labels, and no one was asked; “the true kind alone” is fitted to these very scenes, so it is flattered"
 )
 
 SCALE = (node("span", {"class": "away"}, "interval"), axis())
@@ -43,7 +60,7 @@ def sections(figures: CampaignFigures, comparisons: Sequence[Comparison]) -> Ite
         "guard", "Harm past the guard", "How often an option that harms was named and the rules permitted it.",
         [(_names(group), group.harm_past_guard) for group in groups],
     )  # fmt: skip
-    yield _differences(comparisons)
+    yield _differences(comparisons, {group.name.mission for group in groups})
     yield _collapse(groups)
     yield _orders(groups)
     yield _kinds(figures)
@@ -66,8 +83,30 @@ def _overview(figures: CampaignFigures) -> Markup:
     return node(
         "section", {"id": "overview"}, node("h2", None, "What was asked"),
         node("dl", {"class": "counts"}, shown),
-        node("p", {"class": "muted"}, SOURCES),
+        node("p", {"class": "muted"}, SOURCES), node("h3", None, "What the words mean"),
+        node("dl", {"class": "words"}, list(_words(figures))),
     )  # fmt: skip
+
+
+def _words(figures: CampaignFigures) -> Iterator[Markup]:
+    """What best, each answerer and each embodiment is, of those that are there."""
+    asked = sorted({each.name.model for each in figures.groups})
+    shown = {each.name.embodiment for each in figures.groups}
+    entries = [("best", BEST)]
+    for begin, about in WORDS:
+        names = [name for name in asked if _begin(name) == begin]
+        entries += [(", ".join(names), about)] if names else []
+    entries += [("in italics", BASELINES)] if figures.baselines else []
+    entries += [(f"embodiment {name}", about) for name, about in EMBODIMENTS.items() if name in shown]
+    for name, about in entries:
+        yield node("dt", None, name)
+        yield node("dd", None, about)
+
+
+def _begin(model: str) -> str:
+    """Which of `WORDS` an answerer's name belongs to."""
+    begin = "constant:" if model.startswith("constant:") else model
+    return begin if begin in dict(WORDS) else ""
 
 
 def _names(group: GroupFigures) -> list[str]:
@@ -111,23 +150,34 @@ def _line(cells: Sequence[Child], kind: str | None = None) -> Markup:
     )  # fmt: skip
 
 
-def _differences(comparisons: Sequence[Comparison]) -> Markup:
+def _differences(comparisons: Sequence[Comparison], missions: Collection[str]) -> Markup:
     ordered = sorted(comparisons, key=lambda each: (not each.is_significant, each.adjusted))
-    lines = [
-        _line([
-            "significant" if each.is_significant else "noise",
-            {"best": "best option", "harm": "harm"}[each.measure], each.first, each.second,
-            f"{100 * each.test.difference:+.1f}", f"{100 * each.test.low:+.1f} – {100 * each.test.high:+.1f}",
-            f"{each.adjusted:.2g}", f"{each.test.wins} : {each.test.losses}",
-            f"{each.test.pairs} / {each.test.clusters}",
-        ], "significant" if each.is_significant else None)
-        for each in ordered
-    ]  # fmt: skip
-    return _section(
-        "differences", "What differs beyond chance",
+    end = f" · {next(iter(missions))}" if len(missions) == 1 else ""
+    lines = {
+        found: [
+            _line([
+                "significant" if found else "noise", {"best": "best option", "harm": "harm"}[each.measure],
+                each.first.removesuffix(end), each.second.removesuffix(end),
+                f"{100 * each.test.difference:+.1f}", f"{100 * each.test.low:+.1f} – {100 * each.test.high:+.1f}",
+                chance(each.adjusted), f"{each.test.wins} : {each.test.losses}",
+                f"{each.test.pairs} / {each.test.clusters}",
+            ], "significant" if found else None)
+            for each in ordered if each.is_significant == found
+        ] for found in (True, False)
+    }  # fmt: skip
+    head = ("finding", "of", "first", "second", "points", "95 %", "p", "first : second alone", "pairs / seeds")
+    about = (
         f"Each model with the rules, and each embodiment with none: {len(comparisons)} comparisons, corrected together;"
-        f" significant below {LEVEL:g}. The rest is noise.",
-        ("finding", "of", "first", "second", "points", "95 %", "p", "first : second alone", "pairs / seeds"), lines,
+        f" significant where p is below {LEVEL:g}. Points are the first's share less the second's, in per cent. “Alone”"
+        " counts the cells in which one of the two was right, or harmed, and the other was not."
+    )
+    noise = node("details", None, node("summary", None, f"{len(lines[False])} comparisons are noise"),
+                 _table(head, lines[False], "noise"))  # fmt: skip
+    return node(
+        "section", {"id": "differences"}, node("h2", None, "What differs beyond chance"),
+        node("p", {"class": "muted"}, about),
+        _table(head, lines[True], "significant") if lines[True] else node("p", None, "Nothing does."),
+        noise if lines[False] else None,
     )  # fmt: skip
 
 
