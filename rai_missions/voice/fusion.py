@@ -3,7 +3,8 @@
 
 The evidence of both for a phrase is added, as logarithms of likelihood ratios are, and that of the letters of the free
 text: "close the mission" is nearer to "pause the mission" than "open it" is. A phrase counts where the sum is
-large, and larger than that of any other. The second agrees where it holds the phrase for one of the two most probable.
+large, and larger than that of any other, and where the turn lasted as long as the phrase can. The second agrees where
+it holds the phrase for one of the two most probable.
 
 Rule: the second can vote and agree, and no more: a phrase for which the first has no evidence never counts.
 """
@@ -22,7 +23,11 @@ LEAST, LEAST_ALONE = 5.5, 8.5
 LEAST_FIRST = 2.4
 """What the first recogniser's own must come to."""
 LEAST_STOP, LEAST_STOP_FIRST = 2.4, 1.0
-"""The same for "stop", with no lead: one syllable cannot have much, other speech has less, it must not be missed."""
+"""The same for "stop", with no lead: one syllable cannot have much, other speech has less, it must not be missed.
+In loud noise "pause" is often as near to it: where that is not enough and "stop" is next, the first's own counts."""
+SHORTEST_S, LONGEST_S = (0.12, 0.03), (0.5, 0.08)
+"""How long a phrase lasts, in seconds, and so many more for each of its letters. "Stop" may be drawn out."""
+PAUSE = "pause"
 LIKENESS, NO_LIKENESS, NO_TEXT = 6.0, 0.5, -1.5
 """Nats for the share of letters that a free text has in common with a phrase, the share that is no evidence, and nats
 where nothing was read freely."""
@@ -43,7 +48,10 @@ class FusedTurn(NamedTuple):
     """The same by each recogniser that reads it."""
 
 
-def fused(text: str, first: Mapping[str, float], second: Mapping[str, float], phrases: Sequence[str]) -> FusedTurn:
+def fused(
+    text: str, first: Mapping[str, float], second: Mapping[str, float], phrases: Sequence[str],
+    spoken_s: float | None = None,
+) -> FusedTurn:  # fmt: skip
     """The text of a turn.
 
     Args:
@@ -51,12 +59,19 @@ def fused(text: str, first: Mapping[str, float], second: Mapping[str, float], ph
         first: Its evidence; see `Reading.evidence`.
         second: That of the second.
         phrases: Those that are expected.
+        spoken_s: From the first frame of speech to the end of the last, in seconds; None where that is unknown.
     """
     plain = " ".join("".join(each if each.isalnum() or each == "'" else " " for each in text.lower()).split())
     phrase = plain if plain in phrases else _phrase(plain, first, second, phrases)
-    if phrase:
+    if phrase and (phrase == plain or spoken_s is None or _can_last(phrase, spoken_s)):
         return FusedTurn(phrase, (phrase,) * (2 if phrase in second else 1))
     return FusedTurn(text, (text,)) if plain else FusedTurn("")
+
+
+def _can_last(phrase: str, spoken_s: float) -> bool:
+    letters = sum(each.isalpha() for each in phrase)
+    least, most = (base + each * letters for base, each in (SHORTEST_S, LONGEST_S))
+    return least <= spoken_s and (spoken_s <= most or phrase == STOP)
 
 
 def _phrase(plain: str, first: Mapping[str, float], second: Mapping[str, float], phrases: Sequence[str]) -> str:
@@ -68,11 +83,12 @@ def _phrase(plain: str, first: Mapping[str, float], second: Mapping[str, float],
         return ""
     most, phrase = sums[-1]
     lead = most - sums[-2][0] if len(sums) > 1 else math.inf
+    least = LEAST if phrase in second else LEAST_ALONE
+    is_enough = most >= least and first[phrase] >= LEAST_FIRST and lead >= LEAST_LEAD
     if phrase == STOP:
         is_enough = most >= LEAST_STOP and first[phrase] >= LEAST_STOP_FIRST
-    else:
-        least = LEAST if phrase in second else LEAST_ALONE
-        is_enough = most >= least and first[phrase] >= LEAST_FIRST and lead >= LEAST_LEAD
+    elif phrase == PAUSE and not is_enough and len(sums) > 1 and sums[-2][1] == STOP:
+        phrase, is_enough = STOP, min(first[STOP], sums[-2][0]) >= LEAST_STOP
     return phrase if is_enough and len(plain.split()) <= len(phrase.split()) + MORE_WORDS else ""
 
 

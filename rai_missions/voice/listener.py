@@ -12,7 +12,7 @@ from functools import partial
 from typing import NamedTuple
 
 from rai_missions.connectors.process.frames import Broken
-from rai_missions.connectors.sound.connector import RATE_HZ, SoundFrame
+from rai_missions.connectors.sound.connector import FRAME_S, RATE_HZ, SoundFrame
 from rai_missions.connectors.worker import SerialQueue
 from rai_missions.redaction import logger
 from rai_missions.voice.fusion import FusedTurn, evidence_in, fused
@@ -72,6 +72,8 @@ class OfferReplies(NamedTuple):
 
     first: SpeechReply | None = None
     second: SpeechReply | None = None
+    spoken_s: float | None = None
+    """How long the person spoke, pauses included."""
 
 
 class SpeechListener:
@@ -181,7 +183,9 @@ class SpeechListener:
 
     def _transcribe(self, event: TurnEvent) -> None:
         offer = TurnOffer(event.number, event.offer)
-        self._replies[offer] = OfferReplies(second=None if "second" in self._offers else SpeechReply())
+        spoken_s = event.spoken_until - self._began[event.number] + self._settings.turns.begin_frames * FRAME_S
+        second = None if "second" in self._offers else SpeechReply()
+        self._replies[offer] = OfferReplies(second=second, spoken_s=spoken_s)
         is_short = len(event.quiet) <= 2 * RATE_HZ * SHORT_S
         for which, queue in self._offers.items():
             self._count(1)
@@ -204,7 +208,8 @@ class SpeechListener:
         known = self._replies.get(offer)
         if known is None:
             return
-        self._replies[offer] = known = known._replace(**{which: reply})
+        known = known._replace(first=reply) if which == "first" else known._replace(second=reply)
+        self._replies[offer] = known
         if self._latest.get(offer.number) != offer.offer or known.first is None or known.second is None:
             return
         text, readings = words_of(known, self._settings)
@@ -249,6 +254,6 @@ class SpeechListener:
 
 def words_of(known: OfferReplies, settings: ListenSettings) -> FusedTurn:
     """The text of a turn, and each recogniser's own."""
-    first, second = (reply.data if reply is not None and not reply.fault else {} for reply in known)
+    first, second = (reply.data if reply is not None and not reply.fault else {} for reply in known[:2])
     one, other = (evidence_in(data, settings.phrases) for data in (first, second))
-    return fused(text_in(first, "text"), one, other, (*settings.phrases, *settings.at_once))
+    return fused(text_in(first, "text"), one, other, (*settings.phrases, *settings.at_once), known.spoken_s)

@@ -35,6 +35,24 @@ def test_more_evidence_for_a_phrase_never_takes_it_away(
         assert fused("", {**first, phrase: first[phrase] + 1.0}, second, PHRASES).text == phrase
 
 
+@given(st.sampled_from(["", "the panel", "Yes.", "stop it"]), evidence, votes, st.floats(0.0, 20.0))
+def test_the_length_of_a_turn_can_only_take_a_phrase_away_that_was_not_read_freely(
+    text: str, first: dict[str, float], second: dict[str, float], spoken_s: float
+) -> None:
+    whole, found = fused(text, first, second, PHRASES), fused(text, first, second, PHRASES, spoken_s)
+    assert found == whole or (found.text == text and whole.text in PHRASES and text != "Yes.")
+
+
+def test_a_turn_that_is_too_short_or_too_long_for_a_phrase_is_none() -> None:
+    def read(phrase: str, spoken_s: float) -> str:
+        return fused("", {phrase: 12.0}, {phrase: 2.0}, PHRASES, spoken_s).text
+
+    assert [read("stop", each) for each in (0.2, 0.25, 0.8, 2.0)] == ["", "stop", "stop", "stop"], "it may be drawn out"
+    assert [read("yes", each) for each in (0.2, 0.4, 0.8)] == ["", "yes", ""]
+    assert [read("cancel the mission", each) for each in (0.5, 0.7, 1.7, 1.8)] == ["", *["cancel the mission"] * 2, ""]
+    assert fused("Stop.", {"stop": 20.0}, {}, PHRASES, 0.1).text == "stop", "what is read freely counts"
+
+
 def test_two_phrases_that_are_as_probable_are_none() -> None:
     assert fused("", {"yes": 9.1, "cancel the mission": 9.2}, {}, PHRASES).text == ""
     assert fused("", {"yes": 9.1, "cancel the mission": 9.2}, {"yes": 2.0}, PHRASES) == ("yes", ("yes", "yes"))
@@ -44,6 +62,14 @@ def test_a_phrase_that_the_second_does_not_agree_on_needs_more_evidence() -> Non
     assert fused("", {"yes": 7.0}, {"stop": 2.0}, PHRASES).text == ""
     assert fused("", {"yes": 7.0}, {"yes": 1.0}, PHRASES).text == "yes"
     assert fused("", {"stop": 3.0, "yes": 1.0}, {}, PHRASES) == ("stop", ("stop",))
+
+
+def test_stop_counts_where_pause_is_nearer_and_not_enough() -> None:
+    phrases = (*PHRASES, "pause")
+    assert fused("", {"pause": 5.5, "stop": 3.8}, {"pause": 1.0}, phrases).text == "stop"
+    assert fused("", {"pause": 5.5, "stop": 2.3}, {"pause": 1.0}, phrases).text == ""
+    assert fused("", {"pause": 9.0, "stop": 3.8}, {"pause": 1.0}, phrases).text == "pause"
+    assert fused("", {"pause": 6.0, "yes": 5.6, "stop": 3.8}, {}, phrases).text == ""
 
 
 def test_letters_of_the_free_text_decide_what_is_near() -> None:
