@@ -169,15 +169,17 @@ class OrderSide:
             self._refuse_permission("stop", utterance, number)
             return "handled"
         language, view = self._talk.language, self._talk.view
-        self._put(JudgedOrder(STOP, utterance, number, "grammar", language.text("order_stop")))
+        words, is_idle = language.text("order_stop"), not is_alive(view)
+        self._put(JudgedOrder(STOP, utterance, number, "grammar", words, is_reported=is_idle))
         self._speaking.silence(is_total=True)
+        asked = [self._pending.words] if self._pending is not None and self._pending.is_request else []
         if self._pending is not None:
             self._void("stop")
-        text = language.text("done_stop" if is_alive(view) else "stop_no_run")
-        if is_alive(view) and may(utterance.role, "resume", self._talk.settings):
+        text = language.text("stop_no_run" if is_idle else "done_stop")
+        if not is_idle and may(utterance.role, "resume", self._talk.settings):
             text = f"{text} {language.text('stop_more')}"
         self._speaking.speak(text, to=utterance.channel, reply_to=number)
-        self._requests.drop("requests_stopped")
+        self._requests.drop("requests_stopped", asked)
         return "stopped"
 
     def take(
@@ -384,7 +386,7 @@ class OrderSide:
         self._talk.note("performed", order_number=end.number, order=judged.sense.name, refused=why)
         if why and judged.sense.name == "start":
             self._starting_until = float("-inf")
-        if why:
+        if why and not judged.is_reported:
             self._speaking.reply("refused", judged.utterance, 0, order=judged.words, why=why.rstrip("."))
 
     def on_speech_end(self, end: SpeechEnd) -> None:

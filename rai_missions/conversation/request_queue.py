@@ -7,6 +7,7 @@ Rule: a request begins by itself only after success. After any other end its beg
 from __future__ import annotations
 
 from collections import deque
+from collections.abc import Sequence
 from typing import NamedTuple
 
 from rai_missions.conversation.inputs import Utterance
@@ -29,6 +30,8 @@ class JudgedOrder(NamedTuple):
     words: str
     """The order in words."""
     confirmed: str = ""
+    is_reported: bool = False
+    """That nothing comes of it was spoken already."""
 
 
 class RequestQueue:
@@ -62,16 +65,17 @@ class RequestQueue:
         """The oldest request, which waits no more; None where there is none."""
         return self._waiting.popleft() if self._waiting else None
 
-    def drop(self, form: str) -> None:
+    def drop(self, form: str, asked: Sequence[str] = ()) -> None:
         """All are dropped; every channel is informed.
 
         Args:
             form: The template that gives the reason.
+            asked: In words, a request that was taken from here and is dropped with them.
         """
-        if not self._waiting:
+        if not self._waiting and not asked:
             return
         language = self._talk.language
-        requests = language.listed([*self.words])
+        requests = language.listed([*asked, *self.words])
         for each in self._waiting:
             self._talk.note("dropped", order=order_data(each.sense))
         self._waiting.clear()
