@@ -25,7 +25,7 @@ from rai_missions.campaign.store import ResultStore
 from rai_missions.cli.campaign_report import write_report
 from rai_missions.errors import UsageError
 from tests.campaign.results import HOSTILE, KINDS, OPTIONS, SORTS, Sort, make_results
-from visualize.campaign_page.plots import chance
+from visualize.campaign_page.plots import chance, lasting
 
 BOTH = (Sort("rules", 0.6), Sort("small", 0.5))
 
@@ -268,6 +268,11 @@ def test_nothing_of_a_store_becomes_markup(files: tuple[Path, ...]) -> None:
 @pytest.mark.parametrize(("p", "shown"), [(1.7e-81, "< 0.0001"), (1e-4, "0.0001"), (0.0312, "0.031"), (1.0, "1")])
 def test_a_probability_is_shown_as_a_reader_needs_it(p: float, shown: str) -> None:
     assert chance(p) == shown
+
+
+@pytest.mark.parametrize(("seconds", "shown"), [(3e-5, "< 1 ms"), (0.0123, "12.3 ms"), (1.0, "1 s"), (12.72, "12.7 s")])
+def test_a_span_of_time_is_shown_in_its_own_unit(seconds: float, shown: str) -> None:
+    assert lasting(seconds) == shown
 
 
 def test_every_answerer_and_embodiment_of_a_page_is_explained_once(tmp_path: Path) -> None:

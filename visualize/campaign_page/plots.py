@@ -13,7 +13,18 @@ from collections.abc import Sequence
 from rai_missions.campaign.statistics import Interval
 from visualize.campaign_page.markup import Markup, node
 
-__all__ = ("COLOURS", "axis", "chance", "colour", "interval_plot", "length_plot", "percent", "share_plot", "span")
+__all__ = (
+    "COLOURS",
+    "axis",
+    "chance",
+    "colour",
+    "interval_plot",
+    "lasting",
+    "length_plot",
+    "percent",
+    "share_plot",
+    "span",
+)
 
 COLOURS = 7
 """Colours of options, then they begin again; classes `c0` to `c6` of the style sheet."""
@@ -32,6 +43,13 @@ def percent(share: float) -> str:
 def chance(p: float) -> str:
     """A probability, as a reader needs it."""
     return f"{p:.2g}" if p >= 1e-4 else "< 0.0001"
+
+
+def lasting(seconds: float) -> str:
+    """A span of time: seconds from one on, else milliseconds."""
+    if seconds >= 1:
+        return f"{seconds:.3g} s"
+    return f"{1000 * seconds:.3g} ms" if seconds >= 1e-3 else "< 1 ms"
 
 
 def span(found: Interval) -> str:

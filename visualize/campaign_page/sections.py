@@ -10,7 +10,17 @@ from rai_missions.campaign.report.comparisons import LEVEL, Comparison
 from rai_missions.campaign.report.figures import CampaignFigures, GroupFigures, best_options
 from rai_missions.campaign.statistics import Interval
 from visualize.campaign_page.markup import Child, Markup, node
-from visualize.campaign_page.plots import axis, chance, colour, interval_plot, length_plot, percent, share_plot, span
+from visualize.campaign_page.plots import (
+    axis,
+    chance,
+    colour,
+    interval_plot,
+    lasting,
+    length_plot,
+    percent,
+    share_plot,
+    span,
+)
 
 __all__ = ("NO_ANSWER", "sections")
 
@@ -268,10 +278,10 @@ def _effort(groups: Sequence[GroupFigures]) -> Markup:
     lines = []
     for group in groups:
         asked, spread = max(1, len(group.latencies)), group.latency
-        words = f"{spread.median:.3g} s, 95 % within {spread.p95:.3g} s"
+        words = f"{lasting(spread.median)}, 95 % within {lasting(spread.p95)}"
         lines.append(_line([
-            *_names(group), length_plot([spread.median, spread.p95], longest, words), f"{spread.median:.3g} s",
-            f"{spread.p95:.3g} s", f"{spread.largest:.3g} s", f"{group.prompt_tokens / asked:.0f}",
+            *_names(group), length_plot([spread.median, spread.p95], longest, words), lasting(spread.median),
+            lasting(spread.p95), lasting(spread.largest), f"{group.prompt_tokens / asked:.0f}",
             f"{group.completion_tokens / asked:.0f}", f"{group.calls / asked:.2f}", f"{group.cost:.4g}",
             str(group.status["no_answer"]), str(group.status["failed"]),
         ]))  # fmt: skip
