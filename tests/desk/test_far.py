@@ -30,7 +30,10 @@ def killed(
     """One case, killed so; and the desk as it is left, closed."""
     case = hard_case(seed, **(combined_faults(seed) if with_faults else {}))
     with closing(FarDesk(case.request, case.world, folder)) as desk:
-        return desk.run(deaths, case.goal), desk
+        verdict = desk.run(deaths, case.goal)
+    if "lie" in case.world.get("faults", {}):
+        verdict = verdict._replace(falls=())  # what a server that lies reports of a fall is no report
+    return verdict, desk
 
 
 def test_a_process_killed_with_a_thing_in_the_hand_is_followed_by_one_that_ends_the_work(tmp_path: Path) -> None:
@@ -59,4 +62,4 @@ def test_whenever_it_is_killed_the_run_claims_what_is_so(tmp_path: Path, *, with
         wrong += [f"{seed}: {each}" for each in (*verdict.faults, *(["it is so, and failed"] if missed else []))]
         print(f"{seed}: {verdict.outcome}, {verdict.why}; {kills} kills, {held} with a thing held", flush=True)  # noqa: T201 - the figures
     print(ends, f"{kills} kills, {held} with a thing held")  # noqa: T201
-    assert wrong == []
+    assert not wrong, "\n".join(wrong)
