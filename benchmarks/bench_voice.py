@@ -24,7 +24,7 @@ import numpy as np
 from rai_missions.connectors.sound.connector import FRAME_BYTES, FRAME_S, RATE_HZ, SoundFrame
 from rai_missions.connectors.sound.files import FileSound
 from rai_missions.connectors.sound.room import RoomSound
-from rai_missions.voice.listener import PHRASES, ListenSettings, SpeechListener, Transcript
+from rai_missions.voice.listener import PHRASES, WAKE_CUTOFF, ListenSettings, SpeechListener, Transcript
 from rai_missions.voice.process import SpeechProcess
 from rai_missions.voice.recognisers.whisper import plain_words
 from rai_missions.voice.setup import ListenNames, open_recognition
@@ -201,7 +201,7 @@ def wake(_: Bench, scale: int) -> None:
         for speaker in SPEAKERS:
             for db in (40, 20):
                 name = word.replace("_", " ").replace("nabu", "nah boo").capitalize()
-                if probability(process, mixed(speech(f"{name}.", speaker), db, "pink", random)) >= 0.5:
+                if probability(process, mixed(speech(f"{name}.", speaker), db, "pink", random)) >= WAKE_CUTOFF:
                     hits[speaker] += 1
         print(f"  {word}: recognised, of 2 each: {dict(hits)}", flush=True)
         until = minutes + 6.0 * scale
@@ -210,7 +210,7 @@ def wake(_: Bench, scale: int) -> None:
             text, speaker = next(windows)
             sound = mixed(speech(text, speaker), (40, 20, 10)[int(random.integers(3))], "pink", random, 0.2)
             minutes += len(sound) / (2 * RATE_HZ * 60)
-            if probability(process, sound) >= 0.5:
+            if probability(process, sound) >= WAKE_CUTOFF:
                 alarms.append(f"{word}: {text!r} by {speaker}")
                 print(f"    {alarms[-1]}", flush=True)
         process.close()

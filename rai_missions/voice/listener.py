@@ -21,7 +21,7 @@ from rai_missions.voice.offers import OfferQueue, TurnOffer
 from rai_missions.voice.process import SpeechProcess, SpeechReply, sound_in, text_in
 from rai_missions.voice.turns import TurnDetector, TurnEvent, TurnFrame, TurnSettings
 
-__all__ = ("PHRASES", "ListenSettings", "SpeechListener", "Transcript")
+__all__ = ("PHRASES", "WAKE_CUTOFF", "ListenSettings", "SpeechListener", "Transcript")
 
 log = logger(__name__)
 
@@ -32,6 +32,7 @@ PHRASES = (
 """Short sentences that are expected of any person who talks to a robot that works. "halt" is not looked for: in noise
 it is taken for "stop" as well as for words that are no order; read freely it counts."""
 WAKE_CUTOFF = 0.5
+"""How probable the wake word must be, as the mean of 150 ms."""
 AWAKE_S = 8.0
 """How long after the wake word, or after a turn that passed, a turn may begin."""
 
