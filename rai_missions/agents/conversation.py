@@ -292,7 +292,7 @@ class ConversationalAgent:
         self._perform(self._dialogue.on_speech_end(SpeechEnd(speech.key, result, self._now())))
         if self._attached is not None and speech.report == f"{self._attached.status.run}:end" and result == "whole":
             self._end_reported.set()
-        self._look_at_doors()
+        self._worker.post(self._look_at_doors)  # behind the ends of speech that wait already: those still count
 
     def _order(self, order: Order) -> None:
         def on_end(refused: str) -> None:
