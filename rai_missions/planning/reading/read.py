@@ -85,7 +85,7 @@ def reading_of(request: str, scene: Scene, languages: Sequence[str] = ()) -> Req
 def language_of(request: str) -> str:
     """The code of the language whose words a request has most of; English where two have as many."""
     codes = sorted(lexicons(), key=lambda code: code != PREFERRED)
-    text = request[:LONGEST_REQUEST]
+    text = clipped(request, LONGEST_REQUEST)
     return min(codes, key=lambda code: sum(each.kind == "unknown" for each in symbols(text, lexicon(code))))
 
 
