@@ -14,12 +14,21 @@ from typing import IO, Any
 
 import pytest
 
-__all__ = ("ABSENT", "QUICK_DISCOVERY", "connectors", "load_quietly", "lock_free_domain", "on_ros", "skip_below")
+__all__ = (
+    "ABSENT", "QUICK_DISCOVERY", "connectors", "load_quietly", "lock_free_domain", "on_ros", "skip_below",
+    "with_messages",
+)  # fmt: skip
 
 QUICK_DISCOVERY = Path(__file__).parent / "connectors/ros2/quick_discovery.xml"
 WANTED = ("rclpy", "test_msgs", "sensor_msgs", "std_srvs")
 ABSENT = [name for name in WANTED if importlib.util.find_spec(name) is None]
 on_ros = pytest.mark.skipif(bool(ABSENT), reason=f"ROS 2 is not installed: {', '.join(ABSENT)}")
+
+
+def with_messages(package: str) -> pytest.MarkDecorator:
+    """Skip where a package of interfaces that the wheels of ROS 2 do not bring was not built."""
+    is_absent = importlib.util.find_spec(package) is None
+    return pytest.mark.skipif(is_absent, reason=f"{package} is not here: make ros-interfaces")
 
 
 def lock_free_domain() -> tuple[int, IO[str]]:

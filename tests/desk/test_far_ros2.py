@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import importlib.util
 import os
 import random
 import signal
@@ -25,7 +24,7 @@ from tests.desk.onlooker import DeskVerdict, Onlooker
 from tests.desk.outside import HardCase, hard_case
 from tests.replay.deaths import Nursery, has_begun
 from tests.replay.instants import Instant
-from tests.ros2 import load_quietly, on_ros
+from tests.ros2 import load_quietly, on_ros, with_messages
 from tests.tractor.ros2_processes import ros_domain
 
 MISSION, PROFILE = str(DESK_MISSIONS / "arrange.json"), str(DESK_MISSIONS / "robot.ros2.json")
@@ -43,10 +42,7 @@ pytestmark = [
     pytest.mark.drill,
     pytest.mark.sim,
     on_ros,
-    pytest.mark.skipif(
-        importlib.util.find_spec("rai_missions_msgs") is None,
-        reason="rai_missions_msgs is not here: make ros-interfaces",
-    ),
+    with_messages("rai_missions_msgs"),
 ]
 
 

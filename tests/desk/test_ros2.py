@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import importlib.util
 import json
 import math
 from collections.abc import Iterator
@@ -19,7 +18,7 @@ from rai_missions.journal import read
 from rai_missions.replay.replay import replay
 from tests.desk.episodes import DESK_MISSIONS
 from tests.desk.test_desk import TWO
-from tests.ros2 import load_quietly, on_ros
+from tests.ros2 import load_quietly, on_ros, with_messages
 from tests.tractor.ros2_processes import PATIENCE_S, Graph, Process, graph_in
 
 MISSION, PROFILE = str(DESK_MISSIONS / "arrange.json"), str(DESK_MISSIONS / "robot.ros2.json")
@@ -29,10 +28,7 @@ pytestmark = [
     pytest.mark.drill,
     pytest.mark.sim,
     on_ros,
-    pytest.mark.skipif(
-        importlib.util.find_spec("rai_missions_msgs") is None,
-        reason="rai_missions_msgs is not here: make ros-interfaces",
-    ),
+    with_messages("rai_missions_msgs"),
 ]
 
 

@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import importlib.util
 import json
 import subprocess
 import sys
@@ -20,7 +19,7 @@ from rai_missions.connectors.ros2 import open_connector
 from rai_missions.journal import read
 from rai_missions.replay.replay import replay
 from rai_missions.worlds.house.layout import PLACES
-from tests.ros2 import load_quietly, on_ros
+from tests.ros2 import load_quietly, on_ros, with_messages
 from tests.tractor.ros2_processes import PATIENCE_S, ROOT, Graph, Process, graph_in
 
 ROSBOT = ROOT / "missions" / "rosbot"
@@ -30,9 +29,7 @@ SUCCEEDED, CANCELED, ABORTED = 4, 5, 6
 """Of action_msgs/msg/GoalStatus."""
 
 pytestmark = [pytest.mark.sim, on_ros]
-with_nav2 = pytest.mark.skipif(
-    importlib.util.find_spec("nav2_msgs") is None, reason="nav2_msgs is not here: make ros-interfaces"
-)
+with_nav2 = with_messages("nav2_msgs")
 
 
 class House(Graph):

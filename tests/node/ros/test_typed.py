@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import importlib.util
 import uuid
 from collections.abc import Callable
 from typing import Any
@@ -14,11 +13,10 @@ from rai_missions.connectors.connector import Message, Report
 from rai_missions.connectors.contract import Inbox
 from rai_missions.node import MissionNode
 from tests.node.scenes import Client, FakeRobot
+from tests.ros2 import with_messages
 
-pytestmark = pytest.mark.skipif(
-    importlib.util.find_spec("rai_missions_msgs") is None, reason="make ros-interfaces has not been run"
-)
 PACKAGE = "rai_missions_msgs"
+pytestmark = with_messages(PACKAGE)
 ENDS = ("rejected", "succeeded", "failed", "canceled", "lost")
 
 
