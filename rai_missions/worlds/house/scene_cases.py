@@ -9,14 +9,13 @@ after 16 s where a crate does.
 from __future__ import annotations
 
 import random
-from bisect import bisect
-from collections.abc import Callable, Mapping
-from itertools import accumulate
+from collections.abc import Mapping
 from typing import Any
+
+from rai_missions.worlds.drawn_cases import DrawnCase, drawn_case
 
 __all__ = ("CASES", "scene_options")
 
-GOLDEN = 0.6180339887498949
 DOOR, CORNER = "study_pantry", (8.7, 0.6)
 PERSON_S, CRATE_S = 22.6, 16.0
 """When the question comes, where a person blocks the door, and where a crate does."""
@@ -28,12 +27,8 @@ Fields = dict[str, Any]
 
 
 def scene_options(seed: int) -> tuple[str, Fields, Fields]:
-    """The kind of the case, the keywords of `House` that build the scene, and who answers later questions.
-
-    The cases are taken by the golden ratio's multiples, so that any run of seeds holds each case in about its share.
-    """
-    totals = list(accumulate(weight for weight, _, _ in CASES))
-    _, kind, draw = CASES[bisect(totals, (seed * GOLDEN % 1.0) * totals[-1])]
+    """The kind of the case, the keywords of `House` that build the scene, and who answers later questions."""
+    _, kind, draw = drawn_case(seed, CASES)
     rng = random.Random(f"house scene {seed}")
     options = {"seed": seed, "objects": [], "battery": {"charge": round(rng.uniform(0.5, 1.0), 3)}, **draw(rng)}
     helped = any(one.get("helps") for one in options.get("people", ()))
@@ -89,7 +84,7 @@ def _crate_stays(_rng: Draw) -> Fields:
     return {"recoveries": 1, "blocked": {DOOR: []}}
 
 
-CASES: tuple[tuple[float, str, Callable[[Draw], Fields]], ...] = (
+CASES: tuple[DrawnCase, ...] = (
     (18, "leaves_now_low_battery", _leaves_now), (13, "closes_again", _closes_again),
     (17, "leaves_later", _leaves_later), (17, "crate_leaves", _crate_leaves),
     (9, "heeds", _heeds), (9, "crate_attended", _crate_attended),

@@ -8,14 +8,13 @@ out. What they found on scenes for tuning decides weight and order of the cases.
 from __future__ import annotations
 
 import random
-from bisect import bisect
 from collections.abc import Callable
-from itertools import accumulate
 from typing import Any
+
+from rai_missions.worlds.drawn_cases import DrawnCase, drawn_case
 
 __all__ = ("CASES", "scene_options")
 
-GOLDEN = 0.6180339887498949
 ALLEYS, LENGTH_M = 2, 14.0
 NEVER, LONG_S = 99, 900.0
 Draw = random.Random
@@ -23,12 +22,8 @@ Fields = dict[str, Any]
 
 
 def scene_options(seed: int) -> tuple[str, Fields]:
-    """The kind of the obstacle, and the keywords of `Orchard` that build the scene.
-
-    The cases are taken by the golden ratio's multiples, so that any run of seeds holds each case in about its share.
-    """
-    totals = list(accumulate(weight for weight, _, _ in CASES))
-    _, kind, draw = CASES[bisect(totals, (seed * GOLDEN % 1.0) * totals[-1])]
+    """The kind of the obstacle, and the keywords of `Orchard` that build the scene."""
+    _, kind, draw = drawn_case(seed, CASES)
     rng = random.Random(f"orchard scene {seed}")
     obstacle = {
         "kind": kind, "alley": 0, "along": _round(rng.uniform(0.5, 0.62)), "across_m": _round(rng.uniform(-0.15, 0.15)),
@@ -121,7 +116,7 @@ def _all(*draws: Callable[[Draw], Fields]) -> Callable[[Draw], Fields]:
 FULL, THICK = _all(_has(variant="full"), _track), _sized(1.9, 2.4)
 UPHILL, DOWNHILL = _turned(0.0), _turned(180.0)
 MUFFS, TETHERED, RESTING = _has(variant="muffs"), _has(variant="tethered"), _has(variant="resting")
-CASES: tuple[tuple[float, str, Callable[[Draw], Fields]], ...] = (
+CASES: tuple[DrawnCase, ...] = (
     (4.8, "tall_grass", _flat), (4.7, "plastic_bag", _as_is), (1.6, "plastic_bag", _has(variant="full", across_m=0.05)),
     (2.8, "puddle", _sized(0.8, 1.2)), (5.0, "hose", _lengthwise),
     (1.9, "hose", _has(variant="bridged", across_m=0.0, turn_deg=90.0)), (7.3, "ladder", _lengthwise),
