@@ -112,7 +112,7 @@ class Chart:
         if key not in self.program.keys:
             raise UsageError(f"the mission has no key '{key}'{suggestion(key, self.program.keys)}")
         data = {"value": value} if stamp is None else {"value": value, "stamp": stamp}
-        return self.send(Event(key, self.at if at is None else at, data, "write"))
+        return self.send(_new(Event, (key, self.state.at if at is None else at, data, "write", 0)))
 
     def propose(
         self, number: int, option: str, parameters: Mapping[str, Any] | None = None, *, by: str = "", why: str = "",

@@ -7,11 +7,11 @@ from collections.abc import Iterator
 from collections.abc import Set as AbstractSet
 from typing import Any
 
-from rai_missions.engine.activities.activity import Machine, listens
+from rai_missions.engine.activities.tree import TreeActivity, TreeMachine
 
 __all__ = ("RunningTree", "WatchedNames")
 
-RunningTree = tuple[str, Machine, Any]
+RunningTree = tuple[str, TreeMachine, TreeActivity]
 """A state, the machine of its tree and what that remembers."""
 
 
@@ -30,14 +30,17 @@ class WatchedNames(AbstractSet[str]):
 
     def with_tree(self, tree: RunningTree) -> WatchedNames:
         """The same once a tree that runs in a state has come further."""
-        return WatchedNames(self.names, tuple([tree if each[0] == tree[0] else each for each in self.trees]))
+        trees = self.trees
+        if len(trees) == 1:
+            return WatchedNames(self.names, (tree,))
+        return WatchedNames(self.names, tuple([tree if each[0] == tree[0] else each for each in trees]))
 
     @classmethod
     def _from_iterable(cls, names: Any) -> Any:
         return frozenset(names)
 
     def __contains__(self, name: object) -> bool:
-        return name in self.names or any(listens(machine, state, (str(name),)) for _, machine, state in self.trees)
+        return name in self.names or any(machine.listens(state, (str(name),)) for _, machine, state in self.trees)
 
     def __bool__(self) -> bool:
         return True  # a tree runs; what it looks at is asked for by name

@@ -9,7 +9,7 @@ from typing import Any
 
 from rai_missions.engine.activities import goal_ledger
 from rai_missions.engine.activities.activity import GOALS, NO_KEYS, Outcome, Turn, listens
-from rai_missions.engine.activities.tree import TreeActivity, limit_of
+from rai_missions.engine.activities.tree import TreeMachine, limit_of
 from rai_missions.engine.activities.tree_rounds import Rounds
 from rai_missions.engine.blackboard import write_key
 from rai_missions.engine.hold import awake, drop_reports, holder_of, is_held, live
@@ -226,10 +226,9 @@ def unfinished(program: Program, state: RunState) -> frozenset[str]:
 def reads(program: Program, state: RunState) -> AbstractSet[str]:
     """What may change something now when it changes: keys, and states that an activity asks for."""
     found, trees = state.config.reads | program.graph.invariant_reads, list[RunningTree]()
-    for each in live(program, state) if state.running else ():
-        _, machine, activity = each
-        if isinstance(activity, TreeActivity):
-            trees.append(each)
+    for name, machine, activity in live(program, state) if state.running else ():
+        if isinstance(machine, TreeMachine):
+            trees.append((name, machine, activity))
         else:
             found |= machine.reads(activity)
     if state.settling or state.final is not None:

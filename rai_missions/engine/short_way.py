@@ -9,7 +9,9 @@ from __future__ import annotations
 
 from math import inf
 
-from rai_missions.engine.activities.activity import NO_KEYS, listens
+from rai_missions.engine.activities.activity import NO_KEYS
+from rai_missions.engine.activities.ticker import TickResult
+from rai_missions.engine.activities.tree import acted
 from rai_missions.engine.blackboard import is_other, value_at
 from rai_missions.engine.configuration import CompiledStep, Looked
 from rai_missions.engine.decision import with_verdicts
@@ -21,6 +23,7 @@ from rai_missions.engine.running import Host, take_turn
 from rai_missions.engine.state import RunState, StepDraft
 from rai_missions.engine.step import Effect, Move, Step
 from rai_missions.engine.stepping import close, make_step
+from rai_missions.engine.timers import late_s
 from rai_missions.engine.timing import next_instant
 from rai_missions.event import Event
 from rai_missions.guards.guard import Truth
@@ -35,42 +38,60 @@ def reading(program: Program, state: RunState, event: Event) -> Step:
     """What a write does at which no one looks, or one tree alone."""
     name, at, data, _, _ = event
     listening, board = state.listening, state.board
-    trees, names = (listening.trees, listening.names) if isinstance(listening, WatchedNames) else ((), listening)
+    watched = listening if type(listening) is WatchedNames else None
+    trees, names = (watched.trees, watched.names) if watched is not None else ((), listening)
     key, now = program.keys.get(name), max(at, state.at)
     if key is None or name in names or "*" in names:
         return make_step(program, state, event)
     given, entry = data.get("value"), board.get(name)
-    stamp = min(float(data.get("stamp", at)), now)
+    stamp = min(float(data["stamp"]), now) if "stamp" in data else float(at)
     if type_error(key, given) or (entry is not None and entry.at > stamp):
         return make_step(program, state, event)
-    looking = [each for each in trees if listens(each[1], each[2], (name,))] if trees else []
+    looking = [each for each in trees if each[1].listens(each[2], (name,))] if trees else []
     if len(looking) > 1 or (looking and (state.config.watchful or program.always_held)):
         return make_step(program, state, event)
     state.at = now
     board[name] = made = _new(Stamped, (given, stamp))
-    if not looking:
+    if not looking or watched is None:
         return value(state, event, (), (), ((name, given),), quiet=True)
     is_news = is_other(value_at(key, entry, now), key, made, now)
-    return _looked_at(program, state, event, looking[0], is_news=is_news)
+    return _looked_at(program, state, event, watched, looking[0], is_news=is_news)
 
 
-def _looked_at(program: Program, state: RunState, event: Event, tree: RunningTree, *, is_news: bool) -> Step:
+def _looked_at(
+    program: Program, state: RunState, event: Event, listening: WatchedNames, tree: RunningTree, *, is_news: bool
+) -> Step:
     """The end of a step in which one tree looks at what was written, as `running.poll` and `complete` would let it."""
     name, machine, activity = tree
-    written, keys = (event.name, event.data["value"]), frozenset((event.name,))
-    draft, listening = state.draft, state.listening
+    key, written = event.name, (event.name, event.data["value"])
+    ticked: TickResult | None = None
+    if is_news and machine.is_for_tree(activity, key):
+        ticked = machine.look(activity, key, state, late_s(state))
+        if not acted(ticked):
+            rests = machine.rest(activity, ticked, state)
+            if rests is not activity:
+                state.running[name] = rests
+                state.listening = listening.with_tree((name, machine, rests))
+                if rests.wake != activity.wake:
+                    state.wake = next_instant(program, state)
+            return value(state, event, (), (), (written,), quiet=rests is activity)
+    draft, host = state.draft, Host(program, state)
     draft.written.append(written)
     draft.polled = 1
-    tick = Event("tick", state.at, {"keys": keys, "news": keys if is_news else NO_KEYS, "unseen": False}, "tick")
-    turn = machine.receive(activity, tick, Host(program, state))
+    if ticked is not None:
+        turn = machine.follow(activity, ticked, host)
+    else:
+        keys = frozenset((key,))
+        news = keys if is_news else NO_KEYS
+        tick = Event("tick", state.at, {"keys": keys, "news": news, "unseen": False}, "tick")
+        turn = machine.receive(activity, tick, host)
     if turn is not None:
         take_turn(program, state, name, turn)
         does_more = draft.internal or draft.notes or draft.news or draft.goal_ended or len(draft.written) > 1
         if does_more or turn.state.limit:
             complete(program, state, None)
             return close(program, state, event)
-        if isinstance(listening, WatchedNames):
-            state.listening = listening.with_tree((name, machine, turn.state))
+        state.listening = listening.with_tree((name, machine, turn.state))
     state.wake = next_instant(program, state)
     effects = tuple(draft.effects)
     draft.effects, draft.touched, draft.polled = [], False, 0

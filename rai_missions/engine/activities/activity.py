@@ -130,7 +130,8 @@ class Machine(ABC):
 
     def listens(self, state: Any, names: Collection[str]) -> bool:
         """Whether it wants to be notified of one of these."""
-        return concerns(self.reads(state), names)
+        watched = self.reads(state)
+        return bool(watched) and concerns(watched, names)
 
     @abstractmethod
     def awaits(self, state: Any) -> frozenset[int]:

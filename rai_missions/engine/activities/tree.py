@@ -33,9 +33,19 @@ from rai_missions.event import Event
 from rai_missions.guards.guard import View
 from rai_missions.states.state import State
 
-__all__ = ("LeafMachine", "RunningLeaf", "TreeActivity", "TreeMachine", "is_settling", "limit_of", "questions_in")
+__all__ = (
+    "LeafMachine", "RunningLeaf", "TreeActivity", "TreeMachine", "acted", "is_settling", "limit_of", "questions_in",
+)  # fmt: skip
 
 Limit = Literal["", "rounds", "writes"]
+NO_OUTCOMES: Mapping[str, str] = {}
+_new = tuple.__new__
+
+
+def acted(ticked: TickResult) -> bool:
+    """Whether a tick has ended its tree, or did more than to have its nodes remember something else."""
+    _, status, started, ended, writes, published, _, begun, rounds, _ = ticked
+    return status != "running" or bool(started or ended or writes or published or begun or rounds)
 
 
 class LeafMachine(NamedTuple):
@@ -156,6 +166,28 @@ class TreeMachine(Machine):
             return draft.turn(None) if concerned else None
         return turn if concerned or self._is_another(turn, draft, state) else None
 
+    def is_for_tree(self, state: TreeActivity, key: str) -> bool:
+        """Whether a key that was written concerns the tree alone, and no leaf that runs."""
+        return not (state.limit or self._leaf_listens(state, (key,)))
+
+    def look(self, state: TreeActivity, key: str, view: View, late_s: float) -> TickResult:
+        """The tick with which `receive` begins where a key that is for the tree alone has another value."""
+        return self.ticker.tick(state.tree, view, NO_OUTCOMES, late_s, (key,))
+
+    def rest(self, state: TreeActivity, ticked: TickResult, view: View) -> TreeActivity:
+        """What it remembers after such a tick that has not `acted`."""
+        tree, wake = ticked.state, self.ticker.wake_at(ticked.state, view)
+        if wake == state.wake and (tree is state.tree or tree == state.tree):
+            return state
+        return _new(TreeActivity, (tree, state.leaves, wake, ""))
+
+    def follow(self, state: TreeActivity, ticked: TickResult, host: ActivityHost) -> Turn | None:
+        """What `receive` returns after such a tick."""
+        draft = _TurnDraft(state)
+        self._rounds(host).was_written()
+        turn = self._tick(draft, host, ticked)
+        return turn if self._is_another(turn, draft, state) else None
+
     @staticmethod
     def _is_due(state: TreeActivity, event: Event, host: ActivityHost) -> bool:
         """Whether the tree's own time has come, or that of the rounds that had no room in the step before."""
@@ -194,16 +226,17 @@ class TreeMachine(Machine):
         if turn.outcome.why:
             draft.notes.append(f"{self.owner}#{path} {turn.outcome.name}: {turn.outcome.why}")
 
-    def _tick(self, draft: _TurnDraft, host: ActivityHost) -> Turn:
-        """Tick, and at once again while there is a reason, and room for it."""
+    def _tick(self, draft: _TurnDraft, host: ActivityHost, ticked: TickResult | None = None) -> Turn:
+        """Tick, unless it was done already, and at once again while there is a reason, and room for it."""
         draft.limit = ""
         while True:
-            changed = draft.changed
-            if draft.news:
-                changed = changed | draft.news if changed is not None else None
-                draft.news = set()
-            late_s = host.begins_at - host.view.at
-            ticked = self.ticker.tick(draft.tree, host.view, draft.outcomes, late_s, changed)
+            if ticked is None:
+                changed = draft.changed
+                if draft.news:
+                    changed = changed | draft.news if changed is not None else None
+                    draft.news = set()
+                late_s = host.begins_at - host.view.at
+                ticked = self.ticker.tick(draft.tree, host.view, draft.outcomes, late_s, changed)
             draft.outcomes, draft.changed = {}, NO_KEYS
             self._apply(draft, ticked, host)
             if ticked.status in ("success", "failure"):
@@ -211,6 +244,7 @@ class TreeMachine(Machine):
                 return draft.turn(Outcome("succeeded" if ticked.status == "success" else "failed"))
             if not self._again(draft, ticked, host):
                 return self._rest(draft, host)
+            ticked = None
 
     def _again(self, draft: _TurnDraft, ticked: TickResult, host: ActivityHost) -> bool:
         """Whether the next tick is due in this step.
@@ -276,10 +310,14 @@ class TreeMachine(Machine):
         return self.ticker.reads(state.tree).union(*each)
 
     def listens(self, state: TreeActivity, names: Collection[str]) -> bool:
-        if self.ticker.listens(state.tree, names):
-            return True
-        leaves, machines = state.leaves.items(), self.leaf_machines
-        return any(listens(machines[path].machine, leaf.state, names) for path, leaf in leaves)
+        return self.ticker.listens(state.tree, names) or self._leaf_listens(state, names)
+
+    def _leaf_listens(self, state: TreeActivity, names: Collection[str]) -> bool:
+        machines = self.leaf_machines
+        for path, leaf in state.leaves.items():
+            if listens(machines[path].machine, leaf.state, names):
+                return True
+        return False
 
     def awaits(self, state: TreeActivity) -> frozenset[int]:
         each = (self.leaf_machines[path].machine.awaits(leaf.state) for path, leaf in state.leaves.items())

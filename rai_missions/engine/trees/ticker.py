@@ -45,6 +45,8 @@ class CompiledTicker:
         sites = [(node, node.site) for node in self.nodes if node.site is not None]
         self.dependents = _dependents(sites)
         """Key, or presence of a state → the nodes that look at it."""
+        self._of_any = self.dependents.get("*", ())
+        """The nodes that look at any key."""
         self.timed: tuple[Any, ...] = tuple(node for node, site in sites if site.instants)
         self.holds = {name: test for _, site in sites for name, test in site.holds.items()}
         self.held_by = frozenset[str]().union(*(site.watched for _, site in sites if site.holds))
@@ -90,7 +92,13 @@ class CompiledTicker:
         if changed is None:
             root.doubt()
         else:
-            self._wake_all(changed, view.at)
+            for key in changed:
+                self._wake(key)
+            for key in self._written:
+                self._wake(key)
+            if self.timed and (state is not self._calm[0] or view.at >= self._calm[1]):
+                for node in self.timed:
+                    node.wake()
         if self._pending:
             ends = {**self._pending, **outcomes}
         if ends:
@@ -122,24 +130,14 @@ class CompiledTicker:
     def _wake(self, key: str) -> None:
         for node in self.dependents.get(key, ()):
             node.wake()
-        if not key.startswith("#"):
-            for node in self.dependents.get("*", ()):
+        if self._of_any and not key.startswith("#"):
+            for node in self._of_any:
                 node.wake()
 
     def _doubt_all(self) -> None:
         for node in self.nodes:
             node.idle = False
             node.todo = -1
-
-    def _wake_all(self, changed: Iterable[str], at: float) -> None:
-        for key in changed:
-            self._wake(key)
-        for key in self._written:
-            self._wake(key)
-        state, due = self._calm
-        if state is not self.shown or at >= due:
-            for node in self.timed:
-                node.wake()
 
     # -- remembered ---------------------------------------------------------------------------------------------------
 
@@ -283,7 +281,10 @@ class CompiledTicker:
 
     def wake_at(self, state: TreeState, view: View) -> float:
         """The next deadline of what runs, or instant at which a guard's facts grow old; see `Ticker`."""
-        self._recall(state)
+        if state is not self.shown:
+            self._recall(state)
+        if not (self.waiting or self.timed):
+            return math.inf
         soonest, now = math.inf, view.at
         for node in self.waiting.values():
             if now < (due := node.deadline()) < soonest:
@@ -315,15 +316,22 @@ class CompiledTicker:
         if state is not self._asked_in:
             self._asked_in, self._wanted = state, {}
         wanted = self._wanted
-        return any([wanted[name] if name in wanted else self._wants(name) for name in names])  # noqa: C419 - quicker
+        for name in names:
+            if wanted[name] if name in wanted else self._wants(name):
+                return True
+        return False
 
     def _wants(self, name: str) -> bool:
         """Whether a change of this wants a tick, in the state in which the nodes are."""
         looking = self.dependents.get(name, ())
-        if "*" in self.dependents and not name.startswith("#"):
-            looking = (*looking, *self.dependents["*"])
-        is_held = bool(self.held_by) and concerns(self.held_by, (name,))
-        wants = self._wanted[name] = is_held or any(each.looks and each.is_seen() for each in looking)
+        if self._of_any and not name.startswith("#"):
+            looking = (*looking, *self._of_any)
+        wants = bool(self.held_by) and concerns(self.held_by, (name,))
+        for each in () if wants else looking:
+            if each.looks and each.is_seen():
+                wants = True
+                break
+        self._wanted[name] = wants
         return wants
 
 
