@@ -40,22 +40,28 @@ def reading(program: Program, state: RunState, event: Event) -> Step:
     listening, board = state.listening, state.board
     watched = listening if type(listening) is WatchedNames else None
     trees, names = (watched.trees, watched.names) if watched is not None else ((), listening)
-    key, now = program.keys.get(name), max(at, state.at)
+    key, now = program.keys.get(name), at if at > state.at else state.at
     if key is None or name in names or "*" in names:
         return make_step(program, state, event)
     given, entry = data.get("value"), board.get(name)
     stamp = min(float(data["stamp"]), now) if "stamp" in data else float(at)
     if type_error(key, given) or (entry is not None and entry.at > stamp):
         return make_step(program, state, event)
-    looking = [each for each in trees if each[1].listens(each[2], (name,))] if trees else []
-    if len(looking) > 1 or (looking and (state.config.watchful or program.always_held)):
-        return make_step(program, state, event)
+    looking: RunningTree | None = None
+    for each in trees:
+        if each[1].listens(each[2], (name,)):
+            if looking is not None or state.config.watchful or program.always_held:
+                return make_step(program, state, event)
+            looking = each
     state.at = now
     board[name] = made = _new(Stamped, (given, stamp))
-    if not looking or watched is None:
+    if looking is None or watched is None:
         return value(state, event, (), (), ((name, given),), quiet=True)
-    is_news = is_other(value_at(key, entry, now), key, made, now)
-    return _looked_at(program, state, event, watched, looking[0], is_news=is_news)
+    if key.max_age_s is None and entry is not None:
+        is_news = not (given is entry.value or given == entry.value)
+    else:
+        is_news = is_other(value_at(key, entry, now), key, made, now)
+    return _looked_at(program, state, event, watched, looking, is_news=is_news)
 
 
 def _looked_at(

@@ -102,7 +102,10 @@ def trees_agree(tree: Any, life: Any, seed: int) -> None:
 
 
 def looking_tree(rng: random.Random, depth: int = 3) -> dict[str, Any]:
-    """A tree that looks at facts again and again: one of age, waits, deadlines, writes, and actions that run on."""
+    """A tree that looks at facts again and again: one of age, waits, deadlines, writes, and actions that run on.
+
+    Of what its leaves run some look at facts as well: an action that was done, and of which it is to be seen.
+    """
     word = rng.choice(
         ["sequence", "selector", "eternal_guard", "timeout", "inverter", "check", "act"] if depth else ["act"]
     )
@@ -117,7 +120,8 @@ def looking_tree(rng: random.Random, depth: int = 3) -> dict[str, Any]:
         return {"timeout": rng.choice([0.5, 1.5]), "child": looking_tree(rng, depth - 1)}
     if word == "inverter":
         return {"inverter": looking_tree(rng, depth - 1)}
-    leaf = rng.choice([{"action": "go"}, {"wait_s": rng.choice([0.5, 2.0])}, {"set": "n", "add": 1}])
+    settling = {"action": "go", "achieved": {"key": rng.choice(["f", "old"]), "==": True}, "settle_s": 2.0}
+    leaf = rng.choice([{"action": "go"}, settling, {"wait_s": rng.choice([0.5, 2.0])}, {"set": "n", "add": 1}])
     return {"sequence": [{"check": fact}, leaf]} if word == "act" else {"check": fact}
 
 
@@ -140,6 +144,9 @@ def looking_agree(seed: int) -> None:
     assert short.start(0.0) == long.start(0.0)
     for _ in range(25):
         at += rng.choice([0.0, 0.25, 0.25, 1.0])
+        if short.awaited and rng.random() < 0.4:
+            number = rng.choice(sorted(short.awaited))
+            agree(short, long, Event("succeeded", at, {}, "result", number))
         agree(short, long, Event(rng.choice(["f", "g", "old"]), at, {"value": rng.random() < 0.6}, "write"))
 
 

@@ -26,6 +26,8 @@ from rai_missions.states.effects import filled
 
 __all__ = ("GoalActivity", "GoalMachine")
 
+ITS_TURN = frozenset({GOALS})
+"""What a goal waits for that another one obstructs."""
 ENDS = ("failed", "canceled", "rejected")
 """How a server reports that a goal did not succeed; any other word is a failure."""
 
@@ -159,7 +161,7 @@ class GoalMachine(Machine):
 
     def reads(self, state: GoalActivity) -> frozenset[str]:
         if state.phase == "waiting":
-            return frozenset({GOALS})
+            return ITS_TURN
         if state.phase == "settling":
             return self.settling_reads
         return self.composed_reads if state.phase == "running" else NO_KEYS

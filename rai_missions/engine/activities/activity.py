@@ -130,8 +130,7 @@ class Machine(ABC):
 
     def listens(self, state: Any, names: Collection[str]) -> bool:
         """Whether it wants to be notified of one of these."""
-        watched = self.reads(state)
-        return bool(watched) and concerns(watched, names)
+        return concerns(self.reads(state), names)
 
     @abstractmethod
     def awaits(self, state: Any) -> frozenset[int]:

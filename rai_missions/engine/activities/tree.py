@@ -315,7 +315,8 @@ class TreeMachine(Machine):
     def _leaf_listens(self, state: TreeActivity, names: Collection[str]) -> bool:
         machines = self.leaf_machines
         for path, leaf in state.leaves.items():
-            if listens(machines[path].machine, leaf.state, names):
+            machine = machines[path].machine
+            if machine.reads(leaf.state) and listens(machine, leaf.state, names):
                 return True
         return False
 

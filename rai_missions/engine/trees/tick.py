@@ -75,12 +75,16 @@ class Tick:
 
     def __init__(self, on_write: Callable[[str], None] | None = None) -> None:
         self._on_write = on_write
-        self.clear()
+        self.started, self.ended, self.writes, self.published, self.trace = {}, {}, [], [], []
+        self.touched, self.waits, self.turned, self.turning = [], [], [], []
 
     def clear(self) -> None:
         """Forget what was done."""
-        self.started, self.ended, self.writes, self.published, self.trace = {}, {}, [], [], []
-        self.touched, self.waits, self.turned, self.turning = [], [], [], []
+        self.touched.clear()
+        if self.started or self.ended or self.writes or self.published or self.trace:
+            self.started, self.ended, self.writes, self.published, self.trace = {}, {}, [], [], []
+        if self.waits or self.turned or self.turning:
+            self.waits, self.turned, self.turning = [], [], []
 
     def begin(self, sight: Any, outcomes: Mapping[str, str], late_s: float = 0.0) -> None:
         """Become the next tick."""

@@ -92,13 +92,7 @@ class CompiledTicker:
         if changed is None:
             root.doubt()
         else:
-            for key in changed:
-                self._wake(key)
-            for key in self._written:
-                self._wake(key)
-            if self.timed and (state is not self._calm[0] or view.at >= self._calm[1]):
-                for node in self.timed:
-                    node.wake()
+            self._wake_all(changed, view.at)
         if self._pending:
             ends = {**self._pending, **outcomes}
         if ends:
@@ -132,6 +126,15 @@ class CompiledTicker:
             node.wake()
         if self._of_any and not key.startswith("#"):
             for node in self._of_any:
+                node.wake()
+
+    def _wake_all(self, changed: Iterable[str], at: float) -> None:
+        for key in changed:
+            self._wake(key)
+        for key in self._written:
+            self._wake(key)
+        if self.timed and (self._calm[0] is not self.shown or at >= self._calm[1]):
+            for node in self.timed:
                 node.wake()
 
     def _doubt_all(self) -> None:
@@ -253,13 +256,14 @@ class CompiledTicker:
                 memory = self._with_began(memory, sight)
             if memory is node.shown or memory == node.shown:
                 continue
-            node.shown, number = memory, node.number
-            at = number // PART
+            node.shown = memory
+            at, place = divmod(node.number, PART)
             if at not in copied:
-                parts = parts if copied else parts.copy()
+                if not copied:
+                    parts = parts.copy()
                 parts[at] = parts[at].copy()
                 copied.append(at)
-            parts[at][number % PART] = memory
+            parts[at][place] = memory
         leaves = before.leaves
         if has_run or self._pending:
             leaves = {self.nodes[number].path: Leaf(self.awaited[number].run) for number in sorted(self.awaited)}
@@ -316,7 +320,7 @@ class CompiledTicker:
         if state is not self._asked_in:
             self._asked_in, self._wanted = state, {}
         wanted = self._wanted
-        for name in names:
+        for name in names:  # noqa: SIM110 - quicker
             if wanted[name] if name in wanted else self._wants(name):
                 return True
         return False
