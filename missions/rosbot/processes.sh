@@ -4,6 +4,7 @@
 # The house as processes of their own on ROS 2: the world, and the mission as a node with the live page.
 # processes.sh [WORDS OF run…], such as: processes.sh --set task=find --set object=cup --set place=bedroom
 # WORLD="--seed 3 --option people=2" are words of the world; MISSION and ROBOT name other files.
+# VOICE="" adds ears and a voice in a process of their own, and a conversation; its value are words of `voice`.
 set -euo pipefail
 here="$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)"
 export ROS_AUTOMATIC_DISCOVERY_RANGE="${ROS_AUTOMATIC_DISCOVERY_RANGE:-LOCALHOST}"
@@ -11,19 +12,27 @@ log="$(mktemp)"
 
 read -r -a world <<<"${WORLD:-}"
 rai-missions world house --ros "${world[@]}" >"$log" 2>&1 &
-running=$!
+running=("$!")
+talk=()
 end() {
-    kill -INT "$running" 2>/dev/null || true
-    wait "$running" 2>/dev/null || true
+    kill -INT "${running[@]}" 2>/dev/null || true
+    wait "${running[@]}" 2>/dev/null || true
     rm -f "$log"
 }
 trap end EXIT
 for _ in $(seq 300); do
     if grep -q "^ready" "$log"; then break; fi
-    if ! kill -0 "$running" 2>/dev/null; then
+    if ! kill -0 "${running[0]}" 2>/dev/null; then
         cat "$log" >&2
         exit 2
     fi
     sleep 0.2
 done
-rai-missions run "${MISSION:-$here/assist.json}" --robot "${ROBOT:-$here/robot.ros2.json}" --node --watch --no-operator "$@"
+if [[ -n "${VOICE+set}" ]]; then
+    read -r -a voice <<<"$VOICE"
+    rai-missions voice --ros "${voice[@]}" &
+    running+=("$!")
+    talk=(--talk)
+fi
+rai-missions run "${MISSION:-$here/assist.json}" --robot "${ROBOT:-$here/robot.ros2.json}" --node --watch \
+    "${talk[@]:---no-operator}" "$@"

@@ -75,7 +75,7 @@ class TextToSpeech:
             self._closes = [self._sound.play(self._speaker.frame)]
             if self._hri is not None:
                 self._closes.append(self._hri.listen(self._topic, self._receive))
-                self._closes.append(self._hri.listen_to_voice_commands(self._steer))
+                self._closes.append(self._hri.listen_to_voice_commands(self.steer))
 
     def stop(self) -> None:
         """End; what was not spoken whole has failed."""
@@ -104,16 +104,17 @@ class TextToSpeech:
         """Stop now, and drop what waits; see `Speaker.silence`."""
         self._speaker.silence(is_total=is_total)
 
-    def _receive(self, message: HRIMessage) -> None:
-        if message.text:
-            self.speak(SpokenText(f"{self._topic}:{next(self._numbers)}", message.text))
-
-    def _steer(self, word: str) -> None:
+    def steer(self, word: str) -> None:
+        """Follow a word for the speaker: `play`, `pause`, `tog_play`, or `stop`, which drops what waits."""
         if word == "stop":
             self.silence()
             return
         self._is_paused = word == "pause" or (word == "tog_play" and not self._is_paused)
         STEER[self._is_paused](self._speaker)
+
+    def _receive(self, message: HRIMessage) -> None:
+        if message.text:
+            self.speak(SpokenText(f"{self._topic}:{next(self._numbers)}", message.text))
 
 
 STEER: Mapping[bool, Callable[[Speaker], Any]] = {

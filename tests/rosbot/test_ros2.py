@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import json
+import signal
 import subprocess
 import sys
 from collections.abc import Iterator, Sequence
@@ -16,11 +17,13 @@ import pytest
 from rai_missions.connectors.connector import Connector, Message
 from rai_missions.connectors.contract import Inbox
 from rai_missions.connectors.ros2 import open_connector
+from rai_missions.connectors.sound.wav import write_wav
 from rai_missions.journal import read
 from rai_missions.replay.replay import replay
 from rai_missions.worlds.house.layout import PLACES
 from tests.ros2 import load_quietly, on_ros, with_messages
 from tests.tractor.ros2_processes import PATIENCE_S, ROOT, Graph, Process, graph_in
+from tests.voice.conftest import needs_voice, quiet, spoken
 
 ROSBOT = ROOT / "missions" / "rosbot"
 MISSION, PROFILE = str(ROSBOT / "mission.json"), str(ROSBOT / "robot.ros2.json")
@@ -119,6 +122,45 @@ def test_leaving_a_state_while_it_navigates_cancels_the_goal_at_its_server(
         assert (reported["outcome"], reported["state"]) == ("aborted", "stopped")
         assert graph.goals(listener, [CANCELED])
         driven.wait(lambda all_: speed(all_[-1]) < 0.02, "the robot to stop")
+
+
+@with_nav2
+@with_messages("rai_interfaces")
+@needs_voice
+@pytest.mark.drill
+@pytest.mark.timeout(600)
+def test_a_person_speaks_with_the_robot_all_in_processes_of_their_own(
+    graph: House, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """House, mission, ears and voice are four processes; the question is answered in sound, "stop" stops the base."""
+    asked, spoken_back, profile = graph.folder / "asked.wav", graph.folder / "back.wav", graph.folder / "robot.json"
+    write_wav(asked, quiet(3.0) + spoken("Stop.", "rms") + quiet(6.0) + spoken("What are you doing?") + quiet(1.0))
+    robot = json.loads(Path(PROFILE).read_text())
+    robot["conversation"]["begins"] = "at_once"
+    del robot["identity"]
+    profile.write_text(json.dumps(robot))
+    world = graph.house("--speed", "1")
+    with graph.listener(monkeypatch) as listener:
+        driven: Inbox[Message] = Inbox(PATIENCE_S)
+        listener.subscribe("/odom", "nav_msgs/msg/Odometry", driven)
+        run = graph.start(
+            "run", str(ROSBOT / "assist.json"), "--robot", str(profile), "--node", "--talk", "--set", "task=go",
+            "--set", "place=pantry", "--journal", str(graph.journal),
+        )  # fmt: skip
+        run.wait_for("start navigate")
+        voice = graph.start("voice", str(asked), "--ros", "-o", str(spoken_back))
+        run.wait_for(r"person voice \(topic\): [Ss]top")
+        driven.wait(lambda all_: speed(all_[-1]) < 0.02, "the robot to stop")
+        assert not run.is_over, run.text + world.text
+        voice.wait_for(r"What are you doing\?")
+        voice.wait_for(r"robot \(whole\): .*paused")
+        voice.signal(signal.SIGINT)
+        assert voice.ends() == 0, voice.text
+        run.signal(signal.SIGINT)
+        assert run.ends() == 1, run.text
+    reader = graph.start("listen", str(spoken_back))
+    assert reader.ends() == 0
+    assert "paused" in reader.text, reader.text
 
 
 def speed(odometry: Message) -> float:
