@@ -1,69 +1,106 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How much of what is to be recorded may wait, by kind, in pieces and in bytes.
+"""What is to be recorded and waits, bounded by kind, in pieces and in bytes.
 
 Rule: what has no room is not kept, and is counted by the name under which it came.
+Rule: an item is a tuple of numbers and one value. In a flood the garbage collector looks at all that waits, and at no
+tuple of numbers and bytes more than once.
 """
 
 from __future__ import annotations
 
+import pickle
 import threading
-from collections import Counter
+from collections import Counter, deque
 from collections.abc import Callable
-from typing import Any, Literal, NamedTuple
+from typing import Any, Literal, NamedTuple, cast
 
-__all__ = ("Kind", "QueueBudget", "QueuedItem")
+__all__ = ("Kind", "QueuedItem", "RecordingQueue", "Route", "packed", "unpacked")
 
 Kind = Literal["message", "picture", "row"]
 MOST: dict[Kind, int] = {"message": 100_000, "picture": 20, "row": 100_000}
 """How many of a kind wait at the most. A picture may have to be rendered first, which takes its time."""
-MOST_BYTES: dict[Kind, int] = {"message": 64 << 20, "picture": 64 << 20, "row": 64 << 20}
+MOST_BYTES: dict[Kind, int] = {
+    "message": 64 << 20,
+    "picture": 64 << 20,
+    "row": 64 << 20,
+}
 
 
-class QueuedItem(NamedTuple):
-    """Something that is to be recorded."""
+class Route(NamedTuple):
+    """What becomes of items of one sort."""
 
     kind: Kind
-    name: str
-    """Under which it is counted: a topic, or a part of the mission."""
-    size: int
-    """Bytes, as far as they are known before it is written."""
-    wall: int
-    run: int
-    """When it was so, in nanoseconds: by the time of day at which it came, and by the run's clock."""
     write: Callable[..., None]
-    """Writes what is `given`, with its times; called on the recording's own thread."""
-    given: tuple[Any, ...]
+    """Writes an item's value, with its times; called on the recording's own thread."""
 
 
-class QueueBudget:
-    """How much of each kind waits; from any thread."""
+QueuedItem = tuple[int, int, int, float, str, Any]
+"""The number of its route; its bytes, as far as they are known before it is written; the time of day at which it came,
+in nanoseconds; when it was so, in seconds on the run's clock; the name under which it is counted; the value."""
 
-    def __init__(self) -> None:
-        self._lock = threading.Lock()
-        self._count: Counter[str] = Counter()
-        self._bytes: Counter[str] = Counter()
+
+class RecordingQueue:
+    """What waits; from any thread.
+
+    Args:
+        routes: What becomes of items, by number.
+    """
+
+    def __init__(self, routes: tuple[Route, ...]) -> None:
+        self.routes, self._kinds = routes, [route.kind for route in routes]
+        self._lock = threading.RLock()  # a signal may come on the thread that is putting
+        self._items: deque[QueuedItem] = deque()
+        self._is_asleep = True
+        self._count: dict[str, int] = dict.fromkeys(MOST, 0)
+        self._bytes: dict[str, int] = dict.fromkeys(MOST, 0)
         self.dropped: Counter[str] = Counter()
         """Name → how many of it found no room."""
 
-    def enter(self, item: QueuedItem) -> bool:
-        """Count an item in; False if there is no room for it."""
-        kind = item.kind
+    def put(self, item: QueuedItem) -> bool:
+        """Have an item wait, if there is room for it; whether someone must be woken to take it."""
+        kind = self._kinds[item[0]]
         with self._lock:
-            is_full = self._count[kind] >= MOST[kind] or self._bytes[kind] + item.size > MOST_BYTES[kind]
-            if is_full:
-                self.dropped[item.name] += 1
-            else:
-                self._count[kind] += 1
-                self._bytes[kind] += item.size
-        return not is_full
+            count, total = self._count[kind], self._bytes[kind] + item[1]
+            if count >= MOST[kind] or total > MOST_BYTES[kind]:
+                self.dropped[item[4]] += 1
+                return False
+            self._count[kind], self._bytes[kind] = count + 1, total
+            self._items.append(item)
+            is_first, self._is_asleep = self._is_asleep, False
+            return is_first
 
-    def leave(self, item: QueuedItem) -> None:
-        """Count an item out: it waits no longer."""
+    def take(self) -> QueuedItem | None:
+        """The item that has waited longest; None where none waits, and the next `put` reports that one does again."""
         with self._lock:
-            self._count[item.kind] -= 1
-            self._bytes[item.kind] -= item.size
+            if not self._items:
+                self._is_asleep = True
+                return None
+            item = self._items.popleft()
+            kind = self._kinds[item[0]]
+            self._count[kind] -= 1
+            self._bytes[kind] -= item[1]
+            return item
+
+    def clear(self) -> None:
+        """Let go what waits."""
+        with self._lock:
+            self._items.clear()
+            self._count, self._bytes = dict.fromkeys(MOST, 0), dict.fromkeys(MOST, 0)
 
     @property
     def is_filling(self) -> bool:
         """There is little room left: half of what may wait does. A picture takes its time, and counts for nothing."""
         return any(2 * self._count[kind] >= most for kind, most in MOST.items() if kind != "picture")
+
+
+def packed(given: tuple[Any, ...]) -> Any:
+    """Values as bytes, at which no search for garbage looks; as they are where they cannot be packed."""
+    try:
+        return pickle.dumps(given, pickle.HIGHEST_PROTOCOL)
+    except Exception:  # noqa: BLE001 - whatever a value of a robot's program raises, it is recorded as it is
+        return given
+
+
+def unpacked(given: Any) -> tuple[Any, ...]:
+    """What was `packed`."""
+    return cast("tuple[Any, ...]", pickle.loads(given) if type(given) is bytes else given)

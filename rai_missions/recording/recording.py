@@ -12,7 +12,6 @@ import threading
 import time
 from collections.abc import Callable, Iterable, Mapping
 from contextlib import suppress
-from functools import partial
 from pathlib import Path
 from typing import IO, Any, NamedTuple, Self
 
@@ -24,7 +23,7 @@ from rai_missions.journal import Blob, Journal, Raw, Record
 from rai_missions.mission.mission import Mission
 from rai_missions.recording.encoder import JOURNAL_TOPIC, TOPIC, MessageEncoder, When
 from rai_missions.recording.json_messages import call_of, image_in, report_of, status_of, without_bytes, write_of
-from rai_missions.recording.queue import Kind, QueueBudget, QueuedItem
+from rai_missions.recording.queue import QueuedItem, RecordingQueue, Route, packed, unpacked
 from rai_missions.recording.schemas import BLACKBOARD, CALL, GOAL, STATUS, Schema
 from rai_missions.redaction import logger
 from rai_missions.runtime.lifecycle import Status
@@ -38,12 +37,18 @@ FORMAT = "1"
 FLUSH_S = 1.0
 """How much a process that is killed may lose of its recording."""
 SPELL_S, REST_S = 0.002, 0.02
+"""How long the thread writes at once, and how long it rests then."""
+LATE_S, LONG_REST_S = 0.002, 0.08
+"""Where the thread comes out of its rest so late, others are at work: it rests longer, and takes 2 % of the time."""
 GATHER_S = 0.05
-"""How long the thread lets items gather where none waits."""
+"""How long the thread lets items gather before it begins."""
 PATIENCE_S = 60.0
 """How long the end waits for what is still to be written."""
 MESSAGE_BYTES = 500
 """What a message as plain data is taken to weigh; no one measures it on the robot's thread."""
+MESSAGE, PICTURE, RAW, ROW, CALLED, REPORTED, WRITTEN, STATUS_NOW = range(8)
+"""The numbers of the routes."""
+CALLS, GOALS, WRITES, STATUSES = (f"{TOPIC}{name}" for name in ("calls", "goals", "blackboard", "status"))
 
 
 class Summary(NamedTuple):
@@ -101,13 +106,24 @@ class Recording:
         self.path, self._mission, self._now = path, mission, now
         self._clean = clean or (lambda value: value)
         self._began_ns = time.time_ns() - round(now() * 1e9)
-        self._budget, self._worker = QueueBudget(), Worker("recording", on_error=self._fail)
+        self._worker = Worker("recording", on_error=self._fail)
         self._closing = threading.Event()
         self._why, self._size = "", 0
-        self._is_flush_due, self._spell = False, 0.0
+        self._is_flush_due = False
         self._journal: Path | None = None
         self._file = File(stream, profile)
         self._pen = MessageEncoder(self._file, mission)
+        self._queue = RecordingQueue((
+            Route("message", self._write_received), Route("picture", self._write_received),
+            Route("message", lambda given, when: self._pen.raw(given[0], given[1], when)),
+            Route("row", lambda given, when: self._pen.row(given[0], given[1], when)),
+            self._json(
+                CALLS, CALL, lambda service, request, seconds, *reply: call_of(service, request, Reply(*reply), seconds)
+            ),
+            self._json(GOALS, GOAL, lambda action, *report: report_of(action, Report(*report))),
+            self._json(WRITES, BLACKBOARD, write_of),
+            self._json(STATUSES, STATUS, lambda status: status_of(status, mission)),
+        ))  # fmt: skip
         words = {"format": FORMAT, "mission": mission.name, "version": mission.version, "began_ns": str(self._began_ns)}
         self._file.describe("rai_missions", {**words, **about})
         self.summary: Summary | None = None
@@ -137,36 +153,39 @@ class Recording:
     def received(self, message: Message, type_name: str) -> None:
         """A message as plain data; a picture in it is shown as one."""
         image = image_in(message.data)
-        kind: Kind = "message" if image is None else "picture"
-        size = MESSAGE_BYTES if image is None else image.width * image.height * 3
-        self._put(kind, message.topic, size, message.at, self._write_received, message, type_name)
+        given = (message, type_name)
+        if image is None:
+            self._put(MESSAGE, message.topic, MESSAGE_BYTES, message.at, given)
+        else:
+            self._put(PICTURE, message.topic, image.width * image.height * 3, message.at, given)
 
     def received_raw(self, message: RawMessage, definition: str) -> None:
         """A message of ROS as it came over the wire."""
-        self._put("message", message.topic, len(message.data), message.at, self._pen.raw, message, definition)
+        self._put(RAW, message.topic, len(message.data), message.at, (message, definition))
 
     def called(self, service: str, request: Mapping[str, Any], reply: Reply, seconds: float) -> None:
         """A service has answered, or has not."""
-        self._write("calls", CALL, None, call_of, service, request, reply, seconds)
+        given = (service, request, seconds, *reply)
+        self._put(CALLED, CALLS, MESSAGE_BYTES, None, packed(given) if image_in(reply.data) is None else given)
 
     def reported(self, action: str, report: Report) -> None:
         """An action's server has reported something of a goal."""
-        self._write("goals", GOAL, None, report_of, action, report)
+        self._put(REPORTED, GOALS, MESSAGE_BYTES, None, packed((action, *report)))
 
     def row(self, raw: Raw, blobs: Iterable[Blob]) -> None:
         """The journal has got a row."""
         kept = tuple(blobs)
         size = len(raw[2]) + sum(len(data) for _, _, data in kept)
-        self._put("row", JOURNAL_TOPIC, size, None, self._pen.row, raw, kept)
+        self._put(ROW, JOURNAL_TOPIC, size, None, (raw, kept))
 
     def step(self, step: Step) -> None:
         """A step was made: what it wrote on the blackboard, also where the journal waits for the next row."""
         for key, value in step.writes:
-            self._write("blackboard", BLACKBOARD, step.at, write_of, key, without_bytes(value), step.at)
+            self._put(WRITTEN, WRITES, MESSAGE_BYTES, step.at, packed((key, without_bytes(value), step.at)))
 
     def status(self, status: Status) -> None:
         """The run's mode, control or states have changed."""
-        self._write("status", STATUS, None, status_of, status, self._mission)
+        self._put(STATUS_NOW, STATUSES, MESSAGE_BYTES, None, (status,))
 
     def close(self, journal: Path | None = None) -> Summary:
         """Write what waits, and the end; doing so twice changes nothing.
@@ -181,7 +200,7 @@ class Recording:
             self._closing.set()
             if not self._worker.close(PATIENCE_S):
                 self._give_up(f"its end was not written within {PATIENCE_S:g} s")
-            dropped = {topic: count for topic, count in self._budget.dropped.items() if topic != JOURNAL_TOPIC}
+            dropped = {topic: count for topic, count in self._queue.dropped.items() if topic != JOURNAL_TOPIC}
             self.summary = Summary(str(self.path), self._file.messages, self._size, dropped, self._why)
             if dropped:
                 lost = ", ".join(f"{topic} {count}" for topic, count in sorted(dropped.items()))
@@ -192,60 +211,69 @@ class Recording:
         """Close it after the run's journal, if there is one."""
         self.close(journal.path if journal is not None else None)
 
-    def _write(self, name: str, schema: Schema, at: float | None, make: Callable[..., Any], *given: Any) -> None:
-        topic = TOPIC + name
-        self._put("message", topic, MESSAGE_BYTES, at, self._write_json, topic, schema, make, given)
-
-    def _put(self, kind: Kind, name: str, size: int, at: float | None, write: Callable[..., None], *given: Any) -> None:
-        """Have something written, with its times.
-
-        What waits is a tuple and no closure: in a flood the garbage collector looks at all that waits, and a closure is
-        many objects.
-        """
-        if not self._why:
-            wall = time.time_ns()
-            run_s = self._now() if at is None else at
-            run = self._began_ns + round(run_s * 1e9) if math.isfinite(run_s) else wall
-            item = QueuedItem(kind, name, size, wall, run, write, given)
-            if self._budget.enter(item) and not self._worker.post(partial(self._do, item)):
-                self._budget.leave(item)
+    def _put(self, route: int, name: str, size: int, at: float | None, given: Any) -> None:
+        """Have something written, with its times."""
+        if self._why or self._closing.is_set():
+            return
+        run_s = self._now() if at is None else at
+        if self._queue.put((route, size, time.time_ns(), run_s, name, given)):
+            self._worker.post(self._work)
 
     # -- on the recording's own thread ---------------------------------------------------------------------------------
 
-    def _do(self, item: QueuedItem) -> None:
-        """Write an item, and rest.
+    def _work(self) -> None:
+        """Write what has gathered, for a short spell at a time.
 
         Python runs one thread at a time: so this one works in short spells and rests between them, so no robot waits;
-        and where nothing waits, it lets some gather, so that one item does not wake it.
+        and where nothing waited, it lets some gather, so that one item does not wake it.
         """
-        self._budget.leave(item)
-        if self._why:
-            return
-        try:
-            item.write(*item.given, When(item.wall, item.run))
-        except OSError:
-            raise
-        except Exception:
-            self._budget.dropped[item.name] += 1
-            log.exception("a message of %s could not be recorded", item.name)
+        self._closing.wait(GATHER_S)
+        self._write_for_a_spell()
+
+    def _write_for_a_spell(self) -> None:
+        """Write until the spell is over or nothing waits; a timer of the worker may come before the next spell."""
         if not self._is_flush_due:
             self._is_flush_due = True
             self._worker.after(FLUSH_S, self._flush)
-        if not self._worker.waiting:
-            self._closing.wait(GATHER_S)
-        elif time.monotonic() < self._spell or self._budget.is_filling:
-            return
-        else:
-            self._closing.wait(REST_S)
-        self._spell = time.monotonic() + SPELL_S
+        until = time.monotonic() + SPELL_S
+        while (item := self._queue.take()) is not None:
+            self._do(item)
+            if time.monotonic() >= until and self._worker.post(self._write_for_a_spell):
+                if not self._queue.is_filling:
+                    self._rest()
+                return
 
-    def _write_received(self, message: Message, type_name: str, when: When) -> None:
+    def _rest(self) -> None:
+        begin = time.monotonic()
+        self._closing.wait(REST_S)
+        if time.monotonic() - begin > REST_S + LATE_S:
+            self._closing.wait(LONG_REST_S)
+
+    def _do(self, item: QueuedItem) -> None:
+        """Write an item."""
+        route, _, wall, run_s, name, given = item
+        if self._why:
+            return
+        run = self._began_ns + round(run_s * 1e9) if math.isfinite(run_s) else wall
+        try:
+            self._queue.routes[route].write(given, When(wall, run))
+        except OSError:
+            raise
+        except Exception:
+            self._queue.dropped[name] += 1
+            log.exception("a message of %s could not be recorded", name)
+
+    def _write_received(self, given: tuple[Message, str], when: When) -> None:
+        message, type_name = given
         self._pen.received(message._replace(data=self._clean(message.data)), type_name, when)
 
-    def _write_json(
-        self, topic: str, schema: Schema, make: Callable[..., Any], given: Iterable[Any], when: When
-    ) -> None:
-        self._pen.json(topic, schema, self._clean(make(*given)), when)
+    def _json(self, topic: str, schema: Schema, make: Callable[..., Any]) -> Route:
+        """The route of what is written as JSON on a topic of the mission's own."""
+
+        def write(given: Any, when: When) -> None:
+            self._pen.json(topic, schema, self._clean(make(*unpacked(given))), when)
+
+        return Route("message", write)
 
     def _flush(self) -> None:
         self._is_flush_due = False
@@ -253,18 +281,18 @@ class Recording:
             self._file.flush()
 
     def _finish(self) -> None:
+        while (item := self._queue.take()) is not None:
+            self._do(item)
         if self._why:
             return
         self._fill_up()
         self._file.flush()
-        self._file.describe(
-            "rai_missions/end", {"messages": self._file.messages, "dropped": dict(self._budget.dropped)}
-        )
+        self._file.describe("rai_missions/end", {"messages": self._file.messages, "dropped": dict(self._queue.dropped)})
         self._size = self._file.finish()
 
     def _fill_up(self) -> None:
         """The journal's rows that found no room."""
-        if self._journal is None or not self._budget.dropped[JOURNAL_TOPIC]:
+        if self._journal is None or not self._queue.dropped[JOURNAL_TOPIC]:
             return
         with Record(self._journal) as record:
             when = When(time.time_ns(), time.time_ns())
@@ -281,6 +309,7 @@ class Recording:
         if self._why:
             return
         self._why = why
+        self._queue.clear()
         log.warning("the recording %s stops, the mission continues: %s", self.path, why)
         with suppress(Exception):
             self._file.abandon()

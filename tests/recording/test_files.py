@@ -10,11 +10,14 @@ import sys
 import threading
 import time
 import weakref
+from collections import deque
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from rai_missions.connectors.connector import Message
 from rai_missions.engine.step import Step
@@ -26,7 +29,7 @@ from rai_missions.mission.files import dump
 from rai_missions.mission.mission import Mission
 from rai_missions.recording import Recording, check_name, journal_of
 from rai_missions.recording import queue as rooms
-from rai_missions.recording.queue import QueueBudget, QueuedItem
+from rai_missions.recording.queue import RecordingQueue, Route, packed, unpacked
 from rai_missions.runtime.clock import SimulatedClock
 from rai_missions.runtime.run_options import RunObserver
 from rai_missions.runtime.runner import Runner
@@ -197,14 +200,43 @@ def test_a_full_disk_ends_the_recording_and_not_the_mission(
 def test_so_many_of_a_kind_wait_and_the_others_are_counted(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(rooms.MOST, "message", 2)
     monkeypatch.setitem(rooms.MOST_BYTES, "picture", 100)
-    budget, message = QueueBudget(), QueuedItem("message", "/a", 1, 0, 0, print, ())
-    small, big = (QueuedItem("picture", name, size, 0, 0, print, ()) for name, size in (("/small", 100), ("/big", 101)))
-    assert [budget.enter(message) for _ in range(5)] == [True, True, False, False, False]
-    assert not budget.enter(big) and budget.enter(small)
-    assert budget.dropped == {"/a": 3, "/big": 1} and budget.is_filling
-    budget.leave(message)
-    budget.leave(small)
-    assert budget.enter(message) and budget.enter(small), "there is room again"
+    queue = RecordingQueue((Route("message", print), Route("picture", print)))
+    message, small, big = (0, 1, 0, 0.0, "/a", None), (1, 100, 0, 0.0, "/small", None), (1, 101, 0, 0.0, "/big", None)
+    for item in (message, message, message, message, message, big, small):
+        queue.put(item)
+    assert queue.dropped == {"/a": 3, "/big": 1} and queue.is_filling
+    assert [queue.take() for _ in range(4)] == [message, message, small, None]
+    queue.put(message)
+    queue.put(small)
+    assert queue.dropped == {"/a": 3, "/big": 1}, "there is room again"
+
+
+@given(st.lists(st.booleans(), max_size=60))
+def test_what_waits_comes_in_its_order_and_wakes_a_thread_that_found_nothing(puts: list[bool]) -> None:
+    queue, waiting, sleeps = RecordingQueue((Route("message", print),)), deque[Any](), True
+    for number, is_put in enumerate(puts):
+        if is_put:
+            item = (0, 1, number, 0.0, "/a", None)
+            assert queue.put(item) == sleeps
+            waiting.append(item)
+            sleeps = False
+        else:
+            sleeps = sleeps or not waiting
+            assert queue.take() == (waiting.popleft() if waiting else None)
+
+
+plain_values = st.recursive(
+    st.none() | st.booleans() | st.integers() | st.floats(allow_nan=False) | st.text() | st.binary(),
+    lambda inside: st.lists(inside, max_size=3) | st.dictionaries(st.text(max_size=3), inside, max_size=3),
+    max_leaves=8,
+)
+
+
+@given(st.lists(plain_values, max_size=4))
+def test_what_waits_is_what_was_given_also_where_it_cannot_be_packed(values: list[Any]) -> None:
+    unpackable = threading.Lock()
+    assert unpacked(packed(tuple(values))) == tuple(values)
+    assert unpacked(packed((*values, unpackable))) == (*values, unpackable)
 
 
 def test_a_picture_that_takes_long_holds_up_no_one_and_what_is_dropped_is_reported(
