@@ -9,6 +9,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Field, model_validator
 
+from rai_missions.campaign.scene_spec import scene_spec
 from rai_missions.campaign.store import SceneRecord
 from rai_missions.model import Integer, Json, MissionModel, Name, Text, fault
 
@@ -87,7 +88,7 @@ class ScenesEntry(MissionModel):
     def _made(
         self, scene: str, kind: str, seed: int, split: str, options: Any, later: Mapping[str, Any] | None = None
     ) -> SceneRecord:  # fmt: skip
-        spec = {"world": self.world, "options": options, **({"later": later} if later else {})}
+        spec = scene_spec(self.world, options, later or {})
         return SceneRecord(scene, self.world, kind, seed, split, json.dumps(spec, sort_keys=True))
 
 

@@ -13,6 +13,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, Literal
 
+from rai_missions.campaign.scene_spec import scene_spec
 from rai_missions.errors import UsageError
 from rai_missions.worlds.house.scene_cases import scene_options as house_scene
 from rai_missions.worlds.orchard.scene_cases import scene_options as orchard_scene
@@ -40,7 +41,7 @@ class CampaignScene:
     seed: int
     split: Split
     spec: Mapping[str, Any]
-    """JSON: `world`, `options` with which `open_world` builds it, and `later` where someone answers later questions."""
+    """As `scene_spec` makes it."""
 
 
 def split_of(seed: int) -> Split:
@@ -62,8 +63,7 @@ def scene(world: str, seed: int) -> CampaignScene:
     kind, options, later = GENERATORS[world](seed)
     named = json.dumps({**options, "seed": 0}, sort_keys=True, separators=(",", ":"))
     name = f"{world}-{hashlib.sha256(named.encode()).hexdigest()[:12]}"
-    spec = {"world": world, "options": options, **({"later": later} if later else {})}
-    return CampaignScene(name, world, kind, seed, split_of(seed), spec)
+    return CampaignScene(name, world, kind, seed, split_of(seed), scene_spec(world, options, later))
 
 
 def scenes(world: str, count: int, first_seed: int = 0) -> tuple[CampaignScene, ...]:

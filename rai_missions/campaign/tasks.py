@@ -21,6 +21,7 @@ from rai_missions.campaign.file import load_campaign
 from rai_missions.campaign.models import CampaignModels
 from rai_missions.campaign.questions import AskedScene, NoQuestion, ask_in
 from rai_missions.campaign.rollout import answers_of, rollouts
+from rai_missions.campaign.scene_spec import later_of
 from rai_missions.campaign.store import CellRecord, LabelRecord, PictureRecord, QuestionRecord, ResultStore, SceneRecord
 from rai_missions.errors import MissionError, UsageError
 from rai_missions.redaction import cut, first_line
@@ -133,7 +134,7 @@ class Workplace:
         if self._asking.file.labels != "rollouts" or asked.decision is None:
             return
         wanted = self._asking.file.rollouts
-        later = {**wanted.later, **json.loads(asked.scene.spec).get("later", {})}
+        later = {**wanted.later, **later_of(asked.scene.spec)}
         try:
             found = rollouts(
                 asked.decision, self._subject.options, later=answers_of(later, self._subject.mission),

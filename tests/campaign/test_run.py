@@ -77,6 +77,29 @@ def test_every_cell_has_its_answer_and_its_verdict(tmp_path: Path) -> None:
     assert [scene.kind for scene in scenes] == ["even", "odd"]
 
 
+def test_who_answers_later_questions_is_a_scene_s_own_over_what_the_campaign_has(tmp_path: Path) -> None:
+    path, store = write_campaign(tmp_path, campaign_data(3)), tmp_path / "results.db"
+    mission, data = json.loads((tmp_path / "mission.json").read_text()), json.loads(path.read_text())
+    mission["states"]["choosing"]["transitions"] = [{"on": ["left", "right", "wait"], "to": "checking"}]
+    mission["states"]["checking"] = {
+        "decision": {
+            "question": "Was it right?", "options": {"yes": {"about": "it was"}, "no": {"about": "it was not"}},
+            "ask": ["operator"], "deadline_s": 5, "fallback": "no",
+        },
+        "transitions": [{"on": "yes", "to": "right"}, {"on": "no", "to": "ended"}],
+    }  # fmt: skip
+    mission["states"]["right"] = {"final": "aborted"}
+    data |= {"labels": "rollouts", "rollouts": {"longest_s": 3.0, "later": {"operator": {"checking": "no"}}}}
+    data["scenes"]["given"][1]["later"] = {"operator": {"checking": "yes"}}
+    data["scenes"]["given"][2]["later"] = {"agent": {"choosing": "left"}}
+    (tmp_path / "mission.json").write_text(json.dumps(mission))
+    path.write_text(json.dumps(data))
+    ran(path, store, labels_alone=True)
+    with ResultStore(store) as opened:
+        ends = {(each.scene, *json.loads(each.details)["states"]) for each in opened.label_records()}
+    assert ends == {("s0", "ended"), ("s1", "right"), ("s2", "ended")}
+
+
 def test_what_the_rules_do_not_offer_is_refused_and_a_silent_script_gives_no_answer(tmp_path: Path) -> None:
     scripts = {"deep": {"*": "right"}, "mute": {"*": None}, "liar": {"*": {"option": "fly", "why": "I can"}}}
     data = campaign_data(1, models=[*scripts, "oracle"], scripts=scripts, arguments={"depth": 7}, orders=["written"])
