@@ -101,7 +101,7 @@ def test_what_a_beam_ends_at_is_in_the_way_until_a_beam_passes_it() -> None:
     grid.look(here, *scan(math.inf))
     assert math.isfinite(grid.cost[ahead])
     grid.look(here, *scan(1.0))
-    grid.clear()
+    grid.clear(here)
     assert math.isfinite(grid.cost[ahead])
 
 

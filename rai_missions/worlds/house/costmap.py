@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the navigation knows of the house: the map that it was given, and what its lidar has seen since.
+"""What the navigation knows of the house: the map that it was given, and what its lidar and depth camera saw since.
 
-Rule: the map does not know the crates; a blocked door is found out by looking.
+Rule: the map does not know the crates; a blocked door is found out by looking. What the lidar looks over has a layer of
+its own: no beam of the lidar clears it, only floor that the depth camera sees there.
 """
 
 from __future__ import annotations
@@ -22,7 +23,14 @@ SEES_M = 3.5
 KEEP_M = 0.2
 """How far the robot keeps from things if it can, beyond its own radius."""
 
+LOW_KEEP_M = 0.1
+"""How far the robot must keep from what is low, beyond its own radius: it may be a person."""
+REMEMBERED_M = 1.0
+"""What is low and nearer than this is not forgotten."""
+
 Grid = NDArray[np.bool_]
+Points = NDArray[np.float64]
+"""(n, 2): x and y in m."""
 
 
 class Costmap:
@@ -34,7 +42,9 @@ class Costmap:
         self._x, self._y = (columns + 0.5) * CELL_M, (rows + 0.5) * CELL_M
         self._map = self._drawn()
         self._seen: Grid = np.zeros(self.shape, bool)
+        self._low: Grid = np.zeros(self.shape, bool)
         self._near, self._wide = _disc(RADIUS_M), _disc(RADIUS_M + KEEP_M)
+        self._around_low = _disc(RADIUS_M + LOW_KEEP_M)
         self._cost: NDArray[np.float64] | None = None
         self._map_blocked = _grown(self._map, self._near)
 
@@ -70,25 +80,58 @@ class Costmap:
         self._seen[rows, columns] = True
         self._cost = None
 
-    def clear(self) -> None:
-        """Forget what was seen."""
-        self._seen[:] = False
+    def look_down(self, floor: Points, low: Points) -> None:
+        """Enter what the depth camera sees below the lidar's plane.
+
+        Args:
+            floor: Where the floor is free, on the map.
+            low: Where something is on it.
+        """
+        rows, columns = self._cells_of(floor)
+        self._low[rows, columns] = False
+        rows, columns = self._cells_of(low)
+        self._low[rows, columns] = True
         self._cost = None
+
+    def clear(self, place: tuple[float, float]) -> None:
+        """Forget what was seen, but what is low and near: the camera may look elsewhere.
+
+        Args:
+            place: Of the robot.
+        """
+        self._seen[:] = False
+        self._low &= np.hypot(self._x - place[0], self._y - place[1]) < REMEMBERED_M
+        self._cost = None
+
+    def low_near(self, place: tuple[float, float], direction: float) -> float:
+        """How far it is to what is low, in m; infinite where nothing is.
+
+        Args:
+            place: From where.
+            direction: Of the map; half a radian to each side counts.
+        """
+        rows, columns = np.nonzero(self._low)
+        x, y = (columns + 0.5) * CELL_M - place[0], (rows + 0.5) * CELL_M - place[1]
+        aside = np.abs((np.arctan2(y, x) - direction + math.pi) % (2 * math.pi) - math.pi)
+        return float(np.hypot(x, y)[aside < 0.5].min(initial=math.inf))
 
     @property
     def cost(self) -> NDArray[np.float64]:
         """What a step onto each cell costs, 1 in the open; infinite where the robot would touch something."""
         if self._cost is None:
-            occupied = self._map | self._seen
+            occupied = self._map | self._seen | self._low
             cost = np.where(_grown(occupied, self._wide), 4.0, 1.0)
-            self._cost = np.where(_grown(occupied, self._near), np.inf, cost)
+            touches = _grown(occupied, self._near) | _grown(self._low, self._around_low)
+            self._cost = np.where(touches, np.inf, cost)
         return self._cost
 
     def _cells(
         self, place: tuple[float, float], angles: NDArray[np.float64], far: NDArray[np.float64]
     ) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-        columns = np.floor((place[0] + np.cos(angles) * far) / CELL_M).astype(np.int64)
-        rows = np.floor((place[1] + np.sin(angles) * far) / CELL_M).astype(np.int64)
+        return self._cells_of(np.stack([place[0] + np.cos(angles) * far, place[1] + np.sin(angles) * far], -1))
+
+    def _cells_of(self, points: Points) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+        columns, rows = np.floor(points / CELL_M).astype(np.int64).T
         return np.clip(rows, 0, self.shape[0] - 1), np.clip(columns, 0, self.shape[1] - 1)
 
     def _drawn(self) -> Grid:

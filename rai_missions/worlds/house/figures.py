@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """The things of a household as MuJoCo geoms: what they look like, and which of them the lidar meets.
 
-Rule: geoms of group 1 are met by the lidar and by the robot; those of group 2 are only seen.
+Rule: geoms of group 1 are met by the lidar and by the robot; those of group 2 are only seen; those of group 4 are met
+by the robot and by the rays of its depth camera, since the lidar looks over them.
 """
 
 from __future__ import annotations
@@ -15,6 +16,7 @@ __all__ = ("COLOURS", "FIGURES", "LOOKALIKES", "Figure", "figure", "person", "pe
 
 SEEN = 'contype="0" conaffinity="0" group="2"'
 SOLID = 'group="1"'
+LOW = 'group="4"'
 COLOURS: Mapping[str, str] = {
     "red": ".8 .1 .1", "green": ".1 .5 .2", "blue": ".1 .2 .7", "yellow": ".9 .75 .1", "white": ".93 .93 .9",
     "brown": ".45 .28 .15",
@@ -104,7 +106,7 @@ def person(name: str, number: int, place: tuple[float, float], *, lies: bool = F
         name: Of the body.
         number: Chooses the colour of the clothes.
         place: Where they are at first, m.
-        lies: On the back, lower than the lidar looks; the robot meets the body, the lidar does not.
+        lies: On the back, lower than the lidar looks; the robot and its depth camera meet the body, the lidar does not.
     """
     parts = {
         "skin": ".86 .66 .53 1", "vest": CLOTHES[number % len(CLOTHES)], "hair": ".2 .12 .07 1",
@@ -114,7 +116,7 @@ def person(name: str, number: int, place: tuple[float, float], *, lies: bool = F
     solid = f'<geom type="cylinder" pos="0 0 .45" size=".17 .45" rgba="{HARDLY_SEEN}" {SOLID}/>'
     if lies:
         seen = f'<frame pos=".85 0 .12" euler="0 -90 0">{seen}</frame>'
-        solid = f'<geom type="capsule" fromto="-.8 0 .1 .7 0 .1" size=".1" rgba="{HARDLY_SEEN}" group="2"/>'
+        solid = f'<geom type="capsule" fromto="-.8 0 .1 .7 0 .1" size=".1" rgba="{HARDLY_SEEN}" {LOW}/>'
     return f'<body name="{name}" mocap="true" pos="{place[0]:.3f} {place[1]:.3f} 0">{seen}{solid}</body>'
 
 

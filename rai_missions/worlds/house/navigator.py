@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The navigation: plans a way, follows it, plans again when it is blocked, and recovers until it gives up.
 
-Rule: it knows the map and what the lidar saw, and nothing else of the house.
+Rule: it knows the map and what lidar and depth camera saw, and nothing else of the house.
 """
 
 from __future__ import annotations
@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from rai_missions.worlds.house.costmap import CELL_M, Costmap
 from rai_missions.worlds.house.layout import NamedPose
+from rai_missions.worlds.house.low_scan import LowPoints
 from rai_missions.worlds.house.planner import plan
 from rai_missions.worlds.house.recovery import Recovery, sort_of
 from rai_missions.worlds.house.rosbot import FASTEST_MPS, RobotPose
@@ -29,6 +30,10 @@ PLAN_S, PATIENCE_S = 3.0, 10.0
 """How often it plans again, and how long it may take to come 0.2 m nearer."""
 TOUCH_M = 0.22
 """So near ahead of the lidar nothing may be."""
+LOW_STOP_M = 0.38
+"""So near ahead what is low may be a person: the robot may turn, and drives on when it looks elsewhere."""
+HIDDEN_M, BEAM_RAD = 0.06, 0.03
+"""How much nearer than the lidar sees a low point must be, in beams so near it: else the lidar sees that thing, too."""
 
 Outcome = Literal["", "arrived", "failed"]
 
@@ -52,7 +57,8 @@ class Navigator:
         self._way: list[tuple[float, float]] = []
         self._recovery: Recovery | None = None
         self._turns = False
-        self._ahead_m = self._behind_m = math.inf
+        self._ahead_m = self._behind_m = self._low_ahead_m = math.inf
+        self._place = (0.0, 0.0)
         self._next_plan = self._best_at = 0.0
         self._best_m = math.inf
 
@@ -89,19 +95,27 @@ class Navigator:
         self.outcome, self.why, self.error = "failed", why, error
 
     def see(
-        self, place: tuple[float, float], heading: float, angles: NDArray[np.float64], ranges: NDArray[np.float64]
-    ) -> None:
-        """Take in a scan.
+        self, place: tuple[float, float], heading: float, angles: NDArray[np.float64], ranges: NDArray[np.float64],
+        below: LowPoints | None = None,
+    ) -> None:  # fmt: skip
+        """Take in a scan, and what is below it.
 
         Args:
             place: Of the lidar.
             heading: Of the robot.
             angles: Of the beams, from straight ahead.
             ranges: Metres.
+            below: From the lidar's place.
         """
+        self._place = place
         self.costmap.look(place, angles + heading, ranges)
-        self._ahead_m = float(ranges[np.abs(angles) < 0.5].min())
-        self._behind_m = float(ranges[np.abs(angles) > math.pi - 0.5].min())
+        if below is not None:
+            low = below.low[_unseen(below.low, angles, ranges)]
+            self.costmap.look_down(_on_map(below.floor, place, heading), _on_map(low, place, heading))
+        self._low_ahead_m = self.costmap.low_near(place, heading)
+        self._ahead_m = min(float(ranges[np.abs(angles) < 0.5].min()), self._low_ahead_m)
+        low_behind_m = self.costmap.low_near(place, heading + math.pi)
+        self._behind_m = min(float(ranges[np.abs(angles) > math.pi - 0.5].min()), low_behind_m)
         if any(math.isinf(self.costmap.cost[self.costmap.cell(*point)]) for point in self._way[3:]):
             self._next_plan = 0.0
 
@@ -142,7 +156,7 @@ class Navigator:
         sort = sort_of(self.recoveries)
         self.recoveries += 1
         if sort == "clear":
-            self.costmap.clear()
+            self.costmap.clear(self._place)
         self._recovery, self._way = Recovery(sort, at), []
         return self._recovery.command(self._behind_m)
 
@@ -167,7 +181,7 @@ class Navigator:
     def _follow(self, pose: RobotPose, left: float) -> tuple[float, float]:
         aside = self._aim(pose)
         speed = FASTEST_MPS * max(0.0, math.cos(aside)) ** 2 * min(1.0, left / 0.3 + 0.1)
-        return speed, 2.5 * aside
+        return speed if self._low_ahead_m > LOW_STOP_M else 0.0, 2.5 * aside
 
     def _turn(self, pose: RobotPose) -> tuple[float, float]:
         assert self.goal is not None
@@ -179,6 +193,21 @@ class Navigator:
             self.stop()
             self.outcome = "arrived"
         return 0.0, 0.0
+
+
+def _unseen(points: NDArray[np.float64], angles: NDArray[np.float64], ranges: NDArray[np.float64]) -> NDArray[np.bool_]:
+    """Which points the lidar looks over."""
+    bearings = np.arctan2(points[:, 1], points[:, 0])
+    is_near = np.abs(angles[None, :] - bearings[:, None]) < BEAM_RAD
+    nearest = np.where(is_near, ranges[None, :], np.inf).min(axis=1)
+    hidden: NDArray[np.bool_] = np.hypot(points[:, 0], points[:, 1]) < nearest - HIDDEN_M
+    return hidden
+
+
+def _on_map(points: NDArray[np.float64], place: tuple[float, float], heading: float) -> NDArray[np.float64]:
+    cos, sin = math.cos(heading), math.sin(heading)
+    turned: NDArray[np.float64] = points @ np.array([[cos, sin], [-sin, cos]])
+    return turned + place
 
 
 def _wrapped(angle: float) -> float:

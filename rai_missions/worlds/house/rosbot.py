@@ -11,7 +11,8 @@ import numpy as np
 from rai_missions.worlds.house.layout import NamedPose
 
 __all__ = (
-    "ACTUATORS", "BODY_M", "CAMERA_AT", "CAMERA_FOVY_DEG", "CAMERA_PITCH", "RADIUS_M", "RobotPose", "Rosbot", "body",
+    "ACTUATORS", "BODY_M", "CAMERA_AT", "CAMERA_FOVY_DEG", "CAMERA_PITCH", "LIDAR_AT", "RADIUS_M", "RobotPose",
+    "Rosbot", "body",
 )  # fmt: skip
 
 WHEEL_M, TRACK_M = 0.048, 0.27
@@ -27,6 +28,8 @@ BODY_M = 0.048
 """How high the body's origin is when it stands on its wheels."""
 CAMERA_AT = 0.14, 0.15
 """Where the camera is: m ahead of the body's origin, and above it."""
+LIDAR_AT = -0.02, 0.175
+"""Where the lidar is, in the same way."""
 CAMERA_PITCH, CAMERA_FOVY_DEG = 0.1, 58
 """How far it looks up (rad), so that it sees what is on a table, and how high its picture is."""
 GHOST = 'contype="0" conaffinity="0" mass=".01"'
@@ -63,7 +66,7 @@ def body(start: NamedPose) -> str:
 <geom type="cylinder" size=".038 .02" pos="-.02 0 .165" rgba=".05 .05 .05 1" group="2" {GHOST}/>
 <geom type="cylinder" size=".012 .03" pos="-.02 0 .12" rgba=".3 .3 .3 1" group="2" {GHOST}/>
 <geom type="box" size=".012 .045 .012" pos=".12 0 .15" rgba=".6 .6 .62 1" group="2" {GHOST}/>
-<site name="laser" pos="-.02 0 .175"/>
+<site name="laser" pos="{LIDAR_AT[0]} 0 {LIDAR_AT[1]}"/>
 <camera name="front" pos="{CAMERA_AT[0]} 0 {CAMERA_AT[1]}" xyaxes="0 -1 0 {-math.tan(CAMERA_PITCH):.4f} 0 1"
  fovy="{CAMERA_FOVY_DEG}"/>{wheels}</body>"""
 

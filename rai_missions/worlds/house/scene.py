@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """The house as one MuJoCo model: floor, walls, furniture, objects, people, crates that may block doorways, the robot.
 
-Geom groups: 0 the floor, 1 whatever the lidar sees, 2 the robot, objects and people as they are seen, and 3 the
-wheels as they collide.
+Geom groups: 0 the floor, 1 whatever the lidar sees, 2 the robot, objects and people as they are seen, 3 the wheels as
+they collide, and 4 who lies on the floor, as they collide.
 """
 
 from __future__ import annotations

@@ -24,6 +24,7 @@ from rai_missions.worlds.house.figures import COLOURS, LOOKALIKES
 from rai_missions.worlds.house.harm_judge import HouseJudge
 from rai_missions.worlds.house.layout import DOORS, PLACES, ROOMS
 from rai_missions.worlds.house.lidar import Lidar
+from rai_missions.worlds.house.low_scan import LowScan
 from rai_missions.worlds.house.navigator import Navigator
 from rai_missions.worlds.house.objects import Objects, place_objects
 from rai_missions.worlds.house.people import People, residents
@@ -105,7 +106,7 @@ class House(Simulation):
         seer = OpenSetDetector(self._things(), errors, seed, lookalikes, COLOURS) if detects else None
         self.vision = Vision(self.camera, seer, seed, self._since) if self.camera is not None else None
         self._speech = sentences(speech)
-        self._lidar = Lidar(self.model, self.data, seed)
+        self._lidar, self._low_scan = Lidar(self.model, self.data, seed), LowScan(self.model, self.data, seed)
         self._servers: dict[tuple[str, str], NavigateToPose | DockRobot | Wait] = {
             NAVIGATE: NavigateToPose(self.navigator, outbox.add, start_s),
             DOCK: DockRobot(self.navigator, outbox.add, start_s),
@@ -167,7 +168,9 @@ class House(Simulation):
 
     def _scan(self) -> None:
         ranges = self._lidar.scan()
-        self.navigator.see(self._lidar.place, self.pose.heading, self._lidar.angles, ranges)
+        self.navigator.see(
+            self._lidar.place, self.pose.heading, self._lidar.angles, ranges, self._low_scan.look()
+        )  # fmt: skip
         self._outbox.publish("scan", interface.laser_scan(ranges, self.at, FAST * self.period_s))
 
     def _drive(self) -> None:
