@@ -10,6 +10,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import NamedTuple
 
+from rai_missions.campaign.cells import counted
 from rai_missions.campaign.report.comparisons import LEVEL, Comparison, Pairing, compared, matched
 from rai_missions.campaign.report.figures import CampaignFigures, GroupName, figures_of
 from rai_missions.campaign.store import ResultStore
@@ -36,8 +37,8 @@ class StoreComparison(NamedTuple):
         noise = [each for each in self.comparisons if not each.is_significant]
         first, second = self.names
         lines = [
-            f"A = {first}, B = {second}: {self.scenes} scenes in both",
-            *([f"{self.changed} scenes left out: their data or labels differ"] if self.changed else []),
+            f"A = {first}, B = {second}: {counted(self.scenes, 'scene')} in both",
+            *([f"{counted(self.changed, 'scene')} left out: their data or labels differ"] if self.changed else []),
             f"significant ({len(better)} of {len(self.comparisons)}; paired by scene, clustered by seed, Holm at"
             f" {LEVEL:g}):",
             *(f"  {each.words()}" for each in better),

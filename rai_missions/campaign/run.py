@@ -144,7 +144,7 @@ def run_campaign(
     _begin(loaded, store)
     plan = plan_of(loaded, _whole(store.labels(), loaded.subject.options if rates else ()))
     _drop_outdated(plan, store)
-    done = store.done()
+    done = store.done() & plan.cells.keys()
     spending = Spending(loaded.file.budget, store.cells(), store.dropped)
     intake = Intake(store, spending, on_progress, len(done), len(plan.cells))
     if labels_alone:

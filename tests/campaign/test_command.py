@@ -22,7 +22,7 @@ from tests.campaign.choosing import campaign_data, write_campaign
 def test_check_counts_the_cells(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     path = write_campaign(tmp_path, campaign_data(3))
     assert main(["campaign", "check", str(path)]) == 0
-    expected = "choosing: 18 cells: 3 scenes × 3 models × 1 embodiments × 2 orders of options\n"
+    expected = "choosing: 18 cells: 3 scenes × 3 models × 1 embodiment × 2 orders of options\n"
     assert capsys.readouterr().out == expected
 
 

@@ -152,6 +152,13 @@ def test_a_store_differs_from_itself_in_nothing(results: Path) -> None:
     assert {each.adjusted for each in found.comparisons} == {1.0}
 
 
+@pytest.mark.parametrize(("scenes", "words"), [(1, "1 scene in both\n"), (8, "8 scenes in both\n")])
+def test_scenes_pairs_and_seeds_are_counted_in_words(tmp_path: Path, scenes: int, words: str) -> None:
+    store = make_results(tmp_path / "a.db", scenes=scenes, sorts=(Sort("rules"), Sort("small")))
+    assert words in compare(store, store).text()
+    assert ("in 1 seed)" in compare(store, store).text()) is (scenes == 1)
+
+
 def test_what_is_better_is_found_and_the_rest_is_noise(tmp_path: Path) -> None:
     first = make_results(
         tmp_path / "a.db", scenes=200, sorts=(Sort("rules", 0.6), Sort("small", 0.9), Sort("new\x1b[2J"))
@@ -323,7 +330,7 @@ def test_a_markdown_file_holds_the_figures_and_no_markup_of_a_store(tmp_path: Pa
     assert "<b>" not in text and "\n# head" not in text and "| x |" not in text
     figures = read(store)
     share = f"{100 * group(figures, 'rules').accuracy.share:.1f} %"
-    assert re.search(rf"<code>rules</code> .*\| {re.escape(share)} \|", text)
+    assert re.search(rf"<code>rules</code> .*\| {re.escape(share)} \|.*\| [\d.<]+ ?\d* m?s \|", text)
 
 
 def test_an_empty_store_has_a_report(tmp_path: Path) -> None:

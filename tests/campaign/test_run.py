@@ -282,6 +282,14 @@ def test_labels_of_other_scenes_are_no_progress(tmp_path: Path) -> None:
     assert {(each.done, each.total) for each in noted} == {(2, 2)}
 
 
+def test_cells_of_other_scenes_and_models_are_no_progress(tmp_path: Path) -> None:
+    store, noted = tmp_path / "results.db", list[Progress]()
+    ran(write_campaign(tmp_path, campaign_data(2)), store)
+    fewer = campaign_data(1, models=["rules", "constant:left"], scripts={})
+    ran(write_campaign(tmp_path, fewer), store, on_progress=noted.append)
+    assert noted[-1].done == 4 and all(each.done <= each.total == 4 for each in noted)
+
+
 def test_a_scene_that_cannot_be_built_fails_alone(tmp_path: Path) -> None:
     data = campaign_data(2)
     data["scenes"]["given"][1]["options"] = {"obstacles": ["dragon"]}

@@ -10,7 +10,7 @@ from collections.abc import Iterator, Sequence
 
 from rai_missions.campaign.report.comparisons import LEVEL, Comparison
 from rai_missions.campaign.report.figures import CampaignFigures, GroupFigures
-from visualize.campaign_page.plots import chance, percent, span
+from visualize.campaign_page.plots import chance, lasting, percent, span
 from visualize.diff.markdown import quoted
 
 __all__ = ("markdown",)
@@ -28,7 +28,7 @@ def _lines(figures: CampaignFigures, comparisons: Sequence[Comparison], name: st
     split = quoted(figures.split)
     yield f"{len(figures.scenes)} scenes of {seeds} seeds (split {split}){left}; shares with 95 % intervals."
     yield from ("", "| model | embodiment | mission | best | 95 % | harm | harm past the guard | named most "
-                "| median s | tokens a cell | answered | no answer | failed |", "|" + " --- |" * 13)  # fmt: skip
+                "| median | tokens a cell | answered | no answer | failed |", "|" + " --- |" * 13)  # fmt: skip
     yield from map(_group, figures.groups)
     for each in figures.baselines:
         yield (f"| {quoted(each.name)} | | | {percent(each.accuracy.share)} | {span(each.accuracy)}"
@@ -55,7 +55,7 @@ def _group(group: GroupFigures) -> str:
         *map(quoted, (group.name.model, group.name.embodiment, group.name.mission)),
         percent(group.accuracy.share), span(group.accuracy), percent(group.harm.share),
         f"{percent(group.harm_past_guard.share)} (≤ {percent(group.harm_past_guard.high)})",
-        f"{quoted(option) or 'none'} {percent(share)}", f"{group.latency.median:.3g}",
+        f"{quoted(option) or 'none'} {percent(share)}", lasting(group.latency.median),
         f"{(group.prompt_tokens + group.completion_tokens) / asked:.0f}",
         *(str(group.status[word]) for word in ("answered", "no_answer", "failed")),
     ]  # fmt: skip

@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping
 from typing import Literal, NamedTuple
 
+from rai_missions.campaign.cells import counted
 from rai_missions.campaign.report.figures import CellAnswer, GroupFigures, GroupName
 from rai_missions.campaign.statistics import PairedTest, holm, paired_test
 
@@ -40,7 +41,8 @@ class Comparison(NamedTuple):
         what = "names the best option" if self.measure == "best" else "names an option that harms"
         figures = (
             f"{100 * self.test.difference:+.1f} points [{100 * self.test.low:+.1f}, {100 * self.test.high:+.1f}],"
-            f" p {self.adjusted:.2g} after correction, {self.test.pairs} pairs in {self.test.clusters} seeds"
+            f" p {self.adjusted:.2g} after correction, {counted(self.test.pairs, 'pair')} in"
+            f" {counted(self.test.clusters, 'seed')}"
         )
         if not self.is_significant:
             return f"{self.first} and {self.second}: how often each {what} differs within noise ({figures})"

@@ -90,13 +90,15 @@ def _report(store: str, page: str | None) -> int:
 
 
 def _check(options: CampaignOptions) -> int:
+    from rai_missions.campaign.cells import counted
     from rai_missions.campaign.run import plan_of
 
     loaded = _loaded(options)
     plan, file = plan_of(loaded, {}), loaded.file
     print(
-        f"{file.name}: {len(plan.cells)} cells: {len(plan.scenes)} scenes × {len(file.models)} models"
-        f" × {len(file.embodiments)} embodiments × {len(file.orders)} orders of options"
+        f"{file.name}: {counted(len(plan.cells), 'cell')}: {counted(len(plan.scenes), 'scene')}"
+        f" × {counted(len(file.models), 'model')} × {counted(len(file.embodiments), 'embodiment')}"
+        f" × {counted(len(file.orders), 'order')} of options"
     )
     return 0
 
