@@ -103,6 +103,15 @@ def test_the_report_is_accessible_and_fits_its_window(opened: Open, page: bytes,
     assert_accessible(window)
 
 
+@pytest.mark.parametrize("width", [1000, 1400])
+def test_every_table_fits_its_card(opened: Open, tmp_path: Path, width: int) -> None:
+    store = make_results(tmp_path / "a.db", scenes=20, sorts=SORTS)
+    window = opened(write_report(store, tmp_path / "a.html")[0].read_bytes(), viewport={"width": width, "height": 900})
+    boxes = "[...document.querySelectorAll('.scroll')].map((each) => [each.scrollWidth, each.clientWidth])"
+    wide = window.evaluate(boxes)
+    assert len(wide) > 3 and all(content <= box for content, box in wide)
+
+
 def test_the_figures_are_there_without_a_script(browser: Any, page: bytes, tmp_path: Path) -> None:
     path = tmp_path / "page.html"
     path.write_bytes(page)
