@@ -29,11 +29,14 @@ from rai_missions.connectors.connector import Message
 from rai_missions.connectors.sound.connector import RATE_HZ, SILENCE, SoundFrame
 from rai_missions.connectors.sound.room import RoomSound
 from rai_missions.engine.step import Step
+from rai_missions.mission.files import load
 from rai_missions.voice.voices.flite import Flite
 
 HOUSE = Path(__file__).parents[1] / "missions/rosbot"
 SPEAKERS = ("slt", "rms", "awb")
 QUESTIONS = ("What are you doing?", "How far are you?", "What is the battery level?", "Why did you stop?")
+ROUNDS = 20
+"""How often the patrol visits its waypoints: it lasts longer than any section."""
 DRIVES_MPS, STILL_MPS = 0.2, 0.02
 
 
@@ -112,9 +115,13 @@ def wait_for(holds: Callable[[], bool], within_s: float = 60.0) -> bool:
 def talking(model: BaseChatModel | None = None) -> Iterator[Talk]:
     agent = ConversationalAgent(model=TalkModel(model) if model is not None else None)
     talk = Talk(agent)
+    mission = load(HOUSE / "mission.json")
+    waypoints = mission.blackboard["waypoints"].initial
+    assert isinstance(waypoints, Sequence)
     config = RunConfig(
-        HOUSE / "mission.json", HOUSE / "robot.sim.json", speed=1.0, on_step=talk.step, on_status=agent.changed
-    )
+        mission, HOUSE / "robot.sim.json", arguments={"waypoints": [*waypoints] * ROUNDS}, speed=1.0,
+        on_step=talk.step, on_status=agent.changed,
+    )  # fmt: skip
     with prepare(config) as prepared:
         agent.attach(prepared.runner, prepared.journal)
         agent.run()
@@ -162,10 +169,12 @@ def filler(count: int) -> None:
 
 
 def stop(count: int) -> None:
-    words, steps, stills, missed = list[float](), list[float](), list[float](), 0
+    words, steps, stills, missed, stood = list[float](), list[float](), list[float](), 0, 0
     with talking() as talk:
         for number in range(count):
-            wait_for(lambda: talk.speed > DRIVES_MPS)
+            if not wait_for(lambda: talk.speed > DRIVES_MPS):
+                stood += 1
+                continue
             end = talk.speak("Stop.", SPEAKERS[number % len(SPEAKERS)])
             if talk.stepped.wait(10.0) and talk.still.wait(10.0):
                 words.append(talk.at["transcribed"] - end)
@@ -177,7 +186,7 @@ def stop(count: int) -> None:
     shown('end of the spoken "stop" to its transcript', words)
     shown("transcript to the step that pauses and cancels", steps)
     shown('end of the spoken "stop" to a robot at standstill', stills)
-    print(f"  {missed} of {count} not recognised", flush=True)
+    print(f"  {missed} of {count} not recognised; {stood} times the robot did not drive", flush=True)
 
 
 SECTIONS: dict[str, Callable[[int], None]] = {"answers": answers, "filler": filler, "stop": stop}
