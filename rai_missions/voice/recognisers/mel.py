@@ -11,7 +11,7 @@ import numpy as np
 
 Array = np.ndarray[tuple[int, ...], np.dtype[np.float32]]
 
-__all__ = ("HOP", "mel_features")
+__all__ = ("BANDS", "HOP", "mel_features")
 
 RATE_HZ, WINDOW, HOP, BANDS = 16_000, 400, 160, 80
 LINEAR_HZ, BREAK_HZ, BREAK_MEL = 200 / 3, 1000.0, 15.0

@@ -19,7 +19,7 @@ from rai_missions.errors import UsageError
 from rai_missions.voice.absent import INSTALL_WEIGHTS, absent
 from rai_missions.voice.kind import SHORT_S, Reading
 
-__all__ = ("Whisper", "open_recogniser", "plain_words", "text_of_tokens")
+__all__ = ("Whisper", "beginning", "open_recogniser", "plain_words", "text_of_tokens")
 
 WINDOW_STEPS = 1500
 """10 ms each."""
@@ -110,8 +110,7 @@ class Whisper:
             return Reading(text, {plain: CERTAIN})
         if len(sound) > SHORT_S * RATE_HZ or len(plain.split()) > MOST_WORDS or not phrases:
             return Reading(text)
-        spoken = np.array(encoded)[:, : len(sound) // SAMPLES_A_STEP + AFTER_STEPS]  # the rest is quiet, and costs time
-        return Reading(text, self._evidence(np.ascontiguousarray(spoken), phrases))
+        return Reading(text, self._evidence(beginning(encoded, len(sound)), phrases))
 
     def _evidence(self, encoded: Any, phrases: Sequence[str]) -> dict[str, float]:
         """Each phrase's log probability, less that which it has with faint noise instead of speech.
@@ -156,7 +155,7 @@ class Whisper:
         sound = np.fft.irfft(spectrum / np.sqrt(np.maximum(1, np.arange(len(spectrum)))), count)
         sound = (sound * NOISE / np.sqrt(np.mean(sound**2))).astype(np.float32)
         encoded = self._model.encode(self._view.from_array(mel_features(sound, WINDOW_STEPS)[None]))
-        return np.ascontiguousarray(np.array(encoded)[:, : count // SAMPLES_A_STEP + AFTER_STEPS])
+        return beginning(encoded, count)
 
     def _log_chance(self, encoded: Any, phrase: str) -> float:
         form = self._tokens.ids(self._tokens.of([phrase]))
@@ -168,6 +167,22 @@ class Whisper:
             encoded, [prompt], beam_size=1, max_length=min(448, len(prompt) + longest), return_scores=True,
             return_no_speech_prob=True,
         )[0]  # fmt: skip
+
+
+def beginning(encoded: Any, samples: int) -> Any:
+    """The part of an encoding that has the sound, and a second more; the rest is quiet, and costs time.
+
+    Args:
+        encoded: 1 × steps × size, as the library has it.
+        samples: How long the sound is.
+    """
+    import numpy as np
+
+    from rai_missions.voice.recognisers.mel import BANDS
+
+    steps = samples // SAMPLES_A_STEP + AFTER_STEPS
+    steps += steps == BANDS  # by that number of steps the library would take it for features that are not encoded yet
+    return np.ascontiguousarray(np.array(encoded)[:, :steps])
 
 
 class PhraseTokens:
