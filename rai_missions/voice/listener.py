@@ -105,6 +105,7 @@ class SpeechListener:
         self._ends: dict[int, TurnEvent] = {}
         self._began: dict[int, float] = {}
         self._latest: dict[int, int] = {}
+        self._settled: set[TurnOffer] = set()
         self._given: set[int] = set()
         """Turns of which a phrase was given at once."""
         self._awake_until = -1.0
@@ -175,6 +176,9 @@ class SpeechListener:
         elif event.kind == "offered":
             self._latest[event.number] = event.offer
             self._transcribe(event)
+        elif event.kind == "settled":
+            self._settled.add(TurnOffer(event.number, event.offer))
+            self._give_at_once(TurnOffer(event.number, event.offer))
         elif event.kind == "void":
             for queue in self._offers.values():
                 self._count(-queue.void(TurnOffer(event.number, event.offer)))
@@ -213,13 +217,22 @@ class SpeechListener:
         self._replies[offer] = known
         if self._latest.get(offer.number) != offer.offer or known.first is None or known.second is None:
             return
-        text, readings = words_of(known, self._settings)
-        if text in self._settings.closed:
+        if words_of(known, self._settings).text in self._settings.closed:
             self._detector.end_sooner(offer.number, offer.offer)
-        if text in self._settings.at_once and offer.number not in self._given and offer.number not in self._ends:
+        self._give_at_once(offer)
+        self._conclude(offer.number)
+
+    def _give_at_once(self, offer: TurnOffer) -> None:
+        """Give a phrase that does not wait for the end of its turn, once the person is quiet and it is transcribed."""
+        known = self._replies.get(offer)
+        if offer not in self._settled or known is None or known.first is None or known.second is None:
+            return
+        if self._latest.get(offer.number) != offer.offer or offer.number in self._given or offer.number in self._ends:
+            return
+        text, readings = words_of(known, self._settings)
+        if text in self._settings.at_once:
             self._given.add(offer.number)
             self._on_transcript(Transcript(text, readings, offer.number, *self._times(offer.number)))
-        self._conclude(offer.number)
 
     def _times(self, number: int) -> tuple[float, float, float]:
         end = self._ends.get(number)
@@ -251,6 +264,7 @@ class SpeechListener:
         for known in (self._ends, self._began, self._latest):
             known.pop(number, None)
         self._given.discard(number)
+        self._settled = {offer for offer in self._settled if offer.number > number}
 
 
 def words_of(known: OfferReplies, settings: ListenSettings) -> FusedTurn:

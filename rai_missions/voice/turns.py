@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """When a person begins and ends to speak, from how probable speech is in each frame; pure.
 
-Rule: what is begun early may be void. A turn is offered after 128 ms of quiet and counts once it has ended; a person
-who only paused makes it void, and it is offered again with all that followed.
+Rule: what is begun early may be void. A turn is offered after 128 ms of quiet, one that is no longer than a word after
+32 ms, and counts once it has ended; a person who only paused makes it void, and it is offered again with all that
+followed. What is to count at once counts after 128 ms of quiet.
 """
 
 from __future__ import annotations
@@ -25,7 +26,11 @@ class TurnSettings(NamedTuple):
     present_frames: int = 2
     """Frames of speech, of the last six, from which on a person surely speaks: what is played is cut."""
     early_s: float = 0.128
-    """Quiet after which a turn is offered for transcription."""
+    """Quiet after which a turn is offered for transcription, and after which an offer is settled."""
+    early_word_s: float = 0.032
+    """Quiet after which a turn no longer than a word is offered: it is transcribed by when it is settled."""
+    word_s: float = 0.8
+    """From the first frame of speech to the end of the last: so long is a word at most."""
     end_s: float = 0.4
     """Quiet after which a turn has ended."""
     short_end_s: float = 0.288
@@ -51,7 +56,8 @@ class TurnEvent(NamedTuple):
     """Something about a turn."""
 
     kind: str
-    """`began`, `present` (surely a person), `offered` (to be transcribed), `void` (what was offered), `ended`."""
+    """`began`, `present` (surely a person), `offered` (to be transcribed), `settled` (what was offered counts, if it is
+    a phrase that counts at once), `void` (what was offered), `ended`."""
     number: int
     """Of the turn, counted from 1."""
     at: float
@@ -86,8 +92,9 @@ class TurnDetector:
 
     def _reset(self) -> None:
         self._turn = []
-        self._offers, self._is_offered, self._is_present, self._is_short = 0, False, False, False
-        self._spoken_until = 0.0
+        self._offers, self._is_offered, self._is_settled = 0, False, False
+        self._is_present, self._is_short = False, False
+        self._began, self._spoken_until = 0.0, 0.0
 
     @property
     def is_open(self) -> bool:
@@ -109,6 +116,7 @@ class TurnDetector:
             if sum(self._recent) >= self._settings.begin_frames and is_speech:
                 self._number += 1
                 self._turn = list(self._before)
+                self._began = frame.at - (self._settings.begin_frames - 1) * FRAME_S
                 self._before.clear()
                 found.append(self._event("began", frame))
         else:
@@ -127,7 +135,7 @@ class TurnDetector:
         self._spoken_until = frame.at + FRAME_S
         if self._is_offered:
             found.append(self._event("void", frame))
-            self._is_offered = self._is_short = False
+            self._is_offered = self._is_settled = self._is_short = False
         if not self._is_present and sum(self._recent) >= self._settings.present_frames:
             self._is_present = True
             found.append(self._event("present", frame))
@@ -136,9 +144,14 @@ class TurnDetector:
     def _quiet(self, frame: TurnFrame) -> list[TurnEvent]:
         quiet_s = frame.at + FRAME_S - self._spoken_until
         end_s = self._settings.short_end_s if self._is_short else self._settings.end_s
+        is_word = self._spoken_until - self._began <= self._settings.word_s + 1e-6
+        early_s = self._settings.early_word_s if is_word else self._settings.early_s
         found = []
-        if quiet_s >= self._settings.early_s - 1e-6 and not self._is_offered:
+        if quiet_s >= early_s - 1e-6 and not self._is_offered:
             found.append(self._offer(frame))
+        if quiet_s >= self._settings.early_s - 1e-6 and not self._is_settled:
+            self._is_settled = True
+            found.append(self._event("settled", frame))
         if quiet_s >= end_s - 1e-6:
             found += self._ended(frame)
         return found

@@ -7,10 +7,13 @@ from collections.abc import Iterator
 
 import pytest
 
+from rai_missions.connectors.sound.connector import SoundFrame
 from rai_missions.connectors.sound.files import FileSound
 from rai_missions.connectors.sound.room import RoomSound
+from rai_missions.voice.ear import open_ear
 from rai_missions.voice.listener import ListenSettings, SpeechListener, Transcript
 from rai_missions.voice.setup import ListenNames, Recognition, open_recognition
+from rai_missions.voice.turns import TurnDetector, TurnFrame
 from tests.voice.conftest import needs_voice, quiet, spoken
 
 pytestmark = [needs_voice, pytest.mark.xdist_group("voice")]
@@ -65,6 +68,32 @@ def test_a_sentence_is_transcribed_with_the_times_at_which_it_was_spoken(collect
 def test_two_recognisers_agree_on_an_order(collector: TranscriptCollector) -> None:
     (found,) = collector.of(FileSound(quiet(0.5) + spoken("Cancel the mission.", "rms")))
     assert (found.text, found.readings) == ("cancel the mission", ("cancel the mission",) * 2)
+
+
+def test_stop_is_given_as_soon_as_its_turn_is_settled(collector: TranscriptCollector) -> None:
+    recorded = quiet(0.5) + spoken("Stop.", "rms") + quiet(0.5)
+    ear, detector, settled, given = open_ear(), TurnDetector(), list[float](), list[float]()
+    listener = SpeechListener(
+        *collector.recognition.processes, on_transcript=lambda each: given.append(sound.at) if each.text else None
+    )
+    sound = FileSound(recorded)
+
+    def look(frame: SoundFrame) -> None:
+        reading = ear.take(frame.recorded, frame.played)
+        settled.extend(
+            event.at
+            for event in detector.take(TurnFrame(frame.at, reading.speech, reading.clear, reading.quiet))
+            if event.kind == "settled"
+        )
+
+    sound.listen(look)
+    sound.listen(listener.take)
+    sound.start()
+    while not sound.over:
+        sound.step()
+        assert listener.catch_up()
+    assert listener.finish()
+    assert given == [pytest.approx(each) for each in settled]
 
 
 def test_sentences_with_a_pause_between_are_turns_of_their_own(collector: TranscriptCollector) -> None:

@@ -40,6 +40,19 @@ def test_every_turn_that_begins_ends_once_with_an_offer_that_is_not_void(probabi
 
 
 @given(PROBABILITIES)
+def test_an_offer_is_settled_once_at_most_after_128_ms_in_which_no_one_speaks(probabilities: list[float]) -> None:
+    found = events(probabilities)
+    settled = [(event.number, event.offer, event.at) for event in found if event.kind == "settled"]
+    assert len({each[:2] for each in settled}) == len(settled)
+    for number, offer, at in settled:
+        (offered,) = (each for each in found if each.kind == "offered" and (each.number, each.offer) == (number, offer))
+        assert at >= offered.at
+        assert at - offered.spoken_until >= 0.128 - 1e-6
+        frames = range(round(offered.spoken_until / FRAME_S), round(at / FRAME_S))
+        assert all(probabilities[frame] < 0.5 for frame in frames)
+
+
+@given(PROBABILITIES)
 def test_no_sound_belongs_to_two_turns_and_none_of_speech_is_lost(probabilities: list[float]) -> None:
     found = events(probabilities)
     last = {event.number: event for event in found if event.kind == "offered"}
@@ -55,18 +68,27 @@ def test_the_same_frames_show_the_same(probabilities: list[float]) -> None:
 
 
 def test_a_turn_is_offered_after_128_ms_of_quiet_and_ends_after_400() -> None:
-    found = events([0.0] * 10 + [0.9] * 20 + [0.0] * 30, end=False)
-    quiet_from = 30 * FRAME_S
+    found = events([0.0] * 10 + [0.9] * 30 + [0.0] * 30, end=False)
+    quiet_from = 40 * FRAME_S
     times = {event.kind: event.at - quiet_from for event in found}
     assert times["offered"] == pytest.approx(0.128, abs=1e-6)
+    assert times["settled"] == times["offered"]
     assert times["ended"] == pytest.approx(0.416, abs=1e-6), "the first frame that ends at 400 ms or later"
-    assert times["present"] == pytest.approx(-18 * FRAME_S), "two frames of speech: 64 ms"
+    assert times["present"] == pytest.approx(-28 * FRAME_S), "two frames of speech: 64 ms"
     assert found[-1].spoken_until == pytest.approx(quiet_from)
+
+
+def test_a_turn_no_longer_than_a_word_is_offered_after_32_ms_and_settled_after_128() -> None:
+    for length, early in ((2, 0.032), (25, 0.032), (26, 0.128)):
+        found = events([0.0] * 10 + [0.9] * length + [0.0] * 30, end=False)
+        times = {event.kind: event.at - (10 + length) * FRAME_S for event in found}
+        assert (times["offered"], times["settled"]) == (pytest.approx(early), pytest.approx(0.128))
 
 
 def test_a_pause_makes_an_offer_void_and_the_turn_is_offered_whole_again() -> None:
     found = events([0.9] * 10 + [0.0] * 8 + [0.9] * 5, end=True)
-    assert [event.kind for event in found] == ["began", "present", "offered", "void", "offered", "ended"]
+    kinds = [event.kind for event in found]
+    assert kinds == ["began", "present", "offered", "settled", "void", "offered", "ended"]
     assert found[-2].clear.startswith(found[2].clear)
 
 

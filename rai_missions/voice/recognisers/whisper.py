@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Whisper by CTranslate2, the only door to it: 15 s are encoded instead of the 30 that others pad to.
+"""Whisper by CTranslate2, the only door to it: 15 s are encoded instead of the 30 that others pad to, or 10 s.
 
 A turn is decoded freely. A short one is also compared with each phrase that is expected: how probable it is, given the
 sound and all phrases as the text before it. That finds short words in noise in which the free text is another one.
@@ -21,8 +21,8 @@ from rai_missions.voice.kind import SHORT_S, Reading
 
 __all__ = ("Whisper", "beginning", "open_recogniser", "plain_words", "text_of_tokens")
 
-WINDOW_STEPS = 1500
-"""10 ms each."""
+WINDOW_STEPS, SHORT_WINDOW_STEPS = 1500, 1000
+"""10 ms each; the second for turns that may be a phrase. With 8 s a word is read many times over."""
 LONGEST_TOKENS = 96
 MOST_WORDS = 7
 """A longer text is no phrase that was taken for another."""
@@ -97,10 +97,8 @@ class Whisper:
             return Reading("")
         import numpy as np
 
-        from rai_missions.voice.recognisers.mel import mel_features
-
         sound = np.frombuffer(samples, "<i2").astype(np.float32) / np.float32(32768)
-        encoded = self._model.encode(self._view.from_array(mel_features(sound, WINDOW_STEPS)[None]))
+        encoded = self._encode(sound)
         free = self._decode(encoded, self._task, LONGEST_TOKENS)
         if free.no_speech_prob > MOST_SILENCE:
             return Reading("")
@@ -111,6 +109,12 @@ class Whisper:
         if len(sound) > SHORT_S * RATE_HZ or len(plain.split()) > MOST_WORDS or not phrases:
             return Reading(text)
         return Reading(text, self._evidence(beginning(encoded, len(sound)), phrases))
+
+    def _encode(self, sound: Any) -> Any:
+        from rai_missions.voice.recognisers.mel import mel_features
+
+        steps = SHORT_WINDOW_STEPS if len(sound) <= SHORT_S * RATE_HZ else WINDOW_STEPS
+        return self._model.encode(self._view.from_array(mel_features(sound, steps)[None]))
 
     def _evidence(self, encoded: Any, phrases: Sequence[str]) -> dict[str, float]:
         """Each phrase's log probability, less that which it has with faint noise instead of speech.
@@ -148,14 +152,11 @@ class Whisper:
         """The encoding of faint noise, whose power falls with the frequency."""
         import numpy as np
 
-        from rai_missions.voice.recognisers.mel import mel_features
-
         count = round(NOISE_S * RATE_HZ)
         spectrum = np.fft.rfft(np.random.default_rng(0).normal(size=count))
         sound = np.fft.irfft(spectrum / np.sqrt(np.maximum(1, np.arange(len(spectrum)))), count)
         sound = (sound * NOISE / np.sqrt(np.mean(sound**2))).astype(np.float32)
-        encoded = self._model.encode(self._view.from_array(mel_features(sound, WINDOW_STEPS)[None]))
-        return beginning(encoded, count)
+        return beginning(self._encode(sound), count)
 
     def _log_chance(self, encoded: Any, phrase: str) -> float:
         form = self._tokens.ids(self._tokens.of([phrase]))
