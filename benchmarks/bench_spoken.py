@@ -169,11 +169,11 @@ def filler(count: int) -> None:
 
 
 def stop(count: int) -> None:
-    words, steps, stills, missed, stood = list[float](), list[float](), list[float](), 0, 0
+    words, steps, stills, missed, unmoved = list[float](), list[float](), list[float](), 0, 0
     with talking() as talk:
         for number in range(count):
             if not wait_for(lambda: talk.speed > DRIVES_MPS):
-                stood += 1
+                unmoved += 1
                 continue
             end = talk.speak("Stop.", SPEAKERS[number % len(SPEAKERS)])
             if talk.stepped.wait(10.0) and talk.still.wait(10.0):
@@ -186,7 +186,7 @@ def stop(count: int) -> None:
     shown('end of the spoken "stop" to its transcript', words)
     shown("transcript to the step that pauses and cancels", steps)
     shown('end of the spoken "stop" to a robot at standstill', stills)
-    print(f"  {missed} of {count} not recognised; {stood} times the robot did not drive", flush=True)
+    print(f"  {missed} of {count} not recognised; {unmoved} times the robot did not drive", flush=True)
 
 
 SECTIONS: dict[str, Callable[[int], None]] = {"answers": answers, "filler": filler, "stop": stop}
