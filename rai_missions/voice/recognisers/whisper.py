@@ -19,10 +19,12 @@ from rai_missions.errors import UsageError
 from rai_missions.voice.absent import INSTALL_WEIGHTS, absent
 from rai_missions.voice.kind import SHORT_S, Reading
 
-__all__ = ("Whisper", "beginning", "open_recogniser", "plain_words", "text_of_tokens")
+__all__ = ("Whisper", "beginning", "once", "open_recogniser", "plain_words", "text_of_tokens")
 
 WINDOW_STEPS, SHORT_WINDOW_STEPS = 1500, 1000
-"""10 ms each; the second for turns that may be a phrase. With 8 s a word is read many times over."""
+"""10 ms each; the second for sounds of a word. With less, or longer sounds, some are read many times over."""
+WORD_SOUND_S = 1.3
+"""A word and the quiet around it."""
 LONGEST_TOKENS = 96
 MOST_WORDS = 7
 """A longer text is no phrase that was taken for another."""
@@ -102,7 +104,7 @@ class Whisper:
         free = self._decode(encoded, self._task, LONGEST_TOKENS)
         if free.no_speech_prob > MOST_SILENCE:
             return Reading("")
-        text = text_of_tokens(free.sequences[0]) if free.scores[0] > LEAST_SCORE else ""
+        text = once(text_of_tokens(free.sequences[0])) if free.scores[0] > LEAST_SCORE else ""
         plain = plain_words(text)
         if plain in phrases:
             return Reading(text, {plain: CERTAIN})
@@ -113,7 +115,7 @@ class Whisper:
     def _encode(self, sound: Any) -> Any:
         from rai_missions.voice.recognisers.mel import mel_features
 
-        steps = SHORT_WINDOW_STEPS if len(sound) <= SHORT_S * RATE_HZ else WINDOW_STEPS
+        steps = SHORT_WINDOW_STEPS if len(sound) <= WORD_SOUND_S * RATE_HZ else WINDOW_STEPS
         return self._model.encode(self._view.from_array(mel_features(sound, steps)[None]))
 
     def _evidence(self, encoded: Any, phrases: Sequence[str]) -> dict[str, float]:
@@ -229,6 +231,19 @@ def text_of_tokens(tokens: Sequence[str]) -> str:
     """The text of a model's tokens; those that steer it are left out."""
     letters = (letter for token in tokens if not token.startswith(PREFIX) for letter in token)
     return bytes(LETTERS[letter] for letter in letters if letter in LETTERS).decode("utf-8", "replace").strip()
+
+
+def once(text: str) -> str:
+    """A text that is the same words three times or more, the last time perhaps cut off, as these words alone.
+
+    A person repeats "stop", and the model at times reads a word over and over.
+    """
+    words = text.split()
+    plain = [plain_words(word) for word in words]
+    for size in range(1, len(words) // 3 + 1):
+        if all(word == plain[place % size] for place, word in enumerate(plain)):
+            return " ".join(words[:size])
+    return text
 
 
 def plain_words(text: str) -> str:
