@@ -115,14 +115,25 @@ def read_pairs(option: str, pairs: Sequence[str], texts: Container[str] = ()) ->
 
     Raises:
         UsageError: One has no `=`.
+        DefinitionError: A value is JSON beyond the limits of a file: a number that has no value here, too deep.
     """
     values: dict[str, Any] = {}
     for pair in pairs:
         name, sign, text = pair.partition("=")
         if not sign:
             raise UsageError(f"{option} {pair}: write KEY=VALUE")
-        try:
-            values[name] = text if name in texts else json.loads(text)
-        except json.JSONDecodeError:
-            values[name] = text
+        values[name] = text if name in texts else _value(f"{option} {name}", text)
     return values
+
+
+def _value(option: str, text: str) -> Any:
+    """JSON within the limits of a file, or the text where it is not JSON."""
+    from rai_missions.mission.json_reader import parse_json
+
+    try:
+        json.loads(text)
+    except json.JSONDecodeError:
+        return text
+    except (ValueError, RecursionError):
+        pass  # it is JSON, and what follows states which limit it is beyond
+    return parse_json(text.encode("utf-8", "surrogateescape"), option)

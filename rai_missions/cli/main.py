@@ -8,9 +8,11 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Sequence
+from contextlib import suppress
 
 from rai_missions.cli.command import Command
 from rai_missions.cli.commands import load_command, names, root_parser
+from rai_missions.cli.streams import standard_streams
 
 __all__ = ("main", "run")
 
@@ -18,8 +20,18 @@ __all__ = ("main", "run")
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run a command; returns its exit status."""
     words = list(sys.argv[1:] if arguments is None else arguments)
-    if words and words[0] in names():
-        return _run(load_command(words[0]), words[1:])
+    with standard_streams():
+        if words and words[0] in names():
+            return _run(load_command(words[0]), words[1:])
+        return _without_command(words)
+
+
+def run() -> int:
+    """Run a mission: the command `run`, as an executable of that name."""
+    return main(["run", *sys.argv[1:]])
+
+
+def _without_command(words: Sequence[str]) -> int:
     root = root_parser()
     if words and not words[0].startswith("-"):
         from rai_missions.errors import suggestion
@@ -28,15 +40,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if root.parse_args(words).version:
         from importlib.metadata import version
 
-        print(f"rai_missions {version('rai_missions')}")
+        with suppress(OSError):  # as argparse does where no one reads its help
+            print(f"rai_missions {version('rai_missions')}")
         return 0
     root.print_help()
     return 2
-
-
-def run() -> int:
-    """Run a mission: the command `run`, as an executable of that name."""
-    return main(["run", *sys.argv[1:]])
 
 
 def _run(command: Command, words: Sequence[str]) -> int:
@@ -46,11 +54,12 @@ def _run(command: Command, words: Sequence[str]) -> int:
 
     with redacted_output(controls=command.draws):
         try:
-            return command(**given)
+            status = command(**given)
+            sys.stdout.flush()
+            return status
         except DefinitionError as error:
             print(error, file=sys.stderr)
         except BrokenPipeError:
-            sys.stderr.close()
             return 1
         except (MissionError, OSError) as error:
             print(f"rai-missions {command.name}: {error}", file=sys.stderr)

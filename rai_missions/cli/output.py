@@ -100,7 +100,7 @@ class BufferedStream:
         self._worker.start()
         self._lost = 0
         self.fault: BaseException | None = None
-        """What printing has raised; nothing more is printed then."""
+        """What printing has raised; nothing more is printed then. Who began to print raises it at the end."""
 
     @property
     def waiting(self) -> int:
@@ -108,9 +108,9 @@ class BufferedStream:
         return self._worker.waiting
 
     def write(self, text: str) -> int:
-        """Have it printed; raises what printing has raised before."""
+        """Have it printed; nothing more is, once printing has raised."""
         if self.fault is not None:
-            raise self.fault
+            return len(text)
         if not self._worker.is_alive:
             return self._out.write(text)
         if self._worker.post(partial(self._print, f"{self._left_out}{text}")):

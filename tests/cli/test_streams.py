@@ -1,0 +1,86 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Whatever the standard streams are, a command does its work and reports its status."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from rai_missions.cli.main import main
+from rai_missions.journal import read, verify
+from rai_missions.mission.schema import mission_schema
+
+LAMP = {
+    "format": 1, "name": "lamp", "initial": "off", "states": {
+        "off": {"about": "dünkel …", "entry": [{"say": "hällo → ☃"}], "transitions": [{"after_s": 0.01, "to": "on"}]},
+        "on": {"final": "aborted"},
+    },
+}  # fmt: skip
+RUN = ("run", "lamp.json", "--journal", "a.journal")
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "lamp.json").write_text(json.dumps(LAMP), encoding="utf-8")
+    return tmp_path
+
+
+def shell(command: str, *words: str, **variables: str) -> subprocess.CompletedProcess[str]:
+    """A command line of a shell, in which `$@` is the program with these words."""
+    program = [sys.executable, "-m", "rai_missions.cli.main", *words]
+    return subprocess.run(
+        ["sh", "-c", command, "sh", *program], capture_output=True, text=True, check=False, errors="replace",
+        stdin=subprocess.DEVNULL, env={**os.environ, "PYTHONUNBUFFERED": "", **variables},
+    )  # fmt: skip
+
+
+def test_what_a_terminal_cannot_show_is_printed_as_its_escape(folder: Path) -> None:
+    done = shell('"$@"', *RUN, PYTHONIOENCODING="latin-1")
+    assert (done.returncode, done.stderr) == (1, "")
+    assert r"off \u2192 on" in done.stdout and "aborted: 'on' was reached" in done.stdout
+    assert json.loads(shell('"$@"', "schema", PYTHONIOENCODING="ascii").stdout) == mission_schema()
+
+
+@pytest.mark.parametrize("closed", ["<&-", "<&- >&- 2>&-"])
+def test_a_stream_that_is_closed_ends_no_run(folder: Path, closed: str) -> None:
+    done = shell(f'"$@" {closed}', *RUN)
+    assert (done.returncode, done.stderr) == (1, "")
+    assert verify("a.journal") == ()
+
+
+def test_a_run_whose_reader_has_gone_ends_as_it_would_and_without_a_traceback(folder: Path) -> None:
+    done = shell('{ "$@"; echo "status $?" >&2; } | true', *RUN)
+    assert done.stderr == "status 1\n"
+    with read("a.journal") as record:
+        assert list(record.steps())[-1].outcome == "aborted"
+
+
+def test_a_full_disk_behind_the_output_is_reported(folder: Path) -> None:
+    done = shell('"$@" > /dev/full', "check", "lamp.json")
+    assert done.returncode == 2 and done.stderr == "rai-missions check: [Errno 28] No space left on device\n"
+
+
+@pytest.mark.parametrize(
+    ("value", "sentence"),
+    [
+        ("9" * 5000, "does not fit in 64 bits; give a smaller number"),
+        ("[NaN]", "/0: 'NaN' is not a number that JSON has; give a finite one"),
+        ("[" * 50_000, "more than 100 objects and lists inside each other; nest less"),
+        ("[" * 200 + "]" * 200, "more than 100 objects and lists inside each other; nest less"),
+        (r'["\ud800"]', "holds half a character (a lone surrogate); write it whole"),
+    ],
+    ids=["digits", "NaN", "open", "deep", "half"],
+)
+def test_an_argument_has_the_limits_of_a_file(
+    folder: Path, capsys: pytest.CaptureFixture[str], value: str, sentence: str
+) -> None:
+    assert main([*RUN, "--set", f"stops={value}"]) == 2
+    error = capsys.readouterr().err
+    assert error.startswith("--set stops: /") and sentence in error
+    assert not os.path.exists("a.journal")
