@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Iterator
 from typing import Any
 
 from rai_missions.engine.activities import goal_ledger
@@ -62,21 +64,30 @@ def reach_final(program: Program, state: RunState, node: Node, complete: tuple[N
     if parent.state is None:
         state.final = node
         return
-    if parent.is_parallel:
-        _complete_parallels(state, complete)
-        return
+    state.unmet.pop(node.name, None)
     if node.requires is not None and node.requires.test(state) is not True:
         within_s = late_s(state) + program.mission.settle_s
         if within_s > 0:
             state.settling[node.name] = now_of(state, node.control) + within_s
             return
-        _finish(state, parent, "unverified", complete, why=_falls_short(program, state, node.requires))
+        _finish_unmet(program, state, node, complete)
         return
-    _finish(state, parent, node.state.final, complete)
+    _finish(state, node, node.state.final, complete)
 
 
-def _finish(state: RunState, parent: Node, outcome: str, complete: tuple[Node, ...], why: str = "") -> None:
-    internal = state.draft.internal
+def _finish_unmet(program: Program, state: RunState, node: Node, complete: tuple[Node, ...]) -> None:
+    """The `requires` of a final did not become true in time."""
+    assert node.requires is not None
+    state.unmet[node.name] = math.inf
+    _finish(state, node, "unverified", complete, why=_falls_short(program, state, node.requires))
+
+
+def _finish(state: RunState, final: Node, outcome: str, complete: tuple[Node, ...], why: str = "") -> None:
+    internal, parent = state.draft.internal, final.parent
+    assert parent is not None
+    if parent.is_parallel:  # the final is a region
+        _complete_parallels(state, complete)
+        return
     if parent.is_each and outcome == "succeeded" and parent.name in state.rounds:
         items, index = state.rounds[parent.name]
         state.rounds[parent.name] = (items, index + 1)
@@ -89,25 +100,33 @@ def _finish(state: RunState, parent: Node, outcome: str, complete: tuple[Node, .
 
 
 def _complete_parallels(state: RunState, complete: tuple[Node, ...]) -> None:
-    """Parallel states whose regions have all ended report the worst of their outcomes, the inner first."""
+    """Parallel states whose regions have all ended report the worst of their outcomes, the inner first.
+
+    A region whose final waits for its `requires` has not ended yet.
+    """
     for parallel in complete:
+        finals = list(_finals(state, parallel))
+        if any(final.name in state.settling for final in finals):
+            return
         outer = parallel.parent is not None and parallel.parent.is_parallel
-        done = outcome_of(parallel, Outcome(_worst(state, parallel)))
+        done = outcome_of(parallel, Outcome(worst([_counted(state, final) for final in finals])))
         state.draft.internal.append(done._replace(climbs=not outer))
 
 
-def _worst(state: RunState, parallel: Node) -> str:
-    """The outcome of a parallel state whose regions have all ended."""
-    found = []
+def _finals(state: RunState, parallel: Node) -> Iterator[Node]:
+    """The active finals of the regions of a parallel state, and of those that are in it."""
     for region in parallel.children:
         if region.is_parallel:
-            found.append(_worst(state, region))
-        if isinstance(region.state, Final):
-            found.append(region.state.final)
-        for child in region.children:
-            if child.is_final and child in state.config.nodes and isinstance(child.state, Final):
-                found.append(child.state.final)
-    return worst(found)
+            yield from _finals(state, region)
+        for each in (region, *region.children):
+            if each.is_final and each in state.config.nodes:
+                yield each
+
+
+def _counted(state: RunState, final: Node) -> str:
+    """The outcome that a final has brought."""
+    assert isinstance(final.state, Final)
+    return "unverified" if final.name in state.unmet else final.state.final
 
 
 def settle_final(program: Program, state: RunState) -> None:
@@ -136,13 +155,14 @@ def settle_nested(program: Program, state: RunState) -> None:
         if state.frozen and is_held(state, node):
             continue
         assert node.parent is not None and node.requires is not None and isinstance(node.state, Final)
-        complete = tuple(program.graph.complete(node.parent.parent, state.config.nodes))
+        outer = node.parent if node.parent.is_parallel else node.parent.parent
+        complete = tuple(program.graph.complete(outer, state.config.nodes))
         if node.requires.test(state) is True:
             del state.settling[name]
-            _finish(state, node.parent, node.state.final, complete)
+            _finish(state, node, node.state.final, complete)
         elif state.at >= until:
             del state.settling[name]
-            _finish(state, node.parent, "unverified", complete, why=_falls_short(program, state, node.requires))
+            _finish_unmet(program, state, node, complete)
 
 
 def _falls_short(program: Program, state: RunState, condition: CompiledGuard) -> str:
@@ -217,6 +237,7 @@ def end(
     state.timers.clear()
     state.pending.clear()
     state.settling.clear()
+    state.unmet.clear()
     state.draft.internal.clear()
     state.draft.starting, state.laid_by, state.frozen, state.asked = [], (), {}, ""
     state.mode = "ended"

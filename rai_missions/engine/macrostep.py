@@ -202,6 +202,7 @@ def _forget_waiting(state: RunState, node: Node) -> None:
     if state.pending.pop(name, math.inf) < math.inf:
         state.draft.given_up.add(node.control)
     state.settling.pop(name, None)
+    state.unmet.pop(name, None)
     if state.laid_by:
         state.laid_by = tuple(each for each in state.laid_by if each != name)
     if node.is_each and state.rounds.pop(name, None) is not None:

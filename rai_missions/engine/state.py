@@ -72,7 +72,7 @@ Holds = Literal[
 | `events`        | events that wait                                                         |
 | `deadline`      | an instant to come; infinity for none                                    |
 | `deadlines`     | state → the instant until which its activity waits for control           |
-| `settling`      | state → the instant until which its `requires` may become true           |
+| `settling`      | final → until when its `requires` may become true; infinity: it has not   |
 | `timers`        | what comes later                                                         |
 | `activities`    | state → the state of its activity                                        |
 | `rounds`        | state → items, and which of them is current                              |
@@ -220,6 +220,8 @@ class RunState:
     pending: dict[str, float] = slot(dict, "deadlines", "_pending")
     """State → until when it waits for control; infinity where it was lost."""
     settling: dict[str, float] = slot(dict, "settling", "_settling")
+    unmet: dict[str, float] = slot(dict, "settling", "_unmet")
+    """The finals inside other states that count as `unverified`: their `requires` did not become true in time."""
     rounds: dict[str, tuple[tuple[Any, ...], int]] = slot(dict, "rounds", "_rounds")
     timers: dict[TimerKey, Timer] = slot(dict, "timers", "_timers")
     goals: dict[int, Goal] = slot(dict, "goals")

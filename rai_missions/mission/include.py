@@ -172,7 +172,7 @@ def _compound(name: str, include: Include, inner: Mission) -> Inclusion:
     for each, state in inner.states.items():
         states |= _settling(names.state(each), renamed(state, names), inner.settle_s)
     over = [In(state=each) for each, state in states.items() if isinstance(state, Final)]
-    transitions = [_until(over, renamed(transition, names)) for transition in inner.transitions]
+    transitions = [_until(over, _within(renamed(transition, names))) for transition in inner.transitions]
     common = {word: getattr(include, word) for word in State.model_fields if word in include.model_fields_set}
     common["about"] = include.about or inner.about
     common["transitions"] = (*include.transitions, *transitions)
@@ -187,6 +187,11 @@ def _compound(name: str, include: Include, inner: Mission) -> Inclusion:
     events = {names.event(each): event for each, event in inner.events.items() if each not in include.with_}
     invariants = {f"{name}/{each}": Not(guard=here) | renamed(guard, names) for each, guard in inner.invariants.items()}
     return Inclusion(compound, keys, events, invariants, inner.uses)
+
+
+def _within(transition: Transition) -> Transition:
+    """A transition of the whole included mission stays in it, as a mission is never left by its own."""
+    return transition.model_copy(update={"internal": True}) if transition.to else transition
 
 
 def _until(over: list[In], transition: Transition) -> Transition:
