@@ -66,7 +66,7 @@ def reach_final(program: Program, state: RunState, node: Node, complete: tuple[N
         return
     state.unmet.pop(node.name, None)
     if node.requires is not None and node.requires.test(state) is not True:
-        within_s = late_s(state) + program.mission.settle_s
+        within_s = late_s(state) + _settle_s(program, node.state)
         if within_s > 0:
             state.settling[node.name] = now_of(state, node.control) + within_s
             return
@@ -141,7 +141,7 @@ def settle_final(program: Program, state: RunState) -> None:
         return end(program, state, node.state.final, f"'{node.name}' was reached")
     value = requires.test(state)
     state.draft.looked.append((requires.place, value))
-    until = state.settling.setdefault(node.name, begins_at(state) + program.mission.settle_s)
+    until = state.settling.setdefault(node.name, begins_at(state) + _settle_s(program, node.state))
     if value is True:
         end(program, state, node.state.final, f"'{node.name}' was reached, and {requires.guard.words()}")
     elif state.at >= until:
@@ -163,6 +163,11 @@ def settle_nested(program: Program, state: RunState) -> None:
         elif state.at >= until:
             del state.settling[name]
             _finish_unmet(program, state, node, complete)
+
+
+def _settle_s(program: Program, final: Final) -> float:
+    """How long the facts may take to agree with its `requires`."""
+    return program.mission.settle_s if final.settle_s is None else final.settle_s
 
 
 def _falls_short(program: Program, state: RunState, condition: CompiledGuard) -> str:

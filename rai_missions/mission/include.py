@@ -133,6 +133,9 @@ def _brought(name: str, include: Include, parent: Mission, chain: Chain) -> Incl
         ) from None
     if faults := tuple(inclusion_faults(include, inner, parent)):
         raise DefinitionError(faults)
+    if inner.settle_s != parent.settle_s:
+        states = {each: _settling(state, inner.settle_s) for each, state in inner.states.items()}
+        inner = inner.model_copy(update={"states": states})
     brought = _compound(name, include, inner)
     for word in (*brought.keys, *brought.events, *brought.invariants):
         if word in parent.blackboard or word in parent.events or word in parent.invariants:
@@ -168,9 +171,7 @@ def _names(name: str, include: Include, inner: Mission) -> Names:
 def _compound(name: str, include: Include, inner: Mission) -> Inclusion:
     names = _names(name, include, inner)
     here = In(state=name)
-    states: dict[str, State] = {}
-    for each, state in inner.states.items():
-        states |= _settling(names.state(each), renamed(state, names), inner.settle_s)
+    states = {names.state(each): renamed(state, names) for each, state in inner.states.items()}
     over = [In(state=each) for each, state in states.items() if isinstance(state, Final)]
     transitions = [_until(over, _within(renamed(transition, names))) for transition in inner.transitions]
     common = {word: getattr(include, word) for word in State.model_fields if word in include.model_fields_set}
@@ -204,16 +205,12 @@ def _until(over: list[In], transition: Transition) -> Transition:
     )
 
 
-def _settling(name: str, state: State, settle_s: float) -> dict[str, State]:
-    """A final whose `requires` may take a while waits before it is one."""
-    if not isinstance(state, Final) or state.requires is None or settle_s == 0:
-        return {name: state}
-    end = f"{name}/settled"
-    waiting = State(
-        about=state.about, entry=state.entry, exit=state.exit,
-        transitions=[Transition(when=state.requires, to=end), Transition(after_s=settle_s, to=end)],
-    )  # fmt: skip
-    return {name: waiting, end: Final(state.final, requires=state.requires)}
+def _settling(state: State, settle_s: float) -> State:
+    """A state whose finals, and those inside it, have their own time for `requires`."""
+    if isinstance(state, Final) and state.requires is not None and state.settle_s is None:
+        return state.model_copy(update={"settle_s": settle_s})
+    inside = {name: _settling(each, settle_s) for name, each in state.children().items()}
+    return state.model_copy(update={state.child_place(): inside}) if inside else state
 
 
 def _levels(value: Any) -> int:

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 from typing import Literal
 
 from rai_missions.guards.guard import Guard, GuardOrKey
-from rai_missions.model import AnyOf
+from rai_missions.model import AnyOf, Seconds
 from rai_missions.states.effects import Effect
 from rai_missions.states.state import Controller, State, Transition
 
@@ -23,9 +23,11 @@ class Final(State, word="final"):
     """The outcome of what it ends."""
     requires: AnyOf[Guard] | None = None
     """What must be true then: else the mission `failed`, or a parent's outcome is `unverified`."""
+    settle_s: Seconds | None = None
+    """Seconds that the facts may take to agree with `requires`; without it, those of the mission."""
 
     def __init__(
-        self, final: FinalOutcome, *, requires: GuardOrKey | None = None,
+        self, final: FinalOutcome, *, requires: GuardOrKey | None = None, settle_s: float | None = None,
         about: str = "", control: Controller | None = None, entry: Effect | Sequence[Effect] = (),
         exit: Effect | Sequence[Effect] = (), transitions: Sequence[Transition] = (), timeout_s: float | None = None,
         handover_s: float = 5.0,
@@ -36,7 +38,8 @@ class Final(State, word="final"):
 
     def details(self) -> Iterator[str]:
         if self.requires is not None:
-            yield f"requires {self.requires.words()}"
+            within = f", within {self.settle_s:g} s" if self.settle_s is not None else ""
+            yield f"requires {self.requires.words()}{within}"
         yield from super().details()
 
 

@@ -194,10 +194,15 @@ def test_a_final_waits_as_long_as_its_own_mission_would(tmp_path: Path) -> None:
     mission = load(written(tmp_path, top=TOP, dock=DOCK | {"settle_s": 2}))
     states = json.loads(dump(mission))["states"]["dock"]["states"]
     charging = {"key": "dock/charging", "==": True}
-    assert states["dock/docked"] == {
-        "transitions": [{"when": charging, "to": "dock/docked/settled"}, {"after_s": 2, "to": "dock/docked/settled"}]
-    }
-    assert states["dock/docked/settled"] == {"final": "succeeded", "requires": charging}
+    assert states["dock/docked"] == {"final": "succeeded", "requires": charging, "settle_s": 2}
+
+
+def test_a_final_in_a_mission_that_waits_no_time_waits_no_time(tmp_path: Path) -> None:
+    top = TOP | {"settle_s": 9, "states": {"middle": {"mission": "middle.json"}}, "initial": "middle"}
+    middle = TOP | {"name": "middle"}
+    for within, dock in ((0, DOCK), (3, DOCK | {"settle_s": 3})):
+        mission = load(written(tmp_path, top=top, middle=middle, dock=dock))
+        assert mission.state("middle/dock/docked").settle_s == within
 
 
 @given(inner=mission_documents())
@@ -208,9 +213,7 @@ def test_any_mission_may_be_a_part_of_another(inner: Any, tmp_path_factory: pyte
     alone = Mission.model_validate(inner)
     renamed = [name for _, name, _ in mission.walk()]
     assert renamed[0] == "part"
-    assert [name for name in renamed[1:] if not name.endswith("/settled")] == [
-        f"part/{name}" for _, name, _ in alone.walk()
-    ]
+    assert renamed[1:] == [f"part/{name}" for _, name, _ in alone.walk()]
     dump(mission, folder / "whole.json")
     assert load(folder / "whole.json") == mission
 
