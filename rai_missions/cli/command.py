@@ -94,8 +94,9 @@ class Parameter(NamedTuple):
             words["choices"] = get_args(self.kind)
         elif get_origin(self.kind) is tuple:
             words |= {"nargs": argparse.REMAINDER} if self.argument.takes_rest else {"action": "append"}
+            words |= {"type": _named(str)} if self.argument.files else {}
         else:
-            words["type"] = self.argument.parse or self.kind
+            words["type"] = self.argument.parse or (_named(self.kind) if self.argument.files else self.kind)
         if self.argument.bare is not None:
             words |= {"nargs": "?", "const": self.argument.bare}
         if self.argument.is_positional:
@@ -177,6 +178,17 @@ class Command:
     def _options(self) -> Any:
         """The `NamedTuple` that the function takes; None where it takes the arguments themselves."""
         return get_type_hints(self._function).get("options")
+
+
+def _named(kind: Any) -> Callable[[str], Any]:
+    """Reads the name of a file, which is never empty: a variable of a shell that is not set must not go unnoticed."""
+
+    def read(text: str) -> Any:
+        if not text:
+            raise argparse.ArgumentTypeError("the name of the file is empty; is a variable of the shell not set?")
+        return kind(text)
+
+    return read
 
 
 def command(*, draws: bool = False) -> Callable[[Callable[..., int]], Command]:

@@ -165,3 +165,19 @@ def test_no_command_loads_what_it_needs_to_run_before_it_runs() -> None:
     )
     ran = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
     assert ran.stdout == "[]\n"
+
+
+@pytest.mark.parametrize("name", names())
+def test_the_name_of_a_file_is_never_empty(name: str, capsys: pytest.CaptureFixture[str]) -> None:
+    """As it is where a shell's variable is not set: `diff old.json "$NEW"` compared a mission with itself."""
+    parameters = load_command(name).parameters()
+    for empty in [each for each in parameters if each.argument.files]:
+        words = []
+        for each in parameters:
+            value = "" if each is empty else str(next(iter(getattr(each.kind, "__args__", ())), "1"))
+            if each is empty or each.is_required or (each.argument.is_positional and empty.argument.is_positional):
+                words += [value] if each.argument.is_positional else [each.flag, value]
+        with pytest.raises(SystemExit) as ended:
+            main([name, *words])
+        assert ended.value.code == 2
+        assert "the name of the file is empty; is a variable of the shell not set?" in capsys.readouterr().err
