@@ -8,7 +8,7 @@ Imports `campaign`, `engine`, `guards`, `journal`, `mission` and `states`, and t
 
 from visualize.build import picture
 from visualize.diff import Difference, difference
-from visualize.files import FORMATS, draw, draw_difference, draw_review, drawn
+from visualize.files import FORMATS, check_ending, draw, draw_difference, draw_review, drawn
 from visualize.model import Picture
 from visualize.notebook import Drawing, show, show_missions
 
@@ -17,6 +17,7 @@ __all__ = (
     "Difference",
     "Drawing",
     "Picture",
+    "check_ending",
     "difference",
     "draw",
     "draw_difference",

@@ -27,7 +27,7 @@ from visualize.table import table
 if TYPE_CHECKING:
     from visualize.page import Journal, PageFinding
 
-__all__ = ("FORMATS", "PAGE", "draw", "draw_difference", "draw_review", "drawn")
+__all__ = ("FORMATS", "PAGE", "check_ending", "draw", "draw_difference", "draw_review", "drawn")
 
 FORMATS: Mapping[str, Callable[[Picture], bytes]] = {
     "svg": lambda given: render(given, "svg"),
@@ -147,11 +147,21 @@ def _ending(path: str | os.PathLike[str]) -> str:
     return Path(path).suffix.removeprefix(".").lower()
 
 
-def _write(path: str | os.PathLike[str], endings: Iterable[str], made: Callable[[str], bytes]) -> Path:
-    target, ending = Path(path), _ending(path)
+def check_ending(path: str | os.PathLike[str], endings: Iterable[str] = (*FORMATS, PAGE)) -> None:
+    """Whether a file can be drawn that is called so.
+
+    Raises:
+        UsageError: Its ending is none of a picture.
+    """
+    ending, endings = _ending(path), tuple(endings)
     if ending not in endings and (FORMATS.keys().isdisjoint(endings) or _writer(ending) is None):
         listed = ", ".join(f".{each}" for each in endings)
-        raise UsageError(f"'{target}' does not end in a form of picture; the endings are {listed}")
+        raise UsageError(f"'{path}' does not end in a form of picture; the endings are {listed}")
+
+
+def _write(path: str | os.PathLike[str], endings: Iterable[str], made: Callable[[str], bytes]) -> Path:
+    target, ending = Path(path), _ending(path)
+    check_ending(path, endings)
     data = made(ending)
     try:
         write_atomically(target, data)

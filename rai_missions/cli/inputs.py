@@ -4,8 +4,9 @@
 from __future__ import annotations
 
 import json
+import os
 import sys
-from collections.abc import Callable, Container, Sequence
+from collections.abc import Callable, Container, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -15,13 +16,28 @@ from rai_missions.mission.mission import Mission
 if TYPE_CHECKING:
     from rai_missions.journal.reader import Record
 
-__all__ = ("is_robot_program", "journal_steps", "load_guards", "read_pairs", "warn")
+__all__ = ("distinct", "is_robot_program", "journal_steps", "load_guards", "read_pairs", "warn")
 
 
 def warn(sentence: str) -> None:
     """Print a sentence on stderr; nothing where it is empty."""
     if sentence:
         print(sentence, file=sys.stderr)
+
+
+def distinct(files: Mapping[str, str | Path | None]) -> None:
+    """Refuse a file that is named twice: what is written last would be all that is left of the other.
+
+    Args:
+        files: Word of the command line → the file that it names; None where it is not given.
+
+    Raises:
+        UsageError: Two words name one file.
+    """
+    words: dict[str, str] = {}
+    for word, path in files.items():
+        if path is not None and (other := words.setdefault(os.path.realpath(path), word)) != word:
+            raise UsageError(f"{other} and {word} name one file, '{path}'; name two")
 
 
 def load_guards(path: str | None, *, python: bool = True) -> dict[str, Callable[..., bool | None]] | None:

@@ -49,3 +49,37 @@ def test_json_and_the_result_have_a_field_for_it(capsys: pytest.CaptureFixture[s
     assert found == [None, "out.1.journal", "out.2.journal"]
     assert run("m.json", journal="out.journal").moved_aside == "out.3.journal"
     assert run("m.json", journal="other.journal").moved_aside is None
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ["--set", "speed=1"], ["--robot", "absent.json"], ["--model", "nobody"], ["--picture", "path.gif"],
+        ["--picture", "out.journal"],
+    ],
+    ids=" ".join,
+)  # fmt: skip
+def test_a_run_that_is_refused_leaves_the_journal_of_an_earlier_one(words: list[str]) -> None:
+    main(["run", "m.json", "--journal", "out.journal"])
+    first = seal("out.journal")
+    assert main(["run", "m.json", "--journal", "out.journal", *words]) == 2
+    assert seal("out.journal") == first and not Path("out.1.journal").exists()
+
+
+@pytest.mark.parametrize(
+    ("words", "named"),
+    [
+        ("run m.json --journal a.svg --picture ./a.svg", "--journal and --picture name one file, './a.svg'"),
+        ("diff m.json other.json -o m.json", "OLD and --output name one file, 'm.json'"),
+        ("diff m.json other.json -o other.json", "NEW and --output name one file, 'other.json'"),
+        ("try m.json --terminal --as-test m.json", "MISSION and --as-test name one file, 'm.json'"),
+        ("prove m.json -o m.json", "MISSION and --output name one file, 'm.json'"),
+    ],
+)
+def test_what_is_written_takes_the_place_of_nothing_else_on_the_command_line(
+    words: str, named: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    Path("other.json").write_text(json.dumps(MISSION))
+    assert main(words.split()) == 2
+    assert f"{named}; name two" in capsys.readouterr().err
+    assert json.loads(Path("m.json").read_text()) == json.loads(Path("other.json").read_text()) == MISSION

@@ -54,10 +54,13 @@ def diff(
         rai-missions diff --git main mission.json
     """
     from rai_missions.check import load_whole
-    from rai_missions.cli.inputs import warn
+    from rai_missions.cli.inputs import distinct, warn
     from visualize import difference, draw_difference
     from visualize.mermaid import oversize
 
+    for path in output:
+        for word, mission in (("OLD", old), ("NEW", new)):
+            distinct({word: mission, "--output": path})
     with _before(old, new, git, no_python=no_python, python=python) as before:
         found = difference(before, load_whole(new or old, python=not no_python))
     for line in found.lines():

@@ -48,13 +48,14 @@ def prove(
     from json import dumps
 
     from rai_missions.check import check, faults_of, load_whole
-    from rai_missions.cli.inputs import load_guards
+    from rai_missions.cli.inputs import distinct, load_guards
     from rai_missions.cli.long_work import LongWork, WorkPace
     from rai_missions.cli.proof_report import as_json, how_far, limits_of, report, write_journals
     from rai_missions.errors import DefinitionError
     from rai_missions.profile import load_profile, missing, terms
     from rai_missions.prove import prove as explore
 
+    distinct({"MISSION": mission, "--robot": robot, "--guards": guards, "--output": output})
     loaded = load_whole(mission, python=not no_python)
     profile = load_profile(robot) if robot else None
     named = load_guards(guards, python=not no_python)

@@ -49,10 +49,11 @@ def try_(
     from contextlib import suppress
 
     from rai_missions.check import load_whole
-    from rai_missions.cli.inputs import load_guards
+    from rai_missions.cli.inputs import distinct, load_guards
     from rai_missions.cli.play.session import PlayFiles, PlaySession
     from rai_missions.replay.play import PlaySource
 
+    distinct({"MISSION": mission, "--guards": guards, "--journal": journal, "--as-test": as_test})
     loaded = load_whole(mission, python=not no_python)
     source = PlaySource(Path(mission), Path(guards) if guards else None)
     session = PlaySession(loaded, PlayFiles(source, journal, as_test), load_guards(guards, python=not no_python))

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from rai_missions.agents.mission import PreparedRun, RunConfig, prepare
 from rai_missions.check import check, faults_of, load_whole
-from rai_missions.cli.inputs import is_robot_program, journal_steps, load_guards, read_pairs, warn
+from rai_missions.cli.inputs import distinct, is_robot_program, journal_steps, load_guards, read_pairs, warn
 from rai_missions.cli.output import wait_for_output
 from rai_missions.cli.progress import Lines
 from rai_missions.cli.run.live_page import normalise_watch_args, page_of
@@ -23,7 +23,7 @@ from rai_missions.cli.run.node import reject_single_run_options, serve_managed, 
 from rai_missions.cli.run.talk import talk_of, talking
 from rai_missions.cli.signals import interruptible
 from rai_missions.errors import DefinitionError, UsageError
-from rai_missions.journal import free_name, make_way, opened
+from rai_missions.journal import free_name, opened
 from rai_missions.mission.mission import Mission
 from rai_missions.profile import load_profile, read_program
 
@@ -43,6 +43,12 @@ def run_mission(options: RunOptions) -> int:
         from rai_missions.recording import check_name
 
         check_name(Path(options.record))
+    if options.picture:
+        from visualize import check_ending
+
+        check_ending(options.picture)
+    words = ("mission", "robot", "guards", "journal", "record", "picture")
+    distinct({"MISSION" if word == "mission" else f"--{word}": getattr(options, word) for word in words})
     if options.managed:
         return _run_managed(options, is_python=is_python)
     named = load_guards(options.guards, python=not options.no_python)
@@ -181,7 +187,7 @@ def _run_managed(options: RunOptions, *, is_python: bool) -> int:
 
 def _config(options: RunOptions, mission: Mission, lines: Lines) -> RunConfig:
     """The configuration that the options mean."""
-    record, moved = _recorded(Path(options.record)) if options.record else None, None
+    record = _recorded(Path(options.record)) if options.record else None
     if options.resume:
         if options.set or options.journal:
             word = "--set" if options.set else "--journal"
@@ -189,7 +195,6 @@ def _config(options: RunOptions, mission: Mission, lines: Lines) -> RunConfig:
         journal = Path(options.resume)
     else:
         journal = Path(options.journal or _journal_of(mission))
-        moved = make_way(journal)
     return RunConfig(
         mission,
         options.robot,
@@ -198,7 +203,6 @@ def _config(options: RunOptions, mission: Mission, lines: Lines) -> RunConfig:
         model_memory_gib=options.model_memory,
         operator=_operator(options, lines),
         journal=journal,
-        moved_aside=moved,
         record=record,
         resume=options.resume,
         seed=options.seed,
