@@ -77,7 +77,7 @@ def agree(seed: int, folder: Path) -> bool:
     return True
 
 
-@given(st.integers(0, 2**32))
+@given(seed=st.integers(0, 2**32))
 @settings(max_examples=40)
 def test_a_mission_that_is_included_does_what_it_does_alone(
     seed: int, tmp_path_factory: pytest.TempPathFactory

@@ -115,6 +115,7 @@ def test_an_inclusion_becomes_a_compound_state_with_private_names(tmp_path: Path
             {
                 "when": {"all": [{"key": "dock/tries", ">": 5}, {"not": {"in": "dock/approach"}}, *no_longer]},
                 "to": "dock/failed",
+                "internal": True,
             },
         ],
     }
