@@ -44,6 +44,7 @@ GLOBALS = {
     ("rai_missions/answerers/model/process/worker.py", "sys.path"): PROCESS,
     ("rai_missions/connectors/ros2/fastdds.py", "os.environ"): f"{READS}; it is put back at once",
     ("rai_missions/worlds/opengl.py", "os.environ"): READS,
+    ("rai_missions/cli/streams.py", "sys"): f"{READS}; they are put back at the end",
     ("rai_missions/connectors/process/guard.py", "os.nice"): PROCESS,
     ("rai_missions/connectors/process/guard.py", "signal.signal"): PROCESS,
     ("rai_missions/voice/recognisers/whisper.py", "os.environ"): PROCESS,

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from typing import Any
 
 from rai_missions.engine.activities import goal_ledger
@@ -23,7 +23,8 @@ from rai_missions.states.compound import Each
 from rai_missions.states.final import Final, FinalOutcome, worst
 
 __all__ = (
-    "check_invariants", "end", "enter_each", "kill", "reach_final", "set_item", "settle_final", "settle_nested",
+    "check_invariants", "complete_parallels", "end", "enter_each", "kill", "reach_final", "set_item", "settle_final",
+    "settle_nested",
 )  # fmt: skip
 
 
@@ -86,7 +87,7 @@ def _finish(state: RunState, final: Node, outcome: str, complete: tuple[Node, ..
     internal, parent = state.draft.internal, final.parent
     assert parent is not None
     if parent.is_parallel:  # the final is a region
-        _complete_parallels(state, complete)
+        complete_parallels(state, complete)
         return
     if parent.is_each and outcome == "succeeded" and parent.name in state.rounds:
         items, index = state.rounds[parent.name]
@@ -96,31 +97,50 @@ def _finish(state: RunState, final: Node, outcome: str, complete: tuple[Node, ..
             return
     in_region = parent.parent is not None and parent.parent.is_parallel
     internal.append(outcome_of(parent, Outcome(outcome, why=why))._replace(climbs=not in_region))
-    _complete_parallels(state, complete)
+    complete_parallels(state, complete)
 
 
-def _complete_parallels(state: RunState, complete: tuple[Node, ...]) -> None:
+def complete_parallels(state: RunState, complete: Iterable[Node]) -> None:
     """Parallel states whose regions have all ended report the worst of their outcomes, the inner first.
 
-    A region whose final waits for its `requires` has not ended yet.
+    Args:
+        state: Of the run.
+        complete: Those that may have, as far as the active states show.
     """
     for parallel in complete:
-        finals = list(_finals(state, parallel))
-        if any(final.name in state.settling for final in finals):
+        if not all(_has_ended(state, region) for region in parallel.children):
             return
+        if any(trigger.source is parallel for trigger in state.draft.internal):
+            continue
         outer = parallel.parent is not None and parallel.parent.is_parallel
-        done = outcome_of(parallel, Outcome(worst([_counted(state, final) for final in finals])))
+        done = outcome_of(parallel, Outcome(worst([_counted(state, final) for final in _finals(state, parallel)])))
         state.draft.internal.append(done._replace(climbs=not outer))
+
+
+def _has_ended(state: RunState, region: Node) -> bool:
+    """Whether a region has come to its end: a final that waits for its `requires` is none, nor one of a round."""
+    if region.is_parallel:
+        return all(_has_ended(state, child) for child in region.children)
+    reached = list(_reached(state, region))
+    if any(final.name in state.settling for final in reached):
+        return False
+    if region.is_each and all(_counted(state, final) == "succeeded" for final in reached):
+        if region.name not in state.rounds:
+            return False
+        items, index = state.rounds[region.name]
+        return index >= len(items)
+    return bool(reached)
+
+
+def _reached(state: RunState, region: Node) -> Iterator[Node]:
+    """The final of a region that is active, or the region where it is one."""
+    return (each for each in (region, *region.children) if each.is_final and each in state.config.nodes)
 
 
 def _finals(state: RunState, parallel: Node) -> Iterator[Node]:
     """The active finals of the regions of a parallel state, and of those that are in it."""
     for region in parallel.children:
-        if region.is_parallel:
-            yield from _finals(state, region)
-        for each in (region, *region.children):
-            if each.is_final and each in state.config.nodes:
-                yield each
+        yield from _finals(state, region) if region.is_parallel else _reached(state, region)
 
 
 def _counted(state: RunState, final: Node) -> str:

@@ -10,7 +10,14 @@ import math
 from typing import Any
 
 from rai_missions.engine.activities.activity import Outcome
-from rai_missions.engine.completion import check_invariants, end, set_item, settle_final, settle_nested
+from rai_missions.engine.completion import (
+    check_invariants,
+    complete_parallels,
+    end,
+    set_item,
+    settle_final,
+    settle_nested,
+)
 from rai_missions.engine.configuration import CompiledStep
 from rai_missions.engine.hold import event_of, free, is_held, keep_trigger, wait_out_pause
 from rai_missions.engine.nodes import CompiledTransition, Node
@@ -243,6 +250,7 @@ def _next_round(program: Program, state: RunState, node: Node) -> None:
             jump(program, state, program.graph.reenter(state.config, node, state.memory))
     elif not any(trigger.source is node for trigger in state.draft.internal):
         state.draft.internal.append(outcome_of(node, Outcome("succeeded")))
+        complete_parallels(state, tuple(program.graph.complete(node.parent, state.config.nodes)))
 
 
 def _hold(program: Program, state: RunState) -> None:

@@ -160,7 +160,7 @@ class Graph(CompiledMission):
             yield self._content.reach_final(node, complete)
 
     def complete(self, region_of: Node | None, nodes: set[Node]) -> Iterable[Node]:
-        """The parallel states that have all their regions in a final now, inner first."""
+        """The parallel states that may have all their regions in a final now, inner first."""
         while region_of is not None and region_of.is_parallel and is_done(region_of, nodes):
             yield region_of
             region_of = region_of.parent
@@ -219,7 +219,9 @@ class Graph(CompiledMission):
 
 
 def is_done(node: Node, nodes: set[Node]) -> bool:
-    """Whether a state has reached its end (SCXML: isInFinalState)."""
+    """Whether a state may have reached its end (SCXML: isInFinalState); an `each` has as its list shows."""
+    if node.is_each:
+        return node in nodes
     if node.is_parallel:
         return all(is_done(child, nodes) for child in node.children)
     if node.is_final:

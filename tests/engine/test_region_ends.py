@@ -85,6 +85,36 @@ def test_regions_end_together_and_the_worst_of_them_counts(
     }
 
 
+@given(st.lists(st.tuples(st.none() | st.integers(0, 3), st.booleans()), min_size=1, max_size=4), st.booleans())
+def test_a_region_that_goes_over_a_list_ends_with_its_last_item(
+    regions: list[tuple[int | None, bool]], restores: bool
+) -> None:
+    """One event ends a round in every region at once; a region without a list, None, has one."""
+
+    def written(number: int, items: int | None) -> dict[str, Any]:
+        waits = {"transitions": [{"on": "go", "to": f"f{number}"}]}
+        inner = {"initial": f"w{number}", "states": {f"w{number}": waits, f"f{number}": {"final": "succeeded"}}}
+        return inner if items is None else {"each": f"l{number}", "as": f"i{number}", **inner}
+
+    lists = {f"l{number}": {"type": "list", "initial": [1] * (items or 0)} for number, (items, _) in enumerate(regions)}
+    parallel = {
+        f"r{number}": {"parallel": {f"n{number}": written(number, items)}} if nested else written(number, items)
+        for number, (items, nested) in enumerate(regions)
+    }
+    made = Mission.model_validate({
+        "name": "lists", "initial": "p", "events": ["go"],
+        "blackboard": lists | {f"i{number}": {"type": "integer"} for number, _ in enumerate(regions)},
+        "states": {"p": {"parallel": parallel, "transitions": [{"on": "succeeded", "to": "over"}]}, "over": {}},
+    })  # fmt: skip
+    chart = Chart(made)
+    ended = ["over" in chart.start(0.0).entered]
+    while not ended[-1] and len(ended) < 6:
+        if restores:
+            chart = Chart.restore(made, unpacked(packed(chart.snapshot())))
+        ended.append("over" in chart.send(Event("go", float(len(ended)))).entered)
+    assert ended.index(True) == max(1 if items is None else items for items, _ in regions)
+
+
 @pytest.mark.parametrize(("known", "end"), [(True, "was_succeeded"), (False, "was_unverified")])
 def test_a_region_that_is_a_final_has_its_requires(known: bool, end: str) -> None:
     states = mission([Region(1.0, None, False)], 0.0).written()["states"]
