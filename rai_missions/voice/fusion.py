@@ -4,7 +4,7 @@
 The evidence of both for a phrase is added, as logarithms of likelihood ratios are, and that of the letters of the free
 text: "close the mission" is nearer to "pause the mission" than "open it" is. A phrase counts where the sum is
 large, and larger than that of any other, and where the turn lasted as long as the phrase can. The second agrees where
-it holds the phrase for one of the two most probable.
+it holds the phrase for one of the two most probable. What is read as "no" and is too short for it is no word.
 
 Rule: the second can vote and agree, and no more: a phrase for which the first has no evidence never counts.
 """
@@ -25,8 +25,10 @@ LEAST_FIRST = 2.4
 LEAST_STOP, LEAST_STOP_FIRST = 2.4, 1.0
 """The same for "stop", with no lead: one syllable cannot have much, other speech has less, it must not be missed.
 In loud noise "pause" is often as near to it: where that is not enough and "stop" is next, the first's own counts."""
-SHORTEST_S, LONGEST_S = (0.12, 0.03), (0.5, 0.08)
+SHORTEST_S, LONGEST_S = (0.18, 0.03), (0.5, 0.08)
 """How long a phrase lasts, in seconds, and so many more for each of its letters. "Stop" may be drawn out."""
+LEAST_STOP_S = 0.24
+"""So short may "stop" be where the second agrees."""
 PAUSE = "pause"
 LIKENESS, NO_LIKENESS, NO_TEXT = 6.0, 0.5, -1.5
 """Nats for the share of letters that a free text has in common with a phrase, the share that is no evidence, and nats
@@ -37,6 +39,8 @@ LEAST_LEAD = 0.5
 """How much more it must be than that for the next phrase."""
 MOST = 30.0
 STOP = "stop"
+STOPS = (STOP, "halt")
+"""These count as they are read, however short they are."""
 
 
 class FusedTurn(NamedTuple):
@@ -63,15 +67,24 @@ def fused(
     """
     plain = " ".join("".join(each if each.isalnum() or each == "'" else " " for each in text.lower()).split())
     phrase = plain if plain in phrases else _phrase(plain, first, second, phrases)
-    if phrase and (phrase == plain or spoken_s is None or _can_last(phrase, spoken_s)):
+    if phrase and (
+        spoken_s is None or _can_last(phrase, spoken_s, is_read=phrase == plain, is_agreed=phrase in second)
+    ):
         return FusedTurn(phrase, (phrase,) * (2 if phrase in second else 1))
+    if phrase == plain:
+        return FusedTurn("")
     return FusedTurn(text, (text,)) if plain else FusedTurn("")
 
 
-def _can_last(phrase: str, spoken_s: float) -> bool:
+def _can_last(phrase: str, spoken_s: float, *, is_read: bool, is_agreed: bool) -> bool:
+    """Whether a turn is long enough for a phrase, and no longer unless it was read freely."""
     letters = sum(each.isalpha() for each in phrase)
     least, most = (base + each * letters for base, each in (SHORTEST_S, LONGEST_S))
-    return least <= spoken_s and (spoken_s <= most or phrase == STOP)
+    if phrase in STOPS and is_read:
+        return True
+    if phrase == STOP:
+        return spoken_s >= (LEAST_STOP_S if is_agreed else least)
+    return least <= spoken_s and (spoken_s <= most or is_read)
 
 
 def _phrase(plain: str, first: Mapping[str, float], second: Mapping[str, float], phrases: Sequence[str]) -> str:
