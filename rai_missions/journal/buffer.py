@@ -8,8 +8,11 @@ Rule: a run continues only when its row is written, but a disk that hangs holds 
 from __future__ import annotations
 
 import math
+import os
 import queue
+import threading
 import time
+import weakref
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any, Protocol
@@ -24,6 +27,8 @@ __all__ = ("LONGEST_S", "BufferedWriter", "JournalSink", "raised_by")
 
 QUIET_S = 1.0
 """How long a write that enabled nothing may travel before it is written down, and a running timer be silent."""
+MOST_FREE = 4
+"""So many threads wait for the next row to write; each takes 16 kB."""
 LONGEST_S = 10.0
 """A disk that has not taken a row by then is one that cannot be written."""
 
@@ -40,8 +45,61 @@ class JournalSink(Protocol):
     def note(self, text: str, data: Any = None) -> int: ...
 
 
+class DiskThreads:
+    """The threads of a process that wait for disks: one for each row that is being written, and a few that are free.
+
+    A disk that hangs holds up the thread that waits for it, and no other journal. Without journals there are none.
+    """
+
+    def __init__(self) -> None:
+        self._lock = threading.Lock()
+        self._free: list[Worker] = []
+        self._journals = 0
+
+    def forget(self) -> None:
+        """This process is a copy of another, whose threads it does not have."""
+        self._lock, self._free, self._journals = threading.Lock(), [], 0
+
+    def enter(self) -> None:
+        """A journal may be written from now on."""
+        with self._lock:
+            self._journals += 1
+
+    def leave(self) -> None:
+        """It is not written any more; after the last one the free threads end."""
+        with self._lock:
+            self._journals -= 1
+            ended, self._free = (self._free, []) if not self._journals else ([], self._free)
+        for worker in ended:
+            worker.close()
+
+    def do(self, work: Callable[[], object], done: Callable[[], object]) -> None:
+        """Have something done on a thread that is free, and then have that known."""
+        with self._lock:
+            worker = self._free.pop() if self._free else Worker("journal")
+
+        def run() -> None:
+            work()
+            self._give_back(worker)  # before that is known, so that who learns of it finds the thread free
+            done()
+
+        worker.post(run)
+
+    def _give_back(self, worker: Worker) -> None:
+        with self._lock:
+            is_kept = bool(self._journals) and len(self._free) < MOST_FREE
+            if is_kept:
+                self._free.append(worker)
+        if not is_kept:
+            worker.close()
+
+
+THREADS = DiskThreads()
+os.register_at_fork(after_in_child=THREADS.forget)
+
+
 class BufferedWriter:
-    """Between a runner and its journal; the disk is waited for on a thread of its own.
+    """Between a runner and its journal; the disk is waited for on another thread.
 
     What the journal raises, each method that writes raises; `ConnectorError` also where the disk took too long: whether
     the row was written is not known then, and no more will be.
@@ -52,7 +110,12 @@ class BufferedWriter:
     """
 
     def __init__(self, journal: JournalSink | None, called: Callable[[], None] = lambda: None) -> None:
-        self._journal, self._called, self._worker = journal, called, Worker("journal")
+        self._journal, self._called = journal, called
+        self._leave: Callable[[], object] = lambda: None
+        if journal is not None:
+            THREADS.enter()
+            self._leave = leave = weakref.finalize(self, THREADS.leave)
+            leave.atexit = False
         self._bell: queue.SimpleQueue[bool] = queue.SimpleQueue()
         """Rings when something is written, and with True when `call` is called."""
         self._is_lost = False
@@ -105,8 +168,8 @@ class BufferedWriter:
         self._bell.put(True)
 
     def close(self) -> None:
-        """The run is over; a disk that hangs is not waited for."""
-        self._worker.close(0.0 if self._is_lost else LONGEST_S)
+        """The run is over; a disk that hangs is not waited for. Doing so twice changes nothing."""
+        self._leave()
 
     def give_up(self) -> None:
         """The journal is lost: nothing more is written."""
@@ -132,9 +195,8 @@ class BufferedWriter:
                 outcome.append(None)
             except BaseException as error:  # noqa: BLE001 - raised below, on the thread that waits
                 outcome.append(error)
-            self._bell.put(False)
 
-        self._worker.post(do)
+        THREADS.do(do, lambda: self._bell.put(False))
         while not outcome:
             try:
                 is_call = self._bell.get(timeout=max(0.0, until - time.monotonic()))

@@ -63,6 +63,8 @@ WAL_HEADER, WAL_FRAME = 32, 24
 DAMAGED = "the journal is damaged: a part of its file is missing or was overwritten; give a whole copy of it"
 FEW_PAGES, MANY_PAGES = 4, -2_000
 """SQLite's `cache_size`: four pages hold what appending a row touches; 2,000 kB, its default, hold a picture."""
+FEW_STATEMENTS = 1
+"""Statements that a writing connection keeps compiled, at 1 kB each: that of a row. Making a journal has a dozen."""
 TRIES = 20
 """How often a journal that is being written is copied before its reader gives up."""
 
@@ -149,7 +151,10 @@ def open_to_write(path: Path, *, new: bool) -> sqlite3.Connection:
     """
     if not new:
         open_to_read(path).close()  # whatever is no journal is left as it is
-    connection = sqlite3.connect(_uri(path, "rw"), uri=True, isolation_level=None, check_same_thread=False, timeout=0)
+    connection = sqlite3.connect(
+        _uri(path, "rw"), uri=True, isolation_level=None, check_same_thread=False, timeout=0,
+        cached_statements=FEW_STATEMENTS,
+    )  # fmt: skip
     try:
         connection.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, LONGEST_BYTES)
         for pragma in ("locking_mode=EXCLUSIVE", "journal_mode=WAL", "synchronous=NORMAL", "trusted_schema=OFF"):

@@ -2,12 +2,14 @@
 """Two small fixed machines: the mode of a run, and who holds control of the actuators.
 
 Rule: this is the only place that knows `transitions`; no mission draws these states, and every agent reads them here.
+Rule: the machines are made once a process and remember nothing; where a run is in one of them is a `Position`.
 """
 
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping
 from collections.abc import Set as AbstractSet
+from functools import cache
 from types import MappingProxyType
 from typing import Any, NamedTuple
 
@@ -55,15 +57,51 @@ class Status(NamedTuple):
     """Since when, in seconds on the run's clock; None while it is not held."""
 
 
-def _machine(transitions: list[dict[str, Any]], states: tuple[str, ...], initial: str) -> Any:
+@cache
+def mode_machine() -> Machine:
+    """The machine of the modes."""
+    transitions = [{"trigger": each.trigger, "source": list(each.sources), "dest": each.target} for each in MODE_TABLE]
+    return _machine(transitions, MODES)
+
+
+@cache
+def control_machine() -> Machine:
+    """The machine of who holds control."""
+    return _machine(CONTROL_TRANSITIONS, HOLDERS)
+
+
+def _machine(transitions: list[dict[str, Any]], states: tuple[str, ...]) -> Machine:
     """A flat machine in the only setting that is safe: no `to_…` shortcuts, an illegal trigger is an error."""
     return Machine(
+        model=None,
         states=list(states),
         transitions=transitions,
-        initial=initial,
+        initial=states[0],
         auto_transitions=False,
         ignore_invalid_triggers=False,
     )
+
+
+class Position:
+    """Where one run is in a machine.
+
+    Args:
+        machine: The machine, which all runs share.
+        state: The name of its state.
+    """
+
+    __slots__ = ("_machine", "state")
+
+    def __init__(self, machine: Machine, state: str) -> None:
+        self._machine, self.state = machine, state
+
+    def fire(self, trigger: str) -> None:
+        """Go where a trigger leads from here.
+
+        Raises:
+            MachineError: It leads nowhere from here.
+        """
+        self._machine.events[trigger].trigger(self)
 
 
 def _waits(waiting: Mapping[str, str], holder: str, held_by: str) -> str:
@@ -81,7 +119,7 @@ class Control:
     """Who holds control. It is handed over by request and acknowledgement; a command of anybody else is refused."""
 
     def __init__(self, holder: str = "autonomy", *, kept: bool = False) -> None:
-        self._machine = _machine(CONTROL_TRANSITIONS, HOLDERS, holder)
+        self._position = Position(control_machine(), holder)
         self.requested: str | None = None
         """Whom it was asked for and has not reached yet."""
         self.kept = kept
@@ -92,7 +130,7 @@ class Control:
 
     @property
     def holder(self) -> str:
-        return str(self._machine.state)
+        return self._position.state
 
     def refuses(self, to: str, role: Origin) -> str:
         """Why a handover may not be asked for; empty if it may.
@@ -138,8 +176,8 @@ class Control:
         lifted, was_operators = self.holder == "nobody" and to != "operator", self.holder == "operator"
         try:
             if lifted:
-                self._machine.hand_to_operator()
-            getattr(self._machine, f"hand_to_{to}")()
+                self._position.fire("hand_to_operator")
+            self._position.fire(f"hand_to_{to}")
         except MachineError as error:
             raise UsageError(f"control cannot go from '{self.holder}' to '{to}': {error}") from None
         self.requested = None
@@ -167,17 +205,14 @@ class Lifecycle:
     """The mode of one run, with its revision."""
 
     def __init__(self) -> None:
-        transitions = [
-            {"trigger": each.trigger, "source": list(each.sources), "dest": each.target} for each in MODE_TABLE
-        ]
-        self._machine = _machine(transitions, MODES, MODES[0])
+        self._position = Position(mode_machine(), MODES[0])
         self.control = Control()
         self.revision = 0
         self._last: tuple[Any, ...] = ()
 
     @property
     def mode(self) -> str:
-        return str(self._machine.state)
+        return self._position.state
 
     def observe(
         self, step: Step, *, mode: str, holder: str, active: Collection[str], waiting: Mapping[str, str] = NOTHING,
@@ -222,13 +257,13 @@ class Lifecycle:
         run that began in another process.
         """
         if not self._last:
-            self._machine.set_state(target)
+            self._position.state = target
             return
         command = step.event.name if step.event.kind == "command" else ""
         through = next_mode(self.mode, command)
         if through is not None and (through == target or next_mode(through, target) is not None):
-            self._machine.trigger(command)
+            self._position.fire(command)
         if self.mode != target and next_mode(self.mode, target) is not None:
-            self._machine.trigger(target)
+            self._position.fire(target)
         if self.mode != target:
             raise UsageError(f"a run cannot go from '{self.mode}' to '{target}'")

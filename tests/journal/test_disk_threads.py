@@ -1,0 +1,87 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Journals share the threads that wait for disks, and no disk waits for another."""
+
+from __future__ import annotations
+
+import threading
+from pathlib import Path
+from typing import Any
+
+from hypothesis import given
+from hypothesis import strategies as st
+
+from rai_missions.engine.step import Step
+from rai_missions.journal.buffer import BufferedWriter
+
+PATIENCE_S = 30.0
+
+
+class Disk:
+    """Notes what is written, on a disk that may hang."""
+
+    def __init__(self, hangs: threading.Event | None = None) -> None:
+        self.path, self.hangs, self.notes = Path("none"), hangs, list[str]()
+        self.is_waiting = threading.Event()
+
+    def write(self, step: Step, *, since: float, quiet: Any = ()) -> int:
+        return 0
+
+    def confirm(self, number: int, how: str) -> int:
+        return 0
+
+    def note(self, text: str, data: Any = None) -> int:
+        self.is_waiting.set()
+        if self.hangs is not None:
+            assert self.hangs.wait(PATIENCE_S)
+        self.notes.append(text)
+        return 0
+
+
+def waiting_for_disks() -> set[threading.Thread]:
+    return {thread for thread in threading.enumerate() if thread.name == "journal"}
+
+
+def test_a_disk_that_hangs_holds_up_no_other_journal() -> None:
+    before, answers = waiting_for_disks(), threading.Event()
+    slow, disks = Disk(answers), [Disk() for _ in range(20)]
+    writer = BufferedWriter(slow)
+    thread = threading.Thread(target=writer.note, args=("slow",))
+    thread.start()
+    assert slow.is_waiting.wait(PATIENCE_S)
+    others = [BufferedWriter(disk) for disk in disks]
+    for number in range(3):
+        for other in others:
+            other.note(str(number))
+    assert [disk.notes for disk in disks] == [["0", "1", "2"]] * 20 and slow.notes == []
+    assert len(waiting_for_disks() - before) <= 2, "one waits for the disk that hangs, one does for all others"
+    answers.set()
+    thread.join(PATIENCE_S)
+    for each in (writer, *others):
+        each.close()
+        each.close()
+    assert slow.notes == ["slow"] and waiting_for_disks() <= before
+
+
+@given(st.lists(st.integers(0, 11), max_size=40))
+def test_each_journal_has_its_rows_in_their_order_whichever_thread_writes_them(order: list[int]) -> None:
+    before, disks = waiting_for_disks(), [Disk() for _ in range(12)]
+    writers = [BufferedWriter(disk) for disk in disks]
+
+    def write(number: int) -> None:
+        for place, each in enumerate(order):
+            if each == number:
+                writers[number].note(str(place))
+
+    threads = [threading.Thread(target=write, args=(number,)) for number in range(12)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join(PATIENCE_S)
+    for writer in writers:
+        writer.close()
+    assert [disk.notes for disk in disks] == [
+        [str(place) for place, each in enumerate(order) if each == number] for number in range(12)
+    ]
+    for thread in waiting_for_disks() - before:  # more than are kept end by themselves
+        thread.join(PATIENCE_S)
+    assert waiting_for_disks() <= before
