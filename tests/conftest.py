@@ -24,7 +24,7 @@ pytest_plugins = ("tests.limits",)
 QUICK, FIRST, FRESH, DEEP = "quick", "first", "fresh", "deep"
 settings.register_profile(
     QUICK,
-    max_examples=15,
+    max_examples=10,
     deadline=None,
     derandomize=True,  # the same examples everywhere and every time; `make drill` draws fresh ones
     suppress_health_check=[HealthCheck.too_slow],

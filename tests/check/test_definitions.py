@@ -10,7 +10,7 @@ from collections.abc import Callable
 from typing import Any
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 
 from rai_missions.check import check, shadowed_transitions
 from rai_missions.check.index import MissionIndex
@@ -122,7 +122,6 @@ def test_the_rules_find_what_their_definitions_find_in_thousands_of_missions() -
 
 
 @given(missions())
-@settings(max_examples=30)
 def test_the_rules_find_what_their_definitions_find_in_generated_missions(mission: Mission) -> None:
     differences(mission)
 

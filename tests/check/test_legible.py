@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from pydantic import ValidationError
 
@@ -76,7 +76,6 @@ def assert_nothing_is_invented(name: str, steps: Steps, *, word: bool) -> None:
 
 
 @given(st.sampled_from(PLACES), st.booleans())
-@settings(max_examples=60)
 def test_what_cannot_be_read_is_the_cause_of_no_other_finding(place: tuple[str, Steps], word: bool) -> None:
     assert_nothing_is_invented(*place, word=word)
 
@@ -89,7 +88,6 @@ def test_what_cannot_be_read_anywhere_is_the_cause_of_no_other_finding() -> None
 
 
 @given(st.sampled_from([steps for name, steps in PLACES if name == "tractor" and steps[0] == "states"]))
-@settings(max_examples=40)
 def test_a_misspelled_name_elsewhere_is_found_all_the_same(steps: Steps) -> None:
     document = broken("tractor", steps, word=False)
     if document is None or steps == ("states",):

@@ -56,7 +56,7 @@ def waits_for(chart: Chart) -> Any:
     return None
 
 
-@settings(max_examples=50, suppress_health_check=list(HealthCheck))
+@settings(suppress_health_check=list(HealthCheck))
 @given(looping, st.booleans())
 def test_what_check_accepts_waits_for_something_wherever_it_rests(tree: Json, loud: bool) -> None:
     mission = mission_of(tree, loud=loud)
@@ -73,7 +73,7 @@ def test_what_check_accepts_waits_for_something_wherever_it_rests(tree: Json, lo
         assert chart.send(Tick(99.0)).ignored
 
 
-@settings(max_examples=50, suppress_health_check=list(HealthCheck))
+@settings(suppress_health_check=list(HealthCheck))
 @given(looping, st.booleans())
 def test_what_waits_for_something_at_its_first_rest_is_not_refused_for_its_root(tree: Json, loud: bool) -> None:
     mission = mission_of(tree, loud=loud)

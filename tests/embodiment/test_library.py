@@ -113,7 +113,6 @@ def test_a_secret_in_a_document_is_not_quoted(folder: Path) -> None:
 
 
 @given(st.text(max_size=300))
-@settings(max_examples=50)
 def test_any_question_is_answered_or_refused(any_library: Library, question: str) -> None:
     found = any_library.recall(question)
     assert isinstance(found, FoundPassages) and len(found.passages) <= 5

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from langchain_core.messages import AIMessage
 from langchain_core.tools import StructuredTool
@@ -306,7 +306,6 @@ PROFILES = st.sampled_from(
 )
 
 
-@settings(max_examples=60)
 @given(
     st.lists(TALK, max_size=6),
     PROFILES,

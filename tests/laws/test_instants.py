@@ -125,13 +125,13 @@ def agree(seed: int, kind: type[Recorded]) -> bool:
 
 
 @given(seeds)
-@settings(max_examples=60)
+@settings(max_examples=15)
 def test_one_jump_in_time_is_many_small_ticks(seed: int) -> None:
     assume(agree(seed, Recorded))
 
 
 @given(seeds)
-@settings(max_examples=60)
+@settings(max_examples=15)
 def test_who_looks_at_everything_all_the_time_sees_nothing_else_happen(seed: int) -> None:
     assume(agree(seed, Diligent))
 

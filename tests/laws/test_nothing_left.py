@@ -230,7 +230,7 @@ things = st.one_of(
 scripts = st.lists(st.tuples(things, st.sampled_from([0.0, 0.0, 0.5, 1.0, 2.5, 7.0])), max_size=10)
 
 
-@settings(lenient, max_examples=60)
+@settings(lenient, max_examples=15)
 @given(with_trees, scripts)
 def test_after_each_step_nothing_is_left_where_trees_and_transitions_write(document: Json, script: Any) -> None:
     live(document, script)

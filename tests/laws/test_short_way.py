@@ -72,12 +72,12 @@ def reading(rng: random.Random, at: float) -> Event:
 
 
 @given(seeds)
-@settings(max_examples=100)
+@settings(max_examples=20)
 def test_the_short_way_leads_where_the_long_one_does(seed: int) -> None:
     drawn_agree(seed)
 
 
-@settings(max_examples=40, suppress_health_check=list(HealthCheck))
+@settings(max_examples=15, suppress_health_check=list(HealthCheck))
 @given(polled_trees, lives, st.integers(0, 2**32))
 def test_so_it_does_where_trees_look_at_what_is_written(tree: Any, life: Any, seed: int) -> None:
     trees_agree(tree, life, seed)
@@ -151,7 +151,7 @@ def looking_agree(seed: int) -> None:
 
 
 @given(seeds)
-@settings(max_examples=150)
+@settings(max_examples=40)
 def test_so_it_does_where_trees_run_on_and_look(seed: int) -> None:
     looking_agree(seed)
 
@@ -201,7 +201,7 @@ def plain_agree(seed: int) -> None:
 
 
 @given(seeds)
-@settings(max_examples=200)
+@settings(max_examples=50)
 def test_so_it_does_where_events_lead_from_state_to_state(seed: int) -> None:
     plain_agree(seed)
 

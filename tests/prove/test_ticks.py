@@ -57,7 +57,7 @@ def holds(tree: Json) -> None:
         assert started in space.seen, f"started with {known}"
 
 
-@settings(lenient, max_examples=60)
+@settings(lenient, max_examples=15)
 @given(st.recursive(LEAVES, around, max_leaves=6))
 def test_every_start_is_one_that_was_explored(tree: Json) -> None:
     holds(tree)

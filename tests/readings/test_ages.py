@@ -83,7 +83,6 @@ def looked_at(given_: list[Reading]) -> dict[float, bool | None]:
 
 
 @given(readings())
-@settings(max_examples=30)
 def test_a_key_is_as_old_as_its_own_stamp(given_: list[Reading]) -> None:
     for at, fresh in looked_at(given_).items():
         assert fresh is fresh_at(given_, at), f"at {at} s after {given_}"

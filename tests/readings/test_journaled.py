@@ -6,7 +6,7 @@ from __future__ import annotations
 import tempfile
 from pathlib import Path
 
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from rai_missions.engine import Chart
@@ -29,7 +29,6 @@ writes = st.tuples(
 
 
 @given(st.lists(writes, max_size=12))
-@settings(max_examples=25)
 def test_a_stamp_is_the_same_wherever_it_is_kept(given_: list[tuple[str, int, float, float]]) -> None:
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "run.journal"

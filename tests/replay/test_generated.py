@@ -26,7 +26,7 @@ TRIALS_EACH = 3
 """Of one mission, each with surroundings and deaths of its own."""
 
 
-@settings(deadline=None, max_examples=12)
+@settings(deadline=None, max_examples=6)
 @given(missions(), st.integers(0, 10_000))
 def test_whatever_mission_is_killed_whenever_it_continues_as_if_it_had_not_been(
     tmp_path_factory: pytest.TempPathFactory, mission: Mission, seed: int

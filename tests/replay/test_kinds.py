@@ -144,7 +144,7 @@ def farm(kind: Kind) -> Farm:
 
 @pytest.mark.parametrize("name", KINDS)
 def test_a_run_that_is_killed_ends_as_if_it_had_not_been(tmp_path: Path, name: str) -> None:
-    killed_at_all(tmp_path, name, every=11)
+    killed_at_all(tmp_path, name, every=29)
 
 
 @pytest.mark.drill

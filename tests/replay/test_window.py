@@ -181,7 +181,7 @@ def tried(folder: Path, mission: Mission, seed: int) -> str:
     return "same"
 
 
-@settings(deadline=None, max_examples=25)
+@settings(deadline=None, max_examples=10)
 @given(missions(), st.integers(0, 10_000))
 def test_what_happens_while_the_facts_are_received_again_counts_at_its_own_instant(
     tmp_path_factory: pytest.TempPathFactory, mission: Mission, seed: int

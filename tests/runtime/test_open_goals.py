@@ -207,7 +207,7 @@ SCENES = st.builds(
     ),
     is_ours=st.booleans(),
 )  # fmt: skip
-quick = settings(max_examples=150, suppress_health_check=[HealthCheck.too_slow])
+quick = settings(max_examples=40, suppress_health_check=[HealthCheck.too_slow])
 
 
 @quick

@@ -123,7 +123,7 @@ def agree(seed: int) -> None:
 
 
 @given(st.integers(0, 2**32))
-@settings(max_examples=60)
+@settings(max_examples=15)
 def test_stalls_change_nothing_of_what_comes_from_outside(seed: int) -> None:
     agree(seed)
 

@@ -128,7 +128,7 @@ def tried(read: Callable[[], Any]) -> None:
         read()
 
 
-shares = pytest.mark.parametrize("share", [12, pytest.param(1, marks=pytest.mark.drill)])
+shares = pytest.mark.parametrize("share", [36, pytest.param(1, marks=pytest.mark.drill)])
 
 
 def modules_of(folder: Path) -> list[str]:

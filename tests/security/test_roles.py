@@ -125,9 +125,10 @@ def test_in_a_run_the_role_of_the_event_counts_and_no_name() -> None:
     mission = Mission.model_validate(
         {"name": "m", "initial": "a", "states": {"a": {"control": "operator", "transitions": []}}, "events": []}
     )
+    started = Chart(mission)
+    started.start(0.0)
     for name in names():
-        chart = Chart(mission)
-        chart.start(0.0)
+        chart = started.branch()
         chart.send(Event("operator", 1.0, {"by": name}, "control"))
         assert not chart.taken, f"'{name}' was given what the mission had asked for, and has taken nothing"
     chart.send(Event("operator", 2.0, {"by": "Mallory", "role": "operator"}, "control"))

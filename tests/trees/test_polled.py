@@ -22,7 +22,7 @@ def as_polled(drawn: Any, life: Any) -> None:
             assert ran.ours == ran.polled
 
 
-@settings(max_examples=150, suppress_health_check=list(HealthCheck))
+@settings(max_examples=40, suppress_health_check=list(HealthCheck))
 @given(polled_trees, lives)
 def test_a_chart_is_where_py_trees_is_that_is_polled_until_nothing_changes(drawn: Any, life: Any) -> None:
     as_polled(drawn, life)

@@ -58,7 +58,7 @@ def test_a_hostile_text_is_survived_soon_and_gives_no_goal(text: str) -> None:
     assert time.process_time() - began < 2.0
 
 
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=40, deadline=None)
 @given(st.one_of(REQUESTS, st.text(max_size=80)), st.sampled_from(sorted(SCENES)))
 def test_what_is_read_is_said_and_seen(request_: str, name: str) -> None:
     scene = SCENES[name]
@@ -71,7 +71,7 @@ def test_what_is_read_is_said_and_seen(request_: str, name: str) -> None:
         assert is_said(reading.goal, request_, scene)
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=30, deadline=None)
 @given(REQUESTS, st.sampled_from([0.31, 0.017, 2.5]))
 def test_a_number_that_is_not_in_the_request_is_not_said(request_: str, number: float) -> None:
     scene = SCENES["full"]
@@ -79,7 +79,7 @@ def test_a_number_that_is_not_in_the_request_is_not_said(request_: str, number: 
     assert not is_said(goal({"left_of": ["red_cube", "apple"], "gap_m": number / 10}), request_)
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=30, deadline=None)
 @given(
     st.lists(st.sampled_from(sorted({*WORDS} - MEANS_A_CUBE)), max_size=14), st.sampled_from(["full", "cubes", None])
 )
@@ -100,7 +100,7 @@ def test_time_grows_with_the_length_at_most() -> None:
     assert spent[1] < 40 * max(spent[0], 0.01)
 
 
-@settings(max_examples=120, deadline=None)
+@settings(max_examples=40, deadline=None)
 @given(st.data())
 def test_one_word_that_is_not_known_or_negates_leaves_no_goal(data: st.DataObject) -> None:
     request = data.draw(st.sampled_from([*corpus("en"), *corpus("de")]))

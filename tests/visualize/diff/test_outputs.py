@@ -10,7 +10,7 @@ from typing import Any
 
 import jsonschema
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from markdown_it import MarkdownIt
 
 import visualize.diff
@@ -34,7 +34,6 @@ HTML = MarkdownIt("commonmark", {"html": True}).enable("table")
 EVIL = "<script>alert(1)</script> @everyone #1 [a](http://b) `x` | ![i](http://c) </details> ``` <!-- :tada:"
 
 
-@settings(max_examples=25)
 @given(missions(), missions())
 def test_json_holds_each_change_and_fits_its_schema(old: Mission, new: Mission) -> None:
     found = difference(old, new)
@@ -45,7 +44,6 @@ def test_json_holds_each_change_and_fits_its_schema(old: Mission, new: Mission) 
     assert reported["safety"] + reported["other"] == len(reported["changes"])
 
 
-@settings(max_examples=25)
 @given(missions(), missions())
 def test_the_page_leads_from_each_change_to_where_it_is_seen(old: Mission, new: Mission) -> None:
     found = difference(old, new)
@@ -132,7 +130,6 @@ def test_an_outline_does_not_know_the_order_of_keys(given: dict[str, Any]) -> No
     assert one == other
 
 
-@settings(max_examples=30)
 @given(missions(), missions())
 def test_an_outline_is_the_same_for_equal_missions_alone(old: Mission, new: Mission) -> None:
     assert (outline(old) == outline(new)) is (old == new)

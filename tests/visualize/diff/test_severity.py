@@ -8,7 +8,7 @@ from collections.abc import Callable
 from typing import Any
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 
 from rai_missions.mission.mission import Mission
 from tests.strategies import missions
@@ -226,7 +226,6 @@ def test_a_way_around_inside_a_state_is_reported_too() -> None:
     assert results == ["end: can be reached without passing 'looking' now"]
 
 
-@settings(max_examples=60)
 @given(missions())
 def test_what_every_way_passes_is_what_no_way_avoids(mission: Mission) -> None:
     ways = Ways(mission)
