@@ -17,6 +17,9 @@ __all__ = ("few_collections",)
 FEW = (100_000, 50, 1000)
 """The thresholds meanwhile: objects until a search, and searches of one generation until one of the next."""
 
+MUCH = 10_000
+"""So many new objects join the oldest; fewer are searched, in a millisecond."""
+
 
 class _Builders:
     """Those that are building, in all threads of the process."""
@@ -42,7 +45,8 @@ class _Builders:
             self._many -= 1
             if self._many or self._before is None:
                 return
-            if not gc.get_freeze_count():  # what the application has frozen would thaw with it
+            # What the application has frozen would thaw with it, and to count that takes a look at each of its objects
+            if gc.get_count()[0] >= MUCH and not gc.get_freeze_count():
                 gc.freeze()
                 gc.unfreeze()
             gc.set_threshold(*self._before)
@@ -56,8 +60,8 @@ _builders = _Builders()
 def few_collections() -> Iterator[None]:
     """Search rarely for garbage meanwhile, in any number of threads; then as before.
 
-    What was built is not searched at its end: it joins the oldest objects, as it would have after two searches. Where
-    thresholds are higher already, or collection is switched off, nothing changes.
+    Much that was built is not searched at its end: it joins the oldest objects, as it would have after two searches.
+    Where thresholds are higher already, or collection is switched off, nothing changes.
     """
     _builders.begin()
     try:

@@ -12,7 +12,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rai_missions.mission.garbage import FEW, few_collections
+from rai_missions.mission.garbage import FEW, MUCH, few_collections
 
 USUAL = (700, 10, 10)
 
@@ -78,10 +78,18 @@ def test_what_was_frozen_stays_frozen() -> None:
     try:
         frozen = gc.get_freeze_count()
         with few_collections():
-            pass
-        assert frozen and gc.get_freeze_count() == frozen
+            built = [[number] for number in range(2 * MUCH)]
+        assert frozen and gc.get_freeze_count() == frozen and built
     finally:
         gc.unfreeze()
+
+
+def test_where_little_was_built_the_frozen_are_not_counted(monkeypatch: pytest.MonkeyPatch) -> None:
+    gc.collect()
+    monkeypatch.delattr(gc, "get_freeze_count")  # it looks at each of them
+    with few_collections():
+        built = [[number] for number in range(10)]
+    assert built
 
 
 def test_an_error_brings_the_thresholds_back() -> None:
