@@ -114,8 +114,8 @@ def test_a_recovery_forgets_what_is_low_but_not_near_the_robot() -> None:
     assert math.isinf(grid.low_near(robot, math.pi))
 
 
-def tried(seed_scene: Any) -> dict[str, str]:
-    """Every option of the patrol in a scene of the house → what it did to whom."""
+def tried(seed_scene: Any) -> dict[str, bool]:
+    """Every option of the patrol in a scene of the house → whether it touches a person."""
     loaded = load_campaign(CAMPAIGN)
     spec = {**seed_scene.spec, "options": {**seed_scene.spec["options"], "camera": False}}
     record = SceneRecord(
@@ -125,7 +125,7 @@ def tried(seed_scene: Any) -> dict[str, str]:
     assert asked.decision is not None
     found = rollouts(asked.decision, loaded.subject.options, longest_s=90.0)
     asked.decision.world.close()
-    return {name: each.why if each.verdict == "harms" else "" for name, each in found.items()}
+    return {name: each.measures["touched_person"] for name, each in found.items()}
 
 
 LYING = [one for one in scenes("house", 200) if one.kind == "lies"]
