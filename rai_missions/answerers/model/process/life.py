@@ -55,11 +55,11 @@ class Life:
         model: What it holds, by name.
         most_bytes: How much memory it may be resident in, with all that descends from it.
         ended: Called once, on a thread of this object, after everything has ended.
-        repeats: As `open_model` has it.
+        isolated: As `open_model` has it.
     """
 
     def __init__(
-        self, model: str, most_bytes: int, ended: Callable[[Life], None], *, repeats: bool = True
+        self, model: str, most_bytes: int, ended: Callable[[Life], None], *, isolated: bool = False
     ) -> None:  # fmt: skip
         self._on_end = ended
         self._lock = threading.Lock()
@@ -76,7 +76,7 @@ class Life:
         self._is_over = False
         first = {
             "model": model,
-            "repeats": repeats,
+            "isolated": isolated,
             "environment": variables(secret=True),
             "path": [os.path.abspath(entry) for entry in sys.path],
             "secrets": secrets_held(),

@@ -46,11 +46,11 @@ class ModelProcess:
     Args:
         spec: `PROVIDER:NAME`, or `local`, as `open_model` has it; what can be checked without opening it was checked.
         memory_gib: How much memory the process may be resident in, with all that descends from it.
-        repeats: Whether the provider's package may repeat a call that failed, as `open_model` has it.
+        isolated: As `open_model` has it.
     """
 
-    def __init__(self, spec: str, *, memory_gib: float = 2.0, repeats: bool = True) -> None:
-        self._spec, self._most_bytes, self._repeats = spec, int(memory_gib * GIB), repeats
+    def __init__(self, spec: str, *, memory_gib: float = 2.0, isolated: bool = False) -> None:
+        self._spec, self._most_bytes, self._isolated = spec, int(memory_gib * GIB), isolated
         self._lock = threading.Lock()
         self._life: Life | None = None
         self._old: set[Life] = set()
@@ -115,7 +115,7 @@ class ModelProcess:
         """The process that lives, or a new one; under the lock."""
         if self._life is None or not self._life.alive:
             self._used = False
-            self._life = Life(self._spec, self._most_bytes, self._ended, repeats=self._repeats)
+            self._life = Life(self._spec, self._most_bytes, self._ended, isolated=self._isolated)
             self._old.add(self._life)
         return self._life
 

@@ -79,7 +79,7 @@ def _opened(order: Mapping[str, Any], outlet: Outlet) -> tuple[Any, list[Redacti
 
     opened = [Redaction(order["secrets"])]
     try:
-        model = open_model(order["model"], repeats=order["repeats"])
+        model = open_model(order["model"], isolated=order["isolated"])
         opened.append(Redaction(secrets_of(model)))
         words = ability_words(Abilities.of(model))
     except BaseException as error:  # noqa: BLE001 - whatever the provider's package raises, the model is not there
