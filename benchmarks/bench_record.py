@@ -86,13 +86,13 @@ def main() -> None:
         for is_recorded, found in rounds.items():
             cpu = statistics.median(each.cpu_us for each in found)
             after = statistics.median(each.after_s for each in found)
-            name = f"{how}, {'recorded' if is_recorded else 'not recorded'}"
+            name = f"{how}, {'recorded' if is_recorded else 'unrecorded'}"
             lost = max(each.lost for each in found)
             print(f"{name:<46}{rates[is_recorded]:>10,.0f}{cpu:>10.1f}{after:>10.2f}{lost:>8}")
             figure(f"a flood of events: CPU an event, {name}", cpu, "µs")
         print(f"    with a recording: {100 * rates[True] / rates[False]:.0f} % of the rate without")
         figure(f"a flood of events, recorded, wall: {how}", rates[True], "events/s",
-               peer=("not recorded", rates[False]), larger_is_better=True)  # fmt: skip
+               peer=("unrecorded", rates[False]), larger_is_better=True)  # fmt: skip
 
 
 if __name__ == "__main__":
