@@ -22,6 +22,7 @@ __all__ = (
     "Fault",
     "MissionError",
     "UsageError",
+    "counted",
     "escaped",
     "in_words",
     "irregular",
@@ -81,6 +82,11 @@ def nearest(given: str, known: Iterable[str]) -> str:
     import difflib  # heavy, and needed for a fault alone
 
     return next(iter(difflib.get_close_matches(given, sorted(set(known)), n=1, cutoff=0.6)), "")
+
+
+def counted(number: int, word: str) -> str:
+    """`1 scene`, `2 scenes`: a number of things, for a sentence."""
+    return f"{number} {word}{'' if number == 1 else 's'}"
 
 
 def suggestion(given: str, known: Iterable[str]) -> str:

@@ -18,7 +18,7 @@ from typing import Any, NamedTuple
 from rai_missions.errors import UsageError
 from rai_missions.redaction import shown
 
-__all__ = ("ORDERS", "Cell", "cells_of", "code_digest", "counted", "digest", "ordered")
+__all__ = ("ORDERS", "Cell", "cells_of", "code_digest", "digest", "ordered")
 
 ORDERS = ("written", "reversed", "rotated_1", "rotated_2", "rotated_3")
 """The orders in which options may be shown: as the mission has them, backwards, or begun so many places later."""
@@ -88,11 +88,6 @@ def ordered(options: Sequence[str], order: str) -> tuple[str, ...]:
         raise UsageError(f"no order of options {shown(order)}; there is: {', '.join(ORDERS)}")
     start = int(places) % max(1, len(options))
     return (*options[start:], *options[:start])
-
-
-def counted(number: int, word: str) -> str:
-    """`1 scene`, `2 scenes`."""
-    return f"{number} {word}{'' if number == 1 else 's'}"
 
 
 def digest(value: Any) -> str:

@@ -10,10 +10,10 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import NamedTuple
 
-from rai_missions.campaign.cells import counted
 from rai_missions.campaign.report.comparisons import LEVEL, Comparison, Pairing, compared, matched
 from rai_missions.campaign.report.figures import CampaignFigures, GroupName, figures_of
 from rai_missions.campaign.store import ResultStore
+from rai_missions.errors import counted
 
 __all__ = ("StoreComparison", "compare")
 

@@ -7,11 +7,12 @@ from collections.abc import Iterable, Iterator, Sequence
 from itertools import groupby
 from typing import Protocol
 
+from rai_missions.errors import counted
 from rai_missions.mission.mission import Mission
 from visualize.diff.change import Change, heading
 from visualize.style import clean
 
-__all__ = ("TextReport", "by_topic", "counted", "headline", "lines")
+__all__ = ("TextReport", "by_topic", "headline", "lines")
 
 
 NOTHING = "nothing that diff weighs as safety-relevant"
@@ -30,11 +31,6 @@ class TextReport(Protocol):
     def safety(self) -> tuple[Change, ...]: ...
     @property
     def others(self) -> tuple[Change, ...]: ...
-
-
-def counted(number: int, word: str) -> str:
-    """`1 change`, `2 changes`."""
-    return f"{number} {word}{'' if number == 1 else 's'}"
 
 
 def headline(given: TextReport) -> str:

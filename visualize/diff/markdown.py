@@ -10,7 +10,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
-from visualize.diff.as_text import by_topic, counted, headline
+from rai_missions.errors import counted
+from visualize.diff.as_text import by_topic, headline
 from visualize.diff.change import Change
 from visualize.diff.difference import Difference
 from visualize.mermaid import mermaid

@@ -9,9 +9,9 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping
 from typing import Literal, NamedTuple
 
-from rai_missions.campaign.cells import counted
 from rai_missions.campaign.report.figures import CellAnswer, GroupFigures, GroupName
 from rai_missions.campaign.statistics import PairedTest, holm, paired_test
+from rai_missions.errors import counted
 
 __all__ = ("LEVEL", "Comparison", "Measure", "compared", "within")
 

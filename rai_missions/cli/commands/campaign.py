@@ -90,8 +90,8 @@ def _report(store: str, page: str | None) -> int:
 
 
 def _check(options: CampaignOptions) -> int:
-    from rai_missions.campaign.cells import counted
     from rai_missions.campaign.run import plan_of
+    from rai_missions.errors import counted
 
     loaded = _loaded(options)
     plan, file = plan_of(loaded, {}), loaded.file

@@ -90,6 +90,8 @@ def _checked_profile(path: str, mission: Mission | None) -> tuple[str, tuple[Fil
 
 def _summary(path: str, checked: CheckedFile, profile: str, found: Sequence[FileFinding]) -> str:
     """What was checked and what came of it, in a line."""
+    from rai_missions.errors import counted
+
     both = "mission and profile" if profile else "mission"
     if checked.mission is None:
         return (
@@ -100,8 +102,4 @@ def _summary(path: str, checked: CheckedFile, profile: str, found: Sequence[File
     if not found:
         return f"{path}: {both}: no fault ({what})"
     errors = sum(each.finding.severity == "error" for each in found)
-    return f"{path}: {both}: {_counted(errors, 'error')}, {_counted(len(found) - errors, 'warning')} ({what})"
-
-
-def _counted(count: int, what: str) -> str:
-    return f"{count} {what}{'' if count == 1 else 's'}"
+    return f"{path}: {both}: {counted(errors, 'error')}, {counted(len(found) - errors, 'warning')} ({what})"
