@@ -13,11 +13,11 @@ from __future__ import annotations
 import math
 from typing import Any, NamedTuple
 
-import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
 from rai_missions.worlds.frame_history import DEPTH_NOISE, NEAREST_M
+from rai_missions.worlds.house.rays import Rays
 from rai_missions.worlds.house.rosbot import BODY_M, CAMERA_AT, CAMERA_FOVY_DEG, CAMERA_PITCH, LIDAR_AT
 
 __all__ = ("LowPoints", "LowScan")
@@ -50,8 +50,7 @@ class LowScan:
     """
 
     def __init__(self, model: Any, data: Any, seed: int) -> None:
-        self._model, self._data = model, data
-        self._body = model.body("rosbot").id
+        self._data, self._body = data, model.body("rosbot").id
         self._rng = np.random.default_rng(seed)
         up = math.tan(math.radians(CAMERA_FOVY_DEG) / 2)
         right, upwards = np.meshgrid(
@@ -59,21 +58,16 @@ class LowScan:
         )
         cos, sin = math.cos(CAMERA_PITCH), math.sin(CAMERA_PITCH)
         ahead = np.stack([cos - sin * upwards, -right, sin + cos * upwards], -1).reshape(-1, 3)
-        self._rays = ahead / np.linalg.norm(ahead, axis=1, keepdims=True)
-        self._groups = np.array([1, 1, 0, 0, 1, 0], np.uint8)
-        self._hit = np.zeros(len(self._rays), np.int32)
-        self._far = np.zeros(len(self._rays))
+        self._ahead = ahead / np.linalg.norm(ahead, axis=1, keepdims=True)
+        self._rays = Rays(model, data, self._ahead, (0, 1, 4), REACH_M)
 
     def look(self) -> LowPoints:
         """The points of this instant."""
-        pose = self._data.xmat[self._body].reshape(3, 3)
-        camera = self._data.xpos[self._body] + pose @ (CAMERA_AT[0], 0.0, CAMERA_AT[1])
-        mujoco.mj_multiRay(
-            self._model, self._data, camera, (self._rays @ pose.T).ravel(), self._groups, 1, self._body,
-            self._hit, self._far, None, len(self._rays), REACH_M,
-        )  # fmt: skip
-        far = self._far * self._rng.normal(1, DEPTH_NOISE, len(self._far))
-        points = self._rays * far[:, None] + (CAMERA_AT[0] - LIDAR_AT[0], 0.0, CAMERA_AT[1] + BODY_M)
+        turned = self._data.xmat[self._body]
+        camera = self._data.xpos[self._body] + turned.reshape(3, 3) @ (CAMERA_AT[0], 0.0, CAMERA_AT[1])
+        far = self._rays.cast(camera, turned)
+        far = far * self._rng.normal(1, DEPTH_NOISE, len(far))
+        points = self._ahead * far[:, None] + (CAMERA_AT[0] - LIDAR_AT[0], 0.0, CAMERA_AT[1] + BODY_M)
         known = (far > NEAREST_M) & (far < REACH_M)
         is_floor = points[:, 2] < FLOOR_M
         return LowPoints(points[known & is_floor, :2], points[known & ~is_floor & (points[:, 2] < LOW_M), :2])
