@@ -32,6 +32,7 @@ class TextToSpeech:
         voice: By name, as `flite:speaker=rms`.
         model_voice: For a model's texts; empty: the same voice, and they begin with "I think".
         on_end: Called once for each text with its key and how it ended.
+        on_message_end: Called once for each message of `hri` with its text and how it ended.
         on_fault: Called with a sentence each time a voice's process ended, hung or could not be opened.
         patience_s: How long the device may take no sound before what waits has failed; infinity on a simulated clock.
     """
@@ -39,15 +40,21 @@ class TextToSpeech:
     def __init__(
         self, sound: SoundConnector, hri: HRIConnector | None = None, *, topic: str = TO_HUMAN, voice: str = "flite",
         model_voice: str = "", on_end: Callable[[str, SpokenEnd], object] = lambda key, how: None,
+        on_message_end: Callable[[str, SpokenEnd], object] = lambda text, how: None,
         on_fault: Callable[[str], object] = lambda why: None, patience_s: float = 5.0,
     ) -> None:  # fmt: skip
         self._sound, self._hri, self._topic = sound, hri, topic
+        self._on_end, self._on_message_end = on_end, on_message_end
+        self._messages: dict[str, str] = {}
         self._processes = [
             SpeechProcess("voice", name, options, within_s=10.0, on_fault=on_fault)
             for name, options in map(split_options, filter(None, (voice, model_voice)))
         ]
         self._speaker = Speaker(
-            self._processes[0], on_end, model_voice=self._processes[1] if model_voice else None, patience_s=patience_s
+            self._processes[0],
+            self._ended,
+            model_voice=self._processes[1] if model_voice else None,
+            patience_s=patience_s,
         )
         self._lock = threading.Lock()
         self._closes: list[Close] = []
@@ -75,7 +82,7 @@ class TextToSpeech:
             self._closes = [self._sound.play(self._speaker.frame)]
             if self._hri is not None:
                 self._closes.append(self._hri.listen(self._topic, self._receive))
-                self._closes.append(self._hri.listen_to_voice_commands(self.steer))
+                self._closes.append(self._hri.listen_to_voice_commands(self._steer))
 
     def stop(self) -> None:
         """End; what was not spoken whole has failed."""
@@ -104,17 +111,24 @@ class TextToSpeech:
         """Stop now, and drop what waits; see `Speaker.silence`."""
         self._speaker.silence(is_total=is_total)
 
-    def steer(self, word: str) -> None:
-        """Follow a word for the speaker: `play`, `pause`, `tog_play`, or `stop`, which drops what waits."""
+    def _receive(self, message: HRIMessage) -> None:
+        if message.text:
+            key = f"{self._topic}:{next(self._numbers)}"
+            self._messages[key] = message.text
+            self.speak(SpokenText(key, message.text))
+
+    def _ended(self, key: str, how: SpokenEnd) -> None:
+        text = self._messages.pop(key, None)
+        if text is not None:
+            self._on_message_end(text, how)
+        self._on_end(key, how)
+
+    def _steer(self, word: str) -> None:
         if word == "stop":
             self.silence()
             return
         self._is_paused = word == "pause" or (word == "tog_play" and not self._is_paused)
         STEER[self._is_paused](self._speaker)
-
-    def _receive(self, message: HRIMessage) -> None:
-        if message.text:
-            self.speak(SpokenText(f"{self._topic}:{next(self._numbers)}", message.text))
 
 
 STEER: Mapping[bool, Callable[[Speaker], Any]] = {

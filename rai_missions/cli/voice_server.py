@@ -3,19 +3,17 @@
 
 from __future__ import annotations
 
-import itertools
 import sys
 
 from rai_missions.agents.runner import AgentRunner
 from rai_missions.agents.text_to_speech import TextToSpeech
 from rai_missions.agents.voice_recognition import VoiceRecognition
 from rai_missions.cli.sound import line_of
-from rai_missions.connectors.hri.connector import TO_HUMAN, HRIConnector
-from rai_missions.connectors.hri.message import HRIMessage
+from rai_missions.connectors.hri.connector import HRIConnector
 from rai_missions.connectors.sound.connector import SoundConnector
 from rai_missions.voice.listener import Transcript
 from rai_missions.voice.setup import ListenNames
-from rai_missions.voice.spoken_text import SpokenEnd, SpokenText
+from rai_missions.voice.spoken_text import SpokenEnd
 
 __all__ = ("serve_voice",)
 
@@ -37,17 +35,7 @@ def serve_voice(sound: SoundConnector, names: ListenNames, *, voice: str, domain
 
     connector = open_connector({} if domain is None else {"domain_id": domain})
     hri = HRIConnector(connector)
-    texts, numbers = dict[str, str](), itertools.count(1)
-
-    def show_end(key: str, how: SpokenEnd) -> None:
-        print(f"robot ({how}): {texts.pop(key)}", flush=True)
-
-    speech = TextToSpeech(sound, voice=voice, on_end=show_end, on_fault=_warn)
-
-    def speak(message: HRIMessage) -> None:
-        if message.text:
-            texts[key := str(next(numbers))] = message.text
-            speech.speak(SpokenText(key, message.text))
+    speech = TextToSpeech(sound, hri, voice=voice, on_message_end=_show_end, on_fault=_warn)
 
     def take(transcript: Transcript) -> None:
         speech.resume(cut=bool(transcript.text))
@@ -61,8 +49,6 @@ def serve_voice(sound: SoundConnector, names: ListenNames, *, voice: str, domain
     try:
         connector.start()
         agents.run()
-        hri.listen(TO_HUMAN, speak)
-        hri.listen_to_voice_commands(speech.steer)
         recognition.wait_ready()
         sound.start()
         print("ready; Ctrl-C ends it", flush=True)
@@ -74,6 +60,10 @@ def serve_voice(sound: SoundConnector, names: ListenNames, *, voice: str, domain
         agents.stop()
         sound.stop()
         connector.stop()
+
+
+def _show_end(text: str, how: SpokenEnd) -> None:
+    print(f"robot ({how}): {text}", flush=True)
 
 
 def _warn(why: str) -> None:
