@@ -31,7 +31,7 @@ def load(path: str | os.PathLike[str], *, python: bool = True) -> Mission:
     """The mission in a file, with the missions that it includes expanded.
 
     Args:
-        path: A `.json` file, or a `.py` file that offers a function `mission() -> Mission`, which is executed.
+        path: A `.json` file, or a `.py` file, which is executed; its `mission` is a `Mission` or a function of it.
         python: Whether a `.py` file may be executed.
 
     Raises:

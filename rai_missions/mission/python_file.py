@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Files in Python, executed by path; that of a mission offers one function, `mission() -> Mission`.
+"""Files in Python, executed by path; that of a mission offers `mission`, a `Mission` or a function that returns one.
 
 Rule: what goes wrong in the file is the author's to mend and comes with its line; nothing is written next to the file.
 """
@@ -26,16 +26,21 @@ OURS = "rai_missions"
 
 
 def run_mission_file(file: Path) -> Mission:
-    """What the file's `mission()` returns.
+    """The file's `mission`, or what its function of that name returns.
 
     Raises:
-        DefinitionError: The file cannot be executed, offers no such function, or that returns something else.
+        DefinitionError: The file cannot be executed, has no `mission`, or that is or returns something else.
         UsageError: There is no such file.
     """
     source = file_bytes(file)  # first: only of a file that is there it is known where it is
-    offered = getattr(run_file(file, source), "mission", None)
+    module = run_file(file, source)
+    if not hasattr(module, "mission"):
+        raise _refused("the file has no 'mission'; write `mission = Mission(…)` or `def mission() -> Mission:`", file)
+    offered: Any = module.mission
+    if isinstance(offered, Mission):
+        return offered
     if not callable(offered):
-        raise _refused("the file offers no function 'mission'; write `def mission() -> Mission:`", file)
+        raise _refused(f"'mission' is {shown(repr(offered))}; it is to be a Mission, or a function of it", file)
     mission: Any = call_offered(offered, file)
     if not isinstance(mission, Mission):
         raise _refused(f"mission() returned {shown(repr(mission))}; return a Mission", file)

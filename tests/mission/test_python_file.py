@@ -41,6 +41,11 @@ def test_a_changed_file_is_read_again(tmp_path: Path) -> None:
     assert load(tmp_path / "m.py").name == "large"
 
 
+def test_a_mission_that_is_no_function_is_taken_as_well(tmp_path: Path) -> None:
+    (tmp_path / "m.py").write_text(f"{GOOD}\nmission = mission()\n")
+    assert load(tmp_path / "m.py").name == "small"
+
+
 def test_python_is_refused_unexecuted_where_it_is_not_wanted(tmp_path: Path) -> None:
     (tmp_path / "m.py").write_text("raise SystemExit('executed')")
     with pytest.raises(UsageError, match="is Python, which is not to be executed here"):
@@ -55,8 +60,8 @@ def test_python_is_refused_unexecuted_where_it_is_not_wanted(tmp_path: Path) -> 
         (b"x = 1\0", "/: line 1: not Python: source code "),
         ("x = 1\n\nx = {}['a']\n", "/: line 3: KeyError: 'a'"),
         ("import sys\nsys.exit(3)", "/: line 2: SystemExit: 3"),
-        ("x = 1", "/: the file offers no function 'mission'; write `def mission() -> Mission:`"),
-        ("mission = 3", "/: the file offers no function 'mission'"),
+        ("x = 1", "/: the file has no 'mission'; write `mission = Mission(…)` or `def mission() -> Mission:`"),
+        ("mission = 3", "/: 'mission' is '3'; it is to be a Mission, or a function of it"),
         ("def mission():\n    return 3", "/: mission() returned '3'; return a Mission"),
         ("def f():\n    raise ValueError\ndef mission():\n    f()", "/: line 2: ValueError"),
         ("def mission():\n    return mission()", "/: line 2: RecursionError"),
