@@ -98,7 +98,8 @@ def event_words(event: Event) -> str:
     if event.kind in ("accepted", "result"):
         return f"{event.name} ({event.number})"
     if event.kind == "proposal":
-        return f"answered by {answerer_words(event.name)}"
+        who = answerer_words(event.name)
+        return f"answered by {who}" if "option" in event.data else f"no answer: {who}"
     if is_e_stop(event):
         return "e-stop"
     return {"tick": "time", "control": "control"}.get(event.kind, event.name)

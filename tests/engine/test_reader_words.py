@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+import pytest
+
 from rai_missions.engine import Chart
 from rai_missions.engine.description import describe
 from rai_missions.event import Event
@@ -30,3 +32,13 @@ def test_a_step_names_who_has_control_and_who_is_asked_as_the_pages_do() -> None
     answered = chart.propose(question.number, "left", at=2.0)
     assert describe(answered).event == "answered by the model"
     assert answered.event.name == "agent"
+
+
+@pytest.mark.parametrize("reply", [{"absent": "no model configured"}, {"failed": "no answer within 2.0 s"}])
+def test_who_gave_no_answer_has_not_answered(reply: dict[str, str]) -> None:
+    chart = Chart(MISSION)
+    chart.start(at=0.0)
+    chart.send(Event("agent", 1.0, {}, "control"))
+    (question,) = chart.questions
+    step = chart.send(Event("agent", 2.0, reply, "proposal", question.number))
+    assert describe(step).event == "no answer: the model"
