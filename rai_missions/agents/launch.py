@@ -238,8 +238,12 @@ def _made(
     """The run itself, with what it is written to; `closing` is the run's from here."""
     config, resumed = plan.config, plan.resumed
     header = _header(plan, environment.packages)
-    recording = _open_recording(plan, environment.connector, environment.clock, header, closing)
-    journal, moved_aside = _open_journal(plan, header, recording, closing)
+    with ExitStack() as undo:
+        recording = _open_recording(plan, environment.connector, environment.clock, header, closing)
+        if recording is not None:
+            undo.callback(recording.withdraw)
+        journal, moved_aside = _open_journal(plan, header, recording, closing)
+        undo.pop_all()
     reached, observer = environment.connector, RunObserver(config.on_step, config.on_status)
     if recording is not None:
         from rai_missions.recording import observers, recorded
@@ -456,17 +460,20 @@ def _open_journal(
 ) -> tuple[Journal | None, str | None]:
     """The journal, and where one is now that had its name."""
     witness = recording.row if recording is not None else None
-    moved = plan.config.moved_aside
+    moved = None
     if plan.resumed is not None:
         record = plan.resumed.record
         journal = Journal.open(record.path, witness=witness, seal=record.seal)
     elif (path := plan.config.journal_path) is None:
-        return None, str(moved) if moved is not None else None
+        return None, None
     else:
         path.parent.mkdir(parents=True, exist_ok=True)
-        if (earlier := make_way(path)) is not None:
-            moved = earlier
-            log.info("the journal that was at %s is now at %s", path, moved)
-        journal = Journal.create(path, header, witness=witness)
+        moved = make_way(path)
+        try:
+            journal = Journal.create(path, header, witness=witness)
+        except BaseException:
+            if moved is not None:
+                moved.rename(path)
+            raise
     closing.closes(journal.close)
     return journal, str(moved) if moved is not None else None

@@ -46,10 +46,11 @@ class RunConfig:
     answerers: Mapping[str, Answerer] = field(default_factory=dict)
     """Others who answer, by the name that `ask` calls them."""
     journal: str | Path | None = None
-    moved_aside: str | Path | None = None
-    """Where the journal is now that had this one's name; one that still has it is moved when the run is made."""
     record: str | Path | None = None
-    """Where an MCAP file of the run goes; its journal is written next to it where `journal` names none."""
+    """Where an MCAP file of the run goes; its journal is written next to it where `journal` names none.
+
+    An earlier journal or recording of its name is renamed once the run is made.
+    """
     resume: str | Path | None = None
     """The journal of a run that was cut short, which continues there. Its arguments are in it."""
     named: Named | None = None

@@ -10,9 +10,10 @@ Imports `connectors`, `engine`, `journal`, `mission` and `runtime`, and the modu
 from __future__ import annotations
 
 from rai_missions.recording.connector import RecordedConnector, recorded
-from rai_missions.recording.journal import JournalSource, is_mcap, journal_of
+from rai_missions.recording.file import check_name, is_mcap
+from rai_missions.recording.journal import JournalSource, journal_of
 from rai_missions.recording.observers import observers
-from rai_missions.recording.recording import Recording, Summary, check_name
+from rai_missions.recording.recording import Recording, Summary
 
 __all__ = (
     "JournalSource",

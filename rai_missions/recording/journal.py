@@ -13,12 +13,9 @@ from pathlib import Path
 from typing import NamedTuple
 
 from rai_missions.errors import DefinitionError, UsageError
-from rai_missions.recording.recording import ENDING, check_name
+from rai_missions.recording.file import ENDING, check_name, is_mcap
 
-__all__ = ("MAGIC", "JournalSource", "is_mcap", "journal_of")
-
-MAGIC = b"\x89MCAP0\r\n"
-"""How a file begins; the MCAP specification."""
+__all__ = ("JournalSource", "journal_of")
 
 
 class JournalSource(NamedTuple):
@@ -28,17 +25,6 @@ class JournalSource(NamedTuple):
     """A journal; it goes with the context if it came out of a recording."""
     warning: str = ""
     """What a reader should know: the recording was cut off."""
-
-
-def is_mcap(path: Path) -> bool:
-    """Whether a file is an MCAP file, by how it begins."""
-    if not path.is_file():  # a pipe would keep anyone who opens it
-        return False
-    try:
-        with path.open("rb") as file:
-            return file.read(len(MAGIC)) == MAGIC
-    except OSError:
-        return False
 
 
 @contextmanager

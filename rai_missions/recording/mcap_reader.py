@@ -21,7 +21,7 @@ from mcap.stream_reader import StreamReader, breakup_chunk
 from rai_missions.errors import DefinitionError, Fault
 from rai_missions.journal import Blob, Raw, copied
 from rai_missions.recording.encoder import JOURNAL_TOPIC
-from rai_missions.recording.journal import MAGIC
+from rai_missions.recording.file import MAGIC
 from rai_missions.recording.recording import FORMAT
 from rai_missions.redaction import cut_repr
 

@@ -29,6 +29,7 @@ class File:
         self._stream = stream
         self._writer: Any = Writer(stream, compression=CompressionType.ZSTD)
         self._writer.start(profile=profile, library="rai_missions")
+        stream.flush()  # so that what a killed process leaves is known by how it begins
         self._schemas: dict[tuple[str, str], int] = {}
         self._channels: dict[tuple[str, int], int] = {}
         self._sequence: dict[int, int] = {}

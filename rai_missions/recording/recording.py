@@ -13,7 +13,7 @@ import time
 from collections.abc import Callable, Iterable, Mapping
 from contextlib import suppress
 from pathlib import Path
-from typing import IO, Any, NamedTuple, Self
+from typing import Any, NamedTuple, Self
 
 from rai_missions.connectors.connector import Message, RawMessage, Reply, Report
 from rai_missions.connectors.worker import Worker
@@ -22,17 +22,17 @@ from rai_missions.errors import UsageError
 from rai_missions.journal import Blob, Journal, Raw, Record
 from rai_missions.mission.mission import Mission
 from rai_missions.recording.encoder import JOURNAL_TOPIC, TOPIC, MessageEncoder, When
+from rai_missions.recording.file import RecordingFile, cannot_write, make_file
 from rai_missions.recording.json_messages import call_of, image_in, report_of, status_of, without_bytes, write_of
 from rai_missions.recording.queue import QueuedItem, RecordingQueue, Route, packed, unpacked
 from rai_missions.recording.schemas import BLACKBOARD, CALL, GOAL, STATUS, Schema
 from rai_missions.redaction import logger
 from rai_missions.runtime.lifecycle import Status
 
-__all__ = ("ENDING", "FORMAT", "Recording", "Summary", "check_name")
+__all__ = ("FORMAT", "Recording", "Summary")
 
 log = logger(__name__)
 
-ENDING = ".mcap"
 FORMAT = "1"
 FLUSH_S = 1.0
 """How much a process that is killed may lose of its recording."""
@@ -69,27 +69,11 @@ class Summary(NamedTuple):
         return f"{self.path} ({self.messages} messages, {self.size / 1e6:.1f} MB{lost}{broken})"
 
 
-def check_name(path: Path) -> None:
-    """Whether a recording may be called so, and whether there is what writes it.
-
-    Raises:
-        UsageError: It may not, or the library is missing.
-    """
-    if path.suffix != ENDING:
-        name = f"{path.stem or 'run'}{ENDING}"
-        raise UsageError(f"a recording is an MCAP file, and '{path.name}' does not end so; name it '{name}'")
-    try:
-        import mcap  # noqa: F401 - only whether it is there
-    except ImportError as fault:
-        raise UsageError(f"a recording needs the package mcap ({fault}): pip install '.[record]'") from None
-
-
 class Recording:
     """Takes what happens, and writes it. Made by `create`.
 
     Args:
-        stream: Where to write.
-        path: What the file is called.
+        target: Where to write.
         mission: The mission that runs.
         about: Words about the run, for anyone who lists the file's metadata.
         now: Seconds on the run's clock.
@@ -98,12 +82,12 @@ class Recording:
     """
 
     def __init__(
-        self, stream: IO[bytes], path: Path, *, mission: Mission, about: Mapping[str, Any], now: Callable[[], float],
+        self, target: RecordingFile, *, mission: Mission, about: Mapping[str, Any], now: Callable[[], float],
         clean: Callable[[Any], Any] | None = None, profile: str = "",
     ) -> None:  # fmt: skip
         from rai_missions.recording.mcap_writer import File  # loads mcap
 
-        self.path, self._mission, self._now = path, mission, now
+        self._target, self.path, self._mission, self._now = target, target.path, mission, now
         self._clean = clean or (lambda value: value)
         self._began_ns = time.time_ns() - round(now() * 1e9)
         self._worker = Worker("recording", on_error=self._fail)
@@ -111,7 +95,7 @@ class Recording:
         self._why, self._size = "", 0
         self._is_flush_due = False
         self._journal: Path | None = None
-        self._file = File(stream, profile)
+        self._file = File(target.stream, profile)
         self._pen = MessageEncoder(self._file, mission)
         self._queue = RecordingQueue((
             Route("message", self._write_received), Route("picture", self._write_received),
@@ -132,21 +116,30 @@ class Recording:
 
     @classmethod
     def create(cls, path: Path | str, **words: Any) -> Self:
-        """A new file.
+        """A new file; an earlier recording of its name is renamed (`moved_aside`).
 
         Raises:
-            UsageError: It is there already, cannot be written, is called something else, or mcap is missing.
+            UsageError: What has its name is no recording or is being written, it cannot be written, it is called
+                something else, or mcap is missing.
         """
-        path = Path(path)
-        check_name(path)
-        if path.exists():
-            raise UsageError(f"{path} is there already, and a recording is never overwritten; name another file")
+        target = make_file(Path(path))
         try:
-            path.parent.mkdir(parents=True, exist_ok=True)
-            stream = path.open("xb")
-        except OSError as fault:
-            raise UsageError(f"a recording cannot be written at {path}: {fault.strerror}; name another file") from None
-        return cls(stream, path, **words)
+            return cls(target, **words)
+        except BaseException as fault:
+            target.give_back()
+            if isinstance(fault, OSError):
+                raise UsageError(cannot_write(target.path, fault)) from None
+            raise
+
+    @property
+    def moved_aside(self) -> Path | None:
+        """Where a recording is now that had this one's name."""
+        return self._target.moved_aside
+
+    def withdraw(self) -> None:
+        """End a recording whose run could not be made: its file is removed, an earlier one has its name again."""
+        self.close()
+        self._target.give_back()
 
     # -- what is handed over, from any thread --------------------------------------------------------------------------
 

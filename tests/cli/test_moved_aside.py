@@ -10,6 +10,7 @@ import pytest
 
 from rai_missions.agents.mission import run
 from rai_missions.cli.main import main
+from rai_missions.errors import MissionError
 from rai_missions.journal import read
 
 MISSION = {
@@ -55,15 +56,30 @@ def test_json_and_the_result_have_a_field_for_it(capsys: pytest.CaptureFixture[s
     "words",
     [
         ["--set", "speed=1"], ["--robot", "absent.json"], ["--model", "nobody"], ["--picture", "path.gif"],
-        ["--picture", "out.journal"],
+        ["--picture", "out.journal"], ["--journal", "m.json"], ["--journal", "m.json/out.journal"],
+        ["--resume", "out.journal"],
     ],
     ids=" ".join,
 )  # fmt: skip
-def test_a_run_that_is_refused_leaves_the_journal_of_an_earlier_one(words: list[str]) -> None:
-    main(["run", "m.json", "--journal", "out.journal"])
-    first = seal("out.journal")
-    assert main(["run", "m.json", "--journal", "out.journal", *words]) == 2
-    assert seal("out.journal") == first and not Path("out.1.journal").exists()
+def test_a_run_that_is_refused_leaves_the_journal_and_the_recording_of_an_earlier_one(words: list[str]) -> None:
+    pytest.importorskip("mcap")
+    main(["run", "m.json", "--journal", "out.journal", "--record", "out.mcap"])
+    before = {path: path.read_bytes() for path in Path().iterdir()}
+    given = [] if "--resume" in words else ["m.json", *([] if "--journal" in words else ["--journal", "out.journal"])]
+    assert main(["run", *given, "--record", "out.mcap", *words]) == 2
+    assert {path: path.read_bytes() for path in Path().iterdir()} == before
+
+
+def test_a_run_whose_journal_cannot_be_made_leaves_what_had_the_names_of_its_files(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    pytest.importorskip("mcap")
+    run("m.json", journal="out.journal", record="out.mcap")
+    before = {path: path.read_bytes() for path in Path().iterdir()}
+    monkeypatch.setattr("rai_missions.journal.writer.ROW", "INSERT INTO nothing VALUES (?, ?, ?, ?)")
+    with pytest.raises(MissionError):
+        run("m.json", journal="out.journal", record="out.mcap")
+    assert {path: path.read_bytes() for path in Path().iterdir()} == before
 
 
 @pytest.mark.parametrize(

@@ -136,8 +136,9 @@ def test_a_journal_is_written_next_to_a_recording_where_none_is_named(tmp_path: 
     (tmp_path / "lamp.json").write_text(json.dumps(LAMP))
     with prepare(RunConfig(tmp_path / "lamp.json", record=tmp_path / "run.mcap")) as prepared:
         assert prepared.runner.run().journal == str(tmp_path / "run.journal")
-    with pytest.raises(UsageError, match="is there already, and a recording is never overwritten"):
-        prepare(RunConfig(tmp_path / "lamp.json", record=tmp_path / "run.mcap"))
+    with prepare(RunConfig(tmp_path / "lamp.json", record=tmp_path / "run.mcap")) as prepared:
+        assert prepared.recording is not None and prepared.recording.moved_aside == tmp_path / "run.1.mcap"
+        assert prepared.moved_aside == str(tmp_path / "run.1.journal")
 
 
 def test_a_run_that_breaks_off_leaves_a_recording_that_is_whole(tmp_path: Path) -> None:

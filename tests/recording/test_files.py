@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import json
+import os
 import signal
 import subprocess
 import sys
@@ -29,6 +30,7 @@ from rai_missions.mission.files import dump
 from rai_missions.mission.mission import Mission
 from rai_missions.recording import Recording, check_name, journal_of
 from rai_missions.recording import queue as rooms
+from rai_missions.recording.file import make_file
 from rai_missions.recording.queue import RecordingQueue, Route, packed, unpacked
 from rai_missions.runtime.clock import SimulatedClock
 from rai_missions.runtime.run_options import RunObserver
@@ -85,9 +87,28 @@ def test_the_library_is_loaded_by_no_run_that_is_not_recorded() -> None:
 def test_a_recording_is_never_written_over(tmp_path: Path) -> None:
     path = tmp_path / "run.mcap"
     path.write_text("mine")
-    with pytest.raises(UsageError, match="is there already, and a recording is never overwritten"):
+    with pytest.raises(UsageError, match="is there already, and is no recording"):
         recording(path)
     assert path.read_text() == "mine"
+
+
+def test_an_earlier_recording_is_renamed_and_has_its_name_again_where_none_is_made(tmp_path: Path) -> None:
+    path = tmp_path / "run.mcap"
+    recording(path).close()
+    earlier = path.read_bytes()
+    made = recording(path)
+    assert made.moved_aside == tmp_path / "run.1.mcap" and made.moved_aside.read_bytes() == earlier
+    made.withdraw()
+    assert path.read_bytes() == earlier and list(tmp_path.iterdir()) == [path]
+
+
+def test_a_recording_that_is_being_written_keeps_its_name(tmp_path: Path) -> None:
+    made = recording(tmp_path / "run.mcap")
+    with pytest.raises(UsageError, match="is being written by another run"):
+        recording(tmp_path / "run.mcap")
+    assert list(tmp_path.iterdir()) == [made.path]
+    made.close()
+    assert recording(tmp_path / "run.mcap").moved_aside == tmp_path / "run.1.mcap"
 
 
 def test_where_none_can_be_written_it_is_reported(tmp_path: Path) -> None:
@@ -178,7 +199,10 @@ def test_rows_that_were_altered_are_reported_with_their_place(tmp_path: Path, ch
 def test_a_full_disk_ends_the_recording_and_not_the_mission(
     tmp_path: Path, caplog: pytest.LogCaptureFixture, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    made = Recording(open("/dev/full", "wb"), Path("run.mcap"), mission=LAMP, about={}, now=lambda: 0.0)  # noqa: SIM115
+    target = make_file(tmp_path / "run.mcap")
+    made = Recording(target, mission=LAMP, about={}, now=lambda: 0.0)
+    with Path("/dev/full").open("wb") as full:
+        os.dup2(full.fileno(), target.stream.fileno())
     mission = Mission.model_validate(
         {
             "name": "lamp",

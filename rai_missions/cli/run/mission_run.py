@@ -23,7 +23,7 @@ from rai_missions.cli.run.node import reject_single_run_options, serve_managed, 
 from rai_missions.cli.run.talk import talk_of, talking
 from rai_missions.cli.signals import interruptible
 from rai_missions.errors import DefinitionError, UsageError
-from rai_missions.journal import free_name, opened
+from rai_missions.journal import opened
 from rai_missions.mission.mission import Mission
 from rai_missions.profile import load_profile, read_program
 
@@ -105,8 +105,7 @@ def _run(options: RunOptions, config: RunConfig, lines: Lines) -> LastRun:
         page = stack.enter_context(page_of(options, config))
         node = stack.enter_context(serve_node(options, page.config if page else config))
         prepared = stack.enter_context(prepare(node.config))
-        if not options.json:
-            _report_beginning(options, lines, prepared)
+        _report_beginning(options, lines, prepared)
         stack.enter_context(interruptible_run(prepared.runner))
         if talk is not None:
             stack.enter_context(talking(talk, prepared, node.config, lines, page))
@@ -126,6 +125,10 @@ def _run(options: RunOptions, config: RunConfig, lines: Lines) -> LastRun:
 
 
 def _report_beginning(options: RunOptions, lines: Lines, prepared: PreparedRun) -> None:
+    if (recording := prepared.recording) is not None and recording.moved_aside is not None:
+        warn(f"the recording of an earlier run, which had this name, is now {recording.moved_aside}")
+    if options.json:
+        return
     lines.begin(
         prepared.robot.name if prepared.robot is not None else "", prepared.answerers.keys(),
         str(prepared.plan.config.journal), model=options.model, resumption=prepared.resumption_notice,
@@ -187,7 +190,6 @@ def _run_managed(options: RunOptions, *, is_python: bool) -> int:
 
 def _config(options: RunOptions, mission: Mission, lines: Lines) -> RunConfig:
     """The configuration that the options mean."""
-    record = _recorded(Path(options.record)) if options.record else None
     if options.resume:
         if options.set or options.journal:
             word = "--set" if options.set else "--journal"
@@ -203,7 +205,7 @@ def _config(options: RunOptions, mission: Mission, lines: Lines) -> RunConfig:
         model_memory_gib=options.model_memory,
         operator=_operator(options, lines),
         journal=journal,
-        record=record,
+        record=options.record,
         resume=options.resume,
         seed=options.seed,
         speed=options.speed,
@@ -247,18 +249,6 @@ def _lines(mission: Mission, options: RunOptions) -> Lines:
 
         return Screen(mission, sys.stdout, verbose=options.verbose)
     return Lines(mission, sys.stdout, verbose=options.verbose)
-
-
-def _recorded(path: Path) -> Path:
-    """Where a recording goes; an older one of that name is moved aside."""
-    from rai_missions.recording import is_mcap
-
-    if path.is_file():
-        if not is_mcap(path):
-            raise UsageError(f"{path} is there already, and is no recording; name another file")
-        moved = path.rename(free_name(path))
-        warn(f"the recording of an earlier run, which had this name, is now {moved}")
-    return path
 
 
 def _arguments(options: RunOptions, mission: Mission) -> dict[str, Any]:

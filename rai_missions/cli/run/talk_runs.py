@@ -117,7 +117,7 @@ class TalkRuns:
         return prepare_next(
             before,
             replace(
-                self._config, arguments=given, waits=ordered is None, resume=None, moved_aside=None,
+                self._config, arguments=given, waits=ordered is None, resume=None,
                 journal=self._named(self._config.journal), record=self._named(self._config.record),
             ),
         )  # fmt: skip
