@@ -19,6 +19,7 @@ from hypothesis import strategies as st
 
 from rai_missions.connectors.connector import Connector, Message, Reply, Report
 from rai_missions.connectors.contract import Inbox, check_connector
+from rai_missions.connectors.hri.connector import FROM_HUMAN, VOICE_COMMANDS, HRIConnector
 from rai_missions.connectors.mqtt.codec import decode, encode
 from rai_missions.connectors.mqtt.connector import MqttConnector
 from rai_missions.errors import ConnectorError, UsageError
@@ -44,7 +45,11 @@ class Broker:
             free.bind(("127.0.0.1", 0))
             self.port = free.getsockname()[1]
         self._config = folder / "mosquitto.conf"
-        self._config.write_text(f"listener {self.port} 127.0.0.1\nallow_anonymous true\n", encoding="utf-8")
+        lines = (
+            f"listener {self.port} 127.0.0.1", "allow_anonymous true", "user root", "persistence true",
+            f"persistence_location {folder}/",
+        )  # fmt: skip
+        self._config.write_text("\n".join(lines) + "\n", encoding="utf-8")
         self.start()
 
     def start(self) -> None:
@@ -58,9 +63,20 @@ class Broker:
             except OSError:
                 assert time.monotonic() < until, "mosquitto does not answer"
 
-    def stop(self) -> None:
-        self._process.kill()
+    def stop(self, *, is_orderly: bool = False) -> None:
+        """Die; in order it first writes down what it keeps."""
+        (self._process.terminate if is_orderly else self._process.kill)()
         self._process.wait()
+
+    def send(self, topic: str, payload: bytes, *, is_kept: bool = False) -> None:
+        """Publish as another program does."""
+        import paho.mqtt.publish as publish
+
+        publish.single(topic, payload, qos=1, retain=is_kept, hostname="127.0.0.1", port=self.port)
+
+    def keep(self, topic: str, payload: bytes) -> None:
+        """Publish a message that the broker keeps for later readers."""
+        self.send(topic, payload, is_kept=True)
 
 
 @pytest.fixture
@@ -142,8 +158,116 @@ def test_calls_end_with_the_broker_and_what_was_open_works_when_it_is_back(
     broker.stop()
     assert replies.wait(bool, "the broker is gone") == [Reply("unavailable", {}, "the MQTT broker is gone")]
     broker.start()
-    connector.publish("/t", STRING, {"data": "again"})
+    broker.keep("/t", encode({"data": "again"}))
     received.wait(bool, "the subscription is renewed")
+
+
+@needs_broker
+def test_what_was_not_delivered_is_not_delivered_later(broker: Broker) -> None:
+    here, there = MqttConnector({"port": broker.port}), MqttConnector({"port": broker.port})
+    replies, received, asked = Inbox[Reply](), Inbox[Message](), Inbox[Any]()
+
+    def horn(request: Any) -> Any:
+        asked(dict(request))
+        return {}
+
+    for each in (here, there):
+        each.start()
+    there.serve("/horn", TRIGGER, horn)
+    there.subscribe("/drive", STRING, received)
+    broker.stop()
+    for number in range(3):
+        here.call("/horn", TRIGGER, {"n": number}, on_reply=replies, timeout_s=60)
+    assert {reply.outcome for reply in replies.wait(lambda all_: len(all_) == 3, "at once")} == {"unavailable"}
+    with pytest.raises(ConnectorError, match="nothing can be published on /drive: the MQTT broker is gone"):
+        here.publish("/drive", STRING, {"data": "forward"})
+    broker.start()
+    broker.keep("/drive", encode({"data": "the last"}))
+    received.wait(bool, "the other is back")
+    ends = Inbox[Reply]()
+    until = time.monotonic() + 30
+    while not any(reply.outcome == "succeeded" for reply in ends.all) and time.monotonic() < until:
+        seen = len(ends.all)
+        here.call("/horn", TRIGGER, {"n": "last"}, on_reply=ends)
+        ends.wait(lambda all_, seen=seen: len(all_) > seen, "each call ends")  # type: ignore[misc]
+    assert asked.all == [{"n": "last"}]
+    assert [message.data for message in received.all] == [{"data": "the last"}]
+    for each in (here, there):
+        each.stop()
+
+
+@needs_broker
+def test_what_the_broker_keeps_is_no_request_and_no_news(broker: Broker) -> None:
+    first, asked, own = Inbox[Message](), Inbox[Any](), Inbox[Message]()
+    broker.keep("/event", encode({"x": 1}))
+    broker.keep("/horn/request", encode({"n": 1}))
+    connector = MqttConnector({"port": broker.port})
+    connector.start()
+    connector.serve("/horn", TRIGGER, lambda request: asked(request) or {})
+    connector.subscribe("/event", "", first)
+    first.wait(bool, "it is kept")
+    second = Inbox[Message]()
+    connector.subscribe("/event", "", second)
+    second.wait(bool, "it is kept for each")
+    broker.keep("/own", encode({"y": 1}))
+    broker.stop(is_orderly=True)
+    connector.subscribe("/own", "", own)
+    broker.start()
+    own.wait(bool, "the way is open again, and the last that is subscribed to is there")
+    assert [len(each.all) for each in (first, second)] == [1, 1] and not asked.all
+    broker.keep("/event", encode({"x": 2}))
+    first.wait(lambda all_: len(all_) == 2, "another content is news")
+    connector.stop()
+
+
+@needs_broker
+def test_a_sentence_that_the_broker_keeps_is_of_the_past(broker: Broker, connector: MqttConnector) -> None:
+    for topic, data in ((FROM_HUMAN, {"text": "start the patrol"}), (VOICE_COMMANDS, {"data": "stop"})):
+        broker.keep(topic, encode(data))
+    hri, texts, words, faults = HRIConnector(connector), Inbox[str](), Inbox[str](), Inbox[Any]()
+    hri.listen(FROM_HUMAN, lambda message: texts(message.text), on_fault=faults)
+    hri.listen_to_voice_commands(words)
+    assert "is of the past" in str(faults.wait(bool, "it is reported")[0])
+    broker.send(FROM_HUMAN, encode({"text": "stop", "seq_end": True}))
+    broker.send(VOICE_COMMANDS, encode({"data": "play"}))
+    texts.wait(bool, "now counts")
+    words.wait(bool, "now counts")
+    assert (texts.all, words.all) == (["stop"], ["play"])
+    hri.close()
+
+
+@needs_broker
+def test_two_servers_of_one_name_are_reported(broker: Broker, caplog: pytest.LogCaptureFixture) -> None:
+    robots = [MqttConnector({"port": broker.port}) for _ in range(2)]
+    for robot in robots:
+        robot.start()
+        robot.serve("/horn", TRIGGER, lambda request: {})
+    client, replies = MqttConnector({"port": broker.port}), Inbox[Reply]()
+    client.start()
+    for number in range(1, 4):
+        client.call("/horn", TRIGGER, {}, on_reply=replies)
+        replies.wait(lambda all_, number=number: len(all_) == number, "the first answer counts")  # type: ignore[misc]
+    client.call("/no_one", TRIGGER, {}, on_reply=replies)  # its end comes after all that was on the way
+    replies.wait(lambda all_: len(all_) == 4, "each call has one end")
+    assert [record.message for record in caplog.records if "two servers" in record.message] == [
+        "two servers answer /horn: each request is carried out twice; give each robot its own names"
+    ]
+    for each in (client, *robots):
+        each.stop()
+
+
+@needs_broker
+def test_a_request_that_is_no_message_is_answered_and_one_without_a_sender_is_served(
+    broker: Broker, connector: MqttConnector, caplog: pytest.LogCaptureFixture
+) -> None:
+    asked = Inbox[Any]()
+    connector.serve("/horn", TRIGGER, lambda request: asked(request) or {})
+    for payload in (b"no", b"[]", b"{}", b"\xff"):
+        broker.send("/horn/request", payload)
+    broker.send("/horn/request", encode({"n": 1}))
+    asked.wait(lambda all_: len(all_) == 2, "both objects are requests")
+    assert not [record for record in caplog.records if record.exc_info]
+    assert len([record for record in caplog.records if record.levelname == "WARNING"]) == 2
 
 
 @needs_broker
@@ -163,10 +287,7 @@ def test_a_stamp_is_reported_on_the_runs_clock(connector: MqttConnector, age_s: 
 def test_a_retained_message_is_as_old_as_its_stamp_and_known_for_what_it_is(
     broker: Broker, connector: MqttConnector
 ) -> None:
-    import paho.mqtt.publish as publish
-
-    payload = encode({"header": {"stamp": {"sec": int(time.time()) - 3600, "nanosec": 0}}, "x": 1})
-    publish.single("/kept", payload, qos=1, retain=True, hostname="127.0.0.1", port=broker.port)
+    broker.keep("/kept", encode({"header": {"stamp": {"sec": int(time.time()) - 3600, "nanosec": 0}}, "x": 1}))
     received = Inbox[Message]()
     connector.subscribe("/kept", "", received)
     message = received.wait(bool, "it is retained")[0]

@@ -77,7 +77,7 @@ class HRIConnector:
         self, topic: str, on_message: Callable[[HRIMessage], object], *, on_fault: OnFault | None = None,
         author: Author | None = None, is_whole: bool = True,
     ) -> Close:  # fmt: skip
-        """Receive the messages of a topic; both callbacks may run on any thread.
+        """Receive the messages of a topic from now on; both callbacks may run on any thread.
 
         Args:
             topic: Its messages are a door of their own: the listener knows by the topic what an author may do.
@@ -93,6 +93,11 @@ class HRIConnector:
                       self._later)  # fmt: skip
 
         def receive(message: Message) -> None:
+            if message.kept:
+                report(
+                    ConnectorError(f"{topic}: a message that was kept for later readers is of the past, and is left")
+                )
+                return
             try:
                 part = message_from_data(message.data, writer, topic)
             except ConnectorError as fault:
@@ -120,9 +125,9 @@ class HRIConnector:
 
         def receive(message: Message) -> None:
             word = message.data.get("data")
-            if word in VOICE_WORDS:
+            if word in VOICE_WORDS and not message.kept:
                 on_word(str(word))
-            else:
+            elif not message.kept:
                 log.warning("%s: %s is no word for the speaker", VOICE_COMMANDS, shown(word))
 
         return self._kept(self.connector.subscribe(VOICE_COMMANDS, STRING, receive))

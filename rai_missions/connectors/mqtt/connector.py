@@ -2,16 +2,16 @@
 """The connector to an MQTT 5 broker: messages as JSON, services as a request and its reply; no actions.
 
 Rule: paho is loaded when a connector starts; its own thread runs every callback. It holds locks of its own meanwhile,
-so no lock of ours is held while paho is called.
+so no lock of ours is held while paho is called. What the broker keeps (retained messages) is of the past: it is no
+request, and no news to one who has received it.
 """
 
 from __future__ import annotations
 
-import socket
 import threading
 import time
 import uuid
-from collections import defaultdict
+from collections import OrderedDict, defaultdict
 from collections.abc import Callable, Mapping
 from concurrent.futures import Future
 from typing import Any
@@ -19,19 +19,21 @@ from typing import Any
 from rai_missions.connectors.answers import ask, failure
 from rai_missions.connectors.connector import ActionServer, Answer, Close, Data, Message, Mode, Reply, Report
 from rai_missions.connectors.mqtt.codec import decode, encode
+from rai_missions.connectors.mqtt.link import BrokerLink
 from rai_missions.connectors.stamps import ReadingDate, dated, stamp_of
 from rai_missions.errors import ConnectorError, UsageError
-from rai_missions.redaction import logger
+from rai_missions.redaction import cut, logger
 
 __all__ = ("MqttConnector",)
 
 log = logger(__name__)
 
 OPTIONS = ("host", "port")
-PATIENCE_S = 5.0
 NO_SUBSCRIBERS = 0x10
 """MQTT 5, 3.4.2.1: no matching subscribers."""
-REMEDY = "pip install '.[mqtt]'"
+MOST_ANSWERED = 256
+"""Calls whose answer came, and by which a second server of the same service is known."""
+GONE = "the MQTT broker is gone"
 
 
 class MqttConnector:
@@ -56,69 +58,47 @@ class MqttConnector:
         self._host, self._port = str(given.get("host", "127.0.0.1")), int(given.get("port", 1883))
         self._now = now or time.time
         self._lock = threading.Lock()
-        self._client: Any = None
+        self._link = BrokerLink(
+            self._host, self._port, on_open=self._subscribe_all, on_lost=lambda: self._give_up(GONE),
+            on_message=self._arrived, on_publish=self._taken,
+        )  # fmt: skip
         self._replies_to = ""
-        self._listeners: defaultdict[str, dict[object, Callable[[Message], None]]] = defaultdict(dict)
+        self._listeners: defaultdict[str, dict[object, _Listener]] = defaultdict(dict)
         self._services: dict[str, tuple[str, Answer]] = {}
         self._calls: dict[bytes, _Call] = {}
         self._sent: dict[int, bytes] = {}
         self._types: dict[tuple[Mode, str], str] = {}
+        self._answers: OrderedDict[bytes, str] = OrderedDict()
+        self._rivals: set[str] = set()
+        self._unread: set[str] = set()
         self._refused: set[int] = set()
         self._entering = 0
 
     @property
     def running(self) -> bool:
         """It was started and not stopped since, whether or not the broker is there at the moment."""
-        return self._client is not None
+        return self._link.is_open
 
     def start(self) -> None:
-        """Connect.
+        """Connect; a connection that is lost later is opened again.
 
         Raises:
             UsageError: paho is not installed.
             ConnectorError: No broker answers, or it refuses.
         """
         with self._lock:
-            if self._client is not None:
+            if self._link.is_open:
                 return
-            try:
-                import paho.mqtt.client as mqtt
-            except ImportError as fault:
-                raise UsageError(f"a connector of kind 'mqtt' needs paho-mqtt ({fault}): {REMEDY}") from fault
             self._replies_to = f"rai_missions/reply/{uuid.uuid4().hex}"
-            client = mqtt.Client(mqtt.CallbackAPIVersion.VERSION2, protocol=mqtt.MQTTv5)
-        answers: list[Any] = []
-        is_answered = threading.Event()
-
-        def connected(_client: Any, _data: Any, _flags: Any, code: Any, _properties: Any) -> None:
-            answers.append(code)
-            self._subscribe_again()
-            is_answered.set()
-
-        client.on_connect, client.on_message, client.on_publish = connected, self._arrived, self._taken
-        client.on_disconnect = self._parted
-        client.on_socket_open = _hurry
-        try:
-            client.connect(self._host, self._port)
-        except OSError as fault:
-            raise ConnectorError(f"no MQTT broker answers at {self._host}:{self._port} ({fault}); start one") from fault
-        with self._lock:
-            self._client = client
-        client.loop_start()
-        if not is_answered.wait(PATIENCE_S) or answers[0].is_failure:
-            why = answers[0] if answers else "it states nothing"
-            self.stop()
-            raise ConnectorError(f"the MQTT broker at {self._host}:{self._port} does not let us in: {why}")
+        self._link.open()
 
     def stop(self) -> None:
         with self._lock:
-            client, self._client = self._client, None
             self._listeners.clear()
             self._services.clear()
             self._types.clear()
-        if client is not None:
-            client.disconnect()
-            client.loop_stop()
+        if self._link.is_open:
+            self._link.close()
             self._give_up("the connector was stopped")
 
     def listed(self, mode: Mode) -> Mapping[str, str]:
@@ -130,22 +110,30 @@ class MqttConnector:
                 "topics": {*self._listeners, *(name for kind, name in known if kind == "topics")},
                 "services": served,
             }
-            return {name: known.get((mode, name), "") for name in sorted(there.get(mode, ()))} if self._client else {}
+            return {name: known.get((mode, name), "") for name in sorted(there.get(mode, ()))} if self.running else {}
 
     def subscribe(self, topic: str, type_name: str, on_message: Callable[[Message], None]) -> Close:
         key = object()
-        client = self._opened()
+        self._check_open()
         with self._lock:
-            self._listeners[topic][key] = on_message
+            self._listeners[topic][key] = _Listener(on_message)
             self._types["topics", topic] = type_name
-        client.subscribe(topic, qos=1)
+        self._subscribe(topic)
         return lambda: self._unsubscribe(topic, key)
 
     def publish(self, topic: str, type_name: str, message: Data) -> None:
-        payload, client = encode(message), self._client
-        if client is not None:
-            self._types["topics", topic] = type_name
-            client.publish(topic, payload, qos=1)
+        """Publish; what cannot be sent now is not sent later.
+
+        Raises:
+            ConnectorError: The message is no plain data, or the broker is gone.
+        """
+        payload = encode(message)
+        if not self.running:
+            return
+        self._types["topics", topic] = type_name
+        client = self._link.client
+        if client is None or client.publish(topic, payload, qos=1).rc:
+            raise ConnectorError(f"nothing can be published on {topic}: {GONE}")
 
     def call(
         self,
@@ -161,9 +149,10 @@ class MqttConnector:
         except ConnectorError as fault:
             on_reply(Reply("failed", {}, str(fault)))
             return
-        client, key = self._client, uuid.uuid4().bytes
+        client, key = self._link.client, uuid.uuid4().bytes
         if client is None:
-            on_reply(Reply("unavailable", {}, f"no server offers {service}: the connector is not started"))
+            why = GONE if self.running else "the connector is not started"
+            on_reply(Reply("unavailable", {}, f"no server offers {service}: {why}"))
             return
         late = Reply("timed_out", {}, f"{service} has not answered within {timeout_s} s")
         timer = None if timeout_s is None else threading.Timer(timeout_s, lambda: self._end(key, late))
@@ -174,7 +163,8 @@ class MqttConnector:
         words = _properties(ResponseTopic=self._replies_to, CorrelationData=key)
         with self._lock:
             self._entering += 1
-        call.mid = client.publish(f"{service}/request", payload, qos=1, properties=words).mid
+        sent = client.publish(f"{service}/request", payload, qos=1, properties=words)
+        call.mid = sent.mid
         with self._lock:
             self._sent[call.mid] = key
             is_refused = call.mid in self._refused  # the broker was quicker than this thread
@@ -183,16 +173,18 @@ class MqttConnector:
                 self._refused.clear()
         if is_refused:
             self._end(key, _no_server(service))
+        elif sent.rc:  # it never left, and its connection is over
+            self._end(key, Reply("unavailable", {}, GONE))
 
     def serve(self, service: str, type_name: str, answer: Answer) -> Close:
         topic = f"{service}/request"
-        client = self._opened()
+        self._check_open()
         with self._lock:
             if topic in self._services:
                 raise UsageError(f"{service} is served already; close the first server before another")
             self._services[topic] = (service, answer)
             self._types["services", service] = type_name
-        client.subscribe(topic, qos=1)
+        self._subscribe(topic)
         return lambda: self._close_service(topic, answer)
 
     def send_goal(
@@ -216,36 +208,57 @@ class MqttConnector:
 
     # -- what comes back -------------------------------------------------------------------------------------------
 
-    def _opened(self) -> Any:
-        if self._client is None:
+    def _check_open(self) -> None:
+        if not self.running:
             raise UsageError("the MQTT connector is not started: call start() first")
-        return self._client
 
-    def _subscribe_again(self) -> None:
+    def _subscribe(self, topic: str) -> None:
+        client = self._link.client
+        if client is not None:  # else with all others, once there is a broker again
+            client.subscribe(topic, qos=1)
+
+    def _subscribe_all(self, client: Any) -> None:
         with self._lock:
-            topics, client = [self._replies_to, *self._listeners, *self._services], self._client
-        if client is not None:
-            client.subscribe([(topic, _quality()) for topic in topics])
+            topics = [self._replies_to, *self._listeners, *self._services]
+        client.subscribe([(topic, _quality()) for topic in topics])
 
     def _arrived(self, _client: Any, _data: Any, message: Any) -> None:
+        topic = message.topic
         try:
             data = decode(message.payload)
-            if message.topic == self._replies_to:
-                self._answered(message.properties.CorrelationData, data)
-            elif message.topic in self._services:
+        except ConnectorError as fault:
+            self._misread(message, str(fault))
+            return
+        self._unread.discard(topic)
+        try:
+            if topic == self._replies_to:
+                self._answered(message, data)
+            elif topic in self._services:
                 self._serve_one(message, data)
             else:
-                self._deliver(message.topic, data, is_kept=bool(message.retain))
+                self._deliver(message, data)
         except Exception:
-            log.exception("a message on %s was not understood", message.topic)
+            log.exception("a message on %s was not understood", topic)
 
-    def _deliver(self, topic: str, data: Data, *, is_kept: bool) -> None:
-        message = Message(topic, data, *self._date(data), is_kept)
+    def _misread(self, message: Any, why: str) -> None:
+        """It is no JSON: logged once until the topic has a good one; a caller receives it as the answer."""
+        if message.topic not in self._unread:
+            self._unread.add(message.topic)
+            log.warning("%s: %s", message.topic, cut(why, 200))
+        if message.topic in self._services and not message.retain:
+            self._send(message, {"why": why})
+
+    def _deliver(self, message: Any, data: Data) -> None:
+        """Pass a message on; one that the broker keeps, but for those who have received just that."""
+        topic, is_kept, content = message.topic, bool(message.retain), hash(message.payload)
+        received = Message(topic, data, *self._date(data), is_kept)
         for key in tuple(self._listeners.get(topic, ())):
-            on_message = self._listeners.get(topic, {}).get(key)
+            listener = self._listeners.get(topic, {}).get(key)
+            if listener is None or (is_kept and listener.last == content):
+                continue
+            listener.last = content
             try:
-                if on_message is not None:
-                    on_message(message)
+                listener.on_message(received)
             except Exception:
                 log.exception("a subscriber of %s failed", topic)
 
@@ -255,26 +268,51 @@ class MqttConnector:
 
     def _serve_one(self, message: Any, request: Data) -> None:
         service, answer = self._services[message.topic]
+        if message.retain:
+            log.warning("a request to %s that the broker keeps is of the past, and is not served", service)
+            return
         ask(answer, request, service).add_done_callback(lambda answered: self._send_answer(message, service, answered))
 
     def _send_answer(self, message: Any, service: str, answered: Future[Data]) -> None:
         why = failure(answered)
         try:
-            payload = encode({"why": why} if why else {"data": answered.result()})
+            answer = {"why": why} if why else {"data": answered.result()}
+            encode(answer)
         except Exception as fault:
             log.exception("%s failed", service)
-            payload = encode({"why": f"{type(fault).__name__}: {fault}"})
-        words = _properties(CorrelationData=message.properties.CorrelationData)
-        if self._client is None:  # stopped before the answer came
-            return
-        self._client.publish(message.properties.ResponseTopic, payload, qos=1, properties=words)
+            answer = {"why": f"{type(fault).__name__}: {fault}"}
+        self._send(message, answer)
 
-    def _answered(self, key: bytes, answer: Data) -> None:
+    def _send(self, request: Any, answer: Data) -> None:
+        """Answer a request, where its sender states where, and the way that it came is still there."""
+        to = getattr(request.properties, "ResponseTopic", "")
+        client = self._link.client
+        if to and client is not None:
+            words = _properties(CorrelationData=getattr(request.properties, "CorrelationData", b""))
+            client.publish(to, encode(answer), qos=1, properties=words)
+
+    def _answered(self, message: Any, answer: Data) -> None:
+        key = getattr(message.properties, "CorrelationData", b"")
+        call = self._calls.get(key)
+        if call is None:
+            self._second(self._answers.get(key, ""))
+            return
+        self._answers[key] = call.service
+        while len(self._answers) > MOST_ANSWERED:
+            self._answers.popitem(last=False)
         is_good = isinstance(answer.get("data"), Mapping)
         if is_good:
             self._end(key, Reply("succeeded", answer["data"], age_s=self._date(answer["data"]).age_s))
         else:
             self._end(key, Reply("failed", {}, str(answer.get("why", ""))))
+
+    def _second(self, service: str) -> None:
+        """A second answer to one call: two serve it, perhaps two robots of one name."""
+        if service and service not in self._rivals:
+            self._rivals.add(service)
+            log.error(
+                "two servers answer %s: each request is carried out twice; give each robot its own names", service
+            )
 
     def _taken(self, _client: Any, _data: Any, mid: int, code: Any, _properties: Any) -> None:
         """The broker has a request; it reports if no client listens to it."""
@@ -287,9 +325,6 @@ class MqttConnector:
         call = self._calls.get(key) if key is not None else None
         if key is not None and call is not None:
             self._end(key, _no_server(call.service))
-
-    def _parted(self, *_: Any) -> None:
-        self._give_up("the MQTT broker is gone")
 
     def _give_up(self, why: str) -> None:
         for key in tuple(self._calls):
@@ -323,9 +358,17 @@ class MqttConnector:
             self._forget(topic)
 
     def _forget(self, topic: str) -> None:
-        client = self._client
+        client = self._link.client
         if client is not None:
             client.unsubscribe(topic)
+
+
+class _Listener:
+    """Who receives a topic, and what it received last."""
+
+    def __init__(self, on_message: Callable[[Message], None]) -> None:
+        self.on_message = on_message
+        self.last: int | None = None
 
 
 class _Call:
@@ -337,11 +380,6 @@ class _Call:
 
 def _no_server(service: str) -> Reply:
     return Reply("unavailable", {}, f"no server offers {service}")
-
-
-def _hurry(_client: Any, _data: Any, opened: socket.socket) -> None:
-    """Without this a message of quality 1 waits some 40 ms for the acknowledgement of the one before."""
-    opened.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
 
 
 def _properties(**words: Any) -> Any:
