@@ -19,7 +19,7 @@ from rai_missions.campaign.embodiments import RobotView
 from rai_missions.campaign.file import CampaignFile, PriceEntry
 from rai_missions.campaign.models import CampaignModels, CellReply, is_chat, provider_of
 from rai_missions.campaign.questions import AskedScene
-from rai_missions.campaign.store import CellRecord, QuestionRecord, graded
+from rai_missions.campaign.store import CellRecord, QuestionRecord, graded, is_tried
 from rai_missions.engine.decision import Evidence, Question, Verdict
 from rai_missions.event import Event
 from rai_missions.redaction import cut
@@ -114,9 +114,8 @@ class AskSettings(NamedTuple):
         )  # fmt: skip
 
     def _is_tried(self, reply: CellReply) -> bool:
-        """Whether the labels are of this answer: of its option with its parameters."""
-        tried = self.file.rollouts.parameters.get(str(reply.answer.get("option")), {})
-        return (reply.answer.get("parameters") or {}) == tried
+        tried = self.file.rollouts.parameters
+        return is_tried(str(reply.answer.get("option")), reply.answer.get("parameters"), tried)
 
     def _reply(self, cell: Cell, question: Question, asked: AskedScene, labels: Mapping[str, str]) -> CellReply:
         if self.recorded is not None:

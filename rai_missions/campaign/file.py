@@ -27,6 +27,7 @@ from rai_missions.mission.schema import schema_of
 from rai_missions.model import Integer, Json, MissionModel, Name, Number, Text, fault
 from rai_missions.redaction import shown
 from rai_missions.validation_errors import faults_of
+from rai_missions.worlds.scene_files import read_scene_file
 
 __all__ = (
     "BudgetEntry", "CampaignFile", "LoadedCampaign", "PriceEntry", "RateEntry", "RolloutEntry", "campaign_schema",
@@ -221,7 +222,30 @@ def _read(source: Path) -> dict[str, Any]:
         raise DefinitionError([Fault("", f"a campaign is a JSON object, not {shown(data)}")], str(source))
     if found := tuple(mistaken(data, "campaign")):
         raise DefinitionError(found, str(source))
-    return {key: item for key, item in data.items() if key != "$schema"}
+    return _with_scene_files({key: item for key, item in data.items() if key != "$schema"}, source.parent)
+
+
+def _with_scene_files(data: dict[str, Any], folder: Path) -> dict[str, Any]:
+    """The fields of a campaign with the content of the files that its scenes name, so that a scene is its data.
+
+    Raises:
+        UsageError: A file is not there, or is no JSON.
+    """
+    scenes = data.get("scenes")
+    if not isinstance(scenes, Mapping):
+        return data
+    given = scenes.get("given")
+    written = (
+        {**scenes, "given": [_with_scene_file(each, folder) for each in given]} if isinstance(given, list) else scenes
+    )
+    return {**data, "scenes": _with_scene_file(written, folder)}
+
+
+def _with_scene_file(entry: Any, folder: Path) -> Any:
+    options = entry.get("options") if isinstance(entry, Mapping) else None
+    if not isinstance(options, Mapping) or not isinstance(name := options.get("scene"), str):
+        return entry
+    return {**entry, "options": {**options, "scene": read_scene_file(str(folder / name))}}
 
 
 def _over_its_base(data: dict[str, Any], source: Path) -> dict[str, Any]:

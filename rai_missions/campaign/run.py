@@ -10,19 +10,31 @@ import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import closing
 from datetime import timedelta
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from rai_missions.campaign.budget import Spending, with_use_of
 from rai_missions.campaign.cells import Cell, cells_of, code_digest, digest
+from rai_missions.campaign.embodiments import embodiment_digest
 from rai_missions.campaign.file import LoadedCampaign
 from rai_missions.campaign.models import is_chat, model_digest
 from rai_missions.campaign.pool import LocalPool, TaskPool
-from rai_missions.campaign.store import CellRecord, LabelRecord, ResultStore, SceneRecord
+from rai_missions.campaign.store import (
+    CellRecord,
+    LabelRecord,
+    LostParts,
+    ResultStore,
+    SceneRecord,
+    graded,
+    is_tried,
+    parameters_in,
+)
 from rai_missions.campaign.tasks import SceneTask, TaskRecord, WorkSettings
 from rai_missions.errors import UsageError
 
 __all__ = ("CampaignPlan", "CampaignResult", "Progress", "plan_of", "run_campaign")
 
+UNLABELLED = "none"
+"""The word of a campaign's file for labels from nowhere but the store."""
 COMMIT_S, COMMIT_RECORDS = 0.5, 200
 """What came is committed after so long, or when there is so much of it."""
 
@@ -105,12 +117,18 @@ def plan_of(loaded: LoadedCampaign, labels: Mapping[str, Mapping[str, str]]) -> 
     file, robot = loaded.file, loaded.subject.robot
     scenes = tuple(file.scenes.scenes())
     digests = {each.scene: digest([each.world, each.spec, each.seed]) for each in scenes}
+    kinds = {each.scene: each.kind for each in scenes}
     common = {"mission": loaded.digest, "code": code_digest()}
     models = {model: model_digest(model, file, robot) for model in file.models}
+    bodies = {name: embodiment_digest(name, loaded.subject.identity) for name in file.embodiments}
     cells: dict[str, Cell] = {}
     names = [(each.scene, each.seed) for each in scenes]
     for cell in cells_of(loaded.subject.mission.name, names, file.models, file.embodiments, file.orders):
-        cells[cell.key({**common, "scene": digests[cell.scene], "model": models[cell.model]})] = cell
+        inputs = {**common, "scene": digests[cell.scene], "model": models[cell.model]}
+        inputs["embodiment"] = bodies[cell.embodiment]
+        if cell.model in file.scripts:
+            inputs["kind"] = kinds[cell.scene]  # by which a script answers
+        cells[cell.key(inputs)] = cell
     return CampaignPlan(scenes, cells, labels)
 
 
@@ -134,7 +152,7 @@ def run_campaign(
             labels alone are wanted and the campaign has no source of them.
     """
     began = time.monotonic()
-    rates = loaded.file.labels != "none"
+    rates = loaded.file.labels != UNLABELLED
     if labels_alone and not rates:
         raise UsageError('the campaign has no source of labels: write "labels": "trials" or "rollouts" in its file')
     if settings.recorded:
@@ -161,6 +179,7 @@ def run_campaign(
                     pool.stop()
         finally:
             intake.commit()
+            _grade(store, intake.labelled, loaded.file.rollouts.parameters)
     missing = len(plan.cells.keys() - store.keys().keys())
     seconds = time.monotonic() - began
     return CampaignResult(store.counts(), missing, stopped if missing else "", seconds, store.failures())
@@ -185,6 +204,8 @@ class Intake:
         self._store, self._spending, self._on_progress = store, spending, on_progress
         self._before, self._total, self._counts = done, total, counts
         self._new = set[str]()
+        self.labelled = set[str]()
+        """Scenes whose labels came."""
         self._began = self._committed = time.monotonic()
         self._failed = {each.cell: each._replace(raw="") for each in store.cells() if each.status == "failed"}
         self._held: list[TaskRecord] = []
@@ -193,6 +214,8 @@ class Intake:
         """A record, or None where only time has passed."""
         if isinstance(record, self._counts):
             self._new.add(record[0])
+        if isinstance(record, LabelRecord):
+            self.labelled.add(record.scene)
         if isinstance(record, CellRecord):
             self._spending.add(record)
             earlier = self._failed.get(record.cell)
@@ -251,14 +274,32 @@ def _begin(loaded: LoadedCampaign, store: ResultStore) -> None:
                 f"{store.path} holds the answers of another {what}; name another store, and reuse the answers with"
                 f" --replay-answers {store.path}"
             )
-    store.set_meta({**now, "file": loaded.file.written(), "currency": loaded.file.currency})
-    store.add(loaded.file.scenes.scenes())
+    shown = {name: embodiment_digest(name, loaded.subject.identity) for name in loaded.file.embodiments}
+    known = before.get("embodiments", {})
+    source = before.get("file", {}).get("labels", UNLABELLED)
+    outdated = LostParts(
+        UNLABELLED not in (source, loaded.file.labels) and source != loaded.file.labels,
+        tuple(name for name, each in shown.items() if known.get(name, each) != each),
+    )
+    values = {**now, "file": loaded.file.written(), "currency": loaded.file.currency, "embodiments": {**known, **shown}}
+    store.begin(loaded.file.scenes.scenes(), values, outdated=outdated)
 
 
 def _drop_outdated(plan: CampaignPlan, store: ResultStore) -> None:
     """Take out cells that have the names of one of the plan and another key: their scene, script or label changed."""
     names = {(each[0], each[1], *each[3:]) for each in plan.cells.values()}
     store.drop(key for key, each in store.keys().items() if key not in plan.cells and tuple(each) in names)
+
+
+def _grade(store: ResultStore, scenes: set[str], tried: Mapping[str, Mapping[str, Any]]) -> None:
+    """Grade the answers that were there before the labels of their scenes."""
+    labels = store.labels() if scenes else {}
+    cells = [each for each in store.cells() if each.scene in scenes]
+    for each in cells:
+        is_labelled = is_tried(each.option, parameters_in(each), tried)
+        again = graded(each, labels.get(each.scene, {}) if is_labelled else {})
+        if again != each:
+            store.add([again])
 
 
 def _whole(labels: Mapping[str, Mapping[str, str]], options: Sequence[str]) -> dict[str, Mapping[str, str]]:

@@ -45,6 +45,11 @@ class SceneRecord(NamedTuple):
     spec: str
     """JSON: what the world is built from."""
 
+    @property
+    def data(self) -> tuple[str, int, str]:
+        """What physics and question depend on: two scenes that have it alike are the same scene."""
+        return self.world, self.seed, self.spec
+
 
 class LabelRecord(NamedTuple):
     """What physics reports of an option in a scene."""
@@ -122,6 +127,15 @@ class DroppedUse(NamedTuple):
     """As for a cell."""
 
 
+class LostParts(NamedTuple):
+    """What a store has from an earlier run of the campaign, and does not hold any more."""
+
+    labels: bool = False
+    """They are of another source."""
+    embodiments: tuple[str, ...] = ()
+    """What these show has changed, so the questions under them have."""
+
+
 RECORDS: Mapping[str, type[Any]] = {
     "scene": SceneRecord, "label": LabelRecord, "question": QuestionRecord, "picture": PictureRecord,
     "cell": CellRecord,
@@ -174,6 +188,25 @@ def graded(record: CellRecord, labels: Mapping[str, str]) -> CellRecord:
         return record._replace(verdict=None, best=None)
     first = min(BEST_FIRST.index(each) for each in labels.values())
     return record._replace(verdict=verdict, best=int(BEST_FIRST.index(verdict) == first))
+
+
+def parameters_in(record: CellRecord) -> Any:
+    """The parameters of a cell's answer, as it came; None where it has none, or is kept in part."""
+    try:
+        return json.loads(record.raw)["answer"].get("parameters")
+    except (ValueError, KeyError, TypeError, AttributeError):
+        return None
+
+
+def is_tried(option: str, parameters: Any, tried: Mapping[str, Mapping[str, Any]]) -> bool:
+    """Whether the labels are of an answer: of its option with its parameters.
+
+    Args:
+        option: Of the answer.
+        parameters: Of the answer; empty or None: it has none.
+        tried: Option → the parameters with which it was tried.
+    """
+    return (parameters or {}) == dict(tried.get(option, {}))
 
 
 class ResultStore:
@@ -230,11 +263,37 @@ class ResultStore:
                 marks = ", ".join("?" * len(RECORDS[table]._fields))
                 self._db.executemany(f"INSERT OR REPLACE INTO {table} VALUES ({marks})", rows)
 
+    def begin(self, scenes: Iterable[SceneRecord], values: Mapping[str, Any], *, outdated: LostParts) -> None:
+        """Note what a campaign is about. Of a scene whose data changed, labels, questions and pictures are dropped.
+
+        Args:
+            scenes: The campaign's scenes.
+            values: As for `set_meta`.
+            outdated: What else of the store does not hold any more.
+        """
+        given, before = list(scenes), {each.scene: each for each in self.scenes()}
+        changed = [(each.scene,) for each in given if each.data != before.get(each.scene, each).data]
+        with self._transaction():
+            for table in ("label", "question", "picture"):
+                self._db.executemany(f"DELETE FROM {table} WHERE scene = ?", changed)
+            if outdated.labels:
+                self._db.execute("DELETE FROM label")
+                self._db.execute("UPDATE cell SET verdict = NULL, best = NULL")
+            self._db.executemany(
+                "DELETE FROM question WHERE embodiment = ?", [(each,) for each in outdated.embodiments]
+            )
+            self._write_meta(values)
+            marks = ", ".join("?" * len(SceneRecord._fields))
+            self._db.executemany(f"INSERT OR REPLACE INTO scene VALUES ({marks})", given)
+
     def set_meta(self, values: Mapping[str, Any]) -> None:
         """Note values of JSON types about the campaign."""
-        rows = [(key, json.dumps(value, sort_keys=True)) for key, value in values.items()]
         with self._transaction():
-            self._db.executemany("INSERT OR REPLACE INTO meta VALUES (?, ?)", rows)
+            self._write_meta(values)
+
+    def _write_meta(self, values: Mapping[str, Any]) -> None:
+        rows = [(key, json.dumps(value, sort_keys=True)) for key, value in values.items()]
+        self._db.executemany("INSERT OR REPLACE INTO meta VALUES (?, ?)", rows)
 
     def drop(self, keys: Iterable[str]) -> None:
         """Take cells out by their keys; what they have used is counted on in `dropped`."""

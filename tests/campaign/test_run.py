@@ -22,7 +22,7 @@ from rai_missions.campaign.run import CampaignResult, Progress, plan_of, run_cam
 from rai_missions.campaign.store import CellRecord, ResultStore
 from rai_missions.campaign.tasks import SceneTask, TaskRecord, Workplace, WorkSettings
 from rai_missions.errors import UsageError
-from tests.campaign.choosing import campaign_data, labels, table, write_campaign
+from tests.campaign.choosing import ROBOT, campaign_data, labels, table, write_campaign
 
 pytestmark = pytest.mark.sim
 
@@ -209,6 +209,96 @@ def test_a_changed_script_is_asked_again_and_the_rest_is_kept(tmp_path: Path) ->
     assert len(after) == len(before) == 6
     assert [cell for cell in after if cell.model != "teller"] == [cell for cell in before if cell.model != "teller"]
     assert {cell.option for cell in after if cell.model == "teller"} == {"wait"}
+
+
+def test_a_scene_whose_data_changed_is_labelled_shown_and_asked_again(tmp_path: Path) -> None:
+    store, given = tmp_path / "results.db", campaign_data(2, labels="rollouts", scripts={}, models=["oracle"])
+    ran(write_campaign(tmp_path, given), store)
+    with ResultStore(store, writes=True) as opened:
+        opened.add(labels(["s0", "s1"]))  # by which a label that is kept is known
+    given["scenes"]["given"][1]["seed"] = 9
+    ran(write_campaign(tmp_path, given), store)
+    with ResultStore(store) as opened:
+        found = opened.labels()
+    assert found == {
+        "s0": {"left": "completes", "right": "harms", "wait": "harmless"},
+        "s1": dict.fromkeys(("left", "right", "wait"), "harmless"),
+    }
+
+
+def test_a_scene_in_a_file_of_its_own_is_the_content_of_that_file(tmp_path: Path) -> None:
+    people = [{"at": [3.0, 3.0]}]
+    (tmp_path / "kitchen.json").write_text(json.dumps({"people": people}))
+    data = campaign_data(1, models=["rules"], scripts={}, orders=["written"])
+    data["scenes"] = {**data["scenes"], "world": "house", "options": {"camera": False, "scene": "kitchen.json"}}
+    path = write_campaign(tmp_path, data)
+    keys = []
+    for _ in range(2):
+        plan = plan_of(load_campaign(path), {})
+        keys.append(list(plan.cells))
+        assert json.loads(plan.scenes[0].spec)["options"]["scene"] == {"people": people}
+        people.append({"at": [2.0, 3.0]})
+        (tmp_path / "kitchen.json").write_text(json.dumps({"people": people}))
+    assert keys[0] != keys[1]
+    (tmp_path / "kitchen.json").unlink()
+    with pytest.raises(UsageError, match=r"kitchen\.json' cannot be read: No such file"):
+        load_campaign(path)
+
+
+def test_an_embodiment_is_asked_again_once_what_it_shows_has_changed(tmp_path: Path) -> None:
+    identity, store = tmp_path / "identity", tmp_path / "results.db"
+    identity.mkdir()
+    (identity / "description.md").write_text("A robot that chooses.")
+    (identity / "manual.md").write_text("Which way? The left way is wide.")
+    data = campaign_data(1, models=["constant:wait"], scripts={}, orders=["written"])
+    data["embodiments"] = ["none", "description", "documents"]
+    path = write_campaign(tmp_path, data)
+    (tmp_path / "robot.json").write_text(json.dumps({**ROBOT, "identity": "identity"}))
+
+    def keys() -> dict[str, str]:
+        return {cell.embodiment: key for key, cell in plan_of(load_campaign(path), {}).cells.items()}
+
+    ran(path, store)
+    before = keys()
+    (identity / "manual.md").write_text("Which way? The right way is wide.")
+    after = keys()
+    assert {name for name, key in after.items() if key != before[name]} == {"documents"}
+    ran(path, store)
+    assert {cell.embodiment: cell.cell for cell in cells_in(store)} == after
+    with ResultStore(store) as opened:
+        prompts = {each.embodiment: each.prompt for each in opened.questions()}
+    assert "The right way is wide." in prompts["documents"] and "wide" not in prompts["description"]
+
+
+def test_a_script_is_asked_again_once_the_kind_of_its_scene_has_changed(tmp_path: Path) -> None:
+    data, store = campaign_data(1), tmp_path / "results.db"
+    ran(write_campaign(tmp_path, data), store)
+    before = cells_in(store)
+    data["scenes"]["given"][0]["kind"] = "odd"
+    ran(write_campaign(tmp_path, data), store)
+    after = cells_in(store)
+    assert [cell for cell in after if cell.model != "teller"] == [cell for cell in before if cell.model != "teller"]
+    assert {cell.option for cell in after if cell.model == "teller"} == {"right"}
+
+
+def test_answers_that_were_there_before_the_labels_are_graded_by_them(tmp_path: Path) -> None:
+    store = tmp_path / "results.db"
+    ran(write_campaign(tmp_path, campaign_data(2)), store)
+    assert {cell.verdict for cell in cells_in(store)} == {None}
+    ran(write_campaign(tmp_path, campaign_data(2, labels="rollouts")), store, labels_alone=True)
+    graded = cells_in(store)
+    assert {(cell.verdict, cell.best) for cell in graded} == {("harmless", 1)}
+    ran(write_campaign(tmp_path, campaign_data(2, labels="rollouts")), tmp_path / "at_once.db")
+    assert cells_in(tmp_path / "at_once.db") == graded
+
+
+def test_labels_of_another_source_are_made_again(tmp_path: Path) -> None:
+    path, store = write_campaign(tmp_path, campaign_data(1, labels="rollouts")), tmp_path / "results.db"
+    with ResultStore(store, writes=True) as opened:
+        opened.set_meta({"file": campaign_data(1, labels="trials")})
+        opened.add(labels(["s0"]))
+    ran(path, store)
+    assert {(cell.verdict, cell.best) for cell in cells_in(store)} == {("harmless", 1)}
 
 
 def test_a_store_of_another_mission_is_left_as_it_is(tmp_path: Path) -> None:
