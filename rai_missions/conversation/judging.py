@@ -47,7 +47,7 @@ def why_not_permitted(order: str, role: Role, channel: str, settings: Settings, 
 
 def is_request(sense: Sense, view: StatusView) -> bool:
     """Whether it is a start that has to wait for the end of the mission that runs."""
-    return sense.name == "start" and is_alive(view) and view.mode != "ready"
+    return sense.name == "start" and is_alive(view) and view.mode != "ready" and not view.awaits_start
 
 
 def why_not_now(sense: Sense, view: StatusView, language: Language) -> str:
@@ -71,7 +71,7 @@ def why_not_now(sense: Sense, view: StatusView, language: Language) -> str:
 def _can_start(sense: Sense, view: StatusView) -> bool:
     if sense.mission not in {each.name for each in view.missions}:
         return False
-    return not is_alive(view) or (view.mode == "ready" and sense.mission == view.mission)
+    return not is_alive(view) or ((view.mode == "ready" or view.awaits_start) and sense.mission == view.mission)
 
 
 def _offered(sense: Sense, view: StatusView) -> Any:

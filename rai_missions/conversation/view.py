@@ -83,7 +83,7 @@ class StatusView(NamedTuple):
     active: tuple[str, ...] = ()
     """The active states, outer before inner, as in `Status.active`."""
     awaits_start: bool = False
-    """It waits for the order to start; of one that is over: it never began."""
+    """It waits for the order to start, or is paused before its start; of one that is over: it never began."""
     outcome: str | None = None
     why: str = ""
     """Why it ended so, in words."""

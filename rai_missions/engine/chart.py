@@ -20,7 +20,7 @@ from rai_missions.engine.decision import Question
 from rai_missions.engine.events import NOT_STARTED
 from rai_missions.engine.handover import settle_holds
 from rai_missions.engine.hold import held_by, holder_of, live
-from rai_missions.engine.modes import Mode, mode_of
+from rai_missions.engine.modes import Mode
 from rai_missions.engine.nodes import Written
 from rai_missions.engine.program import Named
 from rai_missions.engine.robot_facts import RobotFacts
@@ -90,10 +90,11 @@ class Chart:
         """Enter the mission.
 
         Raises:
-            UsageError: It was started before.
+            UsageError: It was started before, or is paused.
         """
         if self.mode != "ready":
-            raise UsageError(f"the mission was started before; it is {self.mode}")
+            before = "is paused before its start; resume it first" if self.unstarted else "was started before; it is "
+            raise UsageError(f"the mission {before}{'' if self.unstarted else self.mode}")
         begin_run(self.program, self.state, at)
         return close(self.program, self.state, Event("start", at, kind="command"))
 
@@ -235,7 +236,17 @@ class Chart:
     @property
     def mode(self) -> Mode:
         """`ready`, `running`, `paused` or `canceling`; of a run that has ended, its outcome."""
-        return mode_of(self.state.mode, self.state.outcome)
+        return self.state.shown_mode
+
+    @property
+    def unstarted(self) -> bool:
+        """It has neither been started nor ended: `ready`, or paused before its start."""
+        return self.state.mode == "ready"
+
+    @property
+    def held_back(self) -> bool:
+        """It was paused before its start, and not resumed: it does not begin by itself."""
+        return self.state.held_back
 
     @property
     def active(self) -> frozenset[str]:

@@ -47,12 +47,14 @@ def receive_command(program: Program, state: RunState, event: Event) -> None:
         _migrate(program, state, event.data)
     elif event.name not in COMMANDS and state.outcome is None:
         refuse(state, "unknown", f"no command '{event.name}'{suggestion(event.name, COMMANDS)}")
-    elif why := refusal(state.mode, event.name):
+    elif why := refusal(state.shown_mode, event.name):
         refuse(state, "mode" if state.outcome is None else "ended", why)
     elif event.name == "kill":
         kill(program, state, f"e-stop by {by}")
     elif event.name == "cancel":
         _cancel(program, state, by)
+    elif state.mode == "ready":
+        _hold_back(state, is_back=event.name != "resume")
     elif event.name == "pause":
         _pause(program, state)
     elif event.name == "stop":
@@ -74,6 +76,13 @@ def _cancel(program: Program, state: RunState, by: str) -> None:
     target = program.graph.nodes[program.mission.on_cancel]
     jump(program, state, program.graph.jump_to(state.config, target, state.memory, "cancel"))
     complete(program, state, None)
+
+
+def _hold_back(state: RunState, *, is_back: bool) -> None:
+    """Pause before the start, where nothing moves yet: the mission does not begin until that is taken back."""
+    state.paused_at = state.paused_at if state.held_back else state.at
+    state.held_back = is_back
+    state.draft.notes.append("paused before the start" if is_back else "resumed")
 
 
 def _pause(program: Program, state: RunState) -> None:

@@ -26,7 +26,7 @@ __all__ = ("NOT_STARTED", "handle", "handle_before_start")
 
 NOT_STARTED = "the mission has not been started"
 """Why an event before the start changes nothing."""
-BEFORE_START = ("cancel", "kill", "take_up", "migrate")
+BEFORE_START = ("pause", "stop", "resume", "cancel", "kill", "take_up", "migrate")
 """The commands that make sense before the start."""
 Receiver = Callable[[Program, RunState, Event], None]
 

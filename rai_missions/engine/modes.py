@@ -47,11 +47,15 @@ class ModeChange(NamedTuple):
 
 MODE_TABLE = (
     ModeChange("start", ("ready",), "running"),
-    ModeChange("pause", ("running",), "paused", "only a running mission can be paused; it is {mode}"),
+    ModeChange("pause", ("ready", "running"), "paused", "only a running mission can be paused; it is {mode}"),
     ModeChange(
-        "stop", ("running", "paused"), "paused", "only a running or paused mission can be stopped; it is {mode}"
+        "stop",
+        ("ready", "running", "paused"),
+        "paused",
+        "only a running or paused mission can be stopped; it is {mode}",
     ),
     ModeChange("resume", ("paused",), "running", "only a paused mission can be resumed; it is {mode}"),
+    ModeChange("ready", ("paused",), "ready"),
     ModeChange("cancel", ("ready", "running", "paused"), "canceling", "it is being canceled already"),
     ModeChange("kill", ALIVE, "aborted"),
     ModeChange("canceled", ("running", "canceling"), "canceled"),
@@ -59,16 +63,19 @@ MODE_TABLE = (
     ModeChange("failed", ("ready", "running"), "failed"),
     ModeChange("aborted", ALIVE, "aborted"),
 )
-"""`aborted` out of any mode: an invariant that is false ends the mission at once."""
+"""`aborted` out of any mode: an invariant that is false ends the mission at once. `ready` out of `paused`: a run that
+was paused before its start is resumed."""
 _CHANGES: Mapping[tuple[str, str], ModeChange] = {
     (source, each.trigger): each for each in MODE_TABLE for source in each.sources
 }
 _TRIGGERS = {each.trigger: each for each in MODE_TABLE}
 
 
-def mode_of(mode: RunMode, outcome: FinalOutcome | None) -> Mode:
-    """The mode of a run as every reader has it: a run that has ended is in its outcome."""
-    return mode if mode != "ended" else outcome or "aborted"
+def mode_of(mode: RunMode, outcome: FinalOutcome | None, *, held_back: bool) -> Mode:
+    """The mode of a run as every reader has it: one that has ended is in its outcome, and one held back is paused."""
+    if mode == "ended":
+        return outcome or "aborted"
+    return "paused" if mode == "ready" and held_back else mode
 
 
 def next_mode(mode: str, trigger: str) -> Mode | None:

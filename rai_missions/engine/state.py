@@ -20,7 +20,7 @@ from rai_missions.engine.activities.goal_ledger import Goal
 from rai_missions.engine.activities.tree_rounds import Rounds
 from rai_missions.engine.configuration import Configuration
 from rai_missions.engine.decision import VerdictNote
-from rai_missions.engine.modes import RunMode
+from rai_missions.engine.modes import Mode, RunMode, mode_of
 from rai_missions.engine.nodes import CompiledTransition, Node
 from rai_missions.engine.step import Cause, Move, Refusal
 from rai_missions.event import Event
@@ -234,6 +234,8 @@ class RunState:
     """Of the start or question that was last."""
     unknown: frozenset[str] = slot(frozenset(), "invariants", "_unknown")
     # -- pause, cancel, migration
+    held_back: bool = slot(False, "value", "_held_back")
+    """A pause was ordered before the start and has not been taken back: it does not begin by itself."""
     paused_at: float = slot(0.0, "past", "_paused_at")
     queue: tuple[Event, ...] = slot((), "events", "_queue")
     suspended: tuple[str, ...] = slot((), "states", "_suspended")
@@ -258,6 +260,11 @@ class RunState:
     """What the step in hand has gathered."""
     ask: Callable[[RunState, str, Mapping[str, Any]], Truth] = unanswered
     """Who answers for the predicates of the user's program."""
+
+    @property
+    def shown_mode(self) -> Mode:
+        """The mode as every reader has it."""
+        return mode_of(self.mode, self.outcome, held_back=self.held_back)
 
     @property
     def wake_at(self) -> float | None:

@@ -19,7 +19,6 @@ from rai_missions.engine.decision import stale_verdict, with_verdicts
 from rai_missions.engine.events import handle, handle_before_start
 from rai_missions.engine.hold import held_controls
 from rai_missions.engine.macrostep import complete, jump, set_timers
-from rai_missions.engine.modes import mode_of
 from rai_missions.engine.nodes import Act, Content, Node
 from rai_missions.engine.program import Named, Program
 from rai_missions.engine.robot_facts import RobotFacts
@@ -132,7 +131,7 @@ def close(program: Program, state: RunState, event: Event) -> Step:
     made: Step = tuple.__new__(Step, (
         state.seq, state.at, event, tuple(draft.moves), tuple(draft.looked), tuple(draft.written), state.outcome,
         state.wake_at, tuple(draft.effects), why, notes,
-        resting(program, state), mode_of(state.mode, state.outcome), state.holder, verdicts, draft.refusal,
+        resting(program, state), state.shown_mode, state.holder, verdicts, draft.refusal,
         draft.is_kept,
     ))  # fmt: skip
     return made

@@ -44,7 +44,7 @@ class ResyncWindow:
     def __init__(self, chart: Chart, now: float) -> None:
         self._keys, board = chart.mission.blackboard, chart.view.board
         known = {name: entry for name, entry in board.items() if self._keys[name].source == "robot"}
-        waits = chart.mode != "ready" and chart.outcome is None
+        waits = not chart.unstarted and chart.outcome is None
         self._missing = {
             name: stale_at(self._keys[name], entry) - entry.at
             for name, entry in known.items()

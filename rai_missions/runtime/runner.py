@@ -90,7 +90,7 @@ class Runner(RunCommands):
             mission, begin.ticker, terms=terms(robot) if robot is not None else None,
             named=begin.named,
         )  # fmt: skip
-        self._waits = begin.waits and self._chart.mode == "ready"
+        self._waits = begin.waits and self._chart.unstarted
         is_new = isinstance(begin, NewRun)
         self._arguments = accepted(mission, begin.arguments, whole=not self._waits) if is_new else begin.arguments
         self._moved_aside = begin.moved_aside if isinstance(begin, NewRun) else None
@@ -121,11 +121,11 @@ class Runner(RunCommands):
 
     @property
     def waits(self) -> bool:
-        """It waits, ready, for the command to start; of a run that is over, it never began."""
-        return self._waits
+        """It waits for a command to start, or to resume before the start; of a run that is over, it never began."""
+        return self._waits or self._chart.held_back
 
     def start(self, arguments: Mapping[str, Any]) -> str:
-        """Begin a run that waits, ready, for this command; from any thread.
+        """Begin a run that waits for this command, or was paused before its start; from any thread.
 
         Args:
             arguments: Those of the mission that are given now; they replace those that the run was made with.
@@ -133,7 +133,7 @@ class Runner(RunCommands):
         Returns:
             Why it cannot be begun, or empty.
         """
-        if not self._waits:
+        if not self.waits:
             return "the mission has been started already"
         try:
             given = accepted(self.mission, {**self._arguments, **arguments})
@@ -144,6 +144,8 @@ class Runner(RunCommands):
 
     def _begin_with(self, arguments: Mapping[str, Any]) -> None:
         self._arguments, self._waits = arguments, False
+        if self._chart.held_back:
+            self._step(lambda: self._chart.send(Event("resume", self._clock.now(), {"by": "start"}, "command")))
 
     # -- the loop -------------------------------------------------------------------------------------------------
 
@@ -169,9 +171,9 @@ class Runner(RunCommands):
             self._executor.open()
             if self._resumed is not None:
                 self._resume(self._resumed)
-            if self._chart.mode == "ready":
+            if self._chart.unstarted:
                 self._get_ready()
-            if self._chart.mode == "ready" and self._chart.outcome is None:
+            if self._chart.unstarted:
                 self._executor.begin()
                 self._step(lambda: self._chart.start(self._clock.now()))
             self._loop(lambda: self._chart.outcome is not None)
@@ -245,24 +247,32 @@ class Runner(RunCommands):
         self._loop(lambda: chart.outcome is not None or rivalry.is_known or self._clock.now() >= until, until)
         if rivalry.contests and chart.outcome is None:
             raise UsageError("; ".join(rivalry.contests))
-        if self._waits:
-            self._loop(lambda: chart.outcome is not None or not self._waits)
+        while chart.outcome is None and not self._may_begin():
+            self._loop(lambda: chart.outcome is not None or not self.waits)
             self._write_arguments()
-        self._take_readings()
         holder = self._executor.holder
         if holder is not None and holder != chart.holder and chart.outcome is None:
             self._step(lambda: chart.send(Event(holder, self._clock.now(), {"by": "robot"}, "control")))
 
-    def _take_readings(self) -> None:
-        """Take what the robot has reported so far: what need not be there may wait behind what must."""
+    def _may_begin(self) -> bool:
+        """Whether nothing is in the way of the start, once all has been taken that was reported or ordered before it.
+
+        What the robot reported need not be there and may wait behind what must. What a person ordered counts first: a
+        goal that a stop would have prevented is never sent.
+        """
+        if self.waits:
+            return False
+        later = list[Event]()
         for _ in range(self._mailbox.waiting):
             event = None if self._mailbox.urgent or self._chart.outcome is not None else self._mailbox.take()
             if event is None:
                 break
-            if event.kind != "write":
-                self._mailbox.put_back([event])
-                break
-            self._take(event)
+            if event.kind == "command" or (event.kind == "write" and not later):
+                self._take(event)
+            else:
+                later.append(event)
+        self._mailbox.put_back(later)
+        return not self.waits
 
     def _write_arguments(self) -> None:
         chart = self._chart
@@ -311,7 +321,7 @@ class Runner(RunCommands):
     @property
     def _is_paced(self) -> bool:
         """A model or a person thinks: simulated time goes no faster than on the wall."""
-        return self._executor.thinking or (self._waits and self._chart.mode == "ready")
+        return self._executor.thinking or (self.waits and self._chart.unstarted)
 
     def _take(self, event: Event) -> None:
         now = self._clock.now()
@@ -425,7 +435,7 @@ class Runner(RunCommands):
     @property
     def _due(self) -> float:
         """When a row must be written: what travels must not travel for long, nor time that a timer is running."""
-        timed = self._chart.wake_at is not None and self._chart.mode != "ready"
+        timed = self._chart.wake_at is not None and not self._chart.unstarted
         return min(self._writer.due, self._writer.silent_from) if timed else self._writer.due
 
     def _write_carried(self) -> None:

@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 from rai_missions.engine import Chart
 from rai_missions.engine.modes import ALIVE, MODE_TABLE, MODES, diagram, next_mode, refusal
 from rai_missions.engine.step import Step
+from rai_missions.errors import UsageError
 from rai_missions.event import Event, Tick
 from rai_missions.mission.mission import Mission
 from rai_missions.runtime.lifecycle import Lifecycle
@@ -27,7 +28,7 @@ MISSION = Mission.model_validate({
         "leaving": {}, "over": {"final": "aborted"}, "failed": {"final": "failed"},
     },
 })  # fmt: skip
-COMMANDS = ("pause", "resume", "cancel", "kill")
+COMMANDS = ("pause", "stop", "resume", "cancel", "kill")
 TO_REACH = {"running": (), "paused": ("pause",), "canceling": ("cancel",), "aborted": ("kill",)}
 
 
@@ -58,17 +59,21 @@ def test_the_chart_refuses_what_the_table_does_not_have(mode: str, command: str)
 HAPPENINGS = (*COMMANDS, "done", "fail", "unsafe", "safe", "later")
 
 
-@given(st.lists(st.sampled_from(HAPPENINGS), max_size=8))
-def test_whatever_happens_the_modes_go_the_ways_of_the_table(script: list[str]) -> None:
+@given(st.lists(st.sampled_from(("pause", "stop", "resume", "cancel", "safe")), max_size=4),
+       st.lists(st.sampled_from(HAPPENINGS), max_size=8))  # fmt: skip
+def test_whatever_happens_the_modes_go_the_ways_of_the_table(early: list[str], script: list[str]) -> None:
     chart, life = Chart(MISSION), Lifecycle()
 
     def seen(step: Step) -> None:
         life.observe(step, mode=chart.mode, holder=chart.holder, active=chart.active)
         assert life.mode == mode_of(chart)
 
-    seen(chart.start())
-    for each in script:
+    for each in (*early, *(("start",) if not early else ("resume", "start")), *script):
         before = mode_of(chart)
+        if each == "start":
+            if chart.mode == "ready":
+                seen(chart.start())
+            continue
         if each == "later":
             seen(chart.send(Tick(chart.at + 2)))
         elif each in ("safe", "unsafe"):
@@ -78,11 +83,23 @@ def test_whatever_happens_the_modes_go_the_ways_of_the_table(script: list[str]) 
         after = mode_of(chart)
         through = {next_mode(before, transition.trigger) for transition in MODE_TABLE}
         assert after == before or after in through | {next_mode(str(mode), after) for mode in through}
+        assert chart.unstarted == (after in ("ready", "paused") and not chart.active)
+
+
+@pytest.mark.parametrize("command", ["pause", "stop"])
+def test_a_mission_that_is_paused_before_its_start_is_not_started(command: str) -> None:
+    chart = Chart(MISSION)
+    assert sent(chart, command).notes == ("paused before the start",)
+    with pytest.raises(UsageError, match="the mission is paused before its start; resume it first"):
+        chart.start()
+    assert sent(chart, "pause").why == "only a running mission can be paused; it is paused"
+    sent(chart, "resume")
+    assert chart.start().entered == ("here",)
+    with pytest.raises(UsageError, match="the mission was started before; it is running"):
+        chart.start()
 
 
 def test_a_run_that_goes_where_no_transition_leads_is_refused() -> None:
-    from rai_missions.errors import UsageError
-
     chart, life = Chart(MISSION), Lifecycle()
     started = chart.start()
     life.observe(started, mode="paused", holder="autonomy", active=())

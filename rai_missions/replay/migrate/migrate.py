@@ -69,8 +69,8 @@ def migrate(
     with opened(journal) as record:
         was = mission_of(record)
         resumed = resumption(record, was, named=named)
-        if resumed.chart.mode == "ready" or resumed.chart.outcome is not None:
-            state = "has not begun" if resumed.chart.mode == "ready" else f"has ended, {resumed.chart.outcome}"
+        if resumed.chart.unstarted or resumed.chart.outcome is not None:
+            state = "has not begun" if resumed.chart.unstarted else f"has ended, {resumed.chart.outcome}"
             raise UsageError(f"the run of {journal} {state}: there is nothing to continue; start a new one")
         profile = robot or robot_of(record)
         naming = Naming(was, mission, map_)

@@ -115,10 +115,10 @@ class OpenChoices:
     def _keys(self, chart: Chart) -> Iterator[PlayChoice]:
         fresh = fading(chart)
         for name, key in self._mission.blackboard.items():
-            if key.source == "robot" or (key.source == "argument" and chart.mode == "ready"):
+            if key.source == "robot" or (key.source == "argument" and chart.unstarted):
                 words = f"the robot reports {name}" if key.source == "robot" else f"the argument {name} is given"
                 yield self._writing(f"key {name}", words, {name: key}, chart)._replace(about=key.about)
-        for name, end in fresh.items() if chart.mode != "ready" and chart.outcome is None else ():
+        for name, end in fresh.items() if not chart.unstarted and chart.outcome is None else ():
             passage = partial(_pass, until=end, but=(name,))
             yield PlayChoice(f"stale {name}", "key", f"{name} goes stale", passage, about=f"until {end:.3g} s")
 
@@ -151,7 +151,7 @@ class OpenChoices:
 
     def _time(self, chart: Chart) -> Iterator[PlayChoice]:
         due = next_change(chart)
-        if chart.mode == "ready" or (chart.outcome is not None and due is None):
+        if chart.unstarted or (chart.outcome is not None and due is None):
             return
         if due is not None:
             words = f"time passes until something changes, in {due - chart.at:.3g} s"

@@ -21,7 +21,7 @@ from rai_missions.conversation import Settings, Speech, permissions
 from rai_missions.runtime.clock import WallClock
 from rai_missions.testing import Inbox
 from tests.agents.talk.scenes import RepliesModel, Screen, Talk
-from tests.rigs.runs import asking, mission, robot
+from tests.rigs.runs import KEYS, asking, mission, robot
 
 MOVING: dict[str, Any] = {
     "moving": {"about": "moves to the shed", "action": "move", "timeout_s": 600,
@@ -65,6 +65,33 @@ def test_a_typed_stop_pauses_and_cancels_a_kept_goal_at_once() -> None:
         assert len(talk.rig.move.canceled) == 1 and took < 1.0, took  # on a busy machine; benchmarks/bench_talk.py
         talk.screen.until(lambda line: "stop" in line.text.casefold())
         assert talk.rig.runner.view.mode == "paused"
+
+
+def test_a_stop_before_the_start_keeps_the_robot_where_it_is_until_it_is_resumed() -> None:
+    needed = {**KEYS, "there": {"type": "boolean", "source": "robot"}}
+    with Talk(mission(MOVING, blackboard=needed), clock=WallClock()) as talk:
+        talk.order("stop", "person")
+        talk.until(lambda: talk.rig.runner.view.mode == "paused")
+        talk.rig.publish("/there", data=False)
+        assert "paused" in talk.ask("what are you doing?").text
+        assert not talk.rig.move.goals and not any("started" in text for text in talk.screen.texts())
+        talk.order("resume")
+        running(talk)
+        talk.until(lambda: talk.rig.move.goals)
+        assert not any("not carried out" in text for text in talk.screen.texts())
+
+
+@pytest.mark.parametrize("waits", [True, False])
+def test_a_start_after_a_stop_before_it_begins_the_mission(waits: bool) -> None:
+    with Talk(mission(MOVING, blackboard={**KEYS, "there": {"type": "boolean", "source": "robot"}}),
+              clock=WallClock(), waits=waits) as talk:  # fmt: skip
+        talk.order("stop", "person")
+        talk.until(lambda: talk.rig.runner.view.mode == "paused")
+        talk.rig.publish("/there", data=False)
+        talk.ask("start")
+        talk.order("yes")
+        running(talk)
+        talk.until(lambda: talk.rig.move.goals)
 
 
 def test_a_stop_while_it_is_canceled_is_the_e_stop() -> None:

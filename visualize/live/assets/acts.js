@@ -32,7 +32,7 @@ class Acts {
     const on = UNFINISHED.includes(mode), { pause, resume, cancel, take, autonomy, agent, stop } = this.buttons;
     pause.hidden = mode === "paused";
     resume.hidden = mode !== "paused";
-    pause.disabled = !reached || mode !== "running";
+    pause.disabled = !reached || (mode !== "running" && mode !== "ready");
     resume.disabled = !reached;
     cancel.disabled = !reached || !on || mode === "canceling";
     take.hidden = control === "operator";
