@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """When a person begins and ends to speak, from how probable speech is in each frame; pure.
 
-Rule: what is begun early may be void. A turn is offered after 128 ms of quiet, one that is no longer than a word after
-32 ms, and counts once it has ended; a person who only paused makes it void, and it is offered again with all that
-followed. What is to count at once counts after 128 ms of quiet.
+Rule: what is begun early may be void. A turn is offered after 32 ms of quiet, and counts once it has ended; a person
+who only paused makes it void, and it is offered again with all that followed. What is to count at once counts after 128
+ms of quiet.
 """
 
 from __future__ import annotations
@@ -25,12 +25,10 @@ class TurnSettings(NamedTuple):
     """Frames of speech with which a turn begins."""
     present_frames: int = 2
     """Frames of speech, of the last six, from which on a person surely speaks: what is played is cut."""
-    early_s: float = 0.128
-    """Quiet after which a turn is offered for transcription, and after which an offer is settled."""
-    early_word_s: float = 0.032
-    """Quiet after which a turn no longer than a word is offered: it is transcribed by when it is settled."""
-    word_s: float = 0.8
-    """From the first frame of speech to the end of the last: so long is a word at most."""
+    early_s: float = 0.032
+    """Quiet after which a turn is offered for transcription."""
+    settle_s: float = 0.128
+    """Quiet after which an offer is settled."""
     end_s: float = 0.4
     """Quiet after which a turn has ended."""
     short_end_s: float = 0.288
@@ -94,7 +92,7 @@ class TurnDetector:
         self._turn = []
         self._offers, self._is_offered, self._is_settled = 0, False, False
         self._is_present, self._is_short = False, False
-        self._began, self._spoken_until = 0.0, 0.0
+        self._spoken_until = 0.0
 
     @property
     def is_open(self) -> bool:
@@ -116,7 +114,6 @@ class TurnDetector:
             if sum(self._recent) >= self._settings.begin_frames and is_speech:
                 self._number += 1
                 self._turn = list(self._before)
-                self._began = frame.at - (self._settings.begin_frames - 1) * FRAME_S
                 self._before.clear()
                 found.append(self._event("began", frame))
         else:
@@ -144,12 +141,10 @@ class TurnDetector:
     def _quiet(self, frame: TurnFrame) -> list[TurnEvent]:
         quiet_s = frame.at + FRAME_S - self._spoken_until
         end_s = self._settings.short_end_s if self._is_short else self._settings.end_s
-        is_word = self._spoken_until - self._began <= self._settings.word_s + 1e-6
-        early_s = self._settings.early_word_s if is_word else self._settings.early_s
         found = []
-        if quiet_s >= early_s - 1e-6 and not self._is_offered:
+        if quiet_s >= self._settings.early_s - 1e-6 and not self._is_offered:
             found.append(self._offer(frame))
-        if quiet_s >= self._settings.early_s - 1e-6 and not self._is_settled:
+        if quiet_s >= self._settings.settle_s - 1e-6 and not self._is_settled:
             self._is_settled = True
             found.append(self._event("settled", frame))
         if quiet_s >= end_s - 1e-6:
