@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""flite, a small voice that Debian has: the program is asked once a sentence."""
+"""flite, a small voice that Debian has: its library where that loads, otherwise the program, once a sentence."""
 
 from __future__ import annotations
 
@@ -13,20 +13,29 @@ from rai_missions.connectors.sound.wav import read_wav
 from rai_missions.errors import UsageError
 from rai_missions.redaction import cut
 from rai_missions.voice.absent import absent
+from rai_missions.voice.voices.flite_library import FliteLibrary
 
 __all__ = ("Flite", "open_voice")
 
 SPEAKERS = ("slt", "rms", "awb", "kal", "kal16")
+STREAMED = ("slt", "rms", "awb", "kal16")
+"""Those whose sound has 16 kHz: it is taken from the library as it is made."""
 WITHIN_S = 30.0
 
 
-def open_voice(speaker: str = "slt") -> Flite:
+def open_voice(speaker: str = "slt") -> Flite | FliteLibrary:
     """flite, with one of its speakers.
 
     Raises:
         UsageError: It is not installed, or has no such speaker.
     """
-    return Flite(speaker)
+    program = Flite(speaker)
+    if speaker in STREAMED:
+        try:
+            return FliteLibrary(speaker)
+        except (OSError, AttributeError):  # another version, or a system that has the program alone
+            return program
+    return program
 
 
 class Flite:
