@@ -38,6 +38,8 @@ SEED = int(os.environ.get("SEED", "1"))
 """Of the noise: thresholds were chosen with 101 and 201."""
 LEVELS = tuple(int(each) for each in os.environ.get("DB", "40 20 10").split())
 """By how many dB the noise of the orders is below the speech."""
+FIRST, LAST = (int(each) for each in os.environ.get("WINDOWS", "0 1000000").split())
+"""Which windows of read text and of noise are transcribed: parts of a long run, one after the other."""
 ROOT = Path(__file__).parents[1]
 SENTENCES = (
     "What are you doing?", "Where are you going?", "How far is it to the kitchen?", "Why did you stop?",
@@ -148,6 +150,8 @@ def false_orders(bench: Bench, scale: int) -> None:
     random, found, count, begun = np.random.default_rng(SEED + 1), list[str](), 0, time.monotonic()
     for number, (text, speaker) in enumerate(text_windows(100 * scale, random)):
         sound = mixed(speech(text, speaker), (40, 20, 10)[number % 3], ("white", "pink")[number % 2], random, 0.5)
+        if not FIRST <= number < LAST:
+            continue
         for each in bench.of(FileSound(sound)):
             words = plain_words(text)
             if each.text in PHRASES and not re.search(rf"\b{each.text}\b", words):
@@ -160,6 +164,8 @@ def false_orders(bench: Bench, scale: int) -> None:
     for seed in range(20 * scale):
         level, kind = (100, 400, 1600)[seed % 3], ("white", "pink")[seed % 2]
         loud = noise(kind, 3 * RATE_HZ, random) * level
+        if not FIRST <= 100 * scale + seed < LAST:
+            continue
         texts = [each.text for each in bench.of(FileSound(bytes(loud.clip(-32768, 32767).astype("<i2").tobytes())))]
         found += [f"{kind} noise became {text!r}" for text in texts if text in PHRASES]
         count += 1
