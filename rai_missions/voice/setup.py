@@ -6,11 +6,16 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Any, NamedTuple
 
+from rai_missions.connectors.sound.connector import RATE_HZ
 from rai_missions.errors import UsageError
 from rai_missions.voice.listener import ListenSettings, SpeechListener, Transcript
 from rai_missions.voice.process import SpeechProcess
 
 __all__ = ("ListenNames", "Recognition", "open_recognition", "split_options")
+
+
+SILENCE = bytes(2 * RATE_HZ)
+"""A second, which every recogniser transcribes first: what it loads or computes once is there when a person speaks."""
 
 
 class ListenNames(NamedTuple):
@@ -70,6 +75,9 @@ def open_recognition(
     processes = (ear, *recognisers)
     for process in processes:
         process.open()
+    for recogniser in recognisers:
+        order = {"do": "transcribe", "phrases": settings.phrases}
+        recogniser.ask(order, (SILENCE,), on_reply=lambda reply: None)
     listener = SpeechListener(ear, *recognisers, settings=settings, on_transcript=on_transcript, on_present=on_present)
     return Recognition(listener, processes)
 

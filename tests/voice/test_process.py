@@ -11,7 +11,10 @@ from pathlib import Path
 import pytest
 
 from rai_missions.testing import Inbox
+from rai_missions.voice.listener import ListenSettings
 from rai_missions.voice.process import SpeechProcess, SpeechReply
+from rai_missions.voice.setup import ListenNames, open_recognition
+from tests.voice.conftest import needs_voice
 
 HOSTILE = """
 import os, sys, time
@@ -22,6 +25,8 @@ class Hostile:
         if what == "abort": os.abort()
         if what == "hang": time.sleep(600)
         if what == "raise": raise ValueError("no words")
+        if what == "\\0" * 32_000: Hostile.phrases = phrases
+        if what == "phrases": what = repr(Hostile.phrases)
         if what == "babble": os.write(1, b"x" * 1000); print("noise")
         from rai_missions.voice.kind import Reading
         return Reading(what)
@@ -136,3 +141,14 @@ def test_no_thread_is_left(package: None) -> None:
     for thread in set(threading.enumerate()) - before:
         thread.join(5)
         assert not thread.is_alive(), thread.name
+
+
+@needs_voice
+@pytest.mark.xdist_group("voice")
+def test_a_recogniser_transcribes_a_second_of_silence_before_anyone_speaks(package: None) -> None:
+    settings = ListenSettings(phrases=("stop", "wait"))
+    recognition = open_recognition(ListenNames("hostile", ""), settings, on_transcript=lambda each: None)
+    _, recogniser = recognition.processes
+    reply, _ = recogniser.ask_and_wait({"do": "transcribe", "phrases": []}, (b"phrases",))
+    assert reply.data.get("text") == "['stop', 'wait']", reply.fault
+    recognition.close()

@@ -99,6 +99,7 @@ class Whisper:
             return Reading("")
         import numpy as np
 
+        self._calibrate(phrases)
         sound = np.frombuffer(samples, "<i2").astype(np.float32) / np.float32(32768)
         encoded = self._encode(sound)
         free = self._decode(encoded, self._task, LONGEST_TOKENS)
@@ -125,16 +126,19 @@ class Whisper:
 
         Source: T. Z. Zhao et al., "Calibrate Before Use", 2021: a model's own liking of an answer is taken off.
         """
-        if tuple(self._before_hand) != tuple(phrases):
-            self._before = self._tokens.ids([BEFORE, *self._tokens.of(phrases), *self._task])
-            noise = self._view.from_array(self._noise())
-            self._before_hand = {each: self._log_chance(noise, each) for each in phrases}
         view = self._view.from_array(encoded)
         most = self._most_log_chances(view, phrases)
         return {
             each: (self._log_chance(view, each) if most[each] + ROUNDING > before_hand else most[each]) - before_hand
             for each, before_hand in self._before_hand.items()
         }
+
+    def _calibrate(self, phrases: Sequence[str]) -> None:
+        """Compute each phrase's log probability without speech, once for a list of phrases."""
+        if tuple(self._before_hand) != tuple(phrases):
+            self._before = self._tokens.ids([BEFORE, *self._tokens.of(phrases), *self._task])
+            noise = self._view.from_array(self._noise())
+            self._before_hand = {each: self._log_chance(noise, each) for each in phrases}
 
     def _most_log_chances(self, encoded: Any, phrases: Sequence[str]) -> dict[str, float]:
         """What each phrase's log probability is at most: that of its first token, which one step gives for all."""
