@@ -22,6 +22,8 @@ __all__ = ("FliteLibrary",)
 PARTS = ("flite", "flite_usenglish", "flite_cmulex")
 FIRST_BYTES, MOST_BYTES = RATE_HZ // 2, 2 * RATE_HZ
 """Of a piece: the first has 250 ms, each other twice as much as the one before it, up to a second."""
+LEAST_SAMPLES = 256
+"""Of what the library gives at a time."""
 CONTINUE, STOP = 0, -1
 
 
@@ -43,7 +45,7 @@ _OnSound = ctypes.CFUNCTYPE(
 """Is given the sound so far, where the next samples begin, how many they are, whether they are the last."""
 
 
-class _Streaming(ctypes.Structure):
+class _StreamingInfo(ctypes.Structure):
     """`cst_audio_streaming_info`."""
 
     _fields_ = (
@@ -61,6 +63,13 @@ class _Voice(ctypes.Structure):
     _fields_ = (("name", ctypes.c_char_p), ("features", ctypes.c_void_p))
 
 
+VOICE = ctypes.POINTER(_Voice)
+REGISTER = ctypes.CFUNCTYPE(VOICE, ctypes.c_char_p)
+SPEAK_FILE = ctypes.CFUNCTYPE(ctypes.c_float, ctypes.c_char_p, VOICE, ctypes.c_char_p)
+STREAMING_VALUE = ctypes.CFUNCTYPE(ctypes.c_void_p, ctypes.POINTER(_StreamingInfo))
+SET_FEATURE = ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_char_p, ctypes.c_void_p)
+
+
 class FliteLibrary:
     """One speaker; not for several threads.
 
@@ -74,20 +83,13 @@ class FliteLibrary:
 
     def __init__(self, speaker: str) -> None:
         library, *_ = [_loaded(part) for part in PARTS]
-        library.new_audio_streaming_info.restype = ctypes.POINTER(_Streaming)
-        library.audio_streaming_info_val.restype = ctypes.c_void_p
-        library.audio_streaming_info_val.argtypes = [ctypes.c_void_p]
-        library.feat_set.argtypes = [ctypes.c_void_p, ctypes.c_char_p, ctypes.c_void_p]
-        library.flite_file_to_speech.restype = ctypes.c_float
-        library.flite_file_to_speech.argtypes = [ctypes.c_char_p, ctypes.c_void_p, ctypes.c_char_p]
-        register = getattr(_loaded(f"flite_cmu_us_{speaker}"), f"register_cmu_us_{speaker}")
-        register.restype, register.argtypes = ctypes.POINTER(_Voice), [ctypes.c_char_p]
+        register = REGISTER((f"register_cmu_us_{speaker}", _loaded(f"flite_cmu_us_{speaker}")))
         library.flite_init()
-        self._library, self._voice = library, register(None)
-        self._on_sound = _OnSound(self._take)  # kept: the library has no other reference to it
-        streaming = library.new_audio_streaming_info()
-        streaming.contents.asc = self._on_sound
-        library.feat_set(self._voice.contents.features, b"streaming_info", library.audio_streaming_info_val(streaming))
+        self._voice = register(None)
+        self._speak = SPEAK_FILE(("flite_file_to_speech", library))
+        self._streaming = _StreamingInfo(LEAST_SAMPLES, _OnSound(self._take))  # kept: the library has its address alone
+        value = STREAMING_VALUE(("audio_streaming_info_val", library))(ctypes.byref(self._streaming))
+        SET_FEATURE(("feat_set", library))(self._voice.contents.features, b"streaming_info", value)
         self._pieces: SimpleQueue[bytes | None] = SimpleQueue()
         self._sound, self._size = bytearray(), FIRST_BYTES
         self._is_given_up = self._is_odd = False
@@ -115,7 +117,7 @@ class FliteLibrary:
             with tempfile.TemporaryDirectory() as folder:
                 words = Path(folder, "text")
                 words.write_text(text + "\n", encoding="utf-8")
-                self._library.flite_file_to_speech(bytes(words), self._voice, b"stream")
+                self._speak(bytes(words), self._voice, b"stream")
             if self._sound:
                 self._pieces.put(bytes(self._sound))
         finally:
