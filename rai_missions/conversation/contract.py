@@ -62,9 +62,14 @@ def view_from(data: Mapping[str, Any], before: StatusView = StatusView()) -> Sta
         fields["progress"] = tuple(ProgressView(**each) for each in data["progress"])
     if "happened" in data:
         fields["happened"] = tuple(RunEvent(**each) for each in data["happened"])
-    if data.get("question") is not None:
-        fields["question"] = _question(data["question"])
-        fields["confirm"] = frozenset(data["question"].get("confirm", ()))
+    if "question" in data:
+        fields["questions"] = [] if fields.pop("question") is None else [data["question"]]
+    if "questions" in fields:
+        asked = fields["questions"]
+        fields["questions"] = tuple(map(_question, asked))
+        fields["confirm"] = frozenset(
+            (each.get("number", 1), name) for each in asked for name in each.get("confirm", ())
+        )
     for name in ("active", "open_goals"):
         if name in data:
             fields[name] = tuple(data[name])

@@ -15,7 +15,7 @@ from rai_missions.conversation.named import key_named, missions_named, option_na
 from rai_missions.conversation.senses import Sense
 from rai_missions.conversation.start_phrases import StartPhrases
 from rai_missions.conversation.view import KeyView, MissionView, StatusView
-from rai_missions.engine.decision import Offer
+from rai_missions.engine.decision import Offer, Question
 from rai_missions.planning.text.normalise import LONGEST_WORD, is_near, once
 
 __all__ = ("STOP", "Grammar")
@@ -115,15 +115,22 @@ class Grammar:
     # -- the open question ---------------------------------------------------------------------------------------------
 
     def _answers(self, words: list[str], view: StatusView) -> list[Sense]:
-        if view.question is None:
-            return []
-        options, found = view.question.options, list[Sense]()
+        """What it answers: the one open question that has such an option; of several the oldest, to be read back."""
+        each = [self._answers_to(question, words) for question in view.questions]
+        found = [sense for sense in each if sense is not None]
+        whole = [sense for sense in found if not sense.is_partial]
+        chosen = (whole or found)[:1]
+        return chosen if len(whole or found) < 2 else [sense._replace(is_partial=True) for sense in chosen]
+
+    def _answers_to(self, question: Question, words: list[str]) -> Sense | None:
+        found = list[Sense]()
         for slots in self.language.answer.match(words):
-            named = option_named(slots["option"].split(), options, self.language)
+            named = option_named(slots["option"].split(), question.options, self.language)
             if named is not None:
                 found.append(self._answer(named.offer, is_partial=named.is_partial))
         whole = [sense for sense in found if not sense.is_partial]
-        return (whole or found)[:1] or self._with_values(words, options)
+        found = whole or found or self._with_values(words, question.options)
+        return found[0]._replace(question=question.number) if found else None
 
     def _answer(self, offer: Offer, *, is_partial: bool, words: Sequence[str] = ()) -> Sense:
         schema = offer.parameters or {}
@@ -219,7 +226,7 @@ def _words_of(view: StatusView) -> Iterator[str]:
         yield from spoken(name).split()
     for mission in view.missions:
         yield from (word for key in mission.arguments for word in spoken(key.name).split())
-    for offer in view.question.options if view.question is not None else ():
+    for offer in (offer for question in view.questions for offer in question.options):
         yield from spoken(offer.name).split()
         yield from offer.about.lower().split()
 

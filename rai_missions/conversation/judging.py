@@ -59,7 +59,7 @@ def why_not_now(sense: Sense, view: StatusView, language: Language) -> str:
         "resume": view.mode == "paused",
         "cancel": view.mode in ("ready", "running", "paused"),
         "start": _can_start(sense, view),
-        "answer": view.question is not None and is_alive(view),
+        "answer": bool(view.questions) and is_alive(view),
     }[sense.name]
     if not possible:
         return language.text(f"why_not_{sense.name}", state=state)
@@ -75,7 +75,8 @@ def _can_start(sense: Sense, view: StatusView) -> bool:
 
 
 def _offered(sense: Sense, view: StatusView) -> Any:
-    options = view.question.options if view.question is not None else ()
+    question = view.question(sense.question)
+    options = question.options if question is not None else ()
     return next((offer for offer in options if offer.name == sense.option), None)
 
 
@@ -92,13 +93,13 @@ def must_confirm(sense: Sense, view: StatusView, *, mapper: Mapper, agreeing: in
         return True
     if sense.name != "answer":
         return False
-    return sense.option in view.confirm or (agreeing is not None and agreeing < 2)
+    return (sense.question, sense.option) in view.confirm or (agreeing is not None and agreeing < 2)
 
 
 def binding(sense: Sense, view: StatusView) -> tuple[object, ...]:
     """What a confirmation rests on: where it differs later, what was read back is void."""
-    number = view.question.number if view.question is not None and sense.name == "answer" else 0
-    return view.run, view.mode, view.mission, number
+    is_open = sense.name != "answer" or view.question(sense.question) is not None
+    return view.run, view.mode, view.mission, is_open
 
 
 def _key_of(view: KeyView) -> Key:
@@ -124,7 +125,8 @@ def order_words(sense: Sense, view: StatusView, language: Language) -> str:
         return language.text(form, mission=spoken(sense.mission), arguments=arguments)
     if sense.name == "answer":
         arguments = _argument_words(sense.parameters, {}, language)
-        question = view.question.text if view.question is not None else ""
+        asked = view.question(sense.question)
+        question = asked.text if asked is not None else ""
         form = "order_answer_with" if arguments else "order_answer"
         return language.text(form, option=spoken(sense.option), arguments=arguments, question=question)
     return language.text(f"order_{sense.name}")
@@ -143,10 +145,11 @@ def order_forms(view: StatusView, allowed: frozenset[str]) -> tuple[Mapping[str,
             forms.append(
                 _form(fields, arguments={"type": "object", "properties": arguments, "additionalProperties": False})
             )
-    if "answer" in allowed and view.question is not None:
-        for offer in view.question.options:
+    for question in view.questions if "answer" in allowed else ():
+        which = {"question": {"const": question.number}} if len(view.questions) > 1 else {}
+        for offer in question.options:
             optional = {"parameters": dict(offer.parameters)} if offer.parameters else {}
-            forms.append(_form({"order": {"const": "answer"}, "option": {"const": offer.name}}, **optional))
+            forms.append(_form({"order": {"const": "answer"}, **which, "option": {"const": offer.name}}, **optional))
     return tuple(forms)
 
 
@@ -165,7 +168,7 @@ def proposed(order: object, view: StatusView) -> Sense | None:
     if not isinstance(order, Mapping):
         return None
     name = order.get("order")
-    fields = {"start": {"mission", "arguments"}, "answer": {"option", "parameters"}}
+    fields = {"start": {"mission", "arguments"}, "answer": {"question", "option", "parameters"}}
     if not isinstance(name, str) or name not in ORDERS or set(order) - {"order"} - fields.get(name, set()):
         return None
     if name == "start":
@@ -190,7 +193,10 @@ def _proposed_start(order: Mapping[str, Any], view: StatusView) -> Sense | None:
 
 def _proposed_answer(order: Mapping[str, Any], view: StatusView) -> Sense | None:
     option, values = order.get("option"), order.get("parameters", {})
-    sense = Sense("order", "answer", option=option if isinstance(option, str) else "")
+    number = order.get("question", view.questions[0].number if len(view.questions) == 1 else 0)
+    if type(number) is not int or not isinstance(option, str):
+        return None
+    sense = Sense("order", "answer", question=number, option=option)
     offer = _offered(sense, view)
     if offer is None or not isinstance(values, Mapping):
         return None

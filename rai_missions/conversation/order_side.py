@@ -118,7 +118,7 @@ class OrderSide:
         return None
 
     def _choice(self, sense: Sense) -> str:
-        language, question = self._talk.language, self._talk.view.question
+        language, question = self._talk.language, self._talk.view.question(sense.question)
         if sense.name != "answer" or question is None:
             return language.text("choice_order", order=language.word("order_names", sense.name))
         return language.text(
@@ -246,7 +246,7 @@ class OrderSide:
     def _put(self, judged: JudgedOrder) -> None:
         """Give the order out."""
         self._count += 1
-        sense, utterance, question = judged.sense, judged.utterance, self._talk.view.question
+        sense, utterance = judged.sense, judged.utterance
         if sense.name == "start":
             self._starting_until = self._talk.now + STARTING_S
         self._under_way[self._count] = judged
@@ -255,7 +255,6 @@ class OrderSide:
         self._ordered[utterance.speaker].append(judged.words)
         for old_speaker in list(self._ordered)[: -REMEMBERED * 10]:
             del self._ordered[old_speaker]
-        asked = question.number if question is not None and sense.name == "answer" else 0
         self._talk.note(
             "ordered", order_number=self._count, number=judged.number, order=order_data(sense), role=utterance.role,
             mapper=judged.mapper, confirmed=judged.confirmed,
@@ -263,7 +262,7 @@ class OrderSide:
         self._talk.put(
             Order(
                 self._count, sense.name, utterance.role, utterance.channel, utterance.author, sense.mission,  # type: ignore[arg-type]
-                dict(sense.arguments), asked, sense.option, dict(sense.parameters), judged.mapper,
+                dict(sense.arguments), sense.question, sense.option, dict(sense.parameters), judged.mapper,
                 cut(utterance.text, 2_000), judged.confirmed, self._talk.now,
             )
         )  # fmt: skip

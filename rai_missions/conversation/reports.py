@@ -82,9 +82,9 @@ class Reports:
             about, mission = view.about.strip(), spoken(view.mission)
             form = "report_start" if about else "report_start_only"
             yield f"{run}:start", language.text(form, mission=mission, about=about), "question"
-        if view.question is not None and is_alive(view):
-            text = language.text("report_question", question=question_text(view.question, language))
-            yield f"{run}:question:{view.question.number}", text, "question"
+        for question in view.questions if is_alive(view) else ():
+            text = language.text("report_question", question=question_text(question, language))
+            yield f"{run}:question:{question.number}", text, "question"
         waits = about_words(view.waits) if is_alive(view) else ""
         if waits and f"{run}:{waits}" != self._waits:
             yield f"{run}:waits:{view.revision}", language.text("report_waits", waits=waits), "question"

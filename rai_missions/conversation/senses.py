@@ -20,6 +20,8 @@ class Sense(NamedTuple):
     """The order, or the question's name in the language file."""
     mission: str = ""
     arguments: Mapping[str, Any] = {}
+    question: int = 0
+    """Of an answer: the number of the open question."""
     option: str = ""
     parameters: Mapping[str, Any] = {}
     key: str = ""
@@ -32,5 +34,14 @@ class Sense(NamedTuple):
     @property
     def identity(self) -> str:
         """Equal for the same sense, whatever the words were; two recognisers agree by it."""
-        data = [self.kind, self.name, self.mission, self.arguments, self.option, self.parameters, self.key]
+        data = [
+            self.kind,
+            self.name,
+            self.mission,
+            self.arguments,
+            self.question,
+            self.option,
+            self.parameters,
+            self.key,
+        ]
         return json.dumps(data, sort_keys=True, default=str)

@@ -100,8 +100,7 @@ class StateAnswers:
         parts = [self._in_state(view, "mode_state"), *self._steps(view)]
         if view.held_by:
             parts.append(language.text("held", holder=language.word("holders", view.held_by)))
-        if view.question is not None:
-            parts.append(language.text("waits_question", question=view.question.text))
+        parts += self._waits_for_answers(view)
         return " ".join(parts)
 
     def _in_state(self, view: StatusView, form: str) -> str:
@@ -131,6 +130,9 @@ class StateAnswers:
             made.append(self.language.text("progress", of=f"{name[:1].upper()}{name[1:]}", **numbers))
         return made
 
+    def _waits_for_answers(self, view: StatusView) -> list[str]:
+        return [self.language.text("waits_question", question=each.text) for each in view.questions]
+
     def _progress(self, view: StatusView, _: Asker) -> str:
         if not is_alive(view):
             return self.status(view)
@@ -154,7 +156,7 @@ class StateAnswers:
             return self._mode_by(view, "paused")
         if view.mode == "canceling" and view.mode_by:
             return self.language.text("canceling_by", by=view.mode_by)
-        if not is_alive(view) or view.held_by or view.question is not None or view.waits:
+        if not is_alive(view) or view.held_by or view.questions or view.waits:
             return self.status(view) if not view.waits or view.held_by else self._waits(view, asker)
         return self._in_state(view, "not_stopped")
 
@@ -166,8 +168,8 @@ class StateAnswers:
 
     def _waits(self, view: StatusView, _: Asker) -> str:
         language = self.language
-        if view.question is not None and is_alive(view):
-            return language.text("waits_question", question=view.question.text)
+        if view.questions and is_alive(view):
+            return " ".join(self._waits_for_answers(view))
         if view.waits or view.held_by:
             return language.text(
                 "waits_control", waits=about_words(view.waits) or language.word("holders", view.held_by)
@@ -181,9 +183,9 @@ class StateAnswers:
         return language.text("waits_nothing")
 
     def _asked(self, view: StatusView, _: Asker) -> str:
-        if view.question is None:
+        if not view.questions:
             return self.language.text("no_question")
-        return question_text(view.question, self.language)
+        return " ".join(question_text(each, self.language) for each in view.questions)
 
     def _ordered(self, _: StatusView, asker: Asker) -> str:
         language = self.language

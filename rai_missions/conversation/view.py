@@ -93,10 +93,10 @@ class StatusView(NamedTuple):
     held_since: float | None = None
     open_goals: tuple[str, ...] = ()
     """The actions that may still be executing although nothing waits for them."""
-    question: Question | None = None
-    """The question that is open to a person now."""
-    confirm: frozenset[str] = frozenset()
-    """The options of that question that have `"confirm": true`."""
+    questions: tuple[Question, ...] = ()
+    """The questions that are open to a person now, the oldest first: regions may ask at the same time."""
+    confirm: frozenset[tuple[int, str]] = frozenset()
+    """Their options that have `"confirm": true`, each with the number of its question."""
     keys: Mapping[str, KeyView] = {}
     states: Mapping[str, str] = {}
     """State → its `about`."""
@@ -120,3 +120,7 @@ class StatusView(NamedTuple):
     mode_by: str = ""
     """Who brought it into this mode: of a pause, cancel or e-stop."""
     mode_since: float | None = None
+
+    def question(self, number: int) -> Question | None:
+        """The open question of this number; None where it is closed."""
+        return next((each for each in self.questions if each.number == number), None)

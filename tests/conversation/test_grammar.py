@@ -46,7 +46,7 @@ def test_an_order_inside_other_talk_is_none(code: str) -> None:
     read = {
         each: grammar.senses(each, view)
         for each in STORED["talk"][code]
-        for view in (VIEW, VIEW._replace(question=asked))
+        for view in (VIEW, VIEW._replace(questions=(asked,)))
     }
     orders = {each: senses for each, senses in read.items() if any(sense.kind == "order" for sense in senses)}
     assert orders == {}

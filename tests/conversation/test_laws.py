@@ -40,6 +40,7 @@ MAY = {
 ALIVE = ("ready", "running", "paused", "canceling")
 YES = ("yes", "yes please", "Yes, do it!")
 OFFERED = {"replan": "take the next alley", "drive_over": "over it", "stop": "stop here", "yes": "it is free"}
+OTHERS = {"replan": "take the other alley", "left": "to the left"}
 SENTENCES = tuple(json.loads((Path(__file__).parent / "data/sentences.json").read_text("utf-8"))["hostile"])
 AUTHORS = ("", "Anna", "operator", "operator Anna (terminal)", "robot", "ai", "terminal")
 DOORS = (("operator", "terminal"), ("operator", "page"), ("viewer", "page"), ("person", "voice"), ("person", "topic"))
@@ -66,7 +67,7 @@ lists = st.one_of(
     speaks,
     st.tuples(st.just("mode"), st.sampled_from((*ALIVE, "succeeded", "failed", "canceled"))),
     st.tuples(st.just("run"), st.sampled_from(("r1", "r2", "r3"))),
-    st.tuples(st.just("question"), st.sampled_from((0, 1, 2))),
+    st.tuples(st.just("question"), st.sampled_from(((), (1,), (2,), (1, 2), (1, 3), (3,)))),
     st.tuples(
         st.just("model"), st.sampled_from((*CLAIMS, *TALK, *SENTENCES)), st.sampled_from(PROPOSED), st.booleans()
     ),
@@ -123,20 +124,22 @@ class Referee:
 
     def _run(self, run: str) -> None:
         if run != self.view.run:
-            self._status(self.view._replace(run=run, mode="ready", outcome=None, question=None))
+            self._status(self.view._replace(run=run, mode="ready", outcome=None, questions=()))
 
-    def _question(self, number: int) -> None:
-        options = tuple(Offer(name, about) for name, about in OFFERED.items())
-        asked = (
-            Question(number, "asking", "operator", "Which way?", options)
-            if number and self.view.mode in ALIVE
-            else None
-        )
-        self._status(self.view._replace(question=asked, confirm=frozenset({"drive_over"})))
+    def _question(self, numbers: tuple[int, ...]) -> None:
+        asked = [
+            Question(number, f"asking_{number}", "operator", "Which way?", tuple(map(Offer, offered, offered.values())))
+            for number in (numbers if self.view.mode in ALIVE else ())
+            for offered in (OTHERS if number > 1 else OFFERED,)
+        ]
+        confirm = frozenset((each.number, "drive_over") for each in asked)
+        self._status(self.view._replace(questions=tuple(asked), confirm=confirm))
 
     def _status(self, view: StatusView) -> None:
         before, self.view = self.view, view._replace(at=self.at, revision=self.view.revision + 1)
         self._judge(self.dialogue.on_status(self.view, self.at), None, before)
+        for each in self.view.questions if self.view.mode in ALIVE else ():
+            assert f"{self.view.run}:question:{each.number}" in self.began, "a question that is open was not put"
 
     def _model(self, text: str, order: Any, is_end: bool) -> None:
         self._judge(self.dialogue.on_model(ModelText(self.request, text + " ", order, is_end, "", self.at)), None)
@@ -216,8 +219,8 @@ class Referee:
         assert order.name != "cancel" or mode in ("ready", "running", "paused")
         assert order.name != "start" or mode not in ("running", "paused", "canceling")
         if order.name == "answer":
-            question = self.view.question
-            assert question is not None and order.question == question.number and order.option in OFFERED
+            question = self.view.question(order.question)
+            assert question is not None and order.option in {offer.name for offer in question.options}
 
     def _judge_speech(self, speech: Speech) -> None:
         self.open.append(speech)

@@ -89,7 +89,7 @@ class RunStatus:
         """The run now."""
         run, status, mission = self._runner.view, self._status, self._mission
         now, board = run.now(), run.board
-        question = next((each for each in run.questions if each.asked == "operator"), None)
+        questions = tuple(sorted((each for each in run.questions if each.asked == "operator"), key=_number))
         active = status.active if status is not None else tuple(
             name for _, name, _ in mission.walk() if name in run.active
         )  # fmt: skip
@@ -99,7 +99,7 @@ class RunStatus:
             outcome=run.outcome, why=run.why,
             waits=status.waits if status is not None else "", held_by=run.held_by, held_since=run.held_since,
             open_goals=tuple(dict.fromkeys(goal.action for goal in run.loose_goals)),
-            question=question, confirm=_confirmed(mission, question) if question is not None else frozenset(),
+            questions=questions, confirm=frozenset(one for each in questions for one in _confirmed(mission, each)),
             keys={name: key_view(name, key, board, now) for name, key in mission.blackboard.items()},
             states=self._states, events=self._events, mission=mission.name, about=mission.about,
             robot=self._robot.name, identity=self._robot.identity, missions=self._missions,
@@ -133,7 +133,11 @@ def key_view(name: str, key: Key, board: Blackboard, now: float) -> KeyView:
     return KeyView(name, key.type, key.source, key.about, entry.value, age_s, is_fresh=is_fresh, **words)
 
 
-def _confirmed(mission: Mission, question: Question) -> frozenset[str]:
-    """The options that count only once they are confirmed."""
-    decisions = mission.state(question.state).decisions().values()
-    return frozenset(name for each in decisions for name, option in each.options.items() if option.confirm)
+def _number(question: Question) -> int:
+    return question.number
+
+
+def _confirmed(mission: Mission, question: Question) -> Iterator[tuple[int, str]]:
+    """The question's options that count only once they are confirmed."""
+    for each in mission.state(question.state).decisions().values():
+        yield from ((question.number, name) for name, option in each.options.items() if option.confirm)

@@ -292,3 +292,27 @@ def test_a_person_on_the_topic_asks_and_stops_and_orders_nothing_else() -> None:
     hri.close()
     person.close()
     connector.stop()
+
+
+def region(name: str, **options: Any) -> dict[str, Any]:
+    asked = {"question": f"{name}?", "options": options, "ask": ["operator"], "deadline_s": 600, "fallback": "off"}
+    states = {
+        f"{name}_asks": {"decision": asked, "transitions": [{"on": list(options), "to": f"{name}_over"}]},
+        f"{name}_over": {"final": "succeeded"},
+    }
+    return {"initial": f"{name}_asks", "states": states}
+
+
+def test_two_regions_ask_at_the_same_time_and_each_is_answered_by_its_own_option() -> None:
+    regions = {"left": region("left", red={}, off={}), "right": region("right", blue={}, off={})}
+    both = {"parallel": regions, "transitions": [{"on": "succeeded", "to": "done"}]}
+    with talked({"both": both, "done": {"final": "aborted"}}) as talk:
+        reported = [talk.screen.until(lambda line, name=name: name in line.text) for name in ("left?", "right?")]  # type: ignore[misc]
+        assert [line.report.rpartition(":")[2] for line in reported] == ["1", "2"]
+        assert "left?" in (asked := talk.ask("what did you ask?").text) and "right?" in asked
+        assert talk.ask("off").text == "You want: answer 'off' to: left?. Is that right? Say yes or no."
+        assert talk.ask("blue").text == "Answer taken: blue."
+        talk.order("red")
+        talk.end()
+    answers = [step.event for step in talk.steps if step.event.kind == "proposal"]
+    assert [(event.number, event.data["option"]) for event in answers] == [(2, "blue"), (1, "red")]
