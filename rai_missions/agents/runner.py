@@ -57,6 +57,7 @@ class AgentRunner:
         self._worker = Worker(f"health of {name}")
         self._last: Mapping[str, AgentHealth] = {}
         self._reported_at = 0.0
+        self._is_public = True
 
     @property
     def agents(self) -> Mapping[str, AgentHealth]:
@@ -71,6 +72,16 @@ class AgentRunner:
         if not self._is_running:
             return AgentHealth("stopped" if self._last else "ready", "; ".join(bad))
         return AgentHealth("running" if any(each.lives for each in found.values()) else "ended", "; ".join(bad))
+
+    @property
+    def stop_s(self) -> float:
+        """As long as all of them may take, one after the other, and a moment."""
+        return sum(each.patience_s(self._stop_s) for each in self._watched) + 1.0
+
+    @property
+    def connectors(self) -> Mapping[str, Connector]:
+        """Those of each agent, by its name and what each is for."""
+        return {f"{each.name}/{name}": found for each in self._watched for name, found in each.connectors.items()}
 
     def run(self) -> None:
         """Begin each agent, one after the other; what one raises is its health, and the next begins."""
@@ -146,8 +157,11 @@ class AgentRunner:
                 self._connector.publish(
                     DIAGNOSTICS, DIAGNOSTIC_ARRAY, diagnostics_of(self._name, found, at=time.time())
                 )
+                self._is_public = True
             except Exception:
-                log.exception("how the agents fare could not be published")
+                if self._is_public:
+                    log.exception("how the agents fare cannot be published; this is logged once")
+                self._is_public = False
 
 
 @contextmanager

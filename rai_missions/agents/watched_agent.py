@@ -3,14 +3,17 @@
 
 from __future__ import annotations
 
+import math
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from typing import TypeVar, get_args, get_type_hints
 
 from rai_missions.agents.agent import Agent, AgentHealth, HasConnectors, ReportsHealth, StopsSlowly, reports_health
+from rai_missions.connectors.connector import Connector
 from rai_missions.connectors.worker import Worker
 from rai_missions.errors import in_words
-from rai_missions.redaction import cut, logger
+from rai_missions.redaction import cut, cut_repr, logger
 
 __all__ = ("WatchedAgent",)
 
@@ -19,6 +22,8 @@ log = logger(__name__)
 LOOK_S = 2.0
 """An agent that does not report within that how it fares hangs."""
 TURN_S = 0.02
+STATES = get_args(get_type_hints(AgentHealth)["state"])
+T = TypeVar("T")
 
 
 class WatchedAgent:
@@ -33,6 +38,7 @@ class WatchedAgent:
         self.name, self.agent = name, agent
         self._health = AgentHealth("ready")
         self._asked_at: float | None = None
+        self._beginning: threading.Thread | None = None
         self._worker = Worker(f"health of {name}")
 
     @property
@@ -61,26 +67,55 @@ class WatchedAgent:
         before = self.health
         if before.state == "ready":
             return
-        patience_s = self.agent.stop_s if isinstance(self.agent, StopsSlowly) else within_s
-        failure = self._attempt("stop", self.agent.stop, patience_s, leaving)
-        self._health = failure or (AgentHealth("stopped") if before.state == "running" else before)
+        failure = self._attempt("stop", self.agent.stop, self.patience_s(within_s), leaving)
+        has_begun_late = before.state == "hangs" and self._beginning is not None and not self._beginning.is_alive()
+        is_stopped = before.state == "running" or has_begun_late
+        self._health = failure or (AgentHealth("stopped") if is_stopped else before)
         self._worker.close(0.0)
+
+    def patience_s(self, within_s: float) -> float:
+        """How long its `stop` may take: what it states itself, or else so many seconds."""
+
+        def stated() -> float:
+            stop_s = self.agent.stop_s if isinstance(self.agent, StopsSlowly) else within_s
+            return stop_s if 0 < stop_s < math.inf else within_s
+
+        return self._look_up("stop_s", stated, within_s)
+
+    @property
+    def connectors(self) -> Mapping[str, Connector]:
+        """What it talks through, as far as it states that."""
+        nothing: Mapping[str, Connector] = {}
+        return self._look_up(
+            "connectors", lambda: dict(self.agent.connectors) if isinstance(self.agent, HasConnectors) else {}, nothing
+        )
 
     def cut_off(self) -> None:
         """Close its ways to robots and people: it hangs, and must move nothing later."""
-        for purpose, connector in (self.agent.connectors if isinstance(self.agent, HasConnectors) else {}).items():
+        for purpose, connector in self.connectors.items():
             failure = self._attempt(f"stop of '{purpose}'", connector.stop, LOOK_S, threading.Event())
             become = failure.why if failure is not None else "was stopped"
             log.warning("%s hangs; its connector '%s': %s", self.name, purpose, become)
 
     def _ask(self, agent: ReportsHealth) -> None:
         try:
-            found = agent.health
+            stated: object = agent.health
         except Exception as error:  # noqa: BLE001 - an agent may be anybody's
-            found = AgentHealth("died", f"it cannot report how it fares: {cut(in_words(error), 200)}")
+            stated = AgentHealth("died", f"it cannot report how it fares: {cut(in_words(error), 200)}")
+        is_health = isinstance(stated, AgentHealth) and stated.state in STATES
+        found = stated if is_health else AgentHealth("died", f"it reports {cut_repr(stated, 100)}, which is no health")
+        assert isinstance(found, AgentHealth)
         self._asked_at = None
         if self._health.state == "running" and found.state != "ready":
             self._health = found
+
+    def _look_up(self, what: str, read: Callable[[], T], other: T) -> T:
+        """What the agent states of itself; something else where it raises or hangs, which is logged."""
+        found: list[T] = []
+        failure = self._attempt(what, lambda: found.append(read()), LOOK_S, threading.Event())
+        if failure is not None:
+            log.warning("%s: %s", self.name, failure.why)
+        return found[0] if found else other
 
     def _attempt(
         self, what: str, act: Callable[[], object], within_s: float, leaving: threading.Event
@@ -95,6 +130,7 @@ class WatchedAgent:
                 raised.append(error)
 
         thread = threading.Thread(target=attempt, name=f"{self.name}: {what}", daemon=True)
+        self._beginning = thread if what == "run" else self._beginning
         thread.start()
         began = time.monotonic()
         while thread.is_alive() and time.monotonic() < began + within_s and not leaving.is_set():

@@ -208,6 +208,86 @@ def test_a_mission_is_one_agent_among_others(tmp_path: Path) -> None:
     assert runner.health.state == "stopped"
 
 
+class Slow(Player):
+    """Takes longer to stop than others, as it states."""
+
+    stop_s = 20.0
+
+    def stop(self) -> None:
+        self.is_asked.set()
+        self.may_end.wait()
+        super().stop()
+
+    is_asked, may_end = threading.Event(), threading.Event()
+
+
+def test_a_runner_among_others_has_the_time_and_the_connectors_of_its_agents(tmp_path: Path) -> None:
+    slow, quick = Slow("slow", "plain", tmp_path / "lines"), Player("quick", "plain", tmp_path / "lines")
+    inner = AgentRunner({"slow": slow, "quick": quick}, stop_s=2.0)
+    assert inner.stop_s == 23.0
+    assert inner.connectors == {"slow/stage": slow.connectors["stage"], "quick/stage": quick.connectors["stage"]}
+    outer = AgentRunner({"inner": inner}, stop_s=0.01)
+    outer.run()
+    end = threading.Thread(target=outer.stop)
+    end.start()
+    assert slow.is_asked.wait(10.0)
+    slow.may_end.set()
+    end.join(10.0)
+    assert (outer.agents["inner"].state, inner.agents["slow"].state) == ("stopped", "stopped")
+
+
+class Liar(Player):
+    """States what no agent may."""
+
+    @property
+    def stop_s(self) -> float:
+        if self.kind == "raises":
+            raise RuntimeError("no time")
+        return float("nan")
+
+    @property
+    def connectors(self) -> Any:
+        raise RuntimeError("no connectors")
+
+    @connectors.setter
+    def connectors(self, _: Any) -> None: ...
+
+    def run(self) -> None:
+        self.note("run")
+
+    def stop(self) -> None:
+        self.note("stop")
+        if self.kind == "hangs":
+            threading.Event().wait()
+
+    @property
+    def health(self) -> Any:
+        return {"none": None, "flies": AgentHealth("flies")}.get(self.kind, AgentHealth("running"))  # type: ignore[arg-type]
+
+
+def test_what_an_agent_states_of_itself_harms_no_other(tmp_path: Path) -> None:
+    connector, inbox = LocalConnector(), Inbox[Message](10.0)
+    connector.start()
+    connector.subscribe(DIAGNOSTICS, DIAGNOSTIC_ARRAY, inbox)
+    kinds = ("raises", "hangs", "nan", "none", "flies")
+    agents: dict[str, Agent] = {each: Liar(each, each, tmp_path / "lines") for each in kinds}
+    runner = AgentRunner(
+        {"first": Player("first", "plain", tmp_path / "lines"), **agents}, connector=connector, stop_s=0.1
+    )
+    runner.run()
+
+    def levels(message: Message) -> dict[str, int]:
+        return {each["name"]: each["level"] for each in message.data["status"]}
+
+    inbox.wait(lambda all_: any(levels(each).get("agents: flies") == 2 for each in all_), "all are still published")
+    assert runner.agents["none"] == AgentHealth("died", "it reports None, which is no health")
+    runner.stop()
+    assert {name: health.state for name, health in runner.agents.items()} == {
+        "first": "stopped", "raises": "stopped", "hangs": "hangs", "nan": "stopped", "none": "died", "flies": "died",
+    }  # fmt: skip
+    connector.stop()
+
+
 def test_a_long_reason_is_cut_where_it_is_published() -> None:
     found = diagnostics_of("all", {"ear": AgentHealth("died", "x" * 5000, {"log": "y" * 5000})}, at=1.0)
     (status,) = found["status"]
