@@ -8,6 +8,7 @@ from collections.abc import Iterator
 
 from rai_missions.embodiment.document import Outline, TextDocument
 from rai_missions.embodiment.urdf import Body, BodyJoint, BodyLink, BodyShape, read_body
+from rai_missions.errors import counted
 
 __all__ = ("read_urdf_text", "sentences_of")
 
@@ -43,7 +44,8 @@ def _overview(body: Body) -> str:
     moving = [joint.name for joint in body.joints if joint.kind != "fixed"]
     mass = f" Together its links weigh {_shown(body.mass_kg)} kg (total mass)." if body.mass_kg else ""
     return (
-        f"The robot {body.name} is built of {len(body.links)} links (rigid parts) and {len(body.joints)} joints."
+        f"The robot {body.name} is built of {counted(len(body.links), 'link')} (rigid parts) and "
+        f"{counted(len(body.joints), 'joint')}."
         f"{mass} Joints that move: {', '.join(moving) or 'none'}."
     )
 

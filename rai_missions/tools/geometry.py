@@ -96,7 +96,7 @@ class GeometryTools:
         )
         objects = [_object(each, look(each)) for each in found]
         age_s = max(received[topic].age_s for topic in (detections_topic, depth))
-        some = f"{len(objects)} objects were detected" if objects else "No such object was detected"
+        some = f"Objects detected: {len(objects)}" if objects else "No such object was detected"
         words = f"{some}, {age_s:.2f} s ago; distances in metres from the camera, null where unknown:"
         return ToolResult(words, {"objects": objects, "age_s": age_s, "why": ""}, objects)
 

@@ -35,7 +35,7 @@ def test_a_folder_is_built_asked_and_shown(folder: str, capsys: pytest.CaptureFi
     assert capsys.readouterr().out == "1. care.txt, Care › Tyres: “The tyres take 1.2 bar.”\n"
     assert main(["whoami", "show", folder]) == 0
     shown = capsys.readouterr().out
-    assert "I am a small robot." in shown and "care.txt: 1 passages" in shown and "Pictures: none." in shown
+    assert "I am a small robot." in shown and "care.txt: 1 passage" in shown and "Pictures: none." in shown
     assert (why_no_vectors() or "Searched by words and by meaning.") in shown
 
 

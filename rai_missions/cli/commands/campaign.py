@@ -172,8 +172,13 @@ def _pool(options: CampaignOptions) -> Callable[[WorkSettings], TaskPool]:
 
 
 def _words(result: CampaignResult, path: object) -> str:
+    from rai_missions.errors import counted
+
     counts = result.counts
-    parts = [f"{counts.get('answered', 0)} cells answered", f"{counts.get('no_answer', 0)} without an answer"]
+    parts = [
+        f"{counted(counts.get('answered', 0), 'cell')} answered",
+        f"{counts.get('no_answer', 0)} without an answer",
+    ]
     parts += [f"{failed} failed"] if (failed := counts.get("failed", 0)) else []
     parts += [f"{result.missing} not asked"] if result.missing else []
     why = f"; {result.stopped}" if result.stopped else ""

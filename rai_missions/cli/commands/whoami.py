@@ -59,12 +59,15 @@ def whoami(
 def _build(library: Library) -> int:
     import sys
 
+    from rai_missions.errors import counted
+
     report = library.build()
     for fault in report.faults:
         print(f"{library.folder}: {fault}", file=sys.stderr)
     for name in report.read:
         print(f"read {name}")
-    print(f"{report.documents} documents, {report.passages} passages, {report.embedded} embedded now: {library.index}")
+    read = f"{counted(report.documents, 'document')}, {counted(report.passages, 'passage')}"
+    print(f"{read}, {report.embedded} embedded now: {library.index}")
     _warn_of_words_alone(report.has_vectors)
     return 2 if report.faults else 0
 
@@ -80,6 +83,7 @@ def _show(library: Library, folder: Path) -> int:
     from rai_missions.embodiment import Identity
     from rai_missions.embodiment.index import IndexReader
     from rai_missions.embodiment.minilm import why_no_vectors
+    from rai_missions.errors import counted
 
     identity = Identity.read(folder)
     print(identity.words())
@@ -87,8 +91,7 @@ def _show(library: Library, folder: Path) -> int:
     library.open()
     with IndexReader(library.index) as reader:
         for each in reader.documents():
-            passages = len(reader.passages(each.name))
-            print(f"{each.name}: {each.fault or f'{passages} passages'}")
+            print(f"{each.name}: {each.fault or counted(len(reader.passages(each.name)), 'passage')}")
     print(f"Index: {library.index}")
     print(why_no_vectors() or "Searched by words and by meaning.")
     return 0
