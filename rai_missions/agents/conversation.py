@@ -179,10 +179,11 @@ class ConversationalAgent:
             return f"a sentence has at most {LONGEST} characters, not {len(text)}"
         if not text.strip():
             return "there is no text in it"
-        if not self._pace.take(channel) and not (self._stops.take(channel) and self.is_stop(text)):
+        door = f"{channel} {role}"
+        if not self._pace.take(door) and not (self._stops.take(door) and self.is_stop(text)):
             return "too many sentences at once; wait a moment"
         with self._lock:
-            if self._waiting >= MOST_WAITING:
+            if self._waiting >= MOST_WAITING and not self.is_stop(text):
                 return f"{MOST_WAITING} sentences wait already; speak again in a moment"
             self._waiting += 1
         sentence = Utterance(text, role, channel, author, 0.0, readings, message_id)

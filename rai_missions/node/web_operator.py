@@ -97,7 +97,7 @@ class WebOperator:
 
     Args:
         terminal: The person there.
-        watched: Whether someone looks at the page now.
+        watched: Whether an operator looks at the page now.
     """
 
     def __init__(self, terminal: Answerer | None, watched: Callable[[], bool]) -> None:

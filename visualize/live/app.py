@@ -131,7 +131,8 @@ class Pages:
 
     async def events(self, request: Request) -> Response:
         try:
-            viewer = await self._hub.join(request.headers.get("last-event-id", ""))
+            is_operator = request.scope[ROLE] == "operator"
+            viewer = await self._hub.join(request.headers.get("last-event-id", ""), is_operator=is_operator)
         except UsageError as error:
             return refused(503, str(error))
         return Stream(self._hub, viewer)

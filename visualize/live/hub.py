@@ -34,9 +34,14 @@ BOARD_S = 0.1
 
 
 class Viewer:
-    """One stream to one browser: messages wait here until it has taken those before."""
+    """One stream to one browser: messages wait here until it has taken those before.
 
-    def __init__(self) -> None:
+    Args:
+        is_operator: It came with the operator's token.
+    """
+
+    def __init__(self, *, is_operator: bool = False) -> None:
+        self.is_operator = is_operator
         self._waiting: asyncio.Queue[bytes | None] = asyncio.Queue(MOST_WAITING)
         self.dropped = False
 
@@ -88,23 +93,40 @@ class Hub:
     def viewers(self) -> int:
         return len(self._viewers)
 
-    async def join(self, last: str = "") -> Viewer:
+    @property
+    def operators(self) -> int:
+        """How many of them are the operator."""
+        return sum(viewer.is_operator for viewer in self._viewers)
+
+    async def join(self, last: str = "", *, is_operator: bool = False) -> Viewer:
         """A viewer comes, or comes back with the number of the last message that it has.
+
+        Args:
+            last: That number, as the stream gave it.
+            is_operator: It comes with the operator's token: where there is no room, another makes room.
 
         Raises:
             UsageError: There are too many already.
         """
-        if len(self._viewers) >= MOST_VIEWERS:
+        if len(self._viewers) >= MOST_VIEWERS and not (is_operator and self._make_room()):
             raise UsageError(f"{MOST_VIEWERS} viewers watch already; close one")
         async with self._opening:
             if self._pump is None or self._pump.done():
                 await self._begin()
-            viewer = Viewer()
+            viewer = Viewer(is_operator=is_operator)
             self._viewers.add(viewer)
             for message in self._missed(last):
                 viewer.put(message)
         self._on_viewers()
         return viewer
+
+    def _make_room(self) -> bool:
+        """Drop one who may only look; whether there was one."""
+        other = next((viewer for viewer in self._viewers if not viewer.is_operator), None)
+        if other is not None:
+            other.drop()
+            self._viewers.discard(other)
+        return other is not None
 
     def leave(self, viewer: Viewer) -> None:
         """A viewer has gone."""

@@ -92,6 +92,11 @@ class LivePage:
         return self._hub.viewers if self._hub is not None else 0
 
     @property
+    def operators(self) -> int:
+        """How many of them came with the operator's token."""
+        return self._hub.operators if self._hub is not None else 0
+
+    @property
     def serves(self) -> bool:
         """It is there."""
         return self._thread is not None and self._thread.is_alive()

@@ -7,7 +7,7 @@ Rule: the page's token sets the role; nothing in the message does. What is writt
 from __future__ import annotations
 
 import json
-from typing import Any, Protocol
+from typing import Any, Protocol, get_args
 
 from starlette.requests import Request
 from starlette.responses import JSONResponse, Response
@@ -53,7 +53,9 @@ class TalkPages:
 
     def __init__(self, desk: TalkDesk) -> None:
         self._desk = desk
-        self._sentences, self._stops = Allowance(1.0, 8), Allowance(0.5, 10)
+        self._sentences = {role: Allowance(1.0, 8) for role in get_args(Role)}
+        self._stops = {role: Allowance(0.5, 10) for role in get_args(Role)}
+        """By role: no viewer uses up what the operator may send."""
 
     def routes(self) -> list[Route]:
         """By path."""
@@ -69,10 +71,10 @@ class TalkPages:
         given = _object(body)
         if given is None:
             return refused(400, 'a message is a JSON object: {"text": …, "by": …}')
-        text, author = given["text"], given.get("by", "")
-        if not (self._stops if self._desk.is_stop(text) else self._sentences).take():
+        text, author, role = given["text"], given.get("by", ""), request.scope[ROLE]
+        if not (self._stops if self._desk.is_stop(text) else self._sentences)[role].take():
             return refused(429, "too many messages at once; wait a second")
-        why = self._desk.receive(text, author[:64], request.scope[ROLE])
+        why = self._desk.receive(text, author[:64], role)
         return refused(409, why) if why else JSONResponse({"success": True, "why": ""})
 
 

@@ -13,7 +13,7 @@ MOST_DOORS = 64
 
 
 class DoorPace:
-    """Ten sentences a second for each door, and twenty at once."""
+    """Ten sentences a second for each door and role, and twenty at once."""
 
     def __init__(self) -> None:
         self._lock = threading.Lock()

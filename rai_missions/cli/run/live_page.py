@@ -167,7 +167,7 @@ class RunPage:
         if operator:
             from rai_missions.node.web_operator import WebOperator
 
-            here = WebOperator(config.operator, lambda: page.viewers > 0)
+            here = WebOperator(config.operator, lambda: page.operators > 0)
             self.config = replace(self.config, operator=here)
 
     def talk_door(self, session: TalkSession) -> TextDoor:

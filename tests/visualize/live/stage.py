@@ -99,8 +99,9 @@ def folded(seen: dict[str, Any], kind: str, data: Mapping[str, Any]) -> None:
 class Viewer:
     """One browser: it reads, can be cut off, and comes back where it was."""
 
-    def __init__(self, page: LivePage) -> None:
+    def __init__(self, page: LivePage, token: str = "") -> None:
         self.page, self.seen, self.last = page, dict[str, Any](), ""
+        self.token = token or page.token
         self.kinds: list[str] = []
         self.sent = 0.0
         self.error = ""
@@ -110,7 +111,7 @@ class Viewer:
 
     def come(self) -> None:
         self._connection = http.client.HTTPConnection("127.0.0.1", self.page.port, timeout=PATIENCE_S)
-        headers = {"X-Mission-Token": self.page.token, **({"Last-Event-ID": self.last} if self.last else {})}
+        headers = {"X-Mission-Token": self.token, **({"Last-Event-ID": self.last} if self.last else {})}
         self._connection.request("GET", "/events", headers=headers)
         answer = self._connection.getresponse()
         assert answer.status == 200, answer.read()

@@ -109,6 +109,12 @@ def test_too_many_messages_wait_and_a_stop_comes_through(run: TalkedRun) -> None
     assert run.ear.received[-1] == ("stop", "Anna")
 
 
+def test_what_viewers_write_uses_up_nothing_of_the_operators(run: TalkedRun) -> None:
+    for text in ("chatter", "stop"):
+        assert 429 in [written(run.page, text, X_Mission_Token=run.page.viewer_token)[0] for _ in range(30)]
+        assert written(run.page, text)[0] == 200
+
+
 def test_a_page_without_a_conversation_takes_none() -> None:
     with Run(tractor()) as silent:
         assert written(silent.page, "hello")[0] == 404

@@ -139,6 +139,20 @@ def test_one_viewer_too_many_is_reported_so(run: Run) -> None:
         viewer.cut()
 
 
+def test_viewers_make_room_for_the_operator_and_are_counted_apart(run: Run) -> None:
+    others = [Viewer(run.page, run.page.viewer_token) for _ in range(hub.MOST_VIEWERS)]
+    until(lambda: run.page.viewers == hub.MOST_VIEWERS, "all are in")
+    assert run.page.operators == 0
+    assert ask(run.page, "GET", "/events", X_Mission_Token=run.page.viewer_token)[0] == 503
+    operator = Viewer(run.page)
+    until(lambda: run.page.operators == 1, "the operator is in")
+    run.send("nonsense")
+    ends_with(operator, run)
+    assert run.page.viewers == hub.MOST_VIEWERS
+    for viewer in (operator, *others):
+        viewer.cut()
+
+
 def test_a_viewer_that_does_not_read_is_dropped_and_holds_no_one_up(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(hub, "MOST_WAITING", 16)
     reads = Viewer(run.page)
