@@ -229,6 +229,8 @@ class Runner(RunCommands):
                 break
             else:
                 window.take(event)
+                if event.kind == "command" and event.name in ("stop", "cancel"):
+                    self._executor.stop_everything()  # the chart has its turn when the run continues
         self._step(lambda: self._chart.send(window.event(self._clock.now())))
         self._mailbox.put_back(window.rest)
 

@@ -9,13 +9,15 @@ from typing import Any
 
 import pytest
 
+from rai_missions.engine import Chart
 from rai_missions.engine.step import Step
 from rai_missions.errors import UsageError
+from rai_missions.event import Event
 from rai_missions.journal import Header, Journal, StepRow, copied, read
 from rai_missions.mission.files import dump
 from rai_missions.profile import dump_profile
 from rai_missions.replay.open_run import open_run
-from tests.rigs.runs import ROBOT, Rig, mission, robot
+from tests.rigs.runs import KEYS, ROBOT, Rig, mission, robot
 
 PATIENCE_S = 30.0
 LIT = mission({
@@ -107,3 +109,27 @@ def test_a_run_that_is_stopped_before_it_continues_begins_nothing_again(stopped:
     taken.record.close()
     assert (result.outcome, result.why) == ("aborted", "e-stop by operator")
     assert rig.done == []
+
+
+SEEING = mission(
+    {"driving": {"action": "drive", "timeout_s": 100}},
+    blackboard={**KEYS, "battery": {"type": "number", "source": "robot", "max_age_s": 50}},
+)
+
+
+@pytest.mark.parametrize("command", ["stop", "cancel"])
+def test_a_goal_ends_at_once_although_the_run_still_waits_for_the_robots_facts(tmp_path: Path, command: str) -> None:
+    path, chart = tmp_path / "run.journal", Chart(SEEING)
+    with Journal.create(path, Header(dump(SEEING), dump_profile(robot()))) as journal:
+        for step in (chart.write("battery", 0.9, 0.1), chart.start(0.2)):
+            journal.write(step, since=0.0)
+        journal.write(chart.send(Event("accepted", 0.3, {}, "accepted", 1)), since=0.2)
+    taken = open_run(path)
+    with Journal.open(path) as journal:
+        rig = Rig(SEEING, journal=journal, begin=taken.resumption)
+        began = rig.clock.now()
+        rig.stage.play({1.0: getattr(rig.runner, command), 40.0: rig.runner.kill})
+        rig.run()
+    taken.record.close()
+    halted = [at - began for at, service in rig.called if service == "/halt"]
+    assert halted and halted[0] <= 1.0 + rig.stage.period_s, (halted, rig.called)
