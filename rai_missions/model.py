@@ -14,7 +14,7 @@ import sys
 from collections.abc import Iterator, Mapping, Sequence
 from functools import cache, wraps
 from itertools import pairwise
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, NoReturn, Protocol, Self, TypeAlias, TypeVar
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, NoReturn, Protocol, Self, TypeAlias, TypeVar
 
 from pydantic import (
     AfterValidator,
@@ -29,7 +29,7 @@ from pydantic import (
     WithJsonSchema,
 )
 from pydantic.fields import FieldInfo
-from pydantic_core import PydanticCustomError
+from pydantic_core import PydanticCustomError, PydanticKnownError
 
 from rai_missions.errors import DefinitionError, UsageError, suggestion
 from rai_missions.kinds import (
@@ -57,6 +57,7 @@ __all__ = (
     "AnyOf",
     "Bool",
     "EventName",
+    "Format",
     "HasPath",
     "Integer",
     "Json",
@@ -75,6 +76,7 @@ __all__ = (
     "TimerName",
     "TopicName",
     "Value",
+    "alike",
     "explained",
     "fault",
     "kind_of",
@@ -142,6 +144,16 @@ Seconds = Annotated[
 ]
 
 
+def _whole(value: Any) -> Any:
+    if type(value) in (bool, float):  # true and 1.0 are equal to 1
+        raise PydanticKnownError("literal_error", {"expected": "1"})
+    return value
+
+
+Format = Annotated[Literal[1], BeforeValidator(_whole)]
+"""The version of the format of a file."""
+
+
 def _frozen(value: Any) -> Any:
     """JSON values as they compare: lists as lists, finite numbers only."""
     if isinstance(value, float) and (value != value or value in (float("inf"), float("-inf"))):
@@ -160,6 +172,27 @@ def _frozen(value: Any) -> Any:
 
 Json = Annotated[Any, AfterValidator(_frozen)]
 """A JSON value; in Python a reference made by `Keys` is read as `{"from": path}`."""
+
+
+def _not_null(value: Any) -> Any:
+    if value is None:
+        raise fault("null", "null is no value; leave the word out")
+    return value
+
+
+NOT_NULL = BeforeValidator(_not_null)
+"""Of a word that may be left out."""
+
+
+def alike(one: Any, other: Any) -> bool:
+    """Whether two values are equal as JSON is written: 1, 1.0 and true are three values."""
+    if type(one) is not type(other):
+        return False
+    if isinstance(one, dict):
+        return one.keys() == other.keys() and all(alike(value, other[name]) for name, value in one.items())
+    if isinstance(one, list | tuple):
+        return len(one) == len(other) and all(map(alike, one, other))
+    return bool(one == other)
 
 
 class HasPath(Protocol):
@@ -189,6 +222,8 @@ if TYPE_CHECKING:
         model_fields_set: set[str]
 
         def __init__(self, **words: Any) -> None: ...
+        @classmethod
+        def __pydantic_init_subclass__(cls, **rest: Any) -> None: ...
         @classmethod
         def model_validate(cls, obj: Any) -> Self: ...
         @classmethod
@@ -225,7 +260,7 @@ def without_schema(cls: type, data: Any) -> Any:
     return {word: item for word, item in data.items() if word != "$schema"} if isinstance(data, Mapping) else data
 
 
-class MissionModel(Model):
+class MissionModel(Model):  # noqa: PLW1641 - pydantic gives a frozen model its hash
     """A frozen model with the format's words as aliases; in Python its main words may be given by position."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", defer_build=True)
@@ -250,6 +285,9 @@ class MissionModel(Model):
         words = kind.spelled(dict(zip(kind.positional, given, strict=False)) | words)
         aliases = {name: field.alias for name, field in kind.model_fields.items() if field.alias}
         words = {aliases.get(name, name): value for name, value in words.items()}
+        for name in [name for name, field in kind.model_fields.items() if field.default is None]:
+            if words.get(aliases.get(name, name), ...) is None:  # in Python a default may be written
+                del words[aliases.get(name, name)]
         try:
             super().__init__(**words)
         except ValidationError as error:
@@ -281,6 +319,18 @@ class MissionModel(Model):
     def meanings(cls) -> Mapping[str, str]:
         """Word of the constructor → what it means: the text below its field."""
         return _attribute_docs(cls)
+
+    @classmethod
+    def __pydantic_init_subclass__(cls, **rest: Any) -> None:
+        """In JSON a word that may be left out has a value, or is left out: null is none."""
+        super().__pydantic_init_subclass__(**rest)
+        for field in cls.model_fields.values():
+            if field.default is None and NOT_NULL not in field.metadata:
+                field.metadata.append(NOT_NULL)
+
+    def __eq__(self, other: object) -> bool:
+        """Whether both are written alike: 1, 1.0 and true are three values, the order of an object's words is none."""
+        return type(self) is type(other) and alike(self.__dict__, other.__dict__)
 
     def __getattr__(self, name: str) -> NoReturn:
         raise AttributeError(_NoSuchAttribute(type(self), name))

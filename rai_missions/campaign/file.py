@@ -24,7 +24,7 @@ from rai_missions.errors import DefinitionError, Fault, pointer, suggestion
 from rai_missions.mission.file_kinds import mistaken
 from rai_missions.mission.json_reader import read_json
 from rai_missions.mission.schema import schema_of
-from rai_missions.model import Integer, Json, MissionModel, Name, Number, Text, fault
+from rai_missions.model import Format, Integer, Json, MissionModel, Name, Number, Text, fault
 from rai_missions.redaction import shown
 from rai_missions.validation_errors import faults_of
 from rai_missions.worlds.scene_files import read_scene_file
@@ -94,7 +94,7 @@ class RolloutEntry(MissionModel):
 class CampaignFile(MissionModel):
     """A campaign: scenes × models × embodiments × orders of options, over one decision of one mission."""
 
-    format: Literal[1] = 1
+    format: Format = 1
     name: Name
     about: Text = ""
     mission: Text

@@ -16,7 +16,7 @@ from pydantic import Field, ValidationError, field_validator, model_validator
 from rai_missions.errors import DefinitionError, Fault, UsageError, suggestion
 from rai_missions.gate.state import COMMANDERS, GateRules
 from rai_missions.mission.json_reader import read_json
-from rai_missions.model import Bool, Integer, Json, MissionModel, Seconds, Text, fault, without_schema
+from rai_missions.model import Bool, Format, Integer, Json, MissionModel, Seconds, Text, fault, without_schema
 from rai_missions.redaction import shown
 from rai_missions.validation_errors import faults_of
 
@@ -60,7 +60,7 @@ class CommandTopic(MissionModel):
 class GateWords(MissionModel):
     """One gate: what it guards, and by which terms."""
 
-    format: Literal[1] = 1
+    format: Format = 1
     name: Topic = "/gate"
     """What its topics and services are below."""
     commands: tuple[CommandTopic, ...] = Field(

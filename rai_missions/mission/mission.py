@@ -18,6 +18,7 @@ from rai_missions.kinds import PackageOffer, lacking, named
 from rai_missions.model import (
     AnyOf,
     EventName,
+    Format,
     KeyName,
     MissionModel,
     Name,
@@ -79,7 +80,7 @@ def _keys(given: Any) -> Any:
 class Mission(MissionModel):
     """A statechart whose states run actions, trees, questions and calls; transitions own its state."""
 
-    format: Literal[1] = 1
+    format: Format = 1
     """The version of the format."""
     name: Name
     """Its name: lower case letters, digits and `_`."""

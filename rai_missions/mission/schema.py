@@ -37,6 +37,8 @@ def _one_of(*words: str) -> dict[str, Any]:
 
 
 SET = _one_of("value", "from", "add") | {"properties": {"value": VALUE}}
+ON = {"required": ["on"], "properties": {"on": {"minItems": 1}}}
+"""A transition with a trigger: an empty list is none."""
 RULES: Mapping[str, Mapping[str, Any]] = {
     Compare.__name__: _one_of(*OPERATORS)
     | {"properties": {word: LISTED if each.takes_list else VALUE for word, each in OPERATORS.items()}},
@@ -48,18 +50,19 @@ RULES: Mapping[str, Mapping[str, Any]] = {
     Set.__name__: SET,
     SetLeaf.__name__: SET,
     Transition.__name__: {
-        "anyOf": [{"required": ["on"]}, {"required": ["after_s"]}, {"required": ["when"]}],
-        "not": {"required": ["on", "after_s"]},
-        "dependentRequired": {"of": ["on"]},
+        "anyOf": [ON, {"required": ["after_s"]}, {"required": ["when"]}],
+        "not": ON | {"required": ["on", "after_s"]},
+        "dependentSchemas": {"of": ON},
     },
     "Key": {
+        "properties": {"initial": VALUE},
         "allOf": [
             {"if": {"required": ["fields"]}, "then": {"properties": {"type": {"const": "object"}}}},
             {
                 "if": {"properties": {"source": {"const": "robot"}}, "required": ["source"]},
                 "then": {"not": {"required": ["initial"]}},
             },
-        ]
+        ],
     },
     "DecisionSpec": {"properties": {"options": {"propertyNames": {"not": {"enum": list(OUTCOMES)}}}}},
     Mission.__name__: {

@@ -14,7 +14,7 @@ from pydantic import BeforeValidator, Field, field_validator, model_validator
 from rai_missions.engine.robot_facts import RobotFacts
 from rai_missions.errors import suggestion
 from rai_missions.guards.guard import Guard
-from rai_missions.model import AnyOf, Json, MissionModel, Name, Text, fault, without_schema
+from rai_missions.model import AnyOf, Format, Json, MissionModel, Name, Text, fault, without_schema
 from rai_missions.profile.conversation import ConversationPolicy
 from rai_missions.profile.entries import ActionEntry, AliveEntry, OneService, ServiceEntry, TopicEntry
 from rai_missions.profile.sources import EventSource, Source
@@ -65,7 +65,7 @@ class Robot(MissionModel):
 
     positional: ClassVar = ("name",)
 
-    format: Literal[1] = 1
+    format: Format = 1
     name: Text
     about: Text = ""
     connector: dict[Text, Json] = Field(default_factory=lambda: {"kind": "local"})

@@ -11,7 +11,7 @@ from typing import Any, Literal, NamedTuple
 
 from rai_missions.guards.guard import Guard
 from rai_missions.guards.implication import form, implies
-from rai_missions.model import MissionModel
+from rai_missions.model import MissionModel, alike
 from rai_missions.states.decision import Budget, Option
 from rai_missions.states.effects import template_words
 from rai_missions.states.tree import TreeNode
@@ -119,7 +119,7 @@ def fields(
     """
     for name, field in (of or type(new)).model_fields.items():
         before, after = getattr(old, name), getattr(new, name)
-        if name in APART or name in also_apart or before == after or _same_program(before, after):
+        if name in APART or name in also_apart or alike(before, after) or _same_program(before, after):
             continue
         word = field.alias or name
         here = spot.inside(word)

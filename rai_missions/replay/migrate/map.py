@@ -8,14 +8,14 @@ from __future__ import annotations
 
 import os
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any
 
 from pydantic import Field, ValidationError
 
 from rai_missions.errors import DefinitionError
 from rai_missions.mission.json_reader import read_json
 from rai_missions.mission.schema import schema_of
-from rai_missions.model import Json, MissionModel, Name, Text
+from rai_missions.model import Format, Json, MissionModel, Name, Text
 from rai_missions.validation_errors import faults_of
 
 __all__ = ("Map", "load_map", "map_schema")
@@ -24,7 +24,7 @@ __all__ = ("Map", "load_map", "map_schema")
 class Map(MissionModel):
     """What has become of a mission's names."""
 
-    format: Literal[1] = 1
+    format: Format = 1
     about: Text = ""
     states: dict[Name, Name | None] = Field(default_factory=dict)
     """State then → state now; null: it is left, and nothing takes its place. A name states
