@@ -48,7 +48,7 @@ def set_item(program: Program, state: RunState, node: Node, item: Any) -> bool:
     assert isinstance(node.state, Each)
     key, internal = program.keys.get(node.state.item), state.draft.internal
     why = type_error(key, item) if key is not None else "the mission has no such key"
-    if why and not any(trigger.source is node for trigger in internal):
+    if why and not any(trigger.source is node and not trigger.is_late for trigger in internal):
         internal.append(outcome_of(node, Outcome("failed", why=f"an item cannot be '{node.state.item}': {why}")))
     if not why:
         write_key(program, state, node.state.item, item)
@@ -110,7 +110,7 @@ def complete_parallels(state: RunState, complete: Iterable[Node]) -> None:
     for parallel in complete:
         if not all(_has_ended(state, region) for region in parallel.children):
             return
-        if any(trigger.source is parallel for trigger in state.draft.internal):
+        if any(trigger.source is parallel and not trigger.is_late for trigger in state.draft.internal):
             continue
         outer = parallel.parent is not None and parallel.parent.is_parallel
         done = outcome_of(parallel, Outcome(worst([_counted(state, final) for final in _finals(state, parallel)])))

@@ -112,15 +112,20 @@ class Configuration:
         return tuple([chain for chain in found if chain])
 
     def outcome_plan(
-        self, source: Node, outcome: str, *, option: bool, climbs: bool
+        self, source: Node, outcome: str, *, option: bool, climbs: bool, is_late: bool = False
     ) -> tuple[tuple[CompiledTransition, ...], ...]:
-        """The transitions for an outcome: those of its own state, of its ancestors if it climbs, or that name it."""
+        """The transitions for an outcome: those of its own state, of its ancestors if it climbs, or that name it.
+
+        Once its state was left, only those that name it: they wait for the event, as in SCXML, and not on the state.
+        """
 
         def wanted(transition: CompiledTransition) -> bool:
             if outcome not in transition.definition.on or outcome not in transition.outcomes:
                 return False
             if transition.definition.of is not None:
                 return transition.definition.of == source.name
+            if is_late:
+                return False
             return transition.source is source or (climbs and not option and transition.source in source.ancestors)
 
         return self._candidates(wanted)

@@ -139,8 +139,9 @@ def _answer(program: Program, state: RunState, trigger: Trigger) -> None:
         option = trigger.name in source.options
         state.answer = trigger.data if option else state.answer
         plan = config.outcome_plan(
-            source, trigger.name, option=option, climbs=trigger.climbs and trigger.name != "succeeded"
-        )
+            source, trigger.name, option=option, climbs=trigger.climbs and trigger.name != "succeeded",
+            is_late=trigger.is_late,
+        )  # fmt: skip
     open_plan = plan if not state.frozen else free(state, plan)
     transitions = enabled(state, open_plan, state.draft.looked)
     if transitions:
@@ -155,9 +156,11 @@ def _answer(program: Program, state: RunState, trigger: Trigger) -> None:
 
 def _unanswered(program: Program, state: RunState, trigger: Trigger, source: Node) -> None:
     """An outcome that no transition handles: unless it is a success, it is the mission's failure."""
-    if trigger.name == "succeeded":
+    if trigger.name == "succeeded" and not trigger.is_late:
         if source.activity:
             state.draft.notes.append(f"no row took 'succeeded' of '{source.name}'")
+    elif trigger.is_late:
+        state.draft.notes.append(f"'{trigger.name}' of '{source.name}' came to nothing: the state had been left")
     elif trigger.climbs and source in state.config.nodes:
         why = f"{source.name}: {trigger.name}" + (f" ({trigger.why})" if trigger.why else "")
         end(program, state, "failed", why)
@@ -201,6 +204,18 @@ def _exit(program: Program, state: RunState, node: Node) -> None:
                 state.held.pop(memory, None)
     if node in state.draft.starting:
         state.draft.starting.remove(node)
+    if state.draft.internal:
+        _outdate(state, node)
+    if state.kept:
+        state.kept = tuple(each for each in state.kept if each.kind != "outcome" or each.data["state"] != node.name)
+
+
+def _outdate(state: RunState, node: Node) -> None:
+    """What a state has reported, and no transition has answered, is late once it is left."""
+    internal = state.draft.internal
+    for index, trigger in enumerate(internal):
+        if trigger.source is node:
+            internal[index] = trigger._replace(is_late=True)
 
 
 def _forget_waiting(state: RunState, node: Node) -> None:
@@ -248,7 +263,7 @@ def _next_round(program: Program, state: RunState, node: Node) -> None:
     if index < len(items):
         if set_item(program, state, node, items[index]):
             jump(program, state, program.graph.reenter(state.config, node, state.memory))
-    elif not any(trigger.source is node for trigger in state.draft.internal):
+    elif not any(trigger.source is node and not trigger.is_late for trigger in state.draft.internal):
         state.draft.internal.append(outcome_of(node, Outcome("succeeded")))
         complete_parallels(state, tuple(program.graph.complete(node.parent, state.config.nodes)))
 

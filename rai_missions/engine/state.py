@@ -102,9 +102,12 @@ class Trigger(NamedTuple):
     source: Node | None = None
     """The state whose outcome it is; None for an event."""
     climbs: bool = True
+    """Whether it is tried on the ancestors of its source."""
     why: str = ""
     transition: CompiledTransition | None = None
     """The one transition that it may fire: that of an `after_s`."""
+    is_late: bool = False
+    """Its source was left after it reported: only a transition that names the source has use for it."""
 
 
 class Timer(NamedTuple):

@@ -28,6 +28,7 @@ __all__ = (
     "Closable",
     "JournalReader",
     "Lock",
+    "NoJournal",
     "SqliteError",
     "Unbegun",
     "log_of",
@@ -83,7 +84,11 @@ class Closable(ABC):
         self.close()
 
 
-class Unbegun(DefinitionError):
+class NoJournal(DefinitionError):
+    """A file that is something else than a journal which this program reads."""
+
+
+class Unbegun(NoJournal):
     """A file without a row, as anyone who dies while it makes a journal leaves it."""
 
 
@@ -206,7 +211,7 @@ def open_to_read(path: Path) -> JournalReader:
         if _code(error) in (sqlite3.SQLITE_FULL, sqlite3.SQLITE_IOERR):
             where = f"the disk of it, or of its copy in {tempfile.gettempdir()}, is full or at fault"
             raise UsageError(f"the journal {path} cannot be read: {error}: {where}") from None
-        raise DefinitionError([Fault("", _no_journal(error))], str(path)) from None
+        raise _not_a_journal(error, path) from None
     try:
         connection.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, LONGEST_BYTES)
         connection.execute("PRAGMA trusted_schema=OFF")
@@ -222,10 +227,10 @@ def _code(error: Exception) -> int:
     return int(getattr(error, "sqlite_errorcode", 0)) & 0xFF
 
 
-def _no_journal(error: Exception) -> str:
+def _not_a_journal(error: Exception, path: Path) -> DefinitionError:
     if _code(error) == sqlite3.SQLITE_CORRUPT:
-        return DAMAGED
-    return f"no journal: {error}; give a file that a run has written"
+        return DefinitionError([Fault("", DAMAGED)], str(path))
+    return NoJournal([Fault("", f"no journal: {error}; give a file that a run has written")], str(path))
 
 
 def check_is_journal(connection: sqlite3.Connection, path: Path) -> None:
@@ -239,21 +244,21 @@ def check_is_journal(connection: sqlite3.Connection, path: Path) -> None:
         version = connection.execute("PRAGMA user_version").fetchone()[0]
         found = connection.execute("SELECT type, name, tbl_name, ifnull(sql, '') FROM sqlite_schema").fetchall()
     except (sqlite3.Error, UnicodeDecodeError) as error:
-        raise DefinitionError([Fault("", _no_journal(error))], str(path)) from None
+        raise _not_a_journal(error, path) from None
     if not found and application in (0, APPLICATION):
         sentence = "no journal of a run: its process died making it, and a new one is to be started; "
         sentence += f"or its rows are in '{log_of(path).name}', which was not brought along: give both files"
         raise Unbegun([Fault("", sentence)], str(path))
     if application != APPLICATION:
         sentence = "a SQLite file, but no journal; give a file that a run has written"
-    elif version != FORMAT:
+        raise NoJournal([Fault("", sentence)], str(path))
+    if version != FORMAT:
         sentence = f"a journal of format {version}; this program reads format {FORMAT}"
-    elif sorted(found, key=str) != sorted(SCHEMA, key=str):
+        raise NoJournal([Fault("", sentence)], str(path))
+    if sorted(found, key=str) != sorted(SCHEMA, key=str):
         names = sorted(cut(name if sort == "table" else f"{sort} {name}", 60) for sort, name, _, made in found if made)
         sentence = f"its tables are not those of a journal: {', '.join(names[:10]) or 'none'}"
-    else:
-        return
-    raise DefinitionError([Fault("", sentence)], str(path))
+        raise DefinitionError([Fault("", sentence)], str(path))
 
 
 class JournalReader(sqlite3.Connection):

@@ -17,7 +17,7 @@ from rai_missions.image import media_type
 from rai_missions.journal.json_values import pictures_in
 from rai_missions.journal.reader import Record
 from rai_missions.journal.rows import GENESIS, JournalRow, Raw, StepRow, chained
-from rai_missions.journal.sqlite import Unbegun
+from rai_missions.journal.sqlite import NoJournal, Unbegun
 from rai_missions.redaction import cut_repr
 
 __all__ = ("checked", "opened", "read", "verify")
@@ -81,9 +81,12 @@ def verify(path: Path | str) -> tuple[Fault, ...]:
 
     Raises:
         UsageError: There is no such file, or it may not be read.
+        DefinitionError: It is no journal of this format.
     """
     try:
         record = Record(path)
+    except NoJournal:
+        raise
     except DefinitionError as error:
         return error.faults
     with record:

@@ -109,7 +109,10 @@ class StepCircles:
         return (
             fields, len(self._world.choices.trail), sorted(self._world.wavering),
             [(name, rounds.spent) for name, rounds in sorted(draft.tree_rounds.items())],
-            [(each.name, each.source.name if each.source else "", str(each.data)) for each in draft.internal],
+            [
+                (each.name, each.source.name if each.source else "", each.is_late, str(each.data))
+                for each in draft.internal
+            ],
             [node.name for node in draft.starting],
         )  # fmt: skip
 

@@ -116,7 +116,7 @@ def test_a_proposal_that_is_kept_has_its_verdict_once_it_is_judged() -> None:
 
 
 def test_each_step_has_mode_and_holder() -> None:
-    made = Chart(mission({"a": {"transitions": [transition("e", "b")]}, "b": {"final": "succeeded"}}, on_cancel=None))
+    made = Chart(mission({"a": {"transitions": [transition("e", "b")]}, "b": {"final": "succeeded"}}))
     seen = [
         made.start(0.0), made.send(Event("e", 0.0, {"by": "x"}, "nonsense")),
         made.send(Event("operator", 1.0, {"by": "operator", "role": "operator"}, "control")),

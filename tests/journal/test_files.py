@@ -224,11 +224,24 @@ ALTERED = {
         "row 3: its hash",
     ),
     "no text": ("UPDATE rows SET content = x'00ff' WHERE number = 2", "row 2: its parts are not text"),
-    "a later format": ("PRAGMA user_version = 2", "/: a journal of format 2; this program reads format 1"),
-    "another file": ("PRAGMA application_id = 7", "/: a SQLite file, but no journal"),
     "a view": ("CREATE VIEW trap AS SELECT 1", "/: its tables are not those of a journal: blobs, rows, view trap"),
     "a negative row": ("INSERT INTO rows VALUES (-1, 'note', '{}', '')", "row 0: missing: row -1 comes next"),
 }
+
+
+OTHERS = {
+    "a later format": ("PRAGMA user_version = 2", "/: a journal of format 2; this program reads format 1"),
+    "another file": ("PRAGMA application_id = 7", "/: a SQLite file, but no journal"),
+}
+
+
+@pytest.mark.parametrize("name", OTHERS)
+def test_what_is_no_journal_of_this_format_is_not_verified(path: Path, name: str) -> None:
+    statement, reported = OTHERS[name]
+    alter(path, statement)
+    for look in (read, verify):
+        with pytest.raises(DefinitionError, match=reported):
+            look(path)
 
 
 @pytest.mark.parametrize("name", ALTERED)

@@ -72,7 +72,7 @@ def test_a_file_that_declares_anything_but_a_journal_is_neither_read_nor_written
         read(file)
     with pytest.raises(DefinitionError):
         Journal.open(file, seal=GENESIS)
-    assert verify(file)
+    assert main(["verify", str(file)]) in (1, 2)
     assert main(["replay", str(file)]) == main(["run", "--resume", str(file), "--no-operator"]) == 2
     assert file.read_bytes() == before
 
