@@ -67,10 +67,15 @@ def messages_of(
     return [SystemMessage(_system(identity)), HumanMessage(content)]
 
 
-def quoted(text: str) -> str:
-    """A text on one line, in quotes, with nothing in it that could end the block that it is in."""
-    shown = cut(text, LONGEST_FACT)
-    more = f"… ({len(text)} characters)" if len(text) > LONGEST_FACT else ""
+def quoted(text: str, length: int = 0) -> str:
+    """A text on one line, in quotes, with nothing in it that could end the block that it is in.
+
+    Args:
+        text: What is quoted.
+        length: How long the text was before it was cut to this, in characters; 0: it was not.
+    """
+    shown, length = cut(text, LONGEST_FACT), max(length, len(text))
+    more = f"… ({length} characters)" if length > LONGEST_FACT else ""
     return json.dumps(f"{shown}{more}", ensure_ascii=False).replace("<", "\\u003c").replace(">", "\\u003e")
 
 

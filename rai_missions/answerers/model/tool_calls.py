@@ -6,6 +6,7 @@ Rule: what a tool returns is data, marked as such, and nothing that it returns o
 
 from __future__ import annotations
 
+import asyncio
 import json
 from collections.abc import Callable, Mapping
 from typing import Any, NamedTuple
@@ -14,12 +15,17 @@ from langchain_core.messages import HumanMessage, ToolMessage
 from langchain_core.tools import BaseTool
 
 from rai_missions.answerers.model.prompt import quoted
+from rai_missions.errors import in_words
 from rai_missions.redaction import cut
 from rai_missions.tools.result import outline
 
 __all__ = ("ToolLookup", "is_read_only", "look_up", "shown")
 
 LONGEST_NAME, LONGEST_ID, LONGEST_NOTE = 100, 200, 500
+LONGEST_TEXT = 64_000
+"""Characters of a result that are looked at; a longer one would keep the interpreter, and so the engine, for long."""
+MOST_PICTURES, LARGEST_PICTURES = 8, 32 * 1024 * 1024
+"""Of one call: how many are shown, and the characters of all of them as they are sent."""
 
 
 class ToolLookup(NamedTuple):
@@ -52,12 +58,14 @@ def look_up(tools: Mapping[str, BaseTool], call: Mapping[str, Any], clean: Calla
         text, status = quoted(f"refused: no tool '{name}' here; there is: {', '.join(tools) or 'none'}"), "error"
     else:
         try:
-            made = tool.invoke({"type": "tool_call", "name": name, "args": dict(call["args"]), "id": number})
+            made = _used(tool, {"type": "tool_call", "name": name, "args": dict(call["args"]), "id": number})
             result, pictures = _parts(made)
-            text = clean(result) if _marks_data(tool) else quoted(clean(result))
+            found = clean(cut(result, LONGEST_TEXT))
+            text = found if _marks_data(tool) else quoted(found, len(result))
             status = made.status if isinstance(made, ToolMessage) else "success"
-        except Exception as error:  # noqa: BLE001 - the model is shown it, and may choose without it
-            text, status = quoted(clean(f"failed: {error}")), "error"
+        except BaseException as error:  # noqa: BLE001 - the model is shown it, even an exit, and may choose without it
+            why = cut(in_words(error) or type(error).__name__, LONGEST_TEXT)
+            text, status = quoted(clean(f"failed: {why}")), "error"
     message = ToolMessage(text, tool_call_id=number, name=name, status=status)
     arguments = cut(clean(json.dumps(outline(call["args"]), ensure_ascii=False)), LONGEST_NOTE)
     return ToolLookup(message, {"tool": name, "arguments": arguments, "said": cut(text, LONGEST_NOTE)}, pictures)
@@ -77,11 +85,40 @@ def _marks_data(tool: BaseTool) -> bool:
     return (tool.metadata or {}).get("marks_data") is True
 
 
+def _used(tool: BaseTool, call: Mapping[str, Any]) -> Any:
+    """What a tool makes of a call; one that is asynchronous alone has a loop of its own."""
+    if getattr(tool, "coroutine", None) is not None and getattr(tool, "func", None) is None:
+        return asyncio.run(tool.ainvoke(dict(call)))
+    return tool.invoke(dict(call))
+
+
 def _parts(made: Any) -> tuple[str, tuple[Mapping[str, Any], ...]]:
-    """The text and the pictures of what a tool gave."""
+    """The text and the pictures of what a tool gave; what is no picture to be shown is named in the text."""
     content = made.content if isinstance(made, ToolMessage) else made
     if not isinstance(content, list):
         return content if isinstance(content, str) else str(content), ()
-    blocks = [block for block in content if isinstance(block, Mapping) and block.get("type") == "image"]
-    texts = [str(block.get("text", "")) if isinstance(block, Mapping) else str(block) for block in content]
-    return "\n".join(text for text in texts if text), tuple(blocks)
+    texts, pictures, size = list[str](), list[Mapping[str, Any]](), 0
+    for block in content:
+        data = _picture_data(block) if isinstance(block, Mapping) else None
+        if data is None:
+            texts.append(str(block.get("text", "")) if isinstance(block, Mapping) else str(block))
+        elif not data:
+            texts.append("(a picture that is not shown: only its address is given)")
+        elif len(pictures) == MOST_PICTURES or size + len(data) > LARGEST_PICTURES:
+            texts.append("(a picture that is not shown: there are too many, or too large ones)")
+        else:
+            pictures.append(block)  # type: ignore[arg-type]  # a mapping, since it has data
+            size += len(data)
+    return "\n".join(text for text in texts if text), tuple(pictures)
+
+
+def _picture_data(block: Mapping[str, Any]) -> str | None:
+    """The bytes of a content block's picture as text; empty where they are elsewhere, None where it is no picture."""
+    if block.get("type") == "image_url":
+        given = block.get("image_url")
+        url = given.get("url") if isinstance(given, Mapping) else given
+        return url if isinstance(url, str) and url.startswith("data:") else ""
+    if block.get("type") == "image":
+        data = block.get("base64", block.get("data"))
+        return data if isinstance(data, str) else ""
+    return None
