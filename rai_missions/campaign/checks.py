@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from rai_missions.campaign.file import CONSTANT, OWN, CampaignFile
+from rai_missions.campaign.file import ANY_KIND, CONSTANT, OWN, CampaignFile
 from rai_missions.campaign.questions import CampaignSubject
 from rai_missions.errors import DefinitionError, Fault, UsageError, pointer, suggestion
 from rai_missions.redaction import shown
@@ -30,8 +30,11 @@ def faults_in(file: CampaignFile, subject: CampaignSubject) -> Iterator[Fault]:
         if why := _unfit(model, file, subject):
             yield Fault(pointer(("models", at)), why)
     yield from _of_rollouts(file, subject)
+    kinds = {each.kind for each in file.scenes.given}
     for name, script in file.scripts.items():
         for kind, line in script.items():
+            if kinds and kind not in (*kinds, ANY_KIND):
+                yield Fault(pointer(("scripts", name, kind)), f"no scene is of kind '{kind}'{suggestion(kind, kinds)}")
             option = line.get("option") if isinstance(line, Mapping) else line
             if not isinstance(option, str | None):
                 yield Fault(
@@ -103,6 +106,8 @@ def _unfit(model: str, file: CampaignFile, subject: CampaignSubject) -> str:
         return "" if option in subject.options else f"no option '{option}'{suggestion(option, subject.options)}"
     provider, _, name = model.partition(":")
     if provider and name:
-        return ""
+        from rai_missions.answerers.model.providers import unknown_provider  # loads langchain
+
+        return unknown_provider(model)
     near = suggestion(model, (*OWN, *file.scripts))
     return f"'{model}' names no model: rules, oracle, constant:OPTION, local, a script, or PROVIDER:NAME{near}"

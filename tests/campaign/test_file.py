@@ -31,6 +31,11 @@ def faults(tmp_path: Path, words: dict[str, Any]) -> str:
      "/models/1: no option 'leave'; there is: left, right, wait"),
     ({"models": ["rulez"], "scripts": {}}, "/models/0: 'rulez' names no model: rules, oracle, constant:OPTION, local, a"
      " script, or PROVIDER:NAME; did you mean 'rules'?"),
+    ({"models": ["opnai:gpt-4o"], "scripts": {}}, "/models/0: no model provider 'opnai'; did you mean 'openai'?"),
+    ({"models": ["o.s:path"], "scripts": {}}, "/models/0: no model provider 'o.s'; there is: "),
+    ({"models": ["teller"], "scripts": {"teller": {"bb": "left"}},
+      "scenes": {"given": [{"scene": "a", "kind": "b", "seed": 1}]}},
+     "/scripts/teller/bb: no scene is of kind 'bb'; did you mean 'b'?"),
     ({"models": ["rules", "rules"], "scripts": {}}, "'models' names 'rules' more than once; keep one"),
     ({"embodiments": ["soul"]}, "no embodiment 'soul'"),
     ({"orders": ["sorted"]}, "/orders/0: no such choice: 'sorted'"),

@@ -24,7 +24,7 @@ from rai_missions.redaction import first_line
 if TYPE_CHECKING:
     from langchain_core.language_models import BaseChatModel
 
-__all__ = ("check_model", "model_words", "open_model", "providers")
+__all__ = ("check_model", "model_words", "open_model", "providers", "unknown_provider")
 
 EXTRAS = ("anthropic", "ollama", "openai")
 """The providers that are an extra of this package."""
@@ -150,6 +150,17 @@ def package_of(provider: str) -> ModuleType:
         return importlib.import_module(module)
     except ImportError as error:
         raise UsageError(f"the package '{module}' is installed but does not import: {_why(error)}") from error
+
+
+def unknown_provider(spec: str) -> str:
+    """Why no package could open a model, by its name alone; empty where one may, though it may yet be uninstalled."""
+    try:
+        provider, _ = _parts(spec)
+        if provider not in ("local", *EXTRAS, *KEYS):
+            _find(provider)
+    except UsageError as error:
+        return str(error)
+    return ""
 
 
 def _find(provider: str) -> str:
