@@ -283,6 +283,9 @@ def _read(config: RunConfig, closing: CleanupStack) -> RunPlan:
         accepted(mission, config.arguments, whole=not config.waits)
     if (chosen := open_python_robot(given, mission, resumed.robot if resumed is not None else None)) is not None:
         plan = plan._replace(python=chosen.robot, robot=chosen.profile)
+    needed = mission.needed_facts() if resumed is None and config.connector is None else ()
+    if plan.robot is None and needed:
+        raise UsageError(f"the mission must receive {', '.join(needed)} from a robot, and none was given")
     plan.refuse(missing(mission, plan.robot) if plan.robot is not None else (), config.robot)
     return plan
 

@@ -36,7 +36,7 @@ def run(mission: Mission | str | Path, robot: Robot | PythonRobot | str | Path |
 
     Raises:
         DefinitionError: The mission or the profile is at fault.
-        UsageError: Something named is not there.
+        UsageError: Something named is not there, or the mission has to receive facts and there is no robot.
     """
     with prepare(RunConfig(mission, robot, **options)) as prepared:
         return prepared.runner.run()

@@ -286,8 +286,7 @@ class Chart:
     @property
     def unheard(self) -> tuple[str, ...]:
         """The robot keys that the start waits for: never received, or stale whenever they were."""
-        state, keys = self.state, self.program.keys.items()
-        waited = (name for name, key in keys if key.source == "robot" and not key.optional)
+        state, waited = self.state, self.mission.needed_facts()
         return tuple(name for name in waited if name not in state.board or name in state.outdated)
 
     @property

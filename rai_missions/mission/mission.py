@@ -185,6 +185,10 @@ class Mission(MissionModel):
             for index, transition in enumerate(transitions):
                 yield f"{place}/transitions/{index}", transition
 
+    def needed_facts(self) -> tuple[str, ...]:
+        """The keys that the robot must have reported before the mission starts."""
+        return tuple(name for name, key in self.blackboard.items() if key.source == "robot" and not key.optional)
+
     def behaviours(self) -> Mapping[str, BehaviourLeaf]:
         """`state#path` → the leaf there that is written in Python; a mission with one has no JSON."""
         return {

@@ -76,6 +76,14 @@ def test_a_mission_with_a_fault_is_refused_before_anything_moves(tmp_path: Path)
     assert list(tmp_path.iterdir()) == []
 
 
+def test_a_run_without_the_robot_that_its_mission_needs_is_refused_at_once(tmp_path: Path) -> None:
+    keys = {"low": {"type": "boolean", "source": "robot"}, "high": {"type": "boolean", "source": "robot"}}
+    needy = Mission.model_validate({**ASKING, "blackboard": {**keys, "seen": {**keys["low"], "optional": True}}})
+    with pytest.raises(UsageError, match="the mission must receive low, high from a robot, and none was given"):
+        run(needy, journal=tmp_path / "run.journal")
+    assert list(tmp_path.iterdir()) == []
+
+
 def test_a_connector_that_there_is_not_is_named() -> None:
     with pytest.raises(UsageError, match=r"no connector of kind 'locale'; did you mean 'local'\?"):
         prepare(RunConfig(Mission.model_validate(WAITING), robot(connector={"kind": "locale"})))

@@ -57,7 +57,7 @@ def run_mission(options: RunOptions) -> int:
     mission = _mission(options)
     if faults := faults_of(check(mission, named=set(named or ()))):
         raise DefinitionError(faults, options.mission or options.resume or "")
-    needed = [name for name, key in mission.blackboard.items() if key.source == "robot" and not key.optional]
+    needed = mission.needed_facts()
     if needed and not options.robot and not options.resume:
         raise UsageError(
             f"the mission must receive {', '.join(needed)} from a robot; "
