@@ -33,8 +33,8 @@ PAUSE = "pause"
 LIKENESS, NO_LIKENESS, NO_TEXT = 6.0, 0.5, -1.5
 """Nats for the share of letters that a free text has in common with a phrase, the share that is no evidence, and nats
 where nothing was read freely."""
-MORE_WORDS = 2
-"""By how many words the free text may be longer than a phrase that is meant."""
+MORE_WORDS, MORE_WORDS_BEST = 1, 2
+"""By how many words the free text may be longer than a phrase that is meant; the same where it is the second's best."""
 LEAST_LEAD = 0.5
 """How much more it must be than that for the next phrase."""
 MOST = 30.0
@@ -102,7 +102,9 @@ def _phrase(plain: str, first: Mapping[str, float], second: Mapping[str, float],
         is_enough = most >= LEAST_STOP and first[phrase] >= LEAST_STOP_FIRST
     elif phrase == PAUSE and not is_enough and len(sums) > 1 and sums[-2][1] == STOP:
         phrase, is_enough = STOP, min(first[STOP], sums[-2][0]) >= LEAST_STOP
-    return phrase if is_enough and len(plain.split()) <= len(phrase.split()) + MORE_WORDS else ""
+    is_best = phrase in second and second[phrase] == max(second.values())
+    more = MORE_WORDS_BEST if is_best else MORE_WORDS
+    return phrase if is_enough and len(plain.split()) <= len(phrase.split()) + more else ""
 
 
 def _likeness(plain: str, phrase: str) -> float:

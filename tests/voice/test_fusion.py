@@ -87,6 +87,16 @@ def test_a_sentence_with_many_more_words_is_no_phrase() -> None:
     assert fused(read, {"resume the mission": 12.0}, {"resume the mission": 2.0}, PHRASES) == (read, (read,))
 
 
+@given(st.sampled_from(PHRASES[1:]), st.integers(0, 4), st.sampled_from([None, 1.0, 2.0]))
+def test_a_free_text_of_two_words_more_is_a_phrase_only_if_it_is_the_second_s_best(
+    phrase: str, more: int, vote: float | None
+) -> None:
+    other = {"pause": 2.0 if vote == 1.0 else 1.0}
+    read = " ".join(["those"] * (len(phrase.split()) + more))
+    found = fused(read, {phrase: 15.0}, other | ({phrase: vote} if vote else {}), (*PHRASES, "pause"))
+    assert (found.text == phrase) == (more <= (2 if vote == 2.0 else 1))
+
+
 def test_what_a_recogniser_sends_as_evidence_is_numbers_of_expected_phrases() -> None:
     sent = {"yes": 1, "stop": float("nan"), "go": 9.0, "cancel the mission": "9", "resume the mission": 1e9}
     assert evidence_in({"evidence": sent}, PHRASES) == {"yes": 1.0, "resume the mission": 30.0}
