@@ -11,7 +11,6 @@ import json
 import threading
 import time
 from collections.abc import Callable, Mapping, Sequence
-from functools import partial
 from typing import Any, NamedTuple
 
 from langchain_core.language_models import BaseChatModel
@@ -38,6 +37,8 @@ LookTools = Callable[[Callable[[], StatusView]], Sequence[BaseTool]]
 """The tools that only look, for one request; they read the run by the view that is given."""
 MOST_CALLS = 6
 """Calls of the model for one sentence."""
+MOST_LOOKS = 12
+"""Calls of tools for one sentence."""
 MOST_AT_ONCE = 3
 MOST_TEXT = 4_000
 """Characters of an answer that are passed on."""
@@ -155,18 +156,29 @@ class TalkModel:
         given = tools if mode == "tools" else {}
         exchange = self._chat.converse(mode, forms(request, given), pending)
         messages: Sequence[BaseMessage] = talk_messages(request, self._identity, mode, tuple(given))
+        left = MOST_LOOKS
         for _ in range(MOST_CALLS):
-            if not pending.open:
-                raise BudgetExceeded("the answer is waited for no longer")
+            _check_open(pending)
             reply = exchange.ask(messages)
             if reply is None:
                 return {"failed": "answered nothing"}
             reading = _read(reply, mode, request)
             if not reading.calls:
                 return {"text": cut(self._clean(reading.text), MOST_TEXT), "order": reading.order}
-            looks = list(map(partial(look_up, given, clean=self._clean), reading.calls))
+            left -= len(reading.calls)
+            if left < 0:
+                raise BudgetExceeded(f"asked for more than the {MOST_LOOKS} calls of tools that a sentence has")
+            looks = []
+            for call in reading.calls:
+                _check_open(pending)
+                looks.append(look_up(given, call, self._clean))
             messages = [*(look.message for look in looks), *(shown(looks) if images else [])]
         raise BudgetExceeded(f"the budget of {MOST_CALLS} calls is spent")
+
+
+def _check_open(pending: PendingQuestion) -> None:
+    if not pending.open:
+        raise BudgetExceeded("the answer is waited for no longer")
 
 
 def _model_text(number: int, answer: Mapping[str, Any]) -> ModelText:

@@ -8,12 +8,14 @@ import time
 from typing import Any
 
 import pytest
+from langchain_core.tools import StructuredTool
 
 from rai_missions.agents.agent import AgentHealth
 from rai_missions.agents.contract import check_agent
 from rai_missions.agents.conversation import ConversationalAgent
 from rai_missions.agents.talk.doors import OnSpoken
 from rai_missions.agents.talk.hri_door import HRIDoor
+from rai_missions.agents.talk.model import MOST_LOOKS, TalkModel
 from rai_missions.connectors.hri.connector import FROM_HUMAN, TO_HUMAN, HRIConnector
 from rai_missions.connectors.hri.message import HRIMessage
 from rai_missions.connectors.local import LocalConnector
@@ -292,6 +294,23 @@ def test_a_person_on_the_topic_asks_and_stops_and_orders_nothing_else() -> None:
     hri.close()
     person.close()
     connector.stop()
+
+
+def test_a_model_that_asks_for_a_flood_of_tools_looks_at_nothing_and_the_person_is_answered() -> None:
+    looked: list[str] = []
+
+    def look() -> str:
+        """Looks."""
+        looked.append("looked")
+        return "a wall"
+
+    tool = StructuredTool.from_function(look, name="look", metadata={"read_only": True})
+    flood = tuple({"name": "look", "args": {}, "id": str(number)} for number in range(MOST_LOOKS + 1))
+    model = TalkModel(RepliesModel(calls=flood), tools=lambda _view: (tool,))
+    with talked(model=model) as talk:
+        talk.order("what is behind the wall?")
+        assert talk.screen.until(lambda line: line.way == "unknown").text == "I do not know."
+    assert looked == []
 
 
 def region(name: str, **options: Any) -> dict[str, Any]:
