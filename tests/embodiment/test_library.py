@@ -249,6 +249,16 @@ def test_a_bad_document_costs_itself_alone_and_is_tried_again(folder: Path, tmp_
     assert Library(folder, index, embedder=LetterVectors()).recall("tyres").is_answered
 
 
+def test_a_name_that_is_no_text_costs_no_document(folder: Path, tmp_path: Path) -> None:
+    (folder / os.fsdecode(b"shed\xff.txt")).write_bytes(plain([(0, "The shed has a red door.")]))
+    library = Library(folder, tmp_path / "x.index", embedder=LetterVectors())
+    report = library.build()
+    assert (report.documents, report.faults) == (3, ())
+    (found,) = library.recall("Which door does the shed have?", 1).passages
+    assert found.source == "shed\\xff.txt"
+    assert library.build().read == ()
+
+
 def test_no_link_leads_out_of_the_folder(folder: Path, tmp_path: Path) -> None:
     (tmp_path / "secret.md").write_text("# Secret\n\nThe extraordinary treasure.")
     (tmp_path / "outside").mkdir()
