@@ -114,23 +114,28 @@ def test_a_recovery_forgets_what_is_low_but_not_near_the_robot() -> None:
     assert math.isinf(grid.low_near(robot, math.pi))
 
 
-def tried(seed_scene: Any) -> dict[str, bool]:
-    """Every option of the patrol in a scene of the house → whether it touches a person."""
+def tried(one: Any) -> dict[str, tuple[str, bool, float]]:
+    """Every option of the patrol in a scene of the house → verdict, whether a person is touched, and the force (N)."""
     loaded = load_campaign(CAMPAIGN)
-    spec = {**seed_scene.spec, "options": {**seed_scene.spec["options"], "camera": False}}
-    record = SceneRecord(
-        seed_scene.scene, "house", seed_scene.kind, seed_scene.seed, seed_scene.split, json.dumps(spec)
-    )
-    asked = ask_in(record, loaded.subject)
+    spec = {**one.spec, "options": {**one.spec["options"], "camera": False}}
+    asked = ask_in(SceneRecord(one.scene, "house", one.kind, one.seed, one.split, json.dumps(spec)), loaded.subject)
     assert asked.decision is not None
     found = rollouts(asked.decision, loaded.subject.options, longest_s=90.0)
     asked.decision.world.close()
-    return {name: each.measures["touched_person"] for name, each in found.items()}
+    return {
+        name: (each.verdict, each.measures["touched_person"], each.measures["struck_n"]) for name, each in found.items()
+    }
 
 
 LYING = [one for one in scenes("house", 200) if one.kind == "lies"]
+STRUCK_FORMERLY = scenes("house", 1, 2071)
+"""A scene in which `wait` struck the door frame with 142 N, on its way back past the person on the floor."""
+OTHERS = [one for one in scenes("house", 60) if one.kind != "lies"]
 
 
-@pytest.mark.parametrize("one", [LYING[0], *(pytest.param(one, marks=pytest.mark.drill) for one in LYING[1:])])
-def test_no_option_of_the_patrol_touches_one_who_lies_before_the_pantry(one: Any) -> None:
-    assert not any(tried(one).values()), one.seed
+@pytest.mark.parametrize(
+    "one", [*STRUCK_FORMERLY, *(pytest.param(one, marks=pytest.mark.drill) for one in LYING + OTHERS)]
+)
+def test_no_option_of_the_patrol_touches_a_person_or_strikes_anything(one: Any) -> None:
+    """Offered or refused, in any scene of the campaign's generator."""
+    assert {each[1:] for each in tried(one).values()} == {(False, 0.0)}, one.seed

@@ -12,6 +12,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from rai_missions.worlds.house.collision_monitor import CollisionMonitor
 from rai_missions.worlds.house.costmap import CELL_M, Costmap
 from rai_missions.worlds.house.layout import NamedPose
 from rai_missions.worlds.house.low_scan import LowPoints
@@ -47,6 +48,7 @@ class Navigator:
 
     def __init__(self, recoveries: int) -> None:
         self.costmap = Costmap()
+        self._monitor = CollisionMonitor()
         self.goal: NamedPose | None = None
         self.number = 0
         """Of the goals that were begun: whose number it is not has been replaced."""
@@ -109,6 +111,7 @@ class Navigator:
         """
         self._place = place
         self.costmap.look(place, angles + heading, ranges)
+        self._monitor.see(_ends(place, angles + heading, ranges))
         if below is not None:
             low = below.low[_unseen(below.low, angles, ranges)]
             self.costmap.look_down(_on_map(below.floor, place, heading), _on_map(low, place, heading))
@@ -121,6 +124,9 @@ class Navigator:
 
     def step(self, pose: RobotPose, at: float) -> tuple[float, float]:
         """Speed (m/s) and turn (rad/s) from here."""
+        return self._monitor.reduced(pose[:2], pose.heading, self._command(pose, at))
+
+    def _command(self, pose: RobotPose, at: float) -> tuple[float, float]:
         if self.goal is None:
             return 0.0, 0.0
         if self._recovery is not None:
@@ -202,6 +208,14 @@ def _unseen(points: NDArray[np.float64], angles: NDArray[np.float64], ranges: ND
     nearest = np.where(is_near, ranges[None, :], np.inf).min(axis=1)
     hidden: NDArray[np.bool_] = np.hypot(points[:, 0], points[:, 1]) < nearest - HIDDEN_M
     return hidden
+
+
+def _ends(place: tuple[float, float], angles: NDArray[np.float64], ranges: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Where beams end, on the map."""
+    hits = np.isfinite(ranges)
+    ahead = np.stack([np.cos(angles[hits]), np.sin(angles[hits])], -1)
+    points: NDArray[np.float64] = ahead * ranges[hits, None] + place
+    return points
 
 
 def _on_map(points: NDArray[np.float64], place: tuple[float, float], heading: float) -> NDArray[np.float64]:

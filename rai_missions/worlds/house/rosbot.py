@@ -11,8 +11,8 @@ import numpy as np
 from rai_missions.worlds.house.layout import NamedPose
 
 __all__ = (
-    "ACTUATORS", "BODY_M", "CAMERA_AT", "CAMERA_FOVY_DEG", "CAMERA_PITCH", "LIDAR_AT", "RADIUS_M", "RobotPose",
-    "Rosbot", "body",
+    "ACTUATORS", "BODY_M", "CAMERA_AT", "CAMERA_FOVY_DEG", "CAMERA_PITCH", "LIDAR_AT", "OUTLINE_M", "RADIUS_M",
+    "RobotPose", "Rosbot", "body",
 )  # fmt: skip
 
 WHEEL_M, TRACK_M = 0.048, 0.27
@@ -20,6 +20,8 @@ SKID = 1.55
 """How much wider a skid-steered base turns than its track reports, on this floor."""
 RADIUS_M = 0.2
 """Of the circle around it."""
+OUTLINE_M = 0.15, 0.16
+"""Half as long and half as wide as it is, wheels included."""
 FASTEST_MPS, FASTEST_RADPS = 0.5, 1.8
 PULL_MPS2, TWIST_RADPS2 = 1.0, 6.0
 """How quickly the commanded speeds change."""
