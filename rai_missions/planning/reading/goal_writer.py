@@ -61,7 +61,16 @@ class GoalWriter:
         if self._is_held:
             raise self._ask("where", self._listed(self._subjects))
         found += self._exchanges()
+        self._check_swapped(found)
         return [each for at, each in enumerate(found) if each not in found[:at]]
+
+    def _check_swapped(self, found: Sequence[Plain]) -> None:
+        """A thing that is swapped and moved otherwise, too: where it comes to depends on which is first."""
+        for each in found:
+            others = {name for other in found if other != each for name in _moved(other)}
+            if moved := [name for name in each.get("swapped", ()) if name in others]:
+                text = self._things.lexicon.text("swapped_and_moved", self._listed(tuple(moved[:1])))
+                raise Unread("order", text)
 
     def _of(self, clause: Clause) -> Iterable[Plain]:
         rules: Mapping[str, Callable[[Clause], Iterable[Plain]]] = {
@@ -315,3 +324,11 @@ def _stackable(phrases: Sequence[Phrase]) -> tuple[Phrase, ...]:
         else each
         for each in phrases
     )
+
+
+def _moved(predicate: Plain) -> tuple[str, ...]:
+    """The things that a predicate brings somewhere."""
+    if "at" in predicate:
+        return (predicate["at"],)
+    names = next(each for each in predicate.values() if isinstance(each, list))
+    return tuple(names[:1] if predicate.keys() & {"on", "in", "left_of"} else names)

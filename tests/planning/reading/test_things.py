@@ -83,3 +83,34 @@ def test_what_may_as_well_mean_where_something_is_now_is_asked_back(request_: st
 )  # fmt: skip
 def test_a_wish_after_a_verb_of_grasping_is_read(request_: str, predicates: list[Any]) -> None:
     assert reading_of(request_, SEEN).goal == goal(*predicates)
+
+
+MOVES = {
+    "en": (
+        "put {0} on the yellow cube",
+        "put {0} in the tray",
+        "put {0} at x 0.5, y 0.1",
+        "swap {0} and the yellow cube",
+    ),
+    "de": ("leg {0} auf den gelben Würfel", "leg {0} in die Schale", "tausche {0} und den gelben Würfel"),
+}
+SWAPS = {
+    "en": ("swap {0} and {1}", "the red cube", "the green cube", " and "),
+    "de": ("tausche {0} und {1}", "den roten Würfel", "den grünen Würfel", " und "),
+}
+
+
+@pytest.mark.parametrize(("code", "move"), [(code, move) for code, moves in MOVES.items() for move in moves])
+def test_a_thing_that_is_swapped_and_moved_otherwise_is_asked_back(code: str, move: str) -> None:
+    """Where it comes to depends on which of both is first, in whatever order they are written."""
+    swap, red, green, then = SWAPS[code]
+    for thing in (red, green):
+        wishes = [move.format(thing), swap.format(red, green)]
+        for each in (wishes, wishes[::-1]):
+            found = reading_of(then.join(each), SEEN)
+            assert (found.outcome, found.reason, found.goal) == ("unclear", "order", None), each
+    alone = reading_of(
+        then.join([move.format("the blue cube" if code == "en" else "den blauen Würfel"), swap.format(red, green)]),
+        SEEN,
+    )
+    assert alone.goal is not None and len(alone.goal.all) == 2
