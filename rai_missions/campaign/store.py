@@ -12,7 +12,7 @@ import json
 import os
 import sqlite3
 from collections.abc import Iterable, Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import closing, contextmanager
 from pathlib import Path
 from typing import Any, Literal, NamedTuple, Self, get_args
 
@@ -410,6 +410,8 @@ def _locked(path: Path) -> int:
 
 def _opened(path: Path, *, writes: bool) -> sqlite3.Connection:
     """A connection to a store; the tables of a new one are made in one transaction."""
+    if _mark(path) not in ((None, 0, APPLICATION) if writes else (None, APPLICATION)):
+        raise UsageError(f"{path} is no store of a campaign; name another file")
     db = _connected(path, "mode=rw" if writes else "mode=ro")
     if not writes and not _is_readable(db):  # where no file can be made, SQLite has no place for its lock
         db.close()
@@ -434,6 +436,18 @@ def _opened(path: Path, *, writes: bool) -> sqlite3.Connection:
         db.close()
         raise
     return db
+
+
+def _mark(path: Path) -> int | None:
+    """The `application_id` of a SQLite file, which is left as it is; None for another file.
+
+    SQLite itself looks: closing any other descriptor of a file would drop the locks that it has on it here.
+    """
+    with closing(_connected(path, "immutable=1")) as db:
+        try:
+            return int(db.execute("PRAGMA application_id").fetchone()[0])
+        except sqlite3.DatabaseError:
+            return None
 
 
 def _connected(path: Path, how: str) -> sqlite3.Connection:

@@ -55,6 +55,8 @@ def load_guards(path: str | None, *, python: bool = True) -> dict[str, Callable[
 
     if sort := irregular(path):
         raise UsageError(f"'{path}' is {sort}; name a .py file with guards")
+    if Path(path).suffix != ".py":
+        raise UsageError(f"'{path}' is not executed: guards are Python; name a .py file with guards")
     if not Path(path).is_file():
         raise UsageError(f"there is no file '{path}' with guards")
     try:

@@ -21,9 +21,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Run a command; returns its exit status."""
     words = list(sys.argv[1:] if arguments is None else arguments)
     with standard_streams():
-        if words and words[0] in names():
-            return _run(load_command(words[0]), words[1:])
-        return _without_command(words)
+        try:
+            if words and words[0] in names():
+                return _run(load_command(words[0]), words[1:])
+            return _without_command(words)
+        except KeyboardInterrupt:  # also while a command is still being imported
+            print("interrupted", file=sys.stderr)
+            return 130
 
 
 def run() -> int:
@@ -63,9 +67,6 @@ def _run(command: Command, words: Sequence[str]) -> int:
             return 1
         except (MissionError, OSError) as error:
             print(f"rai-missions {command.name}: {error}", file=sys.stderr)
-        except KeyboardInterrupt:
-            print("interrupted", file=sys.stderr)
-            return 130
     return 2
 
 

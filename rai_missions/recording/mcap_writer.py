@@ -29,7 +29,6 @@ class File:
         self._stream = stream
         self._writer: Any = Writer(stream, compression=CompressionType.ZSTD)
         self._writer.start(profile=profile, library="rai_missions")
-        stream.flush()  # so that what a killed process leaves is known by how it begins
         self._schemas: dict[tuple[str, str], int] = {}
         self._channels: dict[tuple[str, int], int] = {}
         self._sequence: dict[int, int] = {}
@@ -68,10 +67,11 @@ class File:
         self._writer.add_attachment(log_ns, log_ns, name, media_type, data)
 
     def describe(self, name: str, words: Mapping[str, Any]) -> None:
-        """Write words about the recording; those of its end come after a `flush`."""
+        """Write words about the recording, which outlive the process; those of its end come after a `flush`."""
         self._writer.add_metadata(
             name, {word: value if isinstance(value, str) else json.dumps(value) for word, value in words.items()}
         )
+        self._stream.flush()
 
     def flush(self) -> None:
         """Whatever was written outlives the process from here on."""

@@ -1,0 +1,79 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A file of another kind than a command takes is refused as unusable: exit status 2, a sentence, nothing written."""
+
+from __future__ import annotations
+
+import json
+import sqlite3
+from contextlib import closing
+from pathlib import Path
+
+import pytest
+
+from rai_missions.cli.main import main
+
+MISSION = {
+    "format": 1,
+    "name": "short",
+    "initial": "a",
+    "states": {"a": {"transitions": [{"after_s": 0.01, "to": "b"}]}, "b": {"final": "canceled"}},
+}
+JOURNALS, MISSIONS, OTHERS = {"run.journal"}, {"m.json"}, {"picture.png", "empty", "other.db", "folder", "/dev/null"}
+TAKES = {
+    "verify FILE": JOURNALS,
+    "replay FILE": {*JOURNALS, "folder"},
+    "run --resume FILE": set(),
+    "draw m.json --journal FILE -o out.dot": JOURNALS,
+    "check FILE": MISSIONS,
+    "diff m.json FILE": MISSIONS,
+    "prove FILE": MISSIONS,
+    "draw FILE -o out.dot": MISSIONS,
+    "try FILE --terminal": MISSIONS,
+    "run m.json --robot FILE": set(),
+    "run m.json --guards FILE": set(),
+    "run --resume run.journal m.json --migrate FILE": set(),
+    "campaign check FILE": set(),
+    "campaign report FILE": set(),
+}
+"""Command → what it has use for."""
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    Path("m.json").write_text(json.dumps(MISSION))
+    main(["run", "m.json", "--journal", "run.journal"])
+    Path("picture.png").write_bytes(b"\x89PNG\r\n\x1a\n" + bytes(range(256)))
+    Path("empty").touch()
+    Path("folder").mkdir()
+    with closing(sqlite3.connect("other.db")) as database:
+        database.execute("CREATE TABLE notes (text)")
+        database.commit()
+    return tmp_path
+
+
+@pytest.mark.parametrize("command", TAKES)
+def test_a_file_of_another_kind_is_refused_as_unusable(
+    command: str, folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    before = {path: path.is_file() and path.read_bytes() for path in folder.iterdir()}
+    for file in sorted((JOURNALS | MISSIONS | OTHERS) - TAKES[command]):
+        capsys.readouterr()
+        try:
+            status = main(command.replace("FILE", file).split())
+        except SystemExit as refused:  # by argparse
+            status = refused.code
+        reported = capsys.readouterr().err
+        assert status == 2 and reported and "Traceback" not in reported, (file, status, reported)
+        assert {path: path.is_file() and path.read_bytes() for path in folder.iterdir()} == before
+
+
+def test_an_interrupt_while_a_command_is_imported_is_no_traceback(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def interrupted(_: str) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("rai_missions.cli.main.load_command", interrupted)
+    assert main(["check", "m.json"]) == 130
+    assert capsys.readouterr().err == "interrupted\n"
