@@ -156,7 +156,7 @@ def test_a_tree_that_writes_what_it_looks_at_rests_after_a_thousand_times() -> N
 
 
 def test_a_step_that_takes_the_short_way_reports_what_rests_too() -> None:
-    data = working({"repeat": -1, "child": {"sequence": [COUNT, above(0)]}}).mission.model_dump(by_alias=True)
+    data = working({"repeat": -1, "child": {"sequence": [COUNT, above(0)]}}).mission.written()
     data |= {"transitions": [{"on": "poke", "do": [{"log": "poked"}]}]}
     chart = Chart(Mission.model_validate(data), CompiledTrees())
     chart.start()
