@@ -17,7 +17,6 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any, Protocol
 
-from rai_missions.connectors.worker import Worker
 from rai_missions.engine.step import Step
 from rai_missions.errors import ConnectorError
 from rai_missions.journal.in_flight import needs_confirmation
@@ -28,9 +27,13 @@ __all__ = ("LONGEST_S", "BufferedWriter", "JournalSink", "raised_by")
 QUIET_S = 1.0
 """How long a write that enabled nothing may travel before it is written down, and a running timer be silent."""
 MOST_FREE = 4
-"""So many threads wait for the next row to write; each takes 16 kB."""
+"""So many threads write rows, and wait for the next; each takes 16 kB."""
+HURRY_S = 0.1
+"""Where no thread has taken a row for so long, and one waits, all of them wait for disks."""
 LONGEST_S = 10.0
 """A disk that has not taken a row by then is one that cannot be written."""
+Job = tuple[Callable[[], object], Callable[[], object]]
+"""What is to be done, and how that is made known."""
 
 
 class JournalSink(Protocol):
@@ -46,19 +49,21 @@ class JournalSink(Protocol):
 
 
 class DiskThreads:
-    """The threads of a process that wait for disks: one for each row that is being written, and a few that are free.
+    """The threads of a process that wait for disks: a few, and one more where all of them wait for one that hangs.
 
-    A disk that hangs holds up the thread that waits for it, and no other journal. Without journals there are none.
+    What is to be written waits for a thread in the order in which it came. Without journals there are none.
     """
 
     def __init__(self) -> None:
-        self._lock = threading.Lock()
-        self._free: list[Worker] = []
-        self._journals = 0
+        self.forget()
 
     def forget(self) -> None:
         """This process is a copy of another, whose threads it does not have."""
-        self._lock, self._free, self._journals = threading.Lock(), [], 0
+        self._lock = threading.Lock()
+        self._jobs: queue.SimpleQueue[Job | None] = queue.SimpleQueue()
+        self._idle: set[threading.Thread] = set()
+        self._journals = self._count = 0
+        self._taken_at = -math.inf
 
     def enter(self) -> None:
         """A journal may be written from now on."""
@@ -66,32 +71,62 @@ class DiskThreads:
             self._journals += 1
 
     def leave(self) -> None:
-        """It is not written any more; after the last one the free threads end."""
+        """It is not written any more; after the last one the threads that do nothing end."""
         with self._lock:
             self._journals -= 1
-            ended, self._free = (self._free, []) if not self._journals else ([], self._free)
-        for worker in ended:
-            worker.close()
+            if self._journals:
+                return
+            ended, jobs = self._idle, self._jobs
+            self._idle, self._jobs, self._count = set(), queue.SimpleQueue(), 0
+        for _ in ended:
+            jobs.put(None)
+        for thread in ended - {threading.current_thread()}:
+            thread.join(LONGEST_S)
 
     def do(self, work: Callable[[], object], done: Callable[[], object]) -> None:
-        """Have something done on a thread that is free, and then have that known."""
-        with self._lock:
-            worker = self._free.pop() if self._free else Worker("journal")
+        """Have something done on a thread, and then have that known."""
+        self._jobs.put((work, done))
+        if self._count < MOST_FREE and self._jobs.qsize() > len(self._idle):
+            self._start()
 
-        def run() -> None:
+    def hurry(self) -> None:
+        """Something has waited for a thread for `HURRY_S`: have another one where none has taken anything since."""
+        now = time.monotonic()
+        with self._lock:
+            if now - self._taken_at < HURRY_S:
+                return
+            self._taken_at = now
+        self._start()
+
+    def _start(self) -> None:
+        with self._lock:
+            self._count += 1
+            jobs = self._jobs
+        threading.Thread(target=self._work, args=(jobs,), name="journal", daemon=True).start()
+
+    def _work(self, jobs: queue.SimpleQueue[Job | None]) -> None:
+        thread = threading.current_thread()
+        is_kept = self._is_kept(thread, jobs)
+        while is_kept and (job := jobs.get()) is not None:
+            with self._lock:
+                self._idle.discard(thread)
+                self._taken_at = time.monotonic()
+            work, done = job
             work()
-            self._give_back(worker)  # before that is known, so that who learns of it finds the thread free
+            is_kept = self._is_kept(thread, jobs)  # before that is known: who learns of it finds the thread free
             done()
+            del job, work, done
 
-        worker.post(run)
-
-    def _give_back(self, worker: Worker) -> None:
+    def _is_kept(self, thread: threading.Thread, jobs: queue.SimpleQueue[Job | None]) -> bool:
+        """Whether a thread waits for more to do."""
         with self._lock:
-            is_kept = bool(self._journals) and len(self._free) < MOST_FREE
+            is_of_now = jobs is self._jobs
+            is_kept = is_of_now and (not jobs.empty() or (bool(self._journals) and len(self._idle) < MOST_FREE))
             if is_kept:
-                self._free.append(worker)
-        if not is_kept:
-            worker.close()
+                self._idle.add(thread)
+            elif is_of_now:
+                self._count -= 1
+        return is_kept
 
 
 THREADS = DiskThreads()
@@ -188,8 +223,10 @@ class BufferedWriter:
         if self._is_lost:
             raise ConnectorError(why)
         outcome: list[BaseException | None] = []
+        begun, patience_s = list[bool](), HURRY_S
 
         def do() -> None:
+            begun.append(True)
             try:
                 write(journal)
                 outcome.append(None)
@@ -198,9 +235,15 @@ class BufferedWriter:
 
         THREADS.do(do, lambda: self._bell.put(False))
         while not outcome:
+            left_s = max(0.0, until - time.monotonic())
             try:
-                is_call = self._bell.get(timeout=max(0.0, until - time.monotonic()))
+                is_call = self._bell.get(timeout=left_s if begun else min(patience_s, left_s))
             except queue.Empty:
+                if time.monotonic() < until:
+                    if not begun:
+                        patience_s *= 4
+                        THREADS.hurry()
+                    continue
                 self._is_lost = True
                 raise ConnectorError(why) from None
             if is_call:

@@ -14,6 +14,7 @@ import shutil
 import sqlite3
 import tempfile
 from abc import ABC, abstractmethod
+from contextlib import suppress
 from pathlib import Path
 from typing import Self
 
@@ -22,16 +23,23 @@ from rai_missions.redaction import cut
 
 __all__ = (
     "BLOB",
+    "FILES",
     "FORMAT",
     "LONGEST_BYTES",
     "ROW",
     "Closable",
+    "Connection",
     "JournalReader",
     "Lock",
     "NoJournal",
     "SqliteError",
     "Unbegun",
+    "close_to_rest",
+    "end_of_opening",
+    "end_rest",
     "log_of",
+    "may_open",
+    "open_again",
     "open_to_read",
     "open_to_write",
     "out_of_files",
@@ -39,6 +47,7 @@ __all__ = (
 )  # fmt: skip
 
 SqliteError = sqlite3.Error
+Connection = sqlite3.Connection
 
 APPLICATION = 0x5241494D
 """`RAIM` in the file's header: what reports a journal from other SQLite files."""
@@ -61,9 +70,15 @@ LONGEST_BYTES = 64 * 1024 * 1024
 """No row and no picture is longer: neither written nor read."""
 WAL_HEADER, WAL_FRAME = 32, 24
 """Bytes of the header of a write-ahead log, and of each of its frames next to its page."""
+FILES = 3
+"""Of a journal that is made: its lock, its database and the log."""
+REST_BYTES = 16
+"""The length of the log of a journal at rest: less than the header of one that has rows."""
 DAMAGED = "the journal is damaged: a part of its file is missing or was overwritten; give a whole copy of it"
 FEW_PAGES, MANY_PAGES = 4, -2_000
 """SQLite's `cache_size`: four pages hold what appending a row touches; 2,000 kB, its default, hold a picture."""
+CHECKPOINT_PAGES = 1_000
+"""SQLite's default: of a log so long the content is moved into the file."""
 FEW_STATEMENTS = 1
 """Statements that a writing connection keeps compiled, at 1 kB each: that of a row. Making a journal has a dozen."""
 TRIES = 20
@@ -131,6 +146,13 @@ class Lock:
         self._key = _identity(path)
         self.held[self._key] = self.descriptor
 
+    def is_of(self, path: Path) -> bool:
+        """Whether the file that has a name now is the one that is locked."""
+        try:
+            return _identity(path) == self._key
+        except OSError:
+            return False
+
     def release(self) -> None:
         """Give it back; doing so twice changes nothing."""
         if self.held.pop(self._key, None) is not None:
@@ -156,6 +178,30 @@ def open_to_write(path: Path, *, new: bool) -> sqlite3.Connection:
     """
     if not new:
         open_to_read(path).close()  # whatever is no journal is left as it is
+    return _connected(path, new=new)
+
+
+def open_again(path: Path) -> sqlite3.Connection:
+    """What `open_to_write` gives, of a journal at rest; the disk is not waited for until `end_of_opening`.
+
+    SQLite waits for the disk once the header of a log is written, so that what the log had before is not taken for
+    its content after a loss of power. At rest it had nothing. As many journals as there are may be opened at once.
+    """
+    is_new = _length(log_of(path)) <= REST_BYTES
+    connection = _connected(path, new=False)
+    if is_new:
+        for pragma in ("synchronous=OFF", "wal_autocheckpoint=0"):
+            connection.execute(f"PRAGMA {pragma}").fetchall()
+    return connection
+
+
+def end_of_opening(connection: sqlite3.Connection) -> None:
+    """The log has its header: what is moved from it into the file waits for the disk."""
+    for pragma in ("synchronous=NORMAL", f"wal_autocheckpoint={CHECKPOINT_PAGES}"):
+        connection.execute(f"PRAGMA {pragma}").fetchall()
+
+
+def _connected(path: Path, *, new: bool) -> sqlite3.Connection:
     connection = sqlite3.connect(
         _uri(path, "rw"), uri=True, isolation_level=None, check_same_thread=False, timeout=0,
         cached_statements=FEW_STATEMENTS,
@@ -175,20 +221,63 @@ def open_to_write(path: Path, *, new: bool) -> sqlite3.Connection:
     return connection
 
 
+def close_to_rest(connection: sqlite3.Connection, path: Path) -> None:
+    """Close the files of a journal that keeps its writer: all rows are in the file itself from now on.
+
+    Where there is no log, a reader takes the file for one that stays as it is. So a log is left, of some bytes that
+    SQLite takes for none (sqlite.org/fileformat2.html, section 4.1: a header has 32), and no two are alike.
+    """
+    with suppress(sqlite3.Error):  # a disk that is full or gone: the rows are in the log, which stays then
+        connection.close()
+    with suppress(OSError):
+        descriptor = os.open(log_of(path), os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o644)
+        try:
+            os.write(descriptor, os.urandom(REST_BYTES))
+        finally:
+            os.close(descriptor)
+
+
+def end_rest(path: Path) -> None:
+    """Take away the log that `close_to_rest` left; one that has rows stays."""
+    log = log_of(path)
+    if _length(log) <= REST_BYTES:
+        with suppress(OSError):
+            log.unlink()
+
+
+def _length(log: Path) -> int:
+    """Of a log, in bytes; 0 where there is none."""
+    try:
+        return log.stat().st_size
+    except OSError:
+        return 0
+
+
 def widen(connection: sqlite3.Connection) -> None:
     """Give a connection that writes pictures SQLite's own amount of memory; a picture takes longer without."""
     connection.execute(f"PRAGMA cache_size={MANY_PAGES}").fetchall()
 
 
 def out_of_files() -> str:
-    """The cure where this process may open no more files; empty where it may."""
+    """The cure where this process may not open the files of a journal; empty where it may."""
+    if may_open(FILES):
+        return ""
+    most = resource.getrlimit(resource.RLIMIT_NOFILE)[0]
+    return f"this process may open {most} files, and a journal takes one to three; raise `ulimit -n`"
+
+
+def may_open(count: int) -> bool:
+    """Whether this process may open so many files more."""
+    opened: list[int] = []
     try:
-        os.close(os.open(os.devnull, os.O_RDONLY))
+        for _ in range(count):
+            opened.append(os.open(os.devnull, os.O_RDONLY))
     except OSError as error:
-        if error.errno == errno.EMFILE:
-            most = resource.getrlimit(resource.RLIMIT_NOFILE)[0]
-            return f"this process may open {most} files, and a journal takes three; raise `ulimit -n`"
-    return ""
+        return error.errno != errno.EMFILE
+    finally:
+        for descriptor in opened:
+            os.close(descriptor)
+    return True
 
 
 def open_to_read(path: Path) -> JournalReader:
@@ -289,7 +378,7 @@ def log_of(path: Path) -> Path:
 
 def _opened(path: Path) -> JournalReader:
     log = log_of(path)
-    if not (log.is_file() and log.stat().st_size and log.resolve().parent == path.parent):  # a link leads elsewhere
+    if not (log.is_file() and _head(log) and log.resolve().parent == path.parent):  # a link leads elsewhere
         place = _uri(path, "ro") + "&immutable=1"
         return sqlite3.connect(place, uri=True, isolation_level=None, check_same_thread=False, factory=JournalReader)
     if not path.stat().st_size:  # SQLite would throw the log away
@@ -316,13 +405,14 @@ def _copy(path: Path, log: Path, copy: Path) -> None:
     file copied before its log is whole again once the log is read over it (sqlite.org/fileformat2.html, section 4).
     """
     for _ in range(TRIES):
+        Path(f"{copy}-wal").unlink(missing_ok=True)  # of a try before
         before = _head(log)
         descriptor = Lock.held.get(_identity(path))
         if descriptor is None:
             shutil.copyfile(path, copy)
         else:
             _copy_from(descriptor, copy)
-        if log.exists():
+        with suppress(FileNotFoundError):
             shutil.copyfile(log, f"{copy}-wal")
         if before == _head(log):
             return

@@ -2,6 +2,7 @@
 """A journal that is being written.
 
 Rule: when `write` has returned, the row outlives the process. Only then may the step's effects be performed.
+Rule: its lock is held from its opening to `close`. Its files may be closed meanwhile, and are open for a row.
 """
 
 from __future__ import annotations
@@ -10,6 +11,7 @@ import datetime
 import hashlib
 import platform
 import threading
+import time
 import uuid
 from collections.abc import Callable, Iterable
 from contextlib import suppress
@@ -22,12 +24,28 @@ from rai_missions.errors import ConnectorError, UsageError
 from rai_missions.image import Image, media_type
 from rai_missions.journal.codec import encode
 from rai_missions.journal.json_values import to_json
+from rai_missions.journal.open_files import OPEN
 from rai_missions.journal.rows import GENESIS, Blob, Header, Raw, chained, text_of, written_header
-from rai_missions.journal.sqlite import BLOB, ROW, Closable, Lock, SqliteError, open_to_write, out_of_files, widen
+from rai_missions.journal.sqlite import (
+    BLOB,
+    ROW,
+    Closable,
+    Connection,
+    Lock,
+    SqliteError,
+    close_to_rest,
+    end_of_opening,
+    end_rest,
+    open_again,
+    open_to_write,
+    out_of_files,
+    widen,
+)
 
 __all__ = ("Journal", "versions")
 
 CLOSE_S = 1.0
+LAST = "SELECT number, hash FROM rows ORDER BY number DESC LIMIT 1"
 Redact = Callable[[str], str]
 """Takes secrets out of a row's JSON text before it is written; what it gives must be JSON of the same shape."""
 Witness = Callable[[Raw, tuple[Blob, ...]], None]
@@ -63,14 +81,15 @@ class Journal(Closable):
     ) -> None:
         self.path, self._lock, self._redact, self._witness = path, lock, redact, witness
         self._alone = threading.Lock()
-        self._open = True
+        self._open, self._place = True, path.resolve()
         try:
-            self._database = open_to_write(path, new=new)
+            self._database: Connection | None = open_to_write(path, new=new)
         except SqliteError as error:
             cure = out_of_files() or f"{error}; name another file"
             raise UsageError(f"a journal cannot be written at {path}: {cure}") from None
-        self._is_wide = False
+        self._is_wide = self._is_new_log = False
         self._number, self._hash = -1, GENESIS
+        self.written = time.monotonic()
 
     @classmethod
     def create(
@@ -82,13 +101,15 @@ class Journal(Closable):
             UsageError: The file is there already, or none can be written there.
         """
         path = Path(path)
+        OPEN.make_room(len(Lock.held) + 1)
         lock, journal = Lock(path, new=True), None
         try:
             journal = cls(path, lock, new=True, redact=redact, witness=witness)
             journal._append("header", written_header(_filled(header)))
+            OPEN.opened(journal)
         except BaseException:
             if journal is not None:
-                journal._database.close()
+                journal._close_files()
             lock.release()
             for left in (path, path.with_name(f"{path.name}-wal")):
                 with suppress(OSError):  # a name that is too long is that of no file
@@ -110,18 +131,20 @@ class Journal(Closable):
             DefinitionError: It is no journal of this format.
         """
         path = Path(path)
+        OPEN.make_room(len(Lock.held) + 1)
         lock, journal = Lock(path, new=False), None
         try:
             journal = cls(path, lock, new=False, redact=redact, witness=witness)
-            last = journal._database.execute("SELECT number, hash FROM rows ORDER BY number DESC LIMIT 1").fetchone()
+            last = journal._opened().execute(LAST).fetchone()
             if last is not None:
                 journal._number, journal._hash = last
             if seal is not None and journal._hash != seal:
                 journal.close()
                 raise UsageError(f"another process has continued with the run of {path} meanwhile; start once more")
+            OPEN.opened(journal)
         except BaseException:
             if journal is not None:
-                journal._database.close()
+                journal._close_files()
             lock.release()
             raise
         return journal
@@ -169,11 +192,66 @@ class Journal(Closable):
         try:
             if self._open:
                 self._open = False
-                with suppress(SqliteError):  # a disk that is full or gone: the rows are in the log, which reading knows
-                    self._database.close()
+                self._close_files()
                 self._lock.release()
         finally:
             self._alone.release()
+
+    @property
+    def is_at_rest(self) -> bool:
+        """Its files are closed until the next row."""
+        return self._database is None
+
+    def rest(self) -> None:
+        """Close the files until the next row, unless one is being written; the lock stays, so no one else writes."""
+        if not self._alone.acquire(blocking=False):
+            return
+        try:
+            OPEN.closed(self)
+            if self._database is not None:
+                database, self._database, self._is_wide = self._database, None, False
+                with suppress(SqliteError):
+                    self._end_opening(database)
+                close_to_rest(database, self._place)
+        finally:
+            self._alone.release()
+
+    def _close_files(self) -> None:
+        OPEN.closed(self)
+        if self._database is not None:
+            with suppress(SqliteError):  # a disk that is full or gone: the rows are in the log, which reading knows
+                self._end_opening(self._database)
+                self._database.close()
+        elif self._lock.is_of(self._place):
+            end_rest(self._place)
+
+    def _opened(self) -> Connection:
+        """The files, open.
+
+        Raises:
+            ConnectorError: What has the name now is not what this journal has written.
+        """
+        if self._database is not None:
+            return self._database
+        OPEN.make_room(len(Lock.held))
+        if not self._lock.is_of(self._place):
+            raise ConnectorError(f"the journal {self.path} cannot be written: another file has its name, or none")
+        database = open_again(self._place)
+        try:
+            last = database.execute(LAST).fetchone() or (-1, GENESIS)
+            if last != (self._number, self._hash):
+                raise ConnectorError(f"the journal {self.path} cannot be written: its rows were altered meanwhile")
+        except BaseException:
+            database.close()
+            raise
+        self._database, self._is_new_log = database, True
+        OPEN.opened(self)
+        return database
+
+    def _end_opening(self, database: Connection) -> None:
+        if self._is_new_log:
+            self._is_new_log = False
+            end_of_opening(database)
 
     def _append(self, kind: str, content: str, pictures: dict[str, Image] | None = None) -> int:
         if self._redact is not None:
@@ -196,20 +274,26 @@ class Journal(Closable):
         """All or nothing; a single statement is a transaction by itself."""
         if not self._open:
             raise UsageError(f"the journal {self.path} is closed; open it again to write")
+        database: Connection | None = None
         try:
+            database = self._opened()
             if not self._is_wide and any(statement is BLOB for statement, _ in statements):
                 self._is_wide = True
-                widen(self._database)
+                widen(database)
             if len(statements) > 1:
-                self._database.execute("BEGIN")
+                database.execute("BEGIN")
             for statement, values in statements:
-                self._database.execute(statement, values)
+                database.execute(statement, values)
             if len(statements) > 1:
-                self._database.execute("COMMIT")
+                database.execute("COMMIT")
+            self._end_opening(database)
         except SqliteError as error:
             with suppress(SqliteError):
-                self._database.rollback()
-            raise ConnectorError(f"the journal {self.path} cannot be written: {error}; {what} is lost") from error
+                if database is not None:
+                    database.rollback()
+            why = out_of_files() or error
+            raise ConnectorError(f"the journal {self.path} cannot be written: {why}; {what} is lost") from error
+        self.written = time.monotonic()
 
 
 def _filled(header: Header) -> Header:

@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from rai_missions.engine.step import Step
-from rai_missions.journal.buffer import BufferedWriter
+from rai_missions.journal.buffer import MOST_FREE, BufferedWriter
 
 PATIENCE_S = 30.0
 
@@ -60,6 +60,29 @@ def test_a_disk_that_hangs_holds_up_no_other_journal() -> None:
         each.close()
         each.close()
     assert slow.notes == ["slow"] and waiting_for_disks() <= before
+
+
+def test_disks_that_hang_hold_up_no_other_journal_however_many_they_are() -> None:
+    before, answers = waiting_for_disks(), threading.Event()
+    slow = [Disk(answers) for _ in range(3 * MOST_FREE)]
+    writers = [BufferedWriter(disk) for disk in slow]
+    threads = [threading.Thread(target=writer.note, args=("slow",)) for writer in writers]
+    for thread, disk in zip(threads, slow, strict=True):
+        thread.start()
+        assert disk.is_waiting.wait(PATIENCE_S)
+    other = BufferedWriter(quick := Disk())
+    for number in range(3):
+        other.note(str(number))
+    assert quick.notes == ["0", "1", "2"] and not any(disk.notes for disk in slow)
+    answers.set()
+    for thread in threads:
+        thread.join(PATIENCE_S)
+    for each in (*writers, other):
+        each.close()
+    assert [disk.notes for disk in slow] == [["slow"]] * len(slow)
+    for left in waiting_for_disks() - before:
+        left.join(PATIENCE_S)
+    assert waiting_for_disks() <= before
 
 
 @given(st.lists(st.integers(0, 11), max_size=40))
