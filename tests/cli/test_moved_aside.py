@@ -99,3 +99,11 @@ def test_what_is_written_takes_the_place_of_nothing_else_on_the_command_line(
     assert main(words.split()) == 2
     assert f"{named}; name two" in capsys.readouterr().err
     assert json.loads(Path("m.json").read_text()) == json.loads(Path("other.json").read_text()) == MISSION
+
+
+def test_a_run_that_cannot_be_drawn_reports_its_outcome(capsys: pytest.CaptureFixture[str]) -> None:
+    Path("path.svg").mkdir()
+    assert main(["run", "m.json", "--journal", "out.journal", "--picture", "path.svg", "--json"]) == 1
+    printed = capsys.readouterr()
+    assert json.loads(printed.out)["outcome"] == "canceled"
+    assert "the run was not drawn: " in printed.err and "path.svg" in printed.err

@@ -22,7 +22,7 @@ from rai_missions.cli.run.migration import migrated
 from rai_missions.cli.run.node import reject_single_run_options, serve_managed, serve_node
 from rai_missions.cli.run.talk import talk_of, talking
 from rai_missions.cli.signals import interruptible
-from rai_missions.errors import DefinitionError, UsageError
+from rai_missions.errors import DefinitionError, MissionError, UsageError
 from rai_missions.journal import opened
 from rai_missions.mission.mission import Mission
 from rai_missions.profile import load_profile, read_program
@@ -71,15 +71,30 @@ def run_mission(options: RunOptions) -> int:
     finally:
         lines.close()
     wait_for_output()  # so that the outcome is not left out
-    if options.picture:
-        from visualize import draw
-
-        draw(mission, options.picture, steps=journal_steps(result.journal))
+    picture = _drawn(mission, options.picture, result) if options.picture else ""
     if options.json:
         print(json.dumps(_as_json(mission, result, options.record)))
     else:
-        _report_end(lines, prepared, result, options.picture or "")
+        _report_end(lines, prepared, result, picture)
     return 0 if succeeded else 1
+
+
+def _drawn(mission: Mission, picture: str, result: Result) -> str:
+    """Draw a run that has ended, whose outcome counts also where that fails; gives the file, empty where there is none.
+
+    Args:
+        mission: That was run.
+        picture: The file.
+        result: With the journal of its steps.
+    """
+    from visualize import draw
+
+    try:
+        draw(mission, picture, steps=journal_steps(result.journal))
+    except (MissionError, OSError) as error:
+        warn(f"the run was not drawn: {error}")
+        return ""
+    return picture
 
 
 def _report_end(lines: Lines, prepared: PreparedRun, result: Result, picture: str = "") -> None:
