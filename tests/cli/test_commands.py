@@ -305,8 +305,8 @@ def test_a_folder_that_cannot_be_made_is_reported_in_a_sentence(
 def test_a_file_that_cannot_be_written_is_reported_in_a_sentence(
     folder: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    assert main(["run", "lamp.json", "--journal", "a.journal", "--picture", "lamp.json/x.svg"]) == 2
-    assert "rai-missions run: " in capsys.readouterr().err
+    assert main(["run", "lamp.json", "--journal", "a.journal", "--picture", "lamp.json/x.svg"]) == 1
+    assert "the run was not drawn: " in capsys.readouterr().err
 
 
 def test_a_journal_without_a_step_proves_nothing(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:

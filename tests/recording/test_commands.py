@@ -145,7 +145,8 @@ def test_a_run_that_breaks_off_leaves_a_recording_that_is_whole(tmp_path: Path) 
     seen: list[Step] = []
     lamp = {**LAMP, "ready_s": 0.01, "blackboard": {"battery": {"type": "number", "source": "robot"}}}
     (tmp_path / "lamp.json").write_text(json.dumps(lamp))
-    setting = RunConfig(tmp_path / "lamp.json", record=tmp_path / "run.mcap", on_step=seen.append)
+    silent = Robot.model_validate({"name": "silent", "blackboard": {"battery": {"topic": "/b", "type": "x/msg/B"}}})
+    setting = RunConfig(tmp_path / "lamp.json", silent, record=tmp_path / "run.mcap", on_step=seen.append)
     with prepare(setting) as prepared, pytest.raises(UsageError, match="the robot has not reported"):
         prepared.runner.run()
     with journal_of(tmp_path / "run.mcap") as replayed:

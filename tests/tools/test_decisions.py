@@ -160,7 +160,9 @@ def test_a_decision_that_names_no_tool_that_looks_is_refused_before_the_start(to
 
 def test_without_tools_in_the_profile_there_are_none_and_it_is_reported(caplog: pytest.LogCaptureFixture) -> None:
     model = asking(call("receive_message", topic="/robot/sign"))
-    setting = RunConfig(mission("receive_message"), robot(tools=None), model=model, connector=Counting())
+    setting = RunConfig(
+        mission("receive_message"), Robot.model_validate({"name": "tried"}), model=model, connector=Counting()
+    )
     with caplog.at_level(logging.WARNING), prepare(setting) as run:
         run.runner.run()
     assert "the tool 'receive_message' is not there: the robot's profile has no 'tools'" in caplog.text
