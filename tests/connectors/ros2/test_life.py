@@ -295,7 +295,7 @@ def test_it_lives_next_to_a_program_that_spins_rclpy_itself(peer: Any) -> None:
         executor.add_node(node)
         echo = node.create_publisher(String, "/echo", 10)
         node.create_subscription(String, "/speech", echo.publish, 10)
-        thread = threading.Thread(target=executor.spin); thread.start()
+        thread = threading.Thread(target=executor.spin, daemon=True); thread.start()
         for _ in range(3):
             connector, received, replies = open_connector({{}}), Inbox(30.0), Inbox(30.0)
             connector.start()
