@@ -92,9 +92,10 @@ class Chart:
         Raises:
             UsageError: It was started before, or is paused.
         """
-        if self.mode != "ready":
-            before = "is paused before its start; resume it first" if self.unstarted else "was started before; it is "
-            raise UsageError(f"the mission {before}{'' if self.unstarted else self.mode}")
+        if not self.unstarted:
+            raise UsageError(f"the mission was started before; it is {self.mode}")
+        if self.held_back:
+            raise UsageError("the mission is paused before its start; resume it first")
         begin_run(self.program, self.state, at)
         return close(self.program, self.state, Event("start", at, kind="command"))
 

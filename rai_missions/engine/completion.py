@@ -23,9 +23,14 @@ from rai_missions.states.compound import Each
 from rai_missions.states.final import Final, FinalOutcome, worst
 
 __all__ = (
-    "check_invariants", "complete_parallels", "end", "enter_each", "kill", "reach_final", "set_item", "settle_final",
-    "settle_nested",
+    "check_invariants", "complete_parallels", "end", "enter_each", "has_reported", "kill", "reach_final", "set_item",
+    "settle_final", "settle_nested",
 )  # fmt: skip
+
+
+def has_reported(state: RunState, node: Node) -> bool:
+    """Whether a state that was not left since has an outcome that is yet to be answered in this step."""
+    return any(trigger.source is node and not trigger.is_late for trigger in state.draft.internal)
 
 
 # -- lists ------------------------------------------------------------------------------------------------------------
@@ -46,10 +51,12 @@ def enter_each(program: Program, state: RunState, node: Node) -> None:
 def set_item(program: Program, state: RunState, node: Node, item: Any) -> bool:
     """Make an item the current one. One that does not fit its key ends the `each`: its round would use another."""
     assert isinstance(node.state, Each)
-    key, internal = program.keys.get(node.state.item), state.draft.internal
+    key = program.keys.get(node.state.item)
     why = type_error(key, item) if key is not None else "the mission has no such key"
-    if why and not any(trigger.source is node and not trigger.is_late for trigger in internal):
-        internal.append(outcome_of(node, Outcome("failed", why=f"an item cannot be '{node.state.item}': {why}")))
+    if why and not has_reported(state, node):
+        state.draft.internal.append(
+            outcome_of(node, Outcome("failed", why=f"an item cannot be '{node.state.item}': {why}"))
+        )
     if not why:
         write_key(program, state, node.state.item, item)
     return not why
@@ -110,7 +117,7 @@ def complete_parallels(state: RunState, complete: Iterable[Node]) -> None:
     for parallel in complete:
         if not all(_has_ended(state, region) for region in parallel.children):
             return
-        if any(trigger.source is parallel and not trigger.is_late for trigger in state.draft.internal):
+        if has_reported(state, parallel):
             continue
         outer = parallel.parent is not None and parallel.parent.is_parallel
         done = outcome_of(parallel, Outcome(worst([_counted(state, final) for final in _finals(state, parallel)])))

@@ -14,6 +14,7 @@ from rai_missions.engine.completion import (
     check_invariants,
     complete_parallels,
     end,
+    has_reported,
     set_item,
     settle_final,
     settle_nested,
@@ -156,11 +157,11 @@ def _answer(program: Program, state: RunState, trigger: Trigger) -> None:
 
 def _unanswered(program: Program, state: RunState, trigger: Trigger, source: Node) -> None:
     """An outcome that no transition handles: unless it is a success, it is the mission's failure."""
-    if trigger.name == "succeeded" and not trigger.is_late:
+    if trigger.is_late:
+        state.draft.notes.append(f"'{trigger.name}' of '{source.name}' came to nothing: the state had been left")
+    elif trigger.name == "succeeded":
         if source.activity:
             state.draft.notes.append(f"no row took 'succeeded' of '{source.name}'")
-    elif trigger.is_late:
-        state.draft.notes.append(f"'{trigger.name}' of '{source.name}' came to nothing: the state had been left")
     elif trigger.climbs and source in state.config.nodes:
         why = f"{source.name}: {trigger.name}" + (f" ({trigger.why})" if trigger.why else "")
         end(program, state, "failed", why)
@@ -263,7 +264,7 @@ def _next_round(program: Program, state: RunState, node: Node) -> None:
     if index < len(items):
         if set_item(program, state, node, items[index]):
             jump(program, state, program.graph.reenter(state.config, node, state.memory))
-    elif not any(trigger.source is node and not trigger.is_late for trigger in state.draft.internal):
+    elif not has_reported(state, node):
         state.draft.internal.append(outcome_of(node, Outcome("succeeded")))
         complete_parallels(state, tuple(program.graph.complete(node.parent, state.config.nodes)))
 

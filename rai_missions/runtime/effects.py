@@ -173,7 +173,7 @@ class EffectExecutor:
             self._event("behaviour", "behaviour", effect.number, {"status": "failure", "why": why})
 
     def stop_everything(self) -> None:
-        """The run breaks off: end every goal that may still run, also those that were never accepted."""
+        """End every goal that may still run, also those that were never accepted."""
         self.perform(self._goals.cut_off())
 
     def resume(self, under: InFlight, awaited: frozenset[int], wanted: frozenset[str], *, fresh: bool) -> None:

@@ -89,7 +89,7 @@ class RunStatus:
         """The run now."""
         run, status, mission = self._runner.view, self._status, self._mission
         now, board = run.now(), run.board
-        questions = tuple(sorted((each for each in run.questions if each.asked == "operator"), key=_number))
+        questions = tuple(each for each in run.questions if each.asked == "operator")
         active = status.active if status is not None else tuple(
             name for _, name, _ in mission.walk() if name in run.active
         )  # fmt: skip
@@ -131,10 +131,6 @@ def key_view(name: str, key: Key, board: Blackboard, now: float) -> KeyView:
     age_s = max(0.0, now - entry.at)
     is_fresh = now < stale_at(key, entry)
     return KeyView(name, key.type, key.source, key.about, entry.value, age_s, is_fresh=is_fresh, **words)
-
-
-def _number(question: Question) -> int:
-    return question.number
 
 
 def _confirmed(mission: Mission, question: Question) -> Iterator[tuple[int, str]]:
