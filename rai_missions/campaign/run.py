@@ -294,12 +294,13 @@ def _drop_outdated(plan: CampaignPlan, store: ResultStore) -> None:
 def _grade(store: ResultStore, scenes: set[str], tried: Mapping[str, Mapping[str, Any]]) -> None:
     """Grade the answers that were there before the labels of their scenes."""
     labels = store.labels() if scenes else {}
-    cells = [each for each in store.cells() if each.scene in scenes]
-    for each in cells:
-        is_labelled = is_tried(each.option, parameters_in(each), tried)
-        again = graded(each, labels.get(each.scene, {}) if is_labelled else {})
-        if again != each:
-            store.add([again])
+    changed = list[CellRecord]()
+    for each in store.cells():
+        if each.scene in scenes:
+            is_labelled = is_tried(each.option, parameters_in(each), tried)
+            again = graded(each, labels.get(each.scene, {}) if is_labelled else {})
+            changed += [again] if again != each else []
+    store.add(changed)
 
 
 def _whole(labels: Mapping[str, Mapping[str, str]], options: Sequence[str]) -> dict[str, Mapping[str, str]]:

@@ -255,13 +255,16 @@ class ResultStore:
 
     def add(self, records: Iterable[NamedTuple]) -> None:
         """Add records of any tables in one transaction; one whose key is there replaces what was there."""
+        with self._transaction():
+            self._write(records)
+
+    def _write(self, records: Iterable[NamedTuple]) -> None:
         by_table: dict[str, list[NamedTuple]] = {}
         for record in records:
             by_table.setdefault(TABLE_OF[type(record)], []).append(record)
-        with self._transaction():
-            for table, rows in by_table.items():
-                marks = ", ".join("?" * len(RECORDS[table]._fields))
-                self._db.executemany(f"INSERT OR REPLACE INTO {table} VALUES ({marks})", rows)
+        for table, rows in by_table.items():
+            marks = ", ".join("?" * len(RECORDS[table]._fields))
+            self._db.executemany(f"INSERT OR REPLACE INTO {table} VALUES ({marks})", rows)
 
     def begin(self, scenes: Iterable[SceneRecord], values: Mapping[str, Any], *, outdated: LostParts) -> None:
         """Note what a campaign is about. Of a scene whose data changed, labels, questions and pictures are dropped.
@@ -283,8 +286,7 @@ class ResultStore:
                 "DELETE FROM question WHERE embodiment = ?", [(each,) for each in outdated.embodiments]
             )
             self._write_meta(values)
-            marks = ", ".join("?" * len(SceneRecord._fields))
-            self._db.executemany(f"INSERT OR REPLACE INTO scene VALUES ({marks})", given)
+            self._write(given)
 
     def set_meta(self, values: Mapping[str, Any]) -> None:
         """Note values of JSON types about the campaign."""
