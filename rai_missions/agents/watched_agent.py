@@ -38,7 +38,7 @@ class WatchedAgent:
         self.name, self.agent = name, agent
         self._health = AgentHealth("ready")
         self._asked_at: float | None = None
-        self._beginning: threading.Thread | None = None
+        self._has_returned = threading.Event()
         self._worker = Worker(f"health of {name}")
 
     @property
@@ -53,7 +53,13 @@ class WatchedAgent:
         """Run it; where that fails or hangs, its health states why."""
         self._asked_at = None
         self._worker.start()
-        self._health = self._attempt("run", self.agent.run, within_s, leaving) or AgentHealth("running")
+        self._health = self._attempt("run", self._run, within_s, leaving) or AgentHealth("running")
+
+    def _run(self) -> None:
+        try:
+            self.agent.run()
+        finally:
+            self._has_returned.set()
 
     def look(self) -> None:
         """Ask how it fares; never waits."""
@@ -68,7 +74,7 @@ class WatchedAgent:
         if before.state == "ready":
             return
         failure = self._attempt("stop", self.agent.stop, self.patience_s(within_s), leaving)
-        has_begun_late = before.state == "hangs" and self._beginning is not None and not self._beginning.is_alive()
+        has_begun_late = before.state == "hangs" and self._has_returned.is_set()
         is_stopped = before.state == "running" or has_begun_late
         self._health = failure or (AgentHealth("stopped") if is_stopped else before)
         self._worker.close(0.0)
@@ -130,7 +136,6 @@ class WatchedAgent:
                 raised.append(error)
 
         thread = threading.Thread(target=attempt, name=f"{self.name}: {what}", daemon=True)
-        self._beginning = thread if what == "run" else self._beginning
         thread.start()
         began = time.monotonic()
         while thread.is_alive() and time.monotonic() < began + within_s and not leaving.is_set():
