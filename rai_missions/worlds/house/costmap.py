@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from rai_missions.worlds.house.layout import DEPTH_M, FURNITURE, WALLS, WIDTH_M
 from rai_missions.worlds.house.rosbot import RADIUS_M
 
-__all__ = ("CELL_M", "Costmap")
+__all__ = ("CELL_M", "Costmap", "points_along")
 
 CELL_M = 0.1
 SEES_M = 3.5
@@ -31,6 +31,17 @@ REMEMBERED_M = 1.0
 Grid = NDArray[np.bool_]
 Points = NDArray[np.float64]
 """(n, 2): x and y in m."""
+
+
+def points_along(place: tuple[float, float], angles: NDArray[np.float64], far: NDArray[np.float64]) -> Points:
+    """Points of beams, on the map.
+
+    Args:
+        place: Where the beams begin.
+        angles: Of the beams, in the map.
+        far: How far along each its point is, in metres.
+    """
+    return np.stack([place[0] + np.cos(angles) * far, place[1] + np.sin(angles) * far], -1)
 
 
 class Costmap:
@@ -128,7 +139,7 @@ class Costmap:
     def _cells(
         self, place: tuple[float, float], angles: NDArray[np.float64], far: NDArray[np.float64]
     ) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-        return self._cells_of(np.stack([place[0] + np.cos(angles) * far, place[1] + np.sin(angles) * far], -1))
+        return self._cells_of(points_along(place, angles, far))
 
     def _cells_of(self, points: Points) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
         columns, rows = np.floor(points / CELL_M).astype(np.int64).T

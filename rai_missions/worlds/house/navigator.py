@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rai_missions.worlds.house.collision_monitor import CollisionMonitor
-from rai_missions.worlds.house.costmap import CELL_M, Costmap
+from rai_missions.worlds.house.costmap import CELL_M, Costmap, points_along
 from rai_missions.worlds.house.layout import NamedPose
 from rai_missions.worlds.house.low_scan import LowPoints
 from rai_missions.worlds.house.planner import plan
@@ -111,7 +111,8 @@ class Navigator:
         """
         self._place = place
         self.costmap.look(place, angles + heading, ranges)
-        self._monitor.see(_ends(place, angles + heading, ranges))
+        hits = np.isfinite(ranges)
+        self._monitor.see(points_along(place, angles[hits] + heading, ranges[hits]))
         if below is not None:
             low = below.low[_unseen(below.low, angles, ranges)]
             self.costmap.look_down(_on_map(below.floor, place, heading), _on_map(low, place, heading))
@@ -208,14 +209,6 @@ def _unseen(points: NDArray[np.float64], angles: NDArray[np.float64], ranges: ND
     nearest = np.where(is_near, ranges[None, :], np.inf).min(axis=1)
     hidden: NDArray[np.bool_] = np.hypot(points[:, 0], points[:, 1]) < nearest - HIDDEN_M
     return hidden
-
-
-def _ends(place: tuple[float, float], angles: NDArray[np.float64], ranges: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Where beams end, on the map."""
-    hits = np.isfinite(ranges)
-    ahead = np.stack([np.cos(angles[hits]), np.sin(angles[hits])], -1)
-    points: NDArray[np.float64] = ahead * ranges[hits, None] + place
-    return points
 
 
 def _on_map(points: NDArray[np.float64], place: tuple[float, float], heading: float) -> NDArray[np.float64]:
