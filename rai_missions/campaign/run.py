@@ -81,6 +81,10 @@ class CampaignPlan(NamedTuple):
     """Key → cell, in the order in which they are asked."""
     labels: Mapping[str, Mapping[str, str]]
     """Scene → option → verdict of physics."""
+    code: str
+    """Digest of the code by which it is asked."""
+    embodiments: Mapping[str, str]
+    """Name → digest of the files that it shows."""
 
     def tasks(self, done: set[str], shown: set[tuple[str, str]], *, rates: bool = False) -> Iterator[SceneTask]:
         """What is left to do, a scene at a time.
@@ -107,18 +111,14 @@ class CampaignPlan(NamedTuple):
                 yield SceneTask(scene, (), {}, shows=False, rates=True)
 
 
-def plan_of(loaded: LoadedCampaign, labels: Mapping[str, Mapping[str, str]]) -> CampaignPlan:
-    """Every cell of a campaign under its key.
-
-    Args:
-        loaded: The campaign.
-        labels: What is known of its scenes.
-    """
+def plan_of(loaded: LoadedCampaign) -> CampaignPlan:
+    """Every cell of a campaign under its key; no scene has labels yet."""
     file, robot = loaded.file, loaded.subject.robot
     scenes = tuple(file.scenes.scenes())
     digests = {each.scene: digest([each.world, each.spec, each.seed]) for each in scenes}
     kinds = {each.scene: each.kind for each in scenes}
-    common = {"mission": loaded.digest, "code": code_digest()}
+    code = code_digest()
+    common = {"mission": loaded.digest, "code": code}
     models = {model: model_digest(model, file, robot) for model in file.models}
     bodies = {name: embodiment_digest(name, loaded.subject.identity) for name in file.embodiments}
     cells: dict[str, Cell] = {}
@@ -129,7 +129,7 @@ def plan_of(loaded: LoadedCampaign, labels: Mapping[str, Mapping[str, str]]) -> 
         if cell.model in file.scripts:
             inputs["kind"] = kinds[cell.scene]  # by which a script answers
         cells[cell.key(inputs)] = cell
-    return CampaignPlan(scenes, cells, labels)
+    return CampaignPlan(scenes, cells, {}, code, bodies)
 
 
 def run_campaign(
@@ -159,8 +159,9 @@ def run_campaign(
         ResultStore(settings.recorded).close()  # it is there, before a worker begins
     elif not labels_alone:
         _check_models(loaded)
-    _begin(loaded, store)
-    plan = plan_of(loaded, _whole(store.labels(), loaded.subject.options if rates else ()))
+    plan = plan_of(loaded)
+    _begin(loaded, plan, store)
+    plan = plan._replace(labels=_whole(store.labels(), loaded.subject.options if rates else ()))
     _drop_outdated(plan, store)
     done = store.done() & plan.cells.keys()
     spending = Spending(loaded.file.budget, store.cells(), store.dropped)
@@ -256,13 +257,13 @@ def _check_models(loaded: LoadedCampaign) -> None:
             check_model(model, memory_gib=MEMORY_GIB)
 
 
-def _begin(loaded: LoadedCampaign, store: ResultStore) -> None:
+def _begin(loaded: LoadedCampaign, plan: CampaignPlan, store: ResultStore) -> None:
     """Note what the store is of; one that holds another campaign is left as it is.
 
     Raises:
         UsageError: It holds another campaign's cells, or those of another version of this code.
     """
-    now = {"name": loaded.file.name, "campaign": loaded.file.name, "mission": loaded.digest, "code": code_digest()}
+    now = {"name": loaded.file.name, "campaign": loaded.file.name, "mission": loaded.digest, "code": plan.code}
     before = store.meta
     for word, what in (
         ("campaign", "campaign"),
@@ -274,15 +275,17 @@ def _begin(loaded: LoadedCampaign, store: ResultStore) -> None:
                 f"{store.path} holds the answers of another {what}; name another store, and reuse the answers with"
                 f" --replay-answers {store.path}"
             )
-    shown = {name: embodiment_digest(name, loaded.subject.identity) for name in loaded.file.embodiments}
     known = before.get("embodiments", {})
     source = before.get("file", {}).get("labels", UNLABELLED)
     outdated = LostParts(
         UNLABELLED not in (source, loaded.file.labels) and source != loaded.file.labels,
-        tuple(name for name, each in shown.items() if known.get(name, each) != each),
+        tuple(name for name, each in plan.embodiments.items() if known.get(name, each) != each),
     )
-    values = {**now, "file": loaded.file.written(), "currency": loaded.file.currency, "embodiments": {**known, **shown}}
-    store.begin(loaded.file.scenes.scenes(), values, outdated=outdated)
+    values = {
+        **now, "file": loaded.file.written(), "currency": loaded.file.currency,
+        "embodiments": {**known, **plan.embodiments},
+    }  # fmt: skip
+    store.begin(plan.scenes, values, outdated=outdated)
 
 
 def _drop_outdated(plan: CampaignPlan, store: ResultStore) -> None:

@@ -234,7 +234,7 @@ def test_a_scene_in_a_file_of_its_own_is_the_content_of_that_file(tmp_path: Path
     path = write_campaign(tmp_path, data)
     keys = []
     for _ in range(2):
-        plan = plan_of(load_campaign(path), {})
+        plan = plan_of(load_campaign(path))
         keys.append(list(plan.cells))
         assert json.loads(plan.scenes[0].spec)["options"]["scene"] == {"people": people}
         people.append({"at": [2.0, 3.0]})
@@ -256,7 +256,7 @@ def test_an_embodiment_is_asked_again_once_what_it_shows_has_changed(tmp_path: P
     (tmp_path / "robot.json").write_text(json.dumps({**ROBOT, "identity": "identity"}))
 
     def keys() -> dict[str, str]:
-        return {cell.embodiment: key for key, cell in plan_of(load_campaign(path), {}).cells.items()}
+        return {cell.embodiment: key for key, cell in plan_of(load_campaign(path)).cells.items()}
 
     ran(path, store)
     before = keys()
@@ -525,7 +525,7 @@ def test_more_workers_than_cores_on_two_ray_nodes_and_a_killed_one_give_the_tabl
 @pytest.mark.filterwarnings("ignore::FutureWarning", "ignore::ResourceWarning", "ignore::DeprecationWarning")
 def test_a_ray_worker_that_cannot_begin_ends_the_campaign_with_its_reason(two_machines: str, tmp_path: Path) -> None:
     path = write_campaign(tmp_path, campaign_data(1))
-    settings, tasks = WorkSettings(str(path)), list(plan_of(load_campaign(path), {}).tasks(set(), set()))
+    settings, tasks = WorkSettings(str(path)), list(plan_of(load_campaign(path)).tasks(set(), set()))
     path.unlink()
     pool = RayPool(settings, two_machines)
     try:
@@ -549,7 +549,5 @@ def test_ten_kills_of_the_whole_lose_no_cell(tmp_path: Path) -> None:
 
 def test_a_plan_names_each_cell_once(tmp_path: Path) -> None:
     loaded = load_campaign(write_campaign(tmp_path, campaign_data(4)))
-    plan = plan_of(loaded, {})
+    plan = plan_of(loaded)
     assert len(plan.cells) == len(set(plan.cells.values())) == 24
-    with_labels = plan_of(loaded, {"s0": {"left": "harms"}})
-    assert plan.cells.keys() == with_labels.cells.keys()  # no oracle is asked

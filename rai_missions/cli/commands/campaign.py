@@ -94,7 +94,7 @@ def _check(options: CampaignOptions) -> int:
     from rai_missions.errors import counted
 
     loaded = _loaded(options)
-    plan, file = plan_of(loaded, {}), loaded.file
+    plan, file = plan_of(loaded), loaded.file
     print(
         f"{file.name}: {counted(len(plan.cells), 'cell')}: {counted(len(plan.scenes), 'scene')}"
         f" × {counted(len(file.models), 'model')} × {counted(len(file.embodiments), 'embodiment')}"
