@@ -79,7 +79,7 @@ class Dialogue:
         """
         self._begin(utterance.at)
         self._follow(view)
-        if self._talk.is_new(utterance):
+        if self._talk.is_new(utterance) or self._orders.is_stop(utterance):
             number = self._talk.add_person(utterance)
             handling = self._orders.on_utterance(utterance, number)
             if handling == "unknown":

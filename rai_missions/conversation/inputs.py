@@ -11,7 +11,7 @@ from typing import Any, Literal, NamedTuple
 
 from rai_missions.event import Role
 
-__all__ = ("ModelText", "OrderEnd", "SpeechEnd", "SpeechResult", "Utterance")
+__all__ = ("ModelText", "OrderEnd", "SpeechEnd", "SpeechResult", "Utterance", "by_words")
 
 SpeechResult = Literal["whole", "cut", "failed"]
 """How a speech ended: every word came out; it was interrupted; the speaker did not speak it."""
@@ -36,7 +36,7 @@ class Utterance(NamedTuple):
     The dialogue works out which of them agree on an order: one suffices to stop, two are needed for other orders.
     """
     id: str = ""
-    """The message's id, if it has one; a second message of one id from one channel changes nothing."""
+    """The message's id, if it has one; a sentence that comes again with its author and id changes nothing."""
 
     @property
     def is_spoken(self) -> bool:
@@ -45,6 +45,11 @@ class Utterance(NamedTuple):
     @property
     def speaker(self) -> tuple[str, str]:
         return self.channel, self.author
+
+    @property
+    def by(self) -> str:
+        """Who spoke, as the journal has it."""
+        return by_words(self.role, self.author, self.channel)
 
 
 class ModelText(NamedTuple):
@@ -80,3 +85,8 @@ class OrderEnd(NamedTuple):
     refused: str = ""
     """Why it was not carried out, in a sentence; empty where it was."""
     at: float = 0.0
+
+
+def by_words(role: Role, author: str, channel: str) -> str:
+    """Who gave an order, as the journal has it: `operator Anna (page)`."""
+    return " ".join(filter(None, (role, author, f"({channel})")))

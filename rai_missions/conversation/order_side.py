@@ -45,6 +45,8 @@ REMEMBERED = 10
 STARTING_S = 30.0
 """Seconds that an ordered start may take until the run is seen; then the next request is possible."""
 LONGEST_REASON = 200
+STOPPING = frozenset({"stop", "pause", "cancel"})
+"""Orders after which the mission does not continue by itself."""
 
 
 class OrderSide:
@@ -69,10 +71,18 @@ class OrderSide:
 
     # -- sentences -----------------------------------------------------------------------------------------------------
 
+    def is_stop(self, utterance: Utterance) -> bool:
+        """Whether one of its readings orders to stop."""
+        return any(STOP in senses for senses in self._senses(utterance))
+
+    def _senses(self, utterance: Utterance) -> list[tuple[Sense, ...]]:
+        """What each of its readings may mean."""
+        readings = utterance.readings or (utterance.text,)
+        return [self._grammar.senses(cut(text, 10_000), self._talk.view) for text in readings]
+
     def on_utterance(self, utterance: Utterance, number: int) -> Handling:
         """A person's sentence."""
-        readings = utterance.readings or (utterance.text,)
-        each = [self._grammar.senses(cut(text, 10_000), self._talk.view) for text in readings]
+        each = self._senses(utterance)
         if any(STOP in senses for senses in each):
             return self._stop(utterance, number)
         self._speaking.speak_due(now=True)
@@ -160,7 +170,9 @@ class OrderSide:
         language, settings = self._talk.language, self._talk.settings
         names = tuple(language.word("order_names", each) for each in ORDERS if may(utterance.role, each, settings))
         ordered = tuple(self._ordered.get(utterance.speaker, ()))
-        return Asker(ordered, self._requests.words, names)
+        stopping = next((each for each in self._under_way.values() if each.sense.name in STOPPING), None)
+        by = stopping.utterance.by if stopping is not None else ""
+        return Asker(ordered, self._requests.words, names, by)
 
     # -- orders --------------------------------------------------------------------------------------------------------
 

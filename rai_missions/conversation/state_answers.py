@@ -32,6 +32,8 @@ class Asker(NamedTuple):
     """The requests that wait, in words."""
     may: tuple[str, ...] = ()
     """The orders that its role may give, in words."""
+    stopping_by: str = ""
+    """Who gave an order to stop, pause or cancel that the run has not taken yet; empty where there is none."""
 
 
 def is_alive(view: StatusView) -> bool:
@@ -156,6 +158,8 @@ class StateAnswers:
             return self._mode_by(view, "paused")
         if view.mode == "canceling" and view.mode_by:
             return self.language.text("canceling_by", by=view.mode_by)
+        if is_alive(view) and asker.stopping_by:
+            return self.language.text("stopping_by", by=asker.stopping_by)
         if not is_alive(view) or view.held_by or view.questions or view.waits:
             return self.status(view) if not view.waits or view.held_by else self._waits(view, asker)
         return self._in_state(view, "not_stopped")

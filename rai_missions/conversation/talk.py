@@ -37,7 +37,7 @@ class Talk:
         self.turns: deque[TalkTurn] = deque(maxlen=settings.history)
         self._out: list[Output] = []
         self._number = 0
-        self._ids: deque[tuple[str, str]] = deque(maxlen=MOST_IDS)
+        self._ids: deque[tuple[str, ...]] = deque(maxlen=MOST_IDS)
 
     def pass_time(self, at: float) -> None:
         """The present is never earlier than it was."""
@@ -49,8 +49,8 @@ class Talk:
         return before
 
     def is_new(self, utterance: Utterance) -> bool:
-        """Whether its message was not received before."""
-        identity = (utterance.channel, utterance.id)
+        """Whether its message was not received before; an id is unique for its author at most, and may be a talk's."""
+        identity = (utterance.channel, utterance.author, utterance.id, utterance.text)
         if utterance.id and identity in self._ids:
             return False
         self._ids.append(identity)

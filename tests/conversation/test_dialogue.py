@@ -7,12 +7,16 @@ import json
 from typing import Any
 
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from rai_missions.conversation import (
     AskModel,
     Dialogue,
     MissionView,
     ModelText,
+    Order,
+    OrderEnd,
     Settings,
     Speech,
     SpeechEnd,
@@ -41,6 +45,39 @@ def test_a_start_that_is_ordered_instead_of_a_request_is_waited_for_too() -> Non
     assert dialogue.asks_to_begin
     assert say("start the orchard", 4.0, failed), "it is read back in place of the request"
     assert not say("no", 5.0, failed)
+
+
+TEXTS = ("stop", "who are you?", "pause")
+messages = st.tuples(st.sampled_from(("Anna", "Bob", "")), st.sampled_from(("1", "2")), st.sampled_from(TEXTS))
+
+
+@given(st.lists(messages, max_size=12))
+@settings(max_examples=40, deadline=None, derandomize=True)
+def test_a_message_counts_whichever_other_has_its_id_and_a_stop_however_often_it_comes(sent: list[Any]) -> None:
+    dialogue, received = Dialogue(view=RUNNING), set[Any]()
+    for at, (author, number, text) in enumerate(sent):
+        outputs = dialogue.on_utterance(Utterance(text, "person", "topic", author, at, (), number), RUNNING)
+        is_stopped = any(isinstance(each, Order) and each.name == "stop" for each in outputs)
+        is_answered = any(isinstance(each, Speech) and not each.report for each in outputs)
+        assert is_stopped == (text == "stop")
+        assert is_answered == (text == "stop" or (author, number, text) not in received)
+        received.add((author, number, text))
+
+
+@pytest.mark.parametrize("order", ["stop", "pause"])
+def test_why_it_stopped_is_known_before_the_run_has_taken_the_order(order: str) -> None:
+    dialogue = Dialogue(view=RUNNING)
+
+    def why(at: float) -> str:
+        outputs = dialogue.on_utterance(Utterance("why did you stop?", "viewer", "page", "Eve", at), RUNNING)
+        return next(each.text for each in outputs if isinstance(each, Speech) and not each.report)
+
+    assert "Anna" not in why(0.0)
+    outputs = dialogue.on_utterance(Utterance(order, "operator", "terminal", "Anna", 1.0), RUNNING)
+    number = next(each.number for each in outputs if isinstance(each, Order))
+    assert "operator Anna (terminal)" in why(1.0)
+    dialogue.on_order_end(OrderEnd(number, "the mission has ended", 2.0))
+    assert "Anna" not in why(2.0)
 
 
 def test_a_profile_adds_to_what_a_role_may() -> None:

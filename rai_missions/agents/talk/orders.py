@@ -14,11 +14,12 @@ from collections.abc import Callable, Mapping
 from typing import Any, NamedTuple
 
 from rai_missions.conversation import Order
+from rai_missions.conversation.inputs import by_words
 from rai_missions.engine.step import Step
 from rai_missions.event import Event
 from rai_missions.runtime.runner import Runner
 
-__all__ = ("GOOD_FOR_S", "LASTING", "OnOrderEnd", "RunOrders", "by_words")
+__all__ = ("GOOD_FOR_S", "LASTING", "OnOrderEnd", "RunOrders")
 
 OnOrderEnd = Callable[[str], None]
 """Receives once, from any thread, why an order was not carried out; empty where it was."""
@@ -89,7 +90,11 @@ class RunOrders:
 
     def _event(self, order: Order, request: str) -> Event:
         at = self._runner.view.now()
-        data: dict[str, Any] = {"by": by_words(order), "role": order.role, "request": request}
+        data: dict[str, Any] = {
+            "by": by_words(order.role, order.author, order.channel),
+            "role": order.role,
+            "request": request,
+        }
         if order.name == "answer":
             data |= {"option": order.option, "parameters": dict(order.parameters)}
             return Event("operator", at, data, "proposal", order.question)
@@ -109,11 +114,6 @@ class RunOrders:
             self._waiting.pop(str(request), None)
         waiting.on_end(f"the run did not get to it within {GOOD_FOR_S:g} s, and it was dropped")
         return True
-
-
-def by_words(order: Order) -> str:
-    """Who gave an order, as the journal has it: `operator Anna (page)`."""
-    return " ".join(filter(None, (order.role, order.author, f"({order.channel})")))
 
 
 def _refusal(order: Order, step: Step) -> str:
