@@ -18,7 +18,7 @@ __all__ = (
 )  # fmt: skip
 
 FAILURES = ("failed", "timed_out", "rejected", "unclear", "refused")
-"""The outcomes that an activity may have which end the mission where nothing handles them."""
+"""The outcomes that a state may have which end the mission where nothing handles them."""
 Found = Iterator[tuple[str, str]]
 
 
@@ -61,10 +61,10 @@ def unhandled_success(survey: MissionIndex) -> Found:
 
 
 def unhandled_failures(survey: MissionIndex) -> Found:
-    """`failed`, `timed_out`, `rejected`, `unclear` or `refused` of an activity is handled, by its state or around it.
+    """`failed`, `timed_out`, `rejected`, `unclear` or `refused` of a state is handled, by its state or around it.
 
-    A handover of control that is not acknowledged is `rejected` as well, but is left out: another holder has the robot
-    then, and that the mission ends is what is expected.
+    The outcome of a nested final is left out, since its author wrote it. So is a handover of control that is not
+    acknowledged, which is `rejected` as well: another holder has the robot then, and the mission's end is expected.
     """
     named: dict[str, set[str]] = {}
     for source, word in handled(survey):
@@ -76,7 +76,7 @@ def unhandled_failures(survey: MissionIndex) -> Found:
         around = caught[spot.parent.index] if spot.parent is not None else everywhere
         own_words = [word for source, word in _words_of(spot) if word in FAILURES and source in ("", spot.name)]
         caught.append(around.union(own_words) if own_words else around)
-        if not spot.state.activity():
+        if isinstance(spot.state, Final | History):
             continue
         own, handled_here = spot.state.outcomes(), caught[spot.index] | named.get(spot.name, set())
         if words := [word for word in FAILURES if word in own and word not in handled_here]:

@@ -12,7 +12,7 @@ from rai_missions.check.outcomes import FAILURES, handled, together
 from rai_missions.check.reachability import Reach, _waiting
 from rai_missions.check.reported_outcomes import reported
 from rai_missions.guards.implication import ALWAYS, form, implies, never
-from rai_missions.states import Final, Parallel
+from rai_missions.states import Final, History, Parallel
 from rai_missions.states.state import ANY_EVENT
 
 __all__ = ("DEFINITIONS",)
@@ -143,7 +143,7 @@ def _uncaught(survey: MissionIndex, spot: StateRef) -> Iterator[str]:
         caught = any(word in each.definition.on and (each.definition.of or here.name) == here.name
                      for here in spot.upward() for each in here.transitions)  # fmt: skip
         known = {(spot.name, word), ("", word)} & handled(survey)
-        if spot.state.activity() and word in spot.state.outcomes() and not caught and not known:
+        if not isinstance(spot.state, Final | History) and word in spot.state.outcomes() and not caught and not known:
             yield word
 
 
