@@ -126,6 +126,7 @@ def measure(count: int, *, journaled: bool) -> None:
         begun_kb = (resident_kb() - memory) / count
         while OPEN.count > OPEN.kept:  # those that wait for long enough rest
             time.sleep(0.1)
+        time.sleep(0.1)  # what they have freed is given back
         gc.collect()
         each_kb = (resident_kb() - memory) / count
         spent = time.process_time()

@@ -32,6 +32,8 @@ SHARE = 4
 is its log, and half are for all else."""
 FEWEST = 4
 """So many journals are open where there are files, however many locks there are."""
+TRIM_S = 5.0
+"""At most so often the C library gives back what closed journals have freed. That takes 16 ms of CPU after 1,000."""
 PATIENCE_S = 1.0
 """How long a journal that is opened waits for the files of others to be closed."""
 
@@ -62,6 +64,7 @@ class OpenFiles:
         self._lock = threading.Lock()
         self._open: WeakSet[OpenJournal] = WeakSet()
         self._closer: Worker | None = None
+        self._has_freed, self._trimmed_at = False, -math.inf
 
     @property
     def count(self) -> int:
@@ -116,16 +119,28 @@ class OpenFiles:
         now, wait_s = time.monotonic(), PACE_S
         while spare and (wait_s := spare[0].written + self.rest_s - now) <= 0:
             spare.pop(0).rest()
+            self._has_freed = True
         del spare
         with self._lock:
             closer, is_done = self._closer, len(self._open) <= self.kept
             if is_done:
                 self._closer = None
+        if self._has_freed and (is_done or now - self._trimmed_at >= TRIM_S):
+            self._has_freed, self._trimmed_at = False, now
+            trim()
         if closer is not None:
             if is_done:
                 closer.close()
             else:
                 closer.after(max(wait_s, PACE_S), self._close_idle)
+
+
+def trim() -> None:
+    """Give the memory that was freed back to the system, where the C library is one that keeps it: glibc."""
+    import ctypes  # needed for many journals alone
+
+    with suppress(AttributeError):
+        ctypes.CDLL(None).malloc_trim(0)
 
 
 OPEN = OpenFiles()

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import os
+import platform
 import shutil
 import subprocess
 import sys
@@ -182,6 +183,34 @@ def test_those_that_were_written_last_stay_open(tmp_path: Path, monkeypatch: pyt
         each.close()
     assert journals.count == 0
     assert [len(rows_of(tmp_path / str(number))) for number in range(6)] == [1, 0, 0, 0, 0, 0]
+
+
+@pytest.mark.skipif(platform.libc_ver()[0] != "glibc", reason="other C libraries have no malloc_trim")
+def test_what_journals_at_rest_have_freed_is_given_back(tmp_path: Path) -> None:
+    program = """
+        import os, sys, threading
+        from pathlib import Path
+        from rai_missions.journal import Header, Journal, open_files, writer
+
+        def resident_kb():
+            return int(Path("/proc/self/statm").read_text().split()[1]) * os.sysconf("SC_PAGE_SIZE") // 1024
+
+        open_files.PACE_S = 1e-3
+        journals = writer.OPEN = open_files.OpenFiles(kept=100, rest_s=0.0)
+        made = [Journal.create(f"{sys.argv[1]}/{number}", Header("{}")) for number in range(100)]
+        before, moment = resident_kb(), threading.Event()
+        journals.kept = 0
+        made.append(Journal.create(f"{sys.argv[1]}/last", Header("{}")))
+        for _ in range(30_000):
+            if not journals.count and before - resident_kb() > 100 * 30:
+                break
+            moment.wait(1e-3)
+        else:
+            print(f"{journals.count} are open; {before} kB before, {resident_kb()} now")
+    """
+    arguments = [sys.executable, "-c", textwrap.dedent(program), str(tmp_path)]
+    ran = subprocess.run(arguments, capture_output=True, text=True, cwd=ROOT, check=False)
+    assert (ran.stdout, ran.returncode) == ("", 0), ran.stderr
 
 
 def test_few_journals_stay_open_and_one_that_is_forgotten_is_not_counted(tmp_path: Path) -> None:
