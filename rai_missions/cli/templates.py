@@ -27,10 +27,14 @@ class Template(NamedTuple):
     """A folder that can be copied."""
 
     name: str
-    about: str
     folder: Path
     is_example: bool
     """A shipped mission, copied as it is; its robot may need an extra."""
+    about: str
+    mission: str
+    """The file of it that is run first."""
+    robot: str
+    """The file of the robot that it is run on first."""
 
 
 @cache
@@ -42,8 +46,8 @@ def templates() -> Mapping[str, Template]:
     """
     home = _shipped("templates", PACKAGE / "missions", PACKAGE.parent / "missions", with_file="templates.json")
     index = json.loads((home / "templates.json").read_text(encoding="utf-8"))
-    made = [Template(name, about, home / "templates" / name, False) for name, about in index["templates"].items()]
-    made += [Template(name, about, home / name, True) for name, about in index["examples"].items()]
+    made = [Template(name, home / "templates" / name, False, **words) for name, words in index["templates"].items()]
+    made += [Template(name, home / name, True, **words) for name, words in index["examples"].items()]
     return {template.name: template for template in made}
 
 

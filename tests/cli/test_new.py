@@ -6,6 +6,7 @@ from __future__ import annotations
 import json
 import re
 import runpy
+import shlex
 import subprocess
 import sys
 from pathlib import Path
@@ -126,6 +127,31 @@ def test_what_cannot_be_made_is_refused_with_the_remedy(
     assert message in capsys.readouterr().err
     assert [str(path.relative_to(folder)) for path in folder.rglob("*")] == ["full", "full/file"]
     assert (folder / "full/file").read_text() == "kept"
+
+
+@pytest.mark.parametrize("template", templates())
+def test_the_files_that_it_names_for_a_first_run_fit_each_other(
+    folder: Path, template: str, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    assert main(["new", "my_robots_first", "--template", template]) == 0
+    cd, run = capsys.readouterr().out.splitlines()[-2:]
+    monkeypatch.chdir(shlex.split(cd)[1])
+    _, _, mission, *robot = shlex.split(run)
+    assert main(["check", mission, *robot]) == 0
+
+
+def test_a_folder_with_a_space_is_quoted_in_the_command_that_comes_next(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["new", "my robots/mine"]) == 0
+    assert "cd 'my robots/mine'" in capsys.readouterr().out
+
+
+def test_the_help_names_each_template(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit):
+        main(["new", "--help"])
+    words = set(re.findall(r"\w+", capsys.readouterr().out))
+    assert not set(templates()) - words
 
 
 def test_an_empty_folder_is_filled(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:

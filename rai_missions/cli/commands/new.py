@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import shlex
 from pathlib import Path
 from typing import Annotated
 
@@ -25,8 +26,8 @@ def new(
 
     Args:
         directory: The folder to make. It must not exist yet, or be empty.
-        template: delivery, patrol, pick_and_place, python (the mission in Python), or a shipped example: rosbot,
-            tractor.
+        template: delivery, patrol, pick_and_place, python (the mission in Python), or a shipped example: desk,
+            rosbot, tractor.
         list: Print what there is to begin from.
 
     Exit status:
@@ -45,9 +46,7 @@ def new(
         return 0
     if directory is None:
         raise UsageError("name the folder to make: rai-missions new my_mission")
-    files = [*copy_template(template, directory)]
-    print(*files, sep="\n")
-    mission = next(path.name for path in files if path.stem == "mission")
-    robot = next((path.name for name in ("robot.py", "robot.sim.json") for path in files if path.name == name), "")
-    print(f"\nnext:\n  cd {directory}\n  rai-missions run {mission} --robot {robot}")
+    print(*copy_template(template, directory), sep="\n")
+    chosen = templates()[template]
+    print(f"\nnext:\n  cd {shlex.quote(str(directory))}\n  rai-missions run {chosen.mission} --robot {chosen.robot}")
     return 0
