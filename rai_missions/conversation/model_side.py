@@ -125,7 +125,7 @@ class ModelSide:
             self._talk.note("refused", number=number, order=shown, by="form")
         else:
             self._orders.take(sense, utterance, number, mapper="model")
-        return turn._replace(has_order=True)
+        return turn._replace(has_order=sense is not None)
 
     def _end(self, turn: ModelTurn, reply: ModelText) -> None:
         if reply.failed:
