@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 from pydantic import ValidationError
 
 from rai_missions.errors import Fault, pointer, unescaped
-from rai_missions.mission.mission import BUILT_IN_EVENTS, Mission
+from rai_missions.mission.mission import BUILT_IN_EVENTS, Mission, declared_events
 from rai_missions.validation_errors import KEY, faults_of, place_of
 
 __all__ = ("LegiblePart", "legible_part", "words_in")
@@ -82,7 +82,8 @@ def legible_part(data: Mapping[str, Any]) -> LegiblePart | None:
     Args:
         data: The JSON document.
     """
-    document, original = copy.deepcopy(dict(data)), copy.deepcopy(dict(data))
+    written = {word: declared_events(item) if word == "events" else item for word, item in data.items()}
+    document, original = copy.deepcopy(written), copy.deepcopy(written)
     repair = _Repair(document, original)
     faults: list[Fault] = []
     for _ in range(ROUNDS):

@@ -59,7 +59,8 @@ class EventSpec(MissionModel):
     def __init__(self, about: str = "", *, fields: Mapping[str, EventField] = {}) -> None: ...
 
 
-def _events(given: Any) -> Any:
+def declared_events(given: Any) -> Any:
+    """Events as an object, which may be written as a list of names."""
     listed = isinstance(given, list | tuple) and all(isinstance(name, str) for name in given)
     return {name: {} for name in given} if listed else given
 
@@ -92,7 +93,7 @@ class Mission(MissionModel):
     """The packages whose guards, activities and answerers it uses, each with its version: `orchard_kinds>=1`."""
     blackboard: Annotated[dict[KeyName, Key], BeforeValidator(_keys)] = Field(default_factory=dict)
     """What it knows: its keys, by their names."""
-    events: Annotated[dict[EventName, EventSpec], BeforeValidator(_events)] = Field(default_factory=dict)
+    events: Annotated[dict[EventName, EventSpec], BeforeValidator(declared_events)] = Field(default_factory=dict)
     """What may happen outside, by name."""
     initial: StateNames
     """The state with which it begins, or one a region."""

@@ -99,6 +99,21 @@ def test_a_misspelled_name_elsewhere_is_found_all_the_same(steps: Steps) -> None
     assert len(found) == part.has_states
 
 
+@pytest.mark.parametrize("events", [list, dict])
+@pytest.mark.parametrize("steps", [("events", "anomaly"), ("blackboard", "obstacle"), ("states", "assessing")])
+def test_a_name_that_is_none_is_reported_with_the_rest(steps: Steps, events: type, tmp_path: Path) -> None:
+    document = copy.deepcopy(SHIPPED["tractor"])
+    section, name = steps
+    document[section]["Bad-Name"] = document[section].pop(name)
+    document["events"] = list(document["events"]) if events is list else document["events"]
+    document["transitions"] = [*document["transitions"], {"when": {"in": "crossing"}, "to": "dnoe"}]
+    path = tmp_path / "m.json"
+    path.write_text(json.dumps(document))
+    found = {each.finding.place: each.finding.sentence for each in check_file(str(path)).findings}
+    assert "'Bad-Name' is not a name" in found[f"/{section}/Bad-Name"]
+    assert "no state 'dnoe'; did you mean 'done'?" in found.values()
+
+
 def test_a_finding_is_reported_in_the_file_that_is_to_be_mended(tmp_path: Path) -> None:
     inner = {
         "format": 1, "name": "dock",
