@@ -22,6 +22,7 @@ from rai_missions.agents.watched_agent import WatchedAgent
 from rai_missions.connectors.connector import Connector
 from rai_missions.connectors.worker import Worker
 from rai_missions.redaction import logger
+from rai_missions.runtime.interrupts import end_signals
 
 __all__ = ("AgentRunner", "exit_with")
 
@@ -31,7 +32,6 @@ LOOKS_S = 0.2
 """How often the agents are looked at."""
 REPORTS_S = 1.0
 """How often their health is published where nothing changes."""
-SIGNALS = (signal.SIGINT, signal.SIGTERM)
 
 
 class AgentRunner:
@@ -166,7 +166,7 @@ class AgentRunner:
 
 @contextmanager
 def _leaving_by_signal(runner: AgentRunner) -> Iterator[None]:
-    """Leave on SIGINT and SIGTERM, where this is the thread that receives them."""
+    """Leave on a signal that asks the program to end, where this is the thread that receives them."""
     if threading.current_thread() is not threading.main_thread():
         yield
         return
@@ -174,7 +174,7 @@ def _leaving_by_signal(runner: AgentRunner) -> Iterator[None]:
     def receive(_number: int, _frame: FrameType | None) -> None:
         runner.leave()
 
-    before: dict[Any, Any] = {each: signal.signal(each, receive) for each in SIGNALS}
+    before: dict[Any, Any] = {each: signal.signal(each, receive) for each in end_signals()}
     try:
         yield
     finally:

@@ -1,17 +1,20 @@
 # SPDX-License-Identifier: Apache-2.0
 """The command line.
 
-Rule: exit 0 the mission succeeded (or the check, proof or replay holds), 1 it ended otherwise, 2 the input is at fault.
+Rule: exit 0 the mission succeeded (or the check, proof or replay holds), 1 it ended otherwise, 2 the input is at fault;
+128 and the number of a signal: it ended the command where nothing was under way that it could end in order.
 """
 
 from __future__ import annotations
 
+import signal
 import sys
 from collections.abc import Sequence
 from contextlib import suppress
 
 from rai_missions.cli.command import Command
 from rai_missions.cli.commands import load_command, names, root_parser
+from rai_missions.cli.signals import raised_signals
 from rai_missions.cli.streams import standard_streams
 
 __all__ = ("main", "run")
@@ -22,12 +25,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
     words = list(sys.argv[1:] if arguments is None else arguments)
     with standard_streams():
         try:
-            if words and words[0] in names():
-                return _run(load_command(words[0]), words[1:])
-            return _without_command(words)
-        except KeyboardInterrupt:  # also while a command is still being imported
-            print("interrupted", file=sys.stderr)
-            return 130
+            with raised_signals():
+                if words and words[0] in names():
+                    return _run(load_command(words[0]), words[1:])
+                return _without_command(words)
+        except KeyboardInterrupt as interrupt:  # also while a command is still being imported
+            with suppress(OSError):  # the terminal may be gone
+                print("interrupted", file=sys.stderr, flush=True)
+            return 128 + (interrupt.args[0] if interrupt.args else signal.SIGINT)
 
 
 def run() -> int:

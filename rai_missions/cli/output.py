@@ -3,6 +3,7 @@
 
 Rule: a text from a mission, a journal, a robot or an exception is printed as text and has no other effect.
 Rule: what is printed comes in its order, or is left out and counted.
+Rule: a run ends as it ended, also where no one takes what it prints.
 """
 
 from __future__ import annotations
@@ -14,6 +15,7 @@ from contextlib import contextmanager, redirect_stderr, redirect_stdout
 from functools import partial
 from typing import Any, TextIO, cast
 
+from rai_missions.cli.streams import discard
 from rai_missions.connectors.worker import Worker
 from rai_missions.redaction import Redaction
 
@@ -100,7 +102,7 @@ class BufferedStream:
         self._worker.start()
         self._lost = 0
         self.fault: BaseException | None = None
-        """What printing has raised; nothing more is printed then. Who began to print raises it at the end."""
+        """What printing has raised; nothing more is printed then."""
 
     @property
     def waiting(self) -> int:
@@ -112,7 +114,7 @@ class BufferedStream:
         if self.fault is not None:
             return len(text)
         if not self._worker.is_alive:
-            return self._out.write(text)
+            return self._write(text)
         if self._worker.post(partial(self._print, f"{self._left_out}{text}")):
             self._lost = 0
         else:
@@ -122,13 +124,13 @@ class BufferedStream:
     def flush(self) -> None:
         """It goes out as soon as it is taken."""
         if not self._worker.is_alive:
-            self._out.flush()
+            self._write("")
 
     def settle(self) -> None:
         """Wait until all of it is out; what is printed later is waited for."""
         self._worker.close()
         if self.fault is None:
-            self._out.write(self._left_out)
+            self._write(self._left_out)
             self._lost = 0
 
     def __getattr__(self, name: str) -> Any:
@@ -140,6 +142,15 @@ class BufferedStream:
         self._out.write(text)
         if not self._worker.waiting:
             self._out.flush()
+
+    def _write(self, text: str) -> int:
+        """Print it at once."""
+        try:
+            self._out.write(text)
+            self._out.flush()
+        except OSError as error:
+            self._fail(error)
+        return len(text)
 
     def _fail(self, error: BaseException) -> None:
         self.fault = self.fault or error
@@ -160,13 +171,19 @@ def wait_for_output() -> None:
 
 @contextmanager
 def nonblocking_output() -> Iterator[None]:
-    """Print without waiting: a terminal that takes nothing delays only the end, no run and no e-stop."""
+    """Print without waiting: a terminal that takes nothing delays only the end, no run and no e-stop.
+
+    What could not be printed is reported on stderr, unless its reader has gone, who asks for no more.
+    """
     out, error = BufferedStream(sys.stdout), BufferedStream(sys.stderr)
     with redirect_stdout(cast(TextIO, out)), redirect_stderr(cast(TextIO, error)):
         try:
             yield
         finally:
             out.settle()
+            if out.fault is not None and not isinstance(out.fault, BrokenPipeError):
+                error.write(f"rai-missions: the rest is not printed: {out.fault}\n")
             error.settle()
-    if out.fault is not None:
-        raise out.fault
+    for stream, fault in ((sys.stdout, out.fault), (sys.stderr, error.fault)):
+        if fault is not None:
+            discard(stream)

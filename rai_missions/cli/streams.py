@@ -12,8 +12,9 @@ import sys
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager, suppress
 from io import TextIOWrapper
+from typing import TextIO
 
-__all__ = ("standard_streams",)
+__all__ = ("discard", "standard_streams")
 
 RAISING = ("strict", "surrogateescape")
 """How streams treat a character that they cannot encode, where that raises for some."""
@@ -46,6 +47,12 @@ def _leave(stream: TextIOWrapper, errors: str) -> None:
         try:
             stream.reconfigure(errors=errors)  # flushes
         except OSError:
-            nowhere = os.open(os.devnull, os.O_WRONLY)
-            os.dup2(nowhere, stream.fileno())
-            os.close(nowhere)
+            discard(stream)
+
+
+def discard(stream: TextIO) -> None:
+    """Have what a stream still holds go nowhere, with all that is written later."""
+    with suppress(OSError, ValueError):  # it is no file
+        nowhere = os.open(os.devnull, os.O_WRONLY)
+        os.dup2(nowhere, stream.fileno())
+        os.close(nowhere)

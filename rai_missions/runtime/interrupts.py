@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What Ctrl-C does to a run in a program without a handler of its own: the run ends in order, then the program.
+"""What Ctrl-C, SIGTERM and SIGHUP do to a run: it ends in order, then the program does.
 
 Rule: an exception in the midst of a step would leave the journal without what was done; so the interrupt is a command.
+Rule: a terminal that is closed may send SIGHUP twice, by its shell and by the kernel; so that one only ever cancels.
 """
 
 from __future__ import annotations
@@ -9,14 +10,20 @@ from __future__ import annotations
 import signal
 import sys
 import threading
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from typing import Any, Protocol
 
-__all__ = ("BY", "interruptible")
+__all__ = ("BY", "end_signals", "interrupt_handler", "interruptible")
 
 BY = "operator (interrupt)"
 """Who cancels and stops a run by Ctrl-C, as its journal has it."""
+DEFAULTS: dict[signal.Signals, Any] = {
+    signal.SIGINT: signal.default_int_handler,
+    signal.SIGTERM: signal.SIG_DFL,
+    signal.SIGHUP: signal.SIG_DFL,
+}
+"""What asks a program to end (Ctrl-C, another program, a terminal that is gone), with what it does by default."""
 
 
 class InterruptedRun(Protocol):
@@ -27,36 +34,69 @@ class InterruptedRun(Protocol):
     def kill(self, by: str = ...) -> None: ...
 
 
-@contextmanager
-def interruptible(run: InterruptedRun) -> Iterator[None]:
-    """Let the first Ctrl-C cancel a run, the second stop it at once, and the third raise where it is.
+def end_signals() -> tuple[signal.Signals, ...]:
+    """The signals that ask this program to end; under `nohup`, SIGHUP is none of them."""
+    return tuple(each for each in DEFAULTS if each is not signal.SIGHUP or signal.getsignal(each) is not signal.SIG_IGN)
 
-    Where the program or another thread has a handler of its own, that one stays.
 
-    Raises:
-        KeyboardInterrupt: The run has ended, and it was interrupted.
+def interrupt_handler(
+    cancel: Callable[[str], object], kill: Callable[[str], object], doing: str = "canceling"
+) -> Callable[[int, Any], None]:
+    """A handler of signals: the first cancels, the second is an e-stop, a third raises `KeyboardInterrupt`.
+
+    Args:
+        cancel: Called with who interrupts.
+        kill: Called with who interrupts.
+        doing: What `cancel` does, in a word for people.
     """
-    is_main = threading.current_thread() is threading.main_thread()
-    if not is_main or signal.getsignal(signal.SIGINT) is not signal.default_int_handler:
-        yield
-        return
     pressed: list[int] = []
 
     def interrupt(number: int, frame: Any) -> None:
+        by = BY if number == signal.SIGINT else signal.Signals(number).name
+        if number == signal.SIGHUP:
+            cancel(by)
+            return
         pressed.append(number)
         if len(pressed) > 2:
             raise KeyboardInterrupt
         if len(pressed) == 2:
-            run.kill(BY)
+            kill(by)
             return
-        run.cancel(BY)
+        cancel(by)
         with suppress(OSError):  # the terminal may be gone, which is why someone interrupts
-            sys.stderr.write("\ncanceling; once more for an e-stop\n")
+            sys.stderr.write(f"\n{doing}; once more for an e-stop\n")
+            sys.stderr.flush()
 
-    signal.signal(signal.SIGINT, interrupt)
+    return interrupt
+
+
+@contextmanager
+def interruptible(run: InterruptedRun) -> Iterator[None]:
+    """Let the signals that ask a program to end do to a run what `interrupt_handler` has.
+
+    Where the program or another thread has a handler of its own, that one stays.
+
+    Raises:
+        KeyboardInterrupt: The run has ended, and it was interrupted by Ctrl-C.
+        SystemExit: The run has ended, and it was interrupted by another signal; the status is 128 and its number.
+    """
+    is_main = threading.current_thread() is threading.main_thread()
+    free = [each for each, default in DEFAULTS.items() if is_main and signal.getsignal(each) is default]
+    received: list[int] = []
+    interrupt = interrupt_handler(run.cancel, run.kill)
+
+    def receive(number: int, frame: Any) -> None:
+        received.append(number)
+        interrupt(number, frame)
+
+    for each in free:
+        signal.signal(each, receive)
     try:
         yield
     finally:
-        signal.signal(signal.SIGINT, signal.default_int_handler)
-    if pressed:
+        for each in free:
+            signal.signal(each, DEFAULTS[each])
+    if signal.SIGINT in received:
         raise KeyboardInterrupt
+    if received:
+        raise SystemExit(128 + received[0])

@@ -124,7 +124,24 @@ def test_an_interrupt_cancels_the_run_although_no_one_can_be_reported_so(monkeyp
         assert rig.run().outcome == "canceled"
 
 
-def test_a_reader_that_has_gone_is_reported_as_ever(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_no_run_ends_otherwise_since_its_reader_has_gone(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
     monkeypatch.setattr(sys, "stdout", Gone())
-    with pytest.raises(BrokenPipeError), nonblocking_output():
+    with nonblocking_output():
         sys.stdout.write("to no one")
+        wait_for_output()
+        sys.stdout.write("the end")
+        sys.stdout.flush()
+    assert capsys.readouterr().err == ""
+
+
+def test_what_is_not_printed_on_a_full_disk_is_reported(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with open("/dev/full", "w", encoding="utf-8") as full:
+        monkeypatch.setattr(sys, "stdout", full)
+        with nonblocking_output():
+            wait_for_output()
+            sys.stdout.write("the end")
+    assert "No space left" in capsys.readouterr().err

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import json
+import signal
 import sqlite3
 from contextlib import closing
 from pathlib import Path
@@ -68,12 +69,15 @@ def test_a_file_of_another_kind_is_refused_as_unusable(
         assert {path: path.is_file() and path.read_bytes() for path in folder.iterdir()} == before
 
 
-def test_an_interrupt_while_a_command_is_imported_is_no_traceback(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
+def test_a_signal_while_a_command_is_imported_is_its_exit_status_and_no_traceback(
+    number: signal.Signals, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     def interrupted(_: str) -> None:
-        raise KeyboardInterrupt
+        signal.raise_signal(number)
 
     monkeypatch.setattr("rai_missions.cli.main.load_command", interrupted)
-    assert main(["check", "m.json"]) == 130
+    before = [signal.getsignal(each) for each in signal.valid_signals()]
+    assert main(["check", "m.json"]) == 128 + number
     assert capsys.readouterr().err == "interrupted\n"
+    assert [signal.getsignal(each) for each in signal.valid_signals()] == before

@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Ctrl-C in a program that runs a mission: the run ends in order, its journal has how, and then the program ends."""
+"""Ctrl-C, SIGTERM and SIGHUP in a program that runs a mission: the run ends in order, its journal has how, and then
+the program ends.
+"""
 
 from __future__ import annotations
 
@@ -10,14 +12,17 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from rai_missions.engine.step import CancelGoal, StartGoal
-from rai_missions.runtime.interrupts import interruptible
+from rai_missions.runtime.interrupts import DEFAULTS, end_signals, interruptible
 from tests.rigs.runs import Rig, mission
 
 OUTCOMES = ["succeeded", "failed", "canceled", "rejected", "timed_out"]
 
 
-def interrupted(*at_s: float, on_cancel: tuple[str, ...] = ("canceled",), winds_down: bool = False) -> Rig:
-    """A run whose goals have no end of their own, with Ctrl-C pressed at these instants."""
+def interrupted(
+    *at_s: float, on_cancel: tuple[str, ...] = ("canceled",), winds_down: bool = False,
+    by: signal.Signals = signal.SIGINT,
+) -> Rig:  # fmt: skip
+    """A run whose goals have no end of their own, with a signal at each of these instants."""
     moving = {"timeout_s": 3, "cancel_s": 1, "transitions": [{"on": OUTCOMES, "to": "turning"}]}
     states = {
         "moving": {"action": "move", **moving},
@@ -28,20 +33,21 @@ def interrupted(*at_s: float, on_cancel: tuple[str, ...] = ("canceled",), winds_
     rig = Rig(mission(states, **({"on_cancel": "winding"} if winds_down else {})))
     rig.move.on_cancel = rig.turn.on_cancel = on_cancel
     for instant in at_s:
-        rig.stage.play({instant: lambda: signal.raise_signal(signal.SIGINT)})
-    with pytest.raises(KeyboardInterrupt):
+        rig.stage.play({instant: lambda: signal.raise_signal(by)})
+    with pytest.raises(KeyboardInterrupt if by is signal.SIGINT else SystemExit) as raised:
         rig.run()
+    assert by is signal.SIGINT or raised.value.args == (128 + by,)
     return rig
 
 
 @given(
     st.lists(st.integers(1, 25), min_size=1, max_size=2),
-    st.sampled_from([("canceled",), (), ("cancel_rejected",)]), st.booleans(),
+    st.sampled_from([("canceled",), (), ("cancel_rejected",)]), st.booleans(), st.sampled_from(list(DEFAULTS)),
 )  # fmt: skip
 def test_the_journal_of_an_interrupted_run_has_the_end_or_the_cancel_of_every_goal(
-    tenths: list[int], on_cancel: tuple[str, ...], winds_down: bool
+    tenths: list[int], on_cancel: tuple[str, ...], winds_down: bool, by: signal.Signals
 ) -> None:
-    rig = interrupted(*(tenth / 10 for tenth in tenths), on_cancel=on_cancel, winds_down=winds_down)
+    rig = interrupted(*(tenth / 10 for tenth in tenths), on_cancel=on_cancel, winds_down=winds_down, by=by)
     effects = [effect for step in rig.book.steps for effect in step.effects]
     started = {effect.number for effect in effects if isinstance(effect, StartGoal)}
     ended = {step.event.number for step in rig.book.steps if step.event.kind == "result"}
@@ -49,7 +55,7 @@ def test_the_journal_of_an_interrupted_run_has_the_end_or_the_cancel_of_every_go
     assert started <= ended | canceled
     assert rig.runner.view.outcome in ("canceled", "aborted")
     assert {goal.number for goal in rig.runner.view.loose_goals} == started - ended
-    assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
+    assert [signal.getsignal(each) for each in DEFAULTS] == list(DEFAULTS.values())
 
 
 def test_an_interrupted_run_cancels_its_goal_and_its_journal_has_the_end_of_it() -> None:
@@ -61,6 +67,26 @@ def test_an_interrupted_run_cancels_its_goal_and_its_journal_has_the_end_of_it()
 def test_a_second_interrupt_is_an_e_stop() -> None:
     rig = interrupted(1.0, 2.0, winds_down=True)
     assert (rig.runner.view.outcome, rig.runner.view.why) == ("aborted", "e-stop by operator (interrupt)")
+
+
+def test_a_run_that_is_asked_to_end_names_the_signal() -> None:
+    rig = interrupted(1.0, 2.0, winds_down=True, by=signal.SIGTERM)
+    assert (rig.runner.view.outcome, rig.runner.view.why) == ("aborted", "e-stop by SIGTERM")
+
+
+def test_a_terminal_that_is_gone_cancels_a_run_however_often_it_reports_so() -> None:
+    rig = interrupted(1.0, 2.0, 3.0, 4.0, winds_down=True, by=signal.SIGHUP)
+    assert (rig.runner.view.outcome, rig.runner.view.why) == ("canceled", "canceled by SIGHUP")
+
+
+def test_a_terminal_that_is_gone_is_of_no_concern_under_nohup() -> None:
+    before = signal.signal(signal.SIGHUP, signal.SIG_IGN)
+    try:
+        assert signal.SIGHUP not in end_signals()
+        interrupted(1.0)
+        assert signal.getsignal(signal.SIGHUP) is signal.SIG_IGN
+    finally:
+        signal.signal(signal.SIGHUP, before)
 
 
 def test_a_third_interrupt_raises_where_it_is() -> None:

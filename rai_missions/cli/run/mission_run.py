@@ -66,16 +66,17 @@ def run_mission(options: RunOptions) -> int:
     lines = _lines(mission, options)
     config = replace(_config(options, mission, lines), named=named)
     warn(_without_effect(options, is_python=is_python))
-    try:
-        prepared, result, succeeded = _run(options, config, lines)
-    finally:
-        lines.close()
-    wait_for_output()  # so that the outcome is not left out
-    picture = _drawn(mission, options.picture, result) if options.picture else ""
-    if options.json:
-        print(json.dumps(_as_json(mission, result, options.record)))
-    else:
-        _report_end(lines, prepared, result, picture)
+    with ExitStack() as signals:
+        try:
+            prepared, result, succeeded = _run(options, config, lines, signals)
+        finally:
+            lines.close()
+        wait_for_output()  # so that the outcome is not left out
+        picture = _drawn(mission, options.picture, result) if options.picture else ""
+        if options.json:
+            print(json.dumps(_as_json(mission, result, options.record)))
+        else:
+            _report_end(lines, prepared, result, picture)
     return 0 if succeeded else 1
 
 
@@ -112,8 +113,15 @@ class LastRun(NamedTuple):
     """The last run that began, which is this one unless it waited for an order in vain."""
 
 
-def _run(options: RunOptions, config: RunConfig, lines: Lines) -> LastRun:
-    """Run with the page and the node that are asked for; with talk, one run after the other."""
+def _run(options: RunOptions, config: RunConfig, lines: Lines, signals: ExitStack) -> LastRun:
+    """Run with the page and the node that are asked for; with talk, one run after the other.
+
+    Args:
+        options: Of the command.
+        config: What the run is made of.
+        lines: Where its steps are printed.
+        signals: What handles signals from the start of the run on, until its end is reported.
+    """
     with ExitStack() as stack:
         talk = stack.enter_context(talk_of(options, config))
         config = talk.config if talk else config
@@ -121,7 +129,7 @@ def _run(options: RunOptions, config: RunConfig, lines: Lines) -> LastRun:
         node = stack.enter_context(serve_node(options, page.config if page else config))
         prepared = stack.enter_context(prepare(node.config))
         _report_beginning(options, lines, prepared)
-        stack.enter_context(interruptible_run(prepared.runner))
+        signals.enter_context(interruptible_run(prepared.runner))
         if talk is not None:
             stack.enter_context(talking(talk, prepared, node.config, lines, page))
         ended: LastRun | None = None
@@ -153,9 +161,8 @@ def _report_beginning(options: RunOptions, lines: Lines, prepared: PreparedRun) 
 
 
 def interruptible_run(runner: Runner) -> Any:
-    """The first interrupt cancels the mission, the second is an e-stop."""
-    by = "operator (interrupt)"
-    return interruptible(lambda: runner.cancel(by), lambda: runner.kill(by), "canceling")
+    """The first interrupt cancels the mission, the second is an e-stop, a third leaves at once."""
+    return interruptible(runner.cancel, runner.kill, "canceling")
 
 
 def _as_json(mission: Mission, result: Result, recording: str | None) -> dict[str, Any]:

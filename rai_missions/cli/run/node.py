@@ -72,7 +72,7 @@ def serve_managed(options: RunOptions, config: RunConfig, journals: Callable[[],
         config, options.node or "", ros_arguments=options.ros_args, operator=not options.no_operator, journals=journals,
         ended=_report,
     )  # fmt: skip
-    with interruptible(node.shut_down, lambda: node.shut_down(at_once=True), "shutting down"):
+    with interruptible(lambda _: node.shut_down(), lambda _: node.shut_down(at_once=True), "shutting down"):
         node.run()
         try:
             print(f"node: {node.name.path} waits to be configured and activated", file=sys.stderr, flush=True)

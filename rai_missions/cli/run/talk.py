@@ -12,7 +12,6 @@ from rai_missions.cli.inputs import warn
 from rai_missions.cli.run.talk_runs import TalkRuns
 from rai_missions.cli.signals import interruptible
 from rai_missions.errors import ConnectorError, DefinitionError, MissionError, UsageError
-from rai_missions.runtime.interrupts import BY
 
 if TYPE_CHECKING:
     from rai_missions.agents.conversation import ConversationalAgent
@@ -221,11 +220,11 @@ class TalkSession:
         assert runs is not None
         assert agent is not None
 
-        def interrupt() -> None:
-            runs.interrupt(BY)
+        def interrupt(by: str) -> None:
+            runs.interrupt(by)
             agent.decide_nothing()
 
-        with interruptible(interrupt, lambda: runs.kill(BY), "canceling"):
+        with interruptible(interrupt, runs.kill, "canceling"):
             yield
 
     def _order_next(self, order: Order, on_end: OnOrderEnd) -> None:
