@@ -65,7 +65,7 @@ class CampaignResult(NamedTuple):
     counts: Mapping[str, int]
     """Status → cells."""
     missing: int
-    """Cells without a record."""
+    """Cells without a record; where labels alone are made, scenes without labels."""
     stopped: str
     """Which part of the budget is spent; empty where it was not."""
     seconds: float
@@ -181,7 +181,10 @@ def run_campaign(
         finally:
             intake.commit()
             _grade(store, intake.labelled, loaded.file.rollouts.parameters)
-    missing = len(plan.cells.keys() - store.keys().keys())
+    if labels_alone:
+        missing = len({each.scene for each in plan.scenes} - _whole(store.labels(), loaded.subject.options).keys())
+    else:
+        missing = len(plan.cells.keys() - store.keys().keys())
     seconds = time.monotonic() - began
     return CampaignResult(store.counts(), missing, stopped if missing else "", seconds, store.failures())
 

@@ -137,7 +137,9 @@ def _run(options: CampaignOptions) -> int:
         labelled = len(store.labels())
     if options.subcommand == "label":
         print(f"{labelled} scenes have labels, in {result.seconds:.1f} s; results: {path}")
-        return 0
+        if result.missing:
+            print(f"  {result.missing} have none: 'campaign run' reports why, with the cells of such a scene")
+        return 1 if result.missing else 0
     print(_words(result, path))
     if options.report is not None:
         _report(str(path), options.report)
