@@ -276,7 +276,11 @@ def check_orders(seeds: Iterable[int]) -> None:
         roles = {(event.data["role"], event.name) for event in events}
         assert {name for role, name in roles if role != "operator"} <= {"pause", "stop"}, (seed, roles)
         assert "viewer" not in {role for role, _ in roles}, (seed, roles)
-    assert confirmed or len(list(seeds)) < ENOUGH, "some orders were confirmed"
+    assert confirmed or len(list(seeds)) < MANY, "some orders were confirmed"
+
+
+MANY = 100
+"""Runs among which an order is sure to be confirmed: about two in 25 are."""
 
 
 def test_each_event_of_talk_is_an_order_that_was_judged() -> None:
@@ -284,6 +288,6 @@ def test_each_event_of_talk_is_an_order_that_was_judged() -> None:
 
 
 @pytest.mark.drill
-@pytest.mark.parametrize("first", BATCHES)
+@pytest.mark.parametrize("first", range(0, 1000, MANY))
 def test_each_event_of_talk_is_an_order_that_was_judged_in_a_thousand_runs(first: int) -> None:
-    check_orders(batch(first))
+    check_orders(range(first, first + MANY))
