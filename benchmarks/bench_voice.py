@@ -277,10 +277,13 @@ def echo(bench: Bench, scale: int) -> None:
 def barge(bench: Bench, scale: int) -> None:
     report = "I am driving to the kitchen. Four of six waypoints are done, and the battery is at sixty two percent."
     ours = bytes(speech(report, "slt").astype("<i2").tobytes())
-    random = np.random.default_rng(6)
+    random = np.random.default_rng(SEED + 5)
     for db in (None, -20.0, -12.0, -6.0):
         bench.new_ear()
         delays, missed = list[float](), 0
+        room = RoomSound(bytes(len(ours) + RATE_HZ), echo_db=db, delay_ms=60.0, tail=tail())
+        playing(room, ours)
+        bench.of(room)  # a report in which no one speaks: the canceller has learned the room
         for text in ("Stop.", "What are you doing?", "Wait here until I come back.", "Cancel the mission."):
             for speaker in ("rms", "awb", "kal"):
                 person = speech(text, speaker)
