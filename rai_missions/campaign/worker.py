@@ -16,7 +16,7 @@ from typing import Any
 
 from rai_missions.campaign.cells import Cell
 from rai_missions.campaign.store import CellRecord, LabelRecord, PictureRecord, QuestionRecord, SceneRecord
-from rai_missions.connectors.process.frames import outward, read_frame
+from rai_missions.connectors.process.frames import outward, read_frame, write_all
 
 __all__ = ("RECORDS", "record_words", "task_in", "task_words", "work")
 
@@ -74,9 +74,7 @@ def _do_tasks(
 
 
 def _send(fd: int, message: Mapping[str, Any]) -> None:
-    data = memoryview(outward(message)[0])
-    while data:
-        data = data[os.write(fd, data) :]
+    write_all(fd, outward(message))
 
 
 def record_words(record: CellRecord | LabelRecord | PictureRecord | QuestionRecord) -> Iterator[dict[str, Any]]:

@@ -7,12 +7,11 @@ Rule: it opens what the first order names, and nothing that a later order has is
 from __future__ import annotations
 
 import base64
-import os
 import sys
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from rai_missions.connectors.process.frames import outward, read_frame
+from rai_missions.connectors.process.frames import outward, read_frame, write_all
 
 __all__ = ("work",)
 
@@ -68,6 +67,4 @@ ORDERS = {"recogniser": _transcribe, "voice": _speak, "ear": _take}
 
 
 def _send(fd: int, message: Mapping[str, Any]) -> None:
-    data = memoryview(outward(message)[0])
-    while data:
-        data = data[os.write(fd, data) :]
+    write_all(fd, outward(message))

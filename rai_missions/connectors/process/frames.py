@@ -12,7 +12,7 @@ import struct
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
-__all__ = ("LONGEST_REPLY", "Broken", "Inlet", "outward", "read_frame")
+__all__ = ("LONGEST_REPLY", "Broken", "Inlet", "outward", "read_frame", "write_all")
 
 LENGTH = struct.Struct(">I")
 LONGEST_REPLY = 512 * 1024
@@ -29,6 +29,14 @@ def outward(message: Mapping[str, Any], blobs: Sequence[bytes] = ()) -> list[byt
     text = json.dumps({**message, "blobs": [len(blob) for blob in blobs]}, ensure_ascii=False, allow_nan=False)
     data = text.encode("utf-8", "replace")
     return [LENGTH.pack(len(data)) + data, *blobs]
+
+
+def write_all(fd: int, pieces: Sequence[bytes]) -> None:
+    """Write the pieces of a message; waits while the pipe is full."""
+    for piece in pieces:
+        data = memoryview(piece)
+        while data:
+            data = data[os.write(fd, data) :]
 
 
 def read_frame(fd: int) -> tuple[dict[str, Any], list[bytes]] | None:

@@ -22,7 +22,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from rai_missions.connectors.process.frames import CHUNK, Broken, Inlet, outward
+from rai_missions.connectors.process.frames import CHUNK, Broken, Inlet, outward, write_all
 from rai_missions.connectors.worker import Worker
 from rai_missions.redaction import cut, variables
 
@@ -79,7 +79,7 @@ class ProcessLife:
 
     def send(self, order: Mapping[str, Any], blobs: Sequence[bytes] = ()) -> None:
         """Send an order; never waits."""
-        self._orders.post(partial(_write_all, self._orders_fd, outward(order, blobs)))
+        self._orders.post(partial(write_all, self._orders_fd, outward(order, blobs)))
 
     def end(self, why: str = "") -> None:
         """Have it end, with all that descends from it; never waits.
@@ -195,10 +195,3 @@ def _environment() -> dict[str, str]:
     if not any(part in ("site-packages", "dist-packages") for part in Path(ROOT).parts):
         given["PYTHONPATH"] = os.pathsep.join(filter(None, (ROOT, given.get("PYTHONPATH"))))
     return given
-
-
-def _write_all(fd: int, pieces: Sequence[bytes]) -> None:
-    for piece in pieces:
-        data = memoryview(piece)
-        while data:
-            data = data[os.write(fd, data) :]

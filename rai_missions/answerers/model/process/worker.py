@@ -13,7 +13,7 @@ import threading
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-from rai_missions.connectors.process.frames import outward, read_frame
+from rai_missions.connectors.process.frames import outward, read_frame, write_all
 
 if TYPE_CHECKING:
     from rai_missions.redaction import Redaction
@@ -29,10 +29,9 @@ class Outlet:
 
     def send(self, message: Mapping[str, Any]) -> None:
         """Send one message; a pipe that has ended ends nothing here, the guard does."""
-        data = memoryview(outward(message)[0])
+        pieces = outward(message)
         with self._lock, contextlib.suppress(BrokenPipeError):
-            while data:
-                data = data[os.write(self._fd, data) :]
+            write_all(self._fd, pieces)
 
 
 class Open:
