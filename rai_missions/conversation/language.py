@@ -6,24 +6,22 @@ Rule: no sentence of any language is written in code; a new language is a new fi
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
 from functools import cache
 from pathlib import Path
 from typing import Any
 
 from rai_missions.conversation.phrases import Phrases
-from rai_missions.errors import UsageError, suggestion
+from rai_missions.planning.text.language_file import LanguageTexts, language_codes, language_file, spoken, word_forms
 from rai_missions.planning.text.normalise import Normaliser
-from rai_missions.planning.text.word_forms import word_forms
 from rai_missions.redaction import cut
 
-__all__ = ("Language", "language", "languages")
+__all__ = ("Language", "language", "languages", "spoken")
 
 FOLDER = Path(__file__).parent / "languages"
 
 
-class Language:
+class Language(LanguageTexts):
     """The grammar and the templates of one language.
 
     Args:
@@ -31,8 +29,7 @@ class Language:
     """
 
     def __init__(self, data: Mapping[str, Any]) -> None:
-        self.data = data
-        self.code: str = data["language"]
+        super().__init__(data)
         self.normaliser = Normaliser(data, by=cut)
         parts: Mapping[str, str] = data["parts"]
         self.orders = {name: Phrases(each, parts) for name, each in data["orders"].items()}
@@ -48,31 +45,15 @@ class Language:
         every = (*self.orders.values(), *self.questions.values(), self.yes, self.no, self.quiet, self.start)
         return frozenset(word for each in every for word in each.words)
 
-    def text(self, name: str, /, **values: object) -> str:
-        """A template, filled in; the values are not read as templates."""
-        template: str = self.data["texts"][name]
-        return template.format(**values)
-
     def word(self, table: str, name: str) -> str:
         """The word of a table for a name of the format; the name itself where it has none."""
         found: str = self.data[table].get(name, spoken(name))
         return found
 
-    def listed(self, items: list[str], joint: str = "and") -> str:
-        """`a, b and c`."""
-        if len(items) < 2:
-            return "".join(items)
-        return f"{', '.join(items[:-1])} {self.text(joint)} {items[-1]}"
-
-
-def spoken(name: str) -> str:
-    """A name of the format as it is spoken: `drive_over` is `drive over`."""
-    return name.replace("/", " ").replace("_", " ")
-
 
 def languages() -> tuple[str, ...]:
     """The languages that there are, by their codes."""
-    return tuple(sorted(path.stem for path in FOLDER.glob("*.json")))
+    return language_codes(FOLDER)
 
 
 @cache
@@ -82,7 +63,5 @@ def language(code: str) -> Language:
     Raises:
         UsageError: There is no file for it.
     """
-    if code not in languages():
-        raise UsageError(f"no language '{code}'{suggestion(code, languages())}")
-    own = json.loads((FOLDER / f"{code}.json").read_text(encoding="utf-8"))
+    own = language_file(FOLDER, code)
     return Language({**word_forms(code), **own})

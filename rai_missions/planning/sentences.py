@@ -6,11 +6,12 @@ Rule: no sentence is in code; a language is a file in `languages/`, with the sam
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
 from functools import cache
 from pathlib import Path
 from types import MappingProxyType
+
+from rai_missions.planning.text.language_file import language_codes, language_file
 
 __all__ = ("ENGLISH", "refusal_sentence", "refusal_templates")
 
@@ -21,9 +22,8 @@ ENGLISH = "en"
 @cache
 def refusal_templates(language: str) -> Mapping[str, str]:
     """Name → sentence with places for names and numbers; those of English where the language has no file."""
-    path = FOLDER / f"{language}.json"
-    known = path if path in FOLDER.iterdir() else FOLDER / f"{ENGLISH}.json"
-    return MappingProxyType(json.loads(known.read_text(encoding="utf-8"))["refusals"])
+    code = language if language in language_codes(FOLDER) else ENGLISH
+    return MappingProxyType(language_file(FOLDER, code)["refusals"])
 
 
 def refusal_sentence(name: str, values: tuple[object, ...] = (), *, language: str = ENGLISH) -> str:

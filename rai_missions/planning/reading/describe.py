@@ -6,6 +6,7 @@ from __future__ import annotations
 from rai_missions.planning.goal import AtPlace, Goal, LeftOf, OnTop, Predicate
 from rai_missions.planning.reading.lexicon import Vocabulary
 from rai_missions.planning.scene import DESK
+from rai_missions.planning.text.language_file import spoken
 
 __all__ = ("described",)
 
@@ -24,7 +25,7 @@ def _is_foot(each: Predicate, goal: Goal) -> bool:
 
 
 def _predicate(each: Predicate, lexicon: Vocabulary) -> str:
-    names = [lexicon.text("thing", name.replace("_", " ")) for name in each.things()]
+    names = [lexicon.text("thing", spoken(name)) for name in each.things()]
     if isinstance(each, AtPlace):
         return lexicon.text("at", names[0], f"{each.x:g}", f"{each.y:g}")
     if isinstance(each, LeftOf) and each.gap_m is not None:

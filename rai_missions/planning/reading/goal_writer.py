@@ -15,6 +15,7 @@ from rai_missions.planning.reading.phrases import Clause, Phrase, Unread
 from rai_missions.planning.reading.picks import Picks
 from rai_missions.planning.reading.things import Names, Things
 from rai_missions.planning.scene import CONTAINERS, DESK
+from rai_missions.planning.text.language_file import spoken
 
 __all__ = ("GoalWriter",)
 
@@ -115,7 +116,7 @@ class GoalWriter:
         return Unread(reason, self._things.lexicon.text(text, *values))
 
     def _listed(self, names: Names) -> str:
-        return self._things.lexicon.listed([f"'{name.replace('_', ' ')}'" for name in names])
+        return self._things.lexicon.listed([f"'{spoken(name)}'" for name in names])
 
     def _is_container(self, name: str) -> bool:
         thing = self._things.scene.get(name)

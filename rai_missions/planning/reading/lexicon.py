@@ -6,14 +6,12 @@ Rule: no word and no sentence of a language is in code; a new language is a new 
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterator, Mapping, Sequence
 from functools import cache
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from rai_missions.errors import UsageError, suggestion
-from rai_missions.planning.text.word_forms import word_forms
+from rai_missions.planning.text.language_file import LanguageTexts, language_codes, language_file, word_forms
 
 __all__ = ("Noun", "Vocabulary", "WordSense", "lexicon", "lexicons")
 
@@ -40,7 +38,7 @@ class WordSense(NamedTuple):
     """Which one: `left_of`, a `Noun`, `red`."""
 
 
-class Vocabulary:
+class Vocabulary(LanguageTexts):
     """The phrases of one language.
 
     Args:
@@ -48,8 +46,7 @@ class Vocabulary:
     """
 
     def __init__(self, data: Mapping[str, Any]) -> None:
-        self.data = data
-        self.code: str = data["language"]
+        super().__init__(data)
         self.units: Mapping[str, float] = {name: float(size) for size, names in data["units"].items() for name in names}
         self.phrases: Mapping[tuple[str, ...], WordSense] = {
             tuple(phrase.split()): meaning for phrase, meaning in _phrases(data)
@@ -83,17 +80,6 @@ class Vocabulary:
         near = {known for letter in {*word[:2]} for known in self._by_letter.get(letter, ()) if _is_slip(word, known)}
         return near.pop() if len(near) == 1 else word
 
-    def text(self, name: str, *values: object) -> str:
-        """A sentence to the person, filled in."""
-        template: str = self.data["texts"][name]
-        return template.format(*values)
-
-    def listed(self, items: Sequence[str], joint: str = "and") -> str:
-        """`a, b and c`."""
-        if len(items) < 2:
-            return "".join(items)
-        return f"{', '.join(items[:-1])} {self.text(joint)} {items[-1]}"
-
 
 def _phrases(data: Mapping[str, Any]) -> Iterator[tuple[str, WordSense]]:
     for name, each in data["types"].items():
@@ -125,7 +111,7 @@ def _is_slip(word: str, known: str) -> bool:
 
 def lexicons() -> tuple[str, ...]:
     """The languages that there are, by their codes."""
-    return tuple(sorted(path.stem for path in FOLDER.glob("*.json")))
+    return language_codes(FOLDER)
 
 
 @cache
@@ -135,7 +121,5 @@ def lexicon(code: str) -> Vocabulary:
     Raises:
         UsageError: There is no file for it.
     """
-    if code not in lexicons():
-        raise UsageError(f"no words of the language '{code}'{suggestion(code, lexicons())}")
-    own = json.loads((FOLDER / f"{code}.json").read_text(encoding="utf-8"))
+    own = language_file(FOLDER, code, "words of the language")
     return Vocabulary({**word_forms(code), **own})

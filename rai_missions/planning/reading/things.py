@@ -11,6 +11,7 @@ from collections.abc import Iterable, Sequence
 from rai_missions.planning.reading.lexicon import Vocabulary
 from rai_missions.planning.reading.phrases import Phrase, Unread
 from rai_missions.planning.scene import CONTAINERS, DESK, Scene, Thing, has_colour
+from rai_missions.planning.text.language_file import spoken
 
 __all__ = ("Names", "Things")
 
@@ -138,8 +139,3 @@ class Things:
         return self.lexicon.text(
             "many", f"'{phrase.text}'", self.lexicon.listed([f"'{spoken(each.name)}'" for each in matching])
         )
-
-
-def spoken(name: str) -> str:
-    """The name of a thing as it is spoken: `red_cube_2` is `red cube 2`."""
-    return name.replace("_", " ")

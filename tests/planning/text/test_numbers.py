@@ -6,8 +6,8 @@ from __future__ import annotations
 import pytest
 
 from rai_missions.errors import UsageError
+from rai_missions.planning.text.language_file import word_forms
 from rai_missions.planning.text.numbers import number
-from rai_missions.planning.text.word_forms import word_forms
 
 
 @pytest.mark.parametrize(
