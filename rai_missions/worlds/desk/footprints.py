@@ -29,6 +29,11 @@ class Slab(NamedTuple):
         """Of the circle around it, seen from above."""
         return math.hypot(self.half_x, self.half_y)
 
+    def half_along(self, angle: float) -> float:
+        """Half of its extent along a direction, seen from above, m."""
+        turn = angle - self.yaw
+        return self.half_x * abs(math.cos(turn)) + self.half_y * abs(math.sin(turn))
+
     def moved(self, dx: float, dy: float) -> Slab:
         return self._replace(x=self.x + dx, y=self.y + dy)
 
@@ -80,7 +85,7 @@ def overlap(one: Slab, other: Slab, gap: float = 0.0) -> bool:
     for angle in (one.yaw, one.yaw + math.pi / 2, other.yaw, other.yaw + math.pi / 2):
         axis = math.cos(angle), math.sin(angle)
         apart = abs((other.x - one.x) * axis[0] + (other.y - one.y) * axis[1])
-        if apart > _shadow(one, angle) + _shadow(other, angle) + gap:
+        if apart > one.half_along(angle) + other.half_along(angle) + gap:
             return False
     return True
 
@@ -89,12 +94,6 @@ def _thing(one: Mapping[str, Any]) -> SeenThing:
     x, y, z, yaw = (float(one[key]) for key in ("x", "y", "z", "yaw"))
     long, broad, high = map(float, one["size"])
     return SeenThing(str(one["name"]), str(one["type"]), x, y, z, yaw, (long, broad, high))
-
-
-def _shadow(slab: Slab, angle: float) -> float:
-    """Half of a rectangle's extent along a direction."""
-    turn = angle - slab.yaw
-    return slab.half_x * abs(math.cos(turn)) + slab.half_y * abs(math.sin(turn))
 
 
 def _walls(one: SeenThing) -> list[Slab]:

@@ -19,6 +19,7 @@ from rai_missions.connectors.connector import Data
 from rai_missions.redaction import logger
 from rai_missions.worlds.desk.kinematics import ToolPose, tool_pose
 from rai_missions.worlds.desk.motion import Motion
+from rai_missions.worlds.desk.posture import about_z
 from rai_missions.worlds.goal_server import Later
 
 __all__ = ("MOVE_TO", "ManipulatorMoveTo")
@@ -85,7 +86,7 @@ def _target(stamped: Any) -> ToolPose | str:
     if not (np.isfinite(position).all() and math.isfinite(length)) or length < 1e-6:
         return "the target is not a finite pose with an orientation"
     flange = _matrix(*(turn / length))
-    tcp = flange @ _about_z(TCP_TURN)
+    tcp = flange @ about_z(TCP_TURN)
     if abs(tcp[2, 1]) > LEVEL or tcp[2, 2] > -0.5:
         return "the target has the hand turned away from the desk; its z axis is to point down"
     return tool_pose(position + TCP_M * flange[:, 2], tcp)
@@ -98,8 +99,3 @@ def _matrix(x: float, y: float, z: float, w: float) -> NDArray[np.float64]:
         [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
         [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
     ])  # fmt: skip
-
-
-def _about_z(angle: float) -> NDArray[np.float64]:
-    cos, sin = math.cos(angle), math.sin(angle)
-    return np.array([[cos, -sin, 0.0], [sin, cos, 0.0], [0.0, 0.0, 1.0]])

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from rai_missions.worlds.camera import Camera, Frame, Sight
 from rai_missions.worlds.desk.look import FEWEST_SHARE, SeenBody, sigma_m, surface_points
+from rai_missions.worlds.desk.posture import about_z
 from rai_missions.worlds.desk.ray_eye import BEHIND_M, FACING
 from rai_missions.worlds.desk.scene import CAMERAS
 from rai_missions.worlds.desk.silhouette import Fit, fit, outline, project
@@ -89,8 +90,7 @@ class PixelEye:
 
 def _share(body: int, kind: str, found: Fit, view: CameraView) -> float:
     """How much of what faces the camera shows the body."""
-    cos, sin = np.cos(found.yaw), np.sin(found.yaw)
-    turn = np.array([[cos, -sin, 0.0], [sin, cos, 0.0], [0.0, 0.0, 1.0]])
+    turn = about_z(found.yaw)
     surface = surface_points(kind)
     points, normals = surface.points @ turn.T + np.array(found[:3]), surface.normals @ turn.T
     back = view.sight.position - points

@@ -13,12 +13,18 @@ from numpy.typing import NDArray
 
 from rai_missions.worlds.desk.catalogue import KINDS
 
-__all__ = ("lean_of", "yaw_of")
+__all__ = ("about_z", "lean_of", "yaw_of")
 
 UPRIGHT = 0.7
 """Above it the height that an axis gains is that of an axis which points up or down."""
 TAPER_RAD = 0.12
 """A carrot that lies on the desk leans so much: its tip is thinner."""
+
+
+def about_z(angle: float) -> NDArray[np.float64]:
+    """The turn by an angle (rad) about the vertical: the axes of what lies straight, as columns."""
+    cos, sin = math.cos(angle), math.sin(angle)
+    return np.array([[cos, -sin, 0.0], [sin, cos, 0.0], [0.0, 0.0, 1.0]])
 
 
 def yaw_of(axes: NDArray[np.float64]) -> float:

@@ -62,7 +62,7 @@ def _push(target: SeenThing, others: Sequence[SeenThing], heading: float, distan
     if next(grasps(freed, left + moved[1:]), None) is None:
         return None
     last = min(column, key=lambda one: cos * one.x + sin * one.y)
-    behind = _extent(last.slab, heading) + TIP_SIDE_M
+    behind = last.slab.half_along(heading) + TIP_SIDE_M
     x, y = last.x - cos * (behind + STANDOFF_M), last.y - sin * (behind + STANDOFF_M)
     start = ToolPose(x, y, PUSH_Z_M, heading)
     tip = Slab(x, y, heading, TIP_SIDE_M, PUSH_OPENING_M / 2 + TIP_M, 0.0, 1.0)
@@ -94,8 +94,8 @@ def _column(target: SeenThing, others: Sequence[SeenThing], heading: float) -> l
             for member in column:
                 along = cos * (one.x - member.x) + sin * (one.y - member.y)
                 across = abs(-sin * (one.x - member.x) + cos * (one.y - member.y))
-                near = _extent(one.slab, heading) + _extent(member.slab, heading) + STANDOFF_M + 2 * TIP_SIDE_M
-                narrow = _extent(one.slab, heading + math.pi / 2) + _extent(member.slab, heading + math.pi / 2)
+                near = one.slab.half_along(heading) + member.slab.half_along(heading) + STANDOFF_M + 2 * TIP_SIDE_M
+                narrow = one.slab.half_along(heading + math.pi / 2) + member.slab.half_along(heading + math.pi / 2)
                 if abs(along) < near and across < narrow - TOUCHING_M:
                     column.append(one)
                     growing = True
@@ -103,17 +103,12 @@ def _column(target: SeenThing, others: Sequence[SeenThing], heading: float) -> l
     return column if len(column) <= 3 else None
 
 
-def _extent(slab: Slab, angle: float) -> float:
-    turn = angle - slab.yaw
-    return slab.half_x * abs(math.cos(turn)) + slab.half_y * abs(math.sin(turn))
-
-
 def _lane(slab: Slab, heading: float, distance: float) -> Slab:
     """What a slab covers while it is pushed."""
     cos, sin = math.cos(heading), math.sin(heading)
     return Slab(
         slab.x + cos * distance / 2, slab.y + sin * distance / 2, heading,
-        _extent(slab, heading) + distance / 2, _extent(slab, heading + math.pi / 2), slab.bottom, slab.top,
+        slab.half_along(heading) + distance / 2, slab.half_along(heading + math.pi / 2), slab.bottom, slab.top,
     )  # fmt: skip
 
 

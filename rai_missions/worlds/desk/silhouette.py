@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from rai_missions.worlds.camera import Frame, Sight
 from rai_missions.worlds.desk.catalogue import KINDS
+from rai_missions.worlds.desk.posture import about_z
 from rai_missions.worlds.desk.shapes import corners, outside_m
 
 __all__ = ("ContourInFrame", "Fit", "fit", "outline", "project")
@@ -200,7 +201,7 @@ def _residuals(kind: str, pose: Points, outlines: Sequence[ContourInFrame]) -> P
 
 def _edges(kind: str, pose: Points, seen: ContourInFrame) -> Points:
     """How much farther than the shape the outline reaches, a direction, in sigmas."""
-    pixels, _ = project(corners(kind) @ _turn(pose[3]).T + pose[:3], seen.sight, seen.size)
+    pixels, _ = project(corners(kind) @ about_z(pose[3]).T + pose[:3], seen.sight, seen.size)
     short = seen.reach - np.max(pixels @ WAYS, axis=0)
     counted: Points = np.where(seen.is_edge, short, np.maximum(short, 0.0)) / SIGMA_PX
     return counted
@@ -208,14 +209,9 @@ def _edges(kind: str, pose: Points, seen: ContourInFrame) -> Points:
 
 def _depths(kind: str, pose: Points, seen: ContourInFrame) -> Points:
     """How far what is seen is from the shape's surface, in sigmas of the mean over a picture."""
-    turn = _turn(pose[3])
+    turn = about_z(pose[3])
     outside = outside_m(kind, (seen.points - pose[:3]) @ turn, (seen.sight.position - pose[:3]) @ turn)
     if outside is None:
         top = np.quantile(seen.points[:, 2], 0.97) - KINDS[kind].size[2] / 2
         return np.array([(top - pose[2]) / 0.001])
     return np.clip(outside, -0.02, 0.02) / SIGMA_DEPTH_M
-
-
-def _turn(yaw: float) -> Points:
-    cos, sin = math.cos(yaw), math.sin(yaw)
-    return np.array([[cos, -sin, 0.0], [sin, cos, 0.0], [0.0, 0.0, 1.0]])
