@@ -48,7 +48,8 @@ class Event(NamedTuple):
     | `write`      | the key that was written (`data["value"]`)        | –                 |
     | `accepted`   | the action or call that was accepted              | number of start   |
     | `feedback`   | the action that reports on its way                | number of start   |
-    | `result`     | `succeeded`, `failed`, `canceled`, `rejected`     | number of start   |
+    | `result`     | of a goal: `succeeded`, `failed`, `canceled`, `rejected` | number of start |
+    | `result`     | of a call: `succeeded`, `failed`, `timed_out`, `unavailable` | number of start |
     | `refused`    | the action whose server refuses a cancel          | number of start   |
     | `lost`       | the action whose server is gone; its `result` comes next | number of start |
     | `contested`  | the action that a second server serves            | number of start   |

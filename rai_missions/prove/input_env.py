@@ -11,9 +11,10 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any
 
 from rai_missions.engine import Chart
-from rai_missions.engine.activities.action import GoalActivity
+from rai_missions.engine.activities.action import GOAL_ENDS, GoalActivity
 from rai_missions.engine.activities.activity import ActivityHost, Turn
 from rai_missions.engine.activities.behaviour import BehaviourActivity
+from rai_missions.engine.activities.call import REPLIES
 from rai_missions.engine.activities.decision import DecisionActivity, DecisionMachine
 from rai_missions.engine.activities.goal_ledger import Goal
 from rai_missions.engine.activities.tree import TreeActivity
@@ -30,9 +31,6 @@ from rai_missions.prove.stimulus import Stimulus
 from rai_missions.states import answerer_words
 
 __all__ = ("InputEnvironment",)
-
-ENDS = ("succeeded", "failed", "canceled", "rejected")
-REPLIES = ("succeeded", "failed", "timed_out", "unavailable")
 
 
 class InputEnvironment:
@@ -145,7 +143,7 @@ class InputEnvironment:
             event = Event("accepted", NOW, {}, "accepted", number)
             yield Stimulus(f"{named} is accepted", "robot", self.receive(event), number)
         composed = goal.action in self._chart.terms.succeeded
-        for end in ENDS:
+        for end in GOAL_ENDS:
             if composed and (end == "succeeded" or (goal.phase == "running" and end in ("failed", "rejected"))):
                 continue  # its guards decide it, and no server
             do = self._result(end, number, goal.owner)

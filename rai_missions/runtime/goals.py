@@ -12,7 +12,7 @@ from collections.abc import Callable, Mapping
 from contextlib import suppress
 from typing import Any
 
-from rai_missions.connectors.connector import Connector, HostsActions, Reply, Report
+from rai_missions.connectors.connector import ENDS, Connector, HostsActions, Reply, Report
 from rai_missions.engine.step import CancelGoal, StartGoal
 from rai_missions.errors import in_words
 from rai_missions.event import EventKind
@@ -25,7 +25,6 @@ log = logger(__name__)
 
 CANCELED_S = 5.0
 """How long other calls wait for the reply of the service that ends a composed action."""
-ENDS = ("rejected", "succeeded", "failed", "canceled", "lost")
 WATCHED: Mapping[str, EventKind] = {
     "cancel_rejected": "refused",
     "contested": "contested",

@@ -24,12 +24,12 @@ from rai_missions.guards.guard import Guard, Instant, Site, Test, View
 from rai_missions.states.action import GoalFields
 from rai_missions.states.effects import filled
 
-__all__ = ("GoalActivity", "GoalMachine")
+__all__ = ("GOAL_ENDS", "GoalActivity", "GoalMachine")
 
 ITS_TURN = frozenset({GOALS})
 """What a goal waits for that another one obstructs."""
-ENDS = ("failed", "canceled", "rejected")
-"""How a server reports that a goal did not succeed; any other word is a failure."""
+GOAL_ENDS = ("succeeded", "failed", "canceled", "rejected")
+"""How a server reports that a goal has ended; any other word is a failure."""
 
 
 @remembered("Pursuit")
@@ -101,7 +101,7 @@ class GoalMachine(Machine):
             return None
         if event.name == "succeeded":
             return self._settle(state._replace(result=dict(event.data)), host)
-        if event.name not in ENDS:
+        if event.name not in GOAL_ENDS:
             why = str(event.data.get("why", "")) or f"its server said '{event.name}'"
             return Turn(None, outcome=Outcome("failed", dict(event.data), why))
         return Turn(None, outcome=Outcome(event.name, dict(event.data), str(event.data.get("why", ""))))

@@ -12,8 +12,10 @@ from rai_missions.guards.guard import Site
 from rai_missions.states.call import CallFields
 from rai_missions.states.effects import filled
 
-__all__ = ("CallActivity", "CallMachine")
+__all__ = ("REPLIES", "CallActivity", "CallMachine")
 
+REPLIES = ("succeeded", "failed", "timed_out", "unavailable")
+"""How a call ends."""
 OUTCOMES = {
     "succeeded": "succeeded",
     "failed": "failed",

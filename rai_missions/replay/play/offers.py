@@ -12,8 +12,10 @@ from functools import partial
 from typing import Any, NamedTuple
 
 from rai_missions.engine import Chart
+from rai_missions.engine.activities.action import GOAL_ENDS
 from rai_missions.engine.activities.activity import Machine
 from rai_missions.engine.activities.behaviour import BehaviourActivity
+from rai_missions.engine.activities.call import REPLIES
 from rai_missions.engine.activities.decision import DecisionActivity
 from rai_missions.engine.activities.goal_ledger import Goal
 from rai_missions.engine.activities.tree import TreeActivity, TreeMachine
@@ -40,10 +42,8 @@ from rai_missions.replay.play.passage import fading, next_change
 from rai_missions.states.decision import answerer_words
 from rai_missions.states.state import CONTROLLERS, HOLDERS
 
-__all__ = ("GOAL_ENDS", "REPLIES", "OpenChoices", "settled")
+__all__ = ("OpenChoices", "settled")
 
-GOAL_ENDS = ("succeeded", "failed", "canceled", "rejected")
-REPLIES = ("succeeded", "failed", "timed_out", "unavailable")
 COMMANDS = {
     "pause": "the operator pauses the mission", "resume": "the operator resumes the mission",
     "cancel": "the operator cancels the mission", "kill": "the operator presses the e-stop",

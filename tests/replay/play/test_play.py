@@ -14,6 +14,8 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from rai_missions.engine import Chart
+from rai_missions.engine.activities.action import GOAL_ENDS
+from rai_missions.engine.activities.call import REPLIES
 from rai_missions.engine.state import TABLE
 from rai_missions.errors import UsageError
 from rai_missions.event import KINDS, Event, Tick
@@ -21,7 +23,7 @@ from rai_missions.mission.files import load
 from rai_missions.mission.mission import Mission
 from rai_missions.replay.play import Play, PlayChoice
 from rai_missions.replay.play.choice import Passage
-from rai_missions.replay.play.offers import GOAL_ENDS, REPLIES, settled
+from rai_missions.replay.play.offers import settled
 from rai_missions.states.state import HOLDERS
 from tests.engine.test_goals import mission as stacking
 from tests.strategies import EVENTS, missions
