@@ -96,7 +96,6 @@ SHARED = {
     ("rai_missions/engine/transitions.py", "found"): NODES,
     ("rai_missions/engine/trees/build.py", "node"): NODES,
     ("rai_missions/engine/trees/ticker.py", "node"): "the live nodes of its own tree, put where a state has them",
-    ("rai_missions/engine/trees/ticker.py", "sight"): "what a tick sees is put there before it",
     ("rai_missions/guards/named.py", "site"): "a site collects what guards report of it while they are compiled",
     ("rai_missions/trees/ticker.py", "sight"): "what a tick sees is put there before it",
     ("rai_missions/prove/__init__.py", "environment.codec"): PROOF,

@@ -50,13 +50,7 @@ class BehaviourWatch:
     def hold(self, sight: TickView) -> TickView:
         """Note since when the inner guards of `held` have been true, whether the next tick looks at them or not."""
         if self.holds:
-            held: dict[str, float] = dict(sight.held)
-            sight.held = held
-            for name, test in self.holds.items():
-                if test(sight) is True:
-                    held.setdefault(name, sight.at)
-                else:
-                    held.pop(name, None)
+            sight.hold(self.holds)
         return sight
 
     def looked_at(self, root: TracedBehaviour) -> TickReads:

@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from rai_missions.engine.activities.ticker import Status
-from rai_missions.guards.guard import Truth, View
+from rai_missions.guards.guard import Test, Truth, View
 from rai_missions.keys import Stamped
 
 __all__ = ("Tick", "TickView")
@@ -37,6 +37,16 @@ class TickView:
         if not self._own:
             self.board, self._own = self.board.copy(), True
         self.board[key] = Stamped(value, self.at)
+
+    def hold(self, guards: Mapping[str, Test]) -> None:
+        """Note since when the inner guards of `held` have been true, whether the next tick looks at them or not."""
+        held = dict(self.held)
+        for name, test in guards.items():
+            if test(self) is True:
+                held.setdefault(name, self.at)
+            else:
+                held.pop(name, None)
+        self.held = held
 
     def named(self, name: str, arguments: Mapping[str, Any]) -> Truth:
         return self._view.named(name, arguments)

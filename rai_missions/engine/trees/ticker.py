@@ -148,17 +148,8 @@ class CompiledTicker:
         """What a tick sees of a view, where the tree writes keys or counts time by itself."""
         root = self.root.shown or NOTHING
         sight = TickView(view, self.state, root.get("began", view.at), root.get("held", NOTHING))
-        return self._hold(sight) if self.holds else sight
-
-    def _hold(self, sight: TickView) -> TickView:
-        """Note since when the inner guards of `held` have been true, whether the next tick looks at them or not."""
-        held = dict(sight.held)
-        sight.held = held
-        for name, test in self.holds.items():
-            if test(sight) is True:
-                held.setdefault(name, sight.at)
-            else:
-                held.pop(name, None)
+        if self.holds:
+            sight.hold(self.holds)
         return sight
 
     def _recall(self, state: TreeState) -> None:
@@ -219,7 +210,7 @@ class CompiledTicker:
     def _ticked(self, before: TreeState) -> TickResult:
         done, self._is_over = self.round, True
         if done.writes and self.holds:
-            self._hold(done.sight)
+            done.sight.hold(self.holds)
         self._written = [key for key, _ in done.writes] if done.writes else ()
         self.shown = self._remembered(before, done.sight)
         self._pending = NOTHING
