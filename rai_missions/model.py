@@ -53,6 +53,7 @@ from rai_missions.validation_errors import faults_of
 
 __all__ = (
     "FAMILY",
+    "LISTED",
     "ActionName",
     "AnyOf",
     "Bool",
@@ -182,6 +183,14 @@ def _not_null(value: Any) -> Any:
 
 NOT_NULL = BeforeValidator(_not_null)
 """Of a word that may be left out."""
+
+
+def _listed(value: Any) -> Any:
+    return tuple(value) if isinstance(value, list) else value
+
+
+LISTED = BeforeValidator(_listed)
+"""Of a tuple, which JSON and Python may write as a list; a word alone is none."""
 
 
 def alike(one: Any, other: Any) -> bool:

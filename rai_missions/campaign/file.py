@@ -11,7 +11,7 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Annotated, Any, Literal, NamedTuple
 
-from pydantic import BeforeValidator, Field, ValidationError, model_validator
+from pydantic import Field, ValidationError, model_validator
 
 from rai_missions.campaign.cells import ORDERS, digest
 from rai_missions.campaign.embodiments import EMBODIMENTS
@@ -24,7 +24,7 @@ from rai_missions.errors import DefinitionError, Fault, pointer, suggestion
 from rai_missions.mission.file_kinds import mistaken
 from rai_missions.mission.json_reader import read_json
 from rai_missions.mission.schema import schema_of
-from rai_missions.model import Format, Integer, Json, MissionModel, Name, Number, Text, fault
+from rai_missions.model import LISTED, Format, Integer, Json, MissionModel, Name, Number, Text, fault
 from rai_missions.redaction import shown
 from rai_missions.validation_errors import faults_of
 from rai_missions.worlds.scene_files import read_scene_file
@@ -43,12 +43,8 @@ BASE = "base"
 """The word by which a campaign names another, whose fields it takes unless it has them itself."""
 
 
-def _listed(given: Any) -> Any:
-    return tuple(given) if isinstance(given, list) else given
-
-
-Names = Annotated[tuple[Text, ...], Field(min_length=1), BeforeValidator(_listed)]
-Orders = Annotated[tuple[Literal[ORDERS], ...], Field(min_length=1), BeforeValidator(_listed)]  # type: ignore[valid-type]
+Names = Annotated[tuple[Text, ...], Field(min_length=1), LISTED]
+Orders = Annotated[tuple[Literal[ORDERS], ...], Field(min_length=1), LISTED]  # type: ignore[valid-type]
 Above0 = Annotated[Number, Field(gt=0)]
 
 

@@ -7,18 +7,13 @@ import json
 from collections.abc import Iterator, Mapping
 from typing import Annotated, Any, Literal
 
-from pydantic import BeforeValidator, Field, model_validator
+from pydantic import Field, model_validator
 
 from rai_missions.campaign.scene_spec import scene_spec
 from rai_missions.campaign.store import SceneRecord
-from rai_missions.model import Integer, Json, MissionModel, Name, Text, fault
+from rai_missions.model import LISTED, Integer, Json, MissionModel, Name, Text, fault
 
 __all__ = ("GivenScene", "ScenesEntry")
-
-
-def _listed(given: Any) -> Any:
-    return tuple(given) if isinstance(given, list) else given
-
 
 Split = Literal["tune", "report"]
 MOST = 100_000
@@ -43,8 +38,8 @@ class ScenesEntry(MissionModel):
     """The scenes of a campaign: exactly one of `given`, `seeds` and `count`."""
 
     world: Text = "orchard"
-    given: Annotated[tuple[GivenScene, ...], BeforeValidator(_listed)] = ()
-    seeds: Annotated[tuple[Integer, ...], BeforeValidator(_listed)] = ()
+    given: Annotated[tuple[GivenScene, ...], LISTED] = ()
+    seeds: Annotated[tuple[Integer, ...], LISTED] = ()
     """A scene each: the world that the seed alone decides."""
     count: Annotated[Integer, Field(gt=0, le=MOST)] | None = None
     """So many scenes of the generator (`campaign.scenes`), no two alike."""

@@ -8,11 +8,11 @@ from __future__ import annotations
 
 from typing import Annotated, Literal, get_args
 
-from pydantic import BeforeValidator, Field, field_validator
+from pydantic import Field, field_validator
 
 from rai_missions.errors import suggestion
 from rai_missions.event import Role
-from rai_missions.model import Bool, Json, MissionModel, Name, Text, fault
+from rai_missions.model import LISTED, Bool, Json, MissionModel, Name, Text, fault
 
 __all__ = ("GRANTED", "ORDERS", "ConversationPolicy", "OrderName", "WhileAnswering")
 
@@ -21,10 +21,8 @@ ORDERS: tuple[OrderName, ...] = get_args(OrderName)
 """What can be ordered by talk."""
 GRANTED: dict[Role, tuple[OrderName, ...]] = {"operator": ORDERS, "viewer": (), "person": ("stop",)}
 """Role → what it may order where a profile grants nothing; every role may ask."""
-Orders = Annotated[
-    tuple[OrderName, ...], BeforeValidator(lambda given: tuple(given) if isinstance(given, list) else given)
-]
-Keys = Annotated[tuple[Name, ...], BeforeValidator(lambda given: tuple(given) if isinstance(given, list) else given)]
+Orders = Annotated[tuple[OrderName, ...], LISTED]
+Keys = Annotated[tuple[Name, ...], LISTED]
 WhileAnswering = Literal["queue", "last", "interrupt"]
 
 

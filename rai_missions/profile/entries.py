@@ -13,7 +13,7 @@ from pydantic import BeforeValidator, Field, PlainSerializer, model_validator
 
 from rai_missions.errors import ConnectorError
 from rai_missions.guards.guard import Guard
-from rai_missions.model import AnyOf, Bool, Json, MissionModel, Name, Seconds, Text, fault
+from rai_missions.model import LISTED, AnyOf, Bool, Json, MissionModel, Name, Seconds, Text, fault
 from rai_missions.plain_data import apart
 from rai_missions.profile.convert import at_path, plain, pose_message
 from rai_missions.profile.sources import truth_of
@@ -94,9 +94,7 @@ class ActionEntry(MissionModel):
     """Over the mission's blackboard: when a composed action has succeeded."""
     failed: AnyOf[Guard] | None = None
     """Over the mission's blackboard: when it has failed."""
-    uses: Annotated[
-        tuple[Name, ...], BeforeValidator(lambda given: tuple(given) if isinstance(given, list) else given)
-    ] = ()
+    uses: Annotated[tuple[Name, ...], LISTED] = ()
     """What it occupies; two actions that share one conflict. None named: all."""
     keep: Bool = False
     """Its goal continues while the mission is paused."""

@@ -9,12 +9,12 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Annotated, Any, ClassVar, Literal, NamedTuple, Self
 
-from pydantic import BeforeValidator, Field, field_validator, model_validator
+from pydantic import Field, field_validator, model_validator
 
 from rai_missions.engine.robot_facts import RobotFacts
 from rai_missions.errors import suggestion
 from rai_missions.guards.guard import Guard
-from rai_missions.model import AnyOf, Format, Json, MissionModel, Name, Text, fault, without_schema
+from rai_missions.model import LISTED, AnyOf, Format, Json, MissionModel, Name, Text, fault, without_schema
 from rai_missions.profile.conversation import ConversationPolicy
 from rai_missions.profile.entries import ActionEntry, AliveEntry, OneService, ServiceEntry, TopicEntry
 from rai_missions.profile.sources import EventSource, Source
@@ -34,12 +34,10 @@ class Rule(MissionModel):
     answer: Name
 
 
-Rules = Annotated[tuple[Rule, ...], BeforeValidator(lambda given: tuple(given) if isinstance(given, list) else given)]
+Rules = Annotated[tuple[Rule, ...], LISTED]
 
 
-Patterns = Annotated[
-    tuple[Text, ...], BeforeValidator(lambda given: tuple(given) if isinstance(given, list) else given)
-]
+Patterns = Annotated[tuple[Text, ...], LISTED]
 
 
 class ToolPolicy(MissionModel):
