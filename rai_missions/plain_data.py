@@ -15,7 +15,7 @@ from typing import Any
 
 from rai_missions.image import Image
 
-__all__ = ("apart", "listed", "plain", "quoted", "rounded")
+__all__ = ("apart", "json_object", "json_value", "listed", "plain", "quoted", "rounded")
 
 LEAVES = frozenset({str, int, float, bool, type(None)})
 DECIMALS = {"m": 3, "s": 2}
@@ -49,6 +49,20 @@ def plain(value: Any) -> Any:
     if isinstance(value, Sequence | AbstractSet):
         return [plain(item) for item in value]
     return str(value)
+
+
+def json_value(text: str | bytes, other: Any = None) -> Any:
+    """The value that JSON text holds; `other` where it holds none, or one that is nested too deeply."""
+    try:
+        return json.loads(text)
+    except (ValueError, RecursionError):
+        return other
+
+
+def json_object(text: str | bytes) -> dict[str, Any] | None:
+    """The object that JSON text holds; None where it holds none."""
+    found = json_value(text)
+    return found if isinstance(found, dict) else None
 
 
 def listed(value: Any, name: str = "") -> str:

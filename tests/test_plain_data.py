@@ -21,7 +21,7 @@ from rai_missions.answerers.test_models import ScriptedModel
 from rai_missions.engine.decision import Offer, Question
 from rai_missions.image import Image
 from rai_missions.mission.files import dump
-from rai_missions.plain_data import apart, listed, plain, quoted, rounded
+from rai_missions.plain_data import apart, json_object, json_value, listed, plain, quoted, rounded
 from rai_missions.profile import dump_profile
 from rai_missions.testing import QUESTION, ReplyCollector, call
 from tests.rigs.journals import MemoryJournal
@@ -209,3 +209,18 @@ def test_a_text_inside_a_value_cannot_look_like_another_field() -> None:
         '{"kind": "crate, living false", "height_m": 0.3}'
     )
     assert listed({"held": None, "open": True, "at": [0.1 + 0.2, 2.0]}) == "held none, open true, at [0.3, 2]"
+
+
+LEAVES = st.none() | st.booleans() | st.integers() | st.text()
+
+
+@given(st.recursive(LEAVES, lambda inner: st.lists(inner) | st.dictionaries(st.text(), inner)))
+def test_text_gives_the_json_that_it_holds_and_an_object_only_where_it_is_one(value: Any) -> None:
+    text = json.dumps(value)
+    assert json_value(text, "other") == json_value(text.encode()) == value
+    assert json_object(text) == (value if isinstance(value, dict) else None)
+
+
+@pytest.mark.parametrize("text", ["", "{", "[" * 100_000, b"\xff", "nul"])
+def test_text_that_holds_no_json_is_no_error(text: str | bytes) -> None:
+    assert (json_value(text, "other"), json_object(text)) == ("other", None)

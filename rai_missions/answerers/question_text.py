@@ -14,6 +14,7 @@ from typing import Any, NamedTuple
 
 from rai_missions.answerers.terminal_input import printable
 from rai_missions.engine.decision import Offer, Question
+from rai_missions.plain_data import json_value
 from rai_missions.redaction import cut
 
 __all__ = ("Blank", "blanks", "chosen", "question_lines")
@@ -112,10 +113,7 @@ def _converted(typed: str, kind: str) -> Any:
         if text.lower() not in TRUTHS:
             raise ValueError(f"'{cut(text, 60)}' is neither yes nor no")
         return TRUTHS[text.lower()]
-    try:
-        value = json.loads(text)
-    except (ValueError, RecursionError):
-        value = text if not kind else None
+    value = json_value(text, None if kind else text)
     number = isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)
     if kind == "integer" and not (number and float(value).is_integer()):
         raise ValueError(f"'{cut(text, 60)}' is no whole number")

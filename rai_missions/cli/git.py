@@ -7,7 +7,6 @@ lies in a folder of its own that is gone afterwards.
 
 from __future__ import annotations
 
-import json
 import os
 import posixpath
 import subprocess
@@ -19,6 +18,7 @@ from typing import Any
 
 from rai_missions.errors import UsageError
 from rai_missions.mission.json_reader import MAX_BYTES
+from rai_missions.plain_data import json_value
 
 __all__ = ("at_revision",)
 
@@ -99,10 +99,7 @@ def _needed(top: Path, known: Mapping[str, str], name: str) -> Iterator[str]:
 
 def _included(data: bytes) -> Iterator[str]:
     """What a file includes, whether or not it is a mission that holds."""
-    try:
-        waiting: list[Any] = [json.loads(data)] if len(data) <= MAX_BYTES else []
-    except (ValueError, RecursionError):
-        return
+    waiting: list[Any] = [json_value(data)] if len(data) <= MAX_BYTES else []
     while waiting:
         value = waiting.pop()
         if isinstance(value, dict):

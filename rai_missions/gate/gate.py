@@ -38,6 +38,7 @@ from rai_missions.gate.state import (
     TimeUpdate,
     status_of,
 )
+from rai_missions.plain_data import json_value
 from rai_missions.redaction import cut, logger
 from rai_missions.runtime.clock import Clock, WallClock
 from rai_missions.runtime.lifecycle import HOLDERS
@@ -178,10 +179,7 @@ class GateAgent:
     def _ask_by_message(self, who: str, message: Message) -> None:
         """`{"to": "agent"}`, or the name alone."""
         text = str(message.data.get("data", ""))
-        try:
-            request = json.loads(text)
-        except (ValueError, RecursionError):
-            request = text
+        request = json_value(text, text)
         to, by = (request.get("to"), request.get("by", who)) if isinstance(request, Mapping) else (request, who)
         if by != who:
             log.warning("%s asked for control in the name of %.60s; it speaks for itself alone", who, by)

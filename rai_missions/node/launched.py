@@ -6,13 +6,13 @@ Rule: none is dropped without a word; what is no argument of the mission is refu
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
 from typing import Any
 
 from rai_missions.connectors.connector import Connector, SupportsParameters
 from rai_missions.errors import UsageError, suggestion
 from rai_missions.mission.mission import Mission
+from rai_missions.plain_data import json_value
 from rai_missions.profile import plain
 
 __all__ = ("arguments_of", "parameters_of")
@@ -52,12 +52,7 @@ def arguments_of(parameters: Mapping[str, Any], mission: Mission, given: Mapping
 
 def _value(value: Any, *, is_text: bool) -> Any:
     """JSON text is the value that it holds, where no text is wanted."""
-    if is_text or not isinstance(value, str):
-        return value
-    try:
-        return json.loads(value)
-    except (ValueError, RecursionError):
-        return value
+    return value if is_text or not isinstance(value, str) else json_value(value, value)
 
 
 def _merged(before: Any, field: str, value: Any) -> Any:

@@ -12,8 +12,8 @@ from typing import Any
 
 from rai_missions.campaign.report.figures import CampaignFigures
 from rai_missions.campaign.report.scene_pictures import ScenePicture
-from rai_missions.campaign.report.wrong_answers import WrongAnswer, WrongAnswers, read_json
-from rai_missions.plain_data import plain
+from rai_missions.campaign.report.wrong_answers import WrongAnswer, WrongAnswers
+from rai_missions.plain_data import json_value, plain
 from rai_missions.redaction import cut, redacted
 from visualize.page.as_json import Json, Pool, without_empty
 
@@ -53,8 +53,8 @@ def answers_data(
         f"{scene}\n{embodiment}": {
             "prompt": _prompt(record.prompt, pool, prompts),
             "facts": prompts.take(_clean(record.facts)),
-            "options": read_json(record.options),
-            "permitted": read_json(record.permitted),
+            "options": json_value(record.options, record.options),
+            "permitted": json_value(record.permitted, record.permitted),
         }
         for (scene, embodiment), record in wrong.questions.items()
     }
@@ -118,7 +118,7 @@ def _prompt(text: str, pool: Pool, budget: ByteBudget) -> list[int] | str:
 def _clean(text: str) -> Any:
     """JSON as plain data without secrets; a text that is no JSON as itself, cut."""
     shown = redacted(text)
-    return plain(read_json(shown)) if len(shown) <= DETAIL else cut(shown, DETAIL) + " …"
+    return plain(json_value(shown, shown)) if len(shown) <= DETAIL else cut(shown, DETAIL) + " …"
 
 
 def _detail(value: Any) -> Any:

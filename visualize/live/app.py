@@ -7,7 +7,6 @@ Rule: an order is carried as it came to anyone who carries it out; here only its
 from __future__ import annotations
 
 import asyncio
-import json
 import math
 import time
 from collections import OrderedDict
@@ -21,6 +20,7 @@ from starlette.routing import Route
 
 from rai_missions.errors import UsageError
 from rai_missions.mission.mission import Mission
+from rai_missions.plain_data import json_object
 from rai_missions.states.state import CONTROLLERS
 from visualize.build import picture
 from visualize.live.auth import ASGI, ROLE, Allowance, Receive, Scope, Send
@@ -208,11 +208,7 @@ def application(
 
 def _command(text: str) -> str:
     """What is ordered; nothing where that cannot be read."""
-    try:
-        given = json.loads(text)
-    except (ValueError, RecursionError):
-        return ""
-    return str(given.get("command", "")) if isinstance(given, dict) else ""
+    return str((json_object(text) or {}).get("command", ""))
 
 
 def _is_late(sent: str | None) -> str:

@@ -7,7 +7,6 @@ Rule: the page shows what the play reports, and orders by name; what an order me
 from __future__ import annotations
 
 import asyncio
-import json
 from typing import Any, Protocol
 
 from starlette.applications import Starlette
@@ -17,12 +16,12 @@ from starlette.routing import Route
 
 from rai_missions.errors import MissionError
 from rai_missions.mission.mission import Mission
+from rai_missions.plain_data import json_object
 from rai_missions.states.state import CONTROLLERS
 from visualize.build import picture
 from visualize.live.auth import ASGI, Allowance
 from visualize.live.page_files import PageFiles
 from visualize.live.posts import PostRefusal, body_within, kind_of
-from visualize.page.as_json import Json
 from visualize.page.chart_data import chart_data
 
 __all__ = ("PlayDesk", "play_application")
@@ -83,7 +82,7 @@ class PlayPages:
             return await self._refused(*body)
         if not self._orders.take():
             return await self._refused(429, "too many orders at once; wait a second")
-        order = _object(body)
+        order = json_object(body)
         if order is None:
             return await self._refused(400, "an order is a JSON object")
         try:
@@ -99,11 +98,3 @@ class PlayPages:
 def play_application(mission: Mission, desk: PlayDesk) -> ASGI:
     """What is behind the door."""
     return Starlette(routes=PlayPages(mission, desk).routes())
-
-
-def _object(body: bytes) -> Json | None:
-    try:
-        found = json.loads(body)
-    except (ValueError, RecursionError):
-        return None
-    return found if isinstance(found, dict) else None

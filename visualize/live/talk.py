@@ -6,7 +6,6 @@ Rule: the page's token sets the role; nothing in the message does. What is writt
 
 from __future__ import annotations
 
-import json
 from typing import Any, Protocol, get_args
 
 from starlette.requests import Request
@@ -14,6 +13,7 @@ from starlette.responses import JSONResponse, Response
 from starlette.routing import Route
 
 from rai_missions.event import Role
+from rai_missions.plain_data import json_object
 from visualize.live.auth import ROLE, Allowance
 from visualize.live.posts import PostRefusal, body_within, kind_of, refused
 from visualize.live.sound import SoundDesk
@@ -68,7 +68,7 @@ class TalkPages:
         body = await body_within(request, LARGEST_TALK, "a message")
         if isinstance(body, PostRefusal):
             return refused(*body)
-        given = _object(body)
+        given = _sentence(body)
         if given is None:
             return refused(400, 'a message is a JSON object: {"text": …, "by": …}')
         text, author, role = given["text"], given.get("by", ""), request.scope[ROLE]
@@ -78,11 +78,8 @@ class TalkPages:
         return refused(409, why) if why else JSONResponse({"success": True, "why": ""})
 
 
-def _object(body: bytes) -> dict[str, Any] | None:
-    try:
-        found = json.loads(body)
-    except (ValueError, RecursionError):
-        return None
-    if not isinstance(found, dict) or not isinstance(found.get("text"), str):
+def _sentence(body: bytes) -> dict[str, Any] | None:
+    found = json_object(body)
+    if found is None or not isinstance(found.get("text"), str):
         return None
     return found if isinstance(found.get("by", ""), str) else None

@@ -7,7 +7,6 @@ it came; whether it is one, and counts, the dialogue decides.
 
 from __future__ import annotations
 
-import json
 import threading
 import time
 from collections.abc import Callable, Mapping, Sequence
@@ -27,6 +26,7 @@ from rai_missions.connectors.worker import Worker
 from rai_missions.conversation import AskModel, ModelText, StatusView
 from rai_missions.embodiment.identity import Identity
 from rai_missions.engine.decision import Limits, Question
+from rai_missions.plain_data import json_object
 from rai_missions.redaction import Redaction, cut, first_line
 
 __all__ = ("LookTools", "OnModelText", "TalkModel")
@@ -192,7 +192,7 @@ def _model_text(number: int, answer: Mapping[str, Any]) -> ModelText:
 def _read(reply: ModelReply, mode: Mode, request: AskModel) -> TalkReply:
     """A model's message: its words, what it proposes, what it wants to look up."""
     if mode == "json_schema":
-        found = _object(reply.text)
+        found = json_object(reply.text)
         return (
             TalkReply(reply.text)
             if found is None
@@ -206,14 +206,6 @@ def _read(reply: ModelReply, mode: Mode, request: AskModel) -> TalkReply:
     spoken = " ".join(_text(call["args"].get("text")) for call in answers) or (reply.text if not answers else "")
     order = _order(proposes[0]["args"].get("order")) if len(proposes) == 1 else None
     return TalkReply(spoken, order)
-
-
-def _object(text: str) -> Mapping[str, Any] | None:
-    try:
-        found = json.loads(text)
-    except (ValueError, RecursionError):
-        return None
-    return found if isinstance(found, dict) else None
 
 
 def _text(given: Any) -> str:

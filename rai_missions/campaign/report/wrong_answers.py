@@ -6,15 +6,15 @@ Rule: what is left out is counted, and is in the CSV.
 
 from __future__ import annotations
 
-import json
 from collections import Counter, defaultdict
 from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 from rai_missions.campaign.report.figures import CampaignFigures, best_options, is_unlabelled
 from rai_missions.campaign.store import CellRecord, QuestionRecord, ResultStore
+from rai_missions.plain_data import json_value
 
-__all__ = ("MOST", "WrongAnswer", "WrongAnswers", "is_wrong", "read_json", "wrong_answers")
+__all__ = ("MOST", "WrongAnswer", "WrongAnswers", "is_wrong", "wrong_answers")
 
 MOST = 2_000
 """Wrong answers in a report."""
@@ -76,16 +76,12 @@ def wrong_answers(store: ResultStore, figures: CampaignFigures, most: int = MOST
         sum(counts.values()),
         {kind: (quota[kind], count) for kind, count in counts.items()},
         {key: each for each in store.questions() if (key := (each.scene, each.embodiment)) in asked},
-        {(each.scene, each.option): read_json(each.details) for each in store.label_records() if each.scene in scenes},
+        {
+            (each.scene, each.option): json_value(each.details, each.details)
+            for each in store.label_records()
+            if each.scene in scenes
+        },
     )
-
-
-def read_json(text: str) -> Any:
-    """The value in a text; the text itself where it holds no JSON."""
-    try:
-        return json.loads(text)
-    except (ValueError, RecursionError):
-        return text
 
 
 def _quota(counts: Mapping[str, int], most: int) -> dict[str, int]:
