@@ -7,9 +7,8 @@ it came; whether it is one, and counts, the dialogue decides.
 
 from __future__ import annotations
 
-import threading
-import time
 from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from typing import Any, NamedTuple
 
 from langchain_core.language_models import BaseChatModel
@@ -20,9 +19,8 @@ from rai_missions.agents.talk.prompt import forms, talk_messages
 from rai_missions.answerers.model.chat import Absent, BudgetExceeded, Chat, ModelExit, ModelFault, ThreadChat
 from rai_missions.answerers.model.output_modes import Mode, modes_of
 from rai_missions.answerers.model.parse_reply import ModelReply
-from rai_missions.answerers.model.pending import PendingQuestion
+from rai_missions.answerers.model.pending import PendingQuestion, QuestionThreads
 from rai_missions.answerers.model.tool_calls import look_up, shown
-from rai_missions.connectors.worker import Worker
 from rai_missions.conversation import AskModel, ModelText, StatusView
 from rai_missions.embodiment.identity import Identity
 from rai_missions.engine.decision import Limits, Question
@@ -66,36 +64,20 @@ class TalkModel:
     ) -> None:
         self._chat: Chat = ThreadChat(model) if isinstance(model, BaseChatModel) else model
         self._identity, self._tools = identity, tools
-        self._lock = threading.Lock()
-        self._pending: dict[int, PendingQuestion] = {}
-        self._threads: set[threading.Thread] = set()
-        self._deadlines = Worker("conversation's deadlines")
+        self._sentences = QuestionThreads("sentence", MOST_AT_ONCE)
         self._clean = Redaction().text
 
     def run(self) -> None:
         """Have the model get ready; returns at once."""
-        self._deadlines.start()
         self._chat.open()
 
     def stop(self, within_s: float = 1.0) -> None:
         """Drop every request and end the model's process; a model in this process that hangs keeps its thread."""
-        with self._lock:
-            dropped, threads = list(self._pending.values()), list(self._threads)
-            self._pending.clear()
-        for pending in dropped:
-            pending.close()
-        self._deadlines.close(within_s)
-        self._chat.close()
-        ends = time.monotonic() + within_s
-        for thread in (each for each in threads if each.ident is not None):  # one may be about to begin
-            thread.join(max(0.0, ends - time.monotonic()))
+        self._sentences.stop(within_s, self._chat.close)
 
     def drop(self, number: int) -> None:
         """The answer is waited for no longer."""
-        with self._lock:
-            pending = self._pending.pop(number, None)
-        if pending is not None:
-            pending.close()
+        self._sentences.drop(number)
 
     def ask(self, request: AskModel, view: Callable[[], StatusView], on_text: OnModelText) -> None:
         """Have a sentence answered; never waits.
@@ -108,37 +90,23 @@ class TalkModel:
         seconds = max(0.5, request.until - request.at)
         question = Question(request.number, "conversation", "agent", request.text, (), budget=Limits(seconds=seconds))
         pending = PendingQuestion(question, lambda answer: on_text(_model_text(request.number, answer)))
-        thread = threading.Thread(
-            target=self._work, args=(request, view, pending), name=f"sentence {request.number}", daemon=True
-        )
-        with self._lock:
-            busy = len(self._threads)
-            if busy < MOST_AT_ONCE:
-                self._threads.add(thread)
-                self._pending[request.number] = pending
-        if busy >= MOST_AT_ONCE:
-            pending.reply({"failed": f"the model has not come back from {busy} earlier sentences"})
-            return
         late = {"failed": f"no answer within {seconds:g} s"}
-        pending.when_closed(self._deadlines.after(seconds, lambda: pending.reply(late)))
-        thread.start()
-
-    def _work(self, request: AskModel, view: Callable[[], StatusView], pending: PendingQuestion) -> None:
-        try:
-            answer = self._answer(request, view, pending)
-        except (Absent, BudgetExceeded, ModelExit) as ended:
-            answer = {"failed": cut(ended, 300)}
-        except ModelFault as error:
-            answer = {"failed": f"the model raised {error.kind}: {first_line(error.what)}"}
-        except BaseException as error:  # noqa: BLE001 - even an exit that a package asks for is only a failed answer
-            answer = {"failed": f"the model raised {type(error).__name__}: {first_line(error)}"}
-        with self._lock:
-            self._threads.discard(threading.current_thread())
-            if self._pending.get(request.number) is pending:
-                del self._pending[request.number]
-        pending.reply(answer)
+        answer_of = partial(self._answer, request, view, pending)
+        if busy := self._sentences.begin(pending, answer_of, lambda: pending.reply(late)):
+            pending.reply({"failed": f"the model has not come back from {busy} earlier sentences"})
 
     def _answer(self, request: AskModel, view: Callable[[], StatusView], pending: PendingQuestion) -> dict[str, Any]:
+        try:
+            return self._tried(request, view, pending)
+        except (Absent, BudgetExceeded, ModelExit) as ended:
+            return {"failed": cut(ended, 300)}
+        except ModelFault as error:
+            return {"failed": f"the model raised {error.kind}: {first_line(error.what)}"}
+        except BaseException as error:  # noqa: BLE001 - even an exit that a package asks for is only a failed answer
+            return {"failed": f"the model raised {type(error).__name__}: {first_line(error)}"}
+
+    def _tried(self, request: AskModel, view: Callable[[], StatusView], pending: PendingQuestion) -> dict[str, Any]:
+        """The answer in the first mode that fits the model."""
         able = self._chat.abilities(pending)
         tools = {tool.name: tool for tool in self._tools(view)}
         *firsts, last = modes_of(schemas=able.schemas, tools=able.tools, wanted="auto", uses_tools=bool(tools))

@@ -7,8 +7,6 @@ is taken.
 
 from __future__ import annotations
 
-import threading
-import time
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from typing import Any, Literal, get_args
@@ -20,10 +18,9 @@ from rai_missions.answerers.model.chat import Absent, BudgetExceeded, Chat, Mode
 from rai_missions.answerers.model.conversation import ModelConfig, ModelConversation
 from rai_missions.answerers.model.output_modes import Mode
 from rai_missions.answerers.model.parse_reply import ParsedReply
-from rai_missions.answerers.model.pending import PendingQuestion
+from rai_missions.answerers.model.pending import PendingQuestion, QuestionThreads
 from rai_missions.answerers.model.secrets import secrets_of
 from rai_missions.answerers.model.tool_calls import is_read_only
-from rai_missions.connectors.worker import Worker
 from rai_missions.embodiment.identity import Identity
 from rai_missions.engine.decision import Question
 from rai_missions.errors import UsageError
@@ -85,12 +82,9 @@ class DecisionAgent:
             images,
             self._redaction.text,
         )
-        self._at_once, self._longest_s = at_once, longest_s
+        self._longest_s = longest_s
         self._unfit: set[Mode] = set()
-        self._lock = threading.Lock()
-        self._pending: dict[int, PendingQuestion] = {}
-        self._threads: set[threading.Thread] = set()
-        self._deadlines = Worker("deadlines")
+        self._questions = QuestionThreads("question", at_once)
 
     def run(self) -> None:
         """Have the model get ready; a question finds its own thread, whether this was called or not."""
@@ -101,56 +95,19 @@ class DecisionAgent:
 
         A model given as a Python object that hangs keeps its thread, which does not hold up the program's end.
         """
-        with self._lock:
-            dropped, threads = list(self._pending.values()), list(self._threads)
-            self._pending.clear()
-        for pending in dropped:
-            pending.close()
-        ends = time.monotonic() + within_s
-        self._deadlines.close(within_s)
-        self._chat.close()
-        for thread in threads:
-            if thread is not threading.current_thread():
-                thread.join(max(0.0, ends - time.monotonic()))
+        self._questions.stop(within_s, self._chat.close)
 
     def ask(self, question: Question, answer: Callable[[Mapping[str, Any]], None]) -> None:
         """Think about a question on a thread of its own."""
         pending = PendingQuestion(question, answer, longest_s=self._longest_s)
         conversation = ModelConversation(pending, self._config, frozenset(self._unfit))
-        # Python cannot end a thread that hangs in a model: a daemon does not hold up the program's end.
-        thread = threading.Thread(
-            target=self._work, args=(conversation,), name=f"question {question.number}", daemon=True
-        )
-        with self._lock:
-            busy = len(self._threads)
-            if busy < self._at_once:
-                self._threads.add(thread)
-                self._pending[question.number] = pending
-        if busy >= self._at_once:
+        answer_of, give_up = partial(self._answer, conversation), partial(self._give_up, conversation)
+        if busy := self._questions.begin(pending, answer_of, give_up):
             pending.reply({"absent": f"the model has not come back from {busy} earlier questions"})
-            return
-        self._deadlines.start()
-        pending.when_closed(self._deadlines.after(pending.left_s, partial(self._give_up, conversation)))
-        thread.start()
 
     def withdraw(self, number: int) -> None:
         """The question is no longer asked; what comes back is dropped."""
-        with self._lock:
-            pending = self._pending.pop(number, None)
-        if pending is not None:
-            pending.close()
-
-    def _work(self, conversation: ModelConversation) -> None:
-        pending = conversation.pending
-        try:
-            answer = self._answer(conversation)
-        except BaseException as error:  # noqa: BLE001 - a thread that dies would count as one that hangs, for ever
-            answer = {"failed": f"the answer could not be read: {type(error).__name__}"}
-        with self._lock:
-            self._threads.discard(threading.current_thread())
-            if self._pending.get(pending.question.number) is pending:
-                del self._pending[pending.question.number]
-        pending.reply(answer)
+        self._questions.drop(number)
 
     def _answer(self, conversation: ModelConversation) -> dict[str, Any]:
         try:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A question in work: it is answered once, in time, or not at all.
+"""Questions in work: each is answered once, in time, or not at all.
 
 Rule: the first to close it wins; whatever comes later is dropped here and goes nowhere.
 """
@@ -12,9 +12,10 @@ import time
 from collections.abc import Callable, Mapping
 from typing import Any
 
+from rai_missions.connectors.worker import Worker
 from rai_missions.engine.decision import Question
 
-__all__ = ("GRACE_S", "PendingQuestion")
+__all__ = ("GRACE_S", "PendingQuestion", "QuestionThreads")
 
 GRACE_S = 0.5
 """How much longer than its question the work on it may last: the run's clock decides first that time is over."""
@@ -82,3 +83,76 @@ class PendingQuestion:
             return False
         self._on_answer(answer)
         return True
+
+
+class QuestionThreads:
+    """Questions in work, each on a thread of its own.
+
+    Python cannot end a thread that hangs in a model: these are daemons, which do not hold up the program's end.
+
+    Args:
+        name: What one is called, for the names of threads: `question`.
+        most: How many may be in work; one that hangs counts until it comes back.
+    """
+
+    def __init__(self, name: str, most: int) -> None:
+        self._name, self._most = name, most
+        self._lock = threading.Lock()
+        self._pending: dict[int, PendingQuestion] = {}
+        self._threads: set[threading.Thread] = set()
+        self._deadlines = Worker(f"deadlines of {name}s")
+
+    def begin(
+        self, pending: PendingQuestion, work: Callable[[], Mapping[str, Any]], give_up: Callable[[], object]
+    ) -> int:
+        """Have a question worked on, unless there are too many; so many are in work then, else 0.
+
+        Args:
+            pending: The question.
+            work: Gives its answer.
+            give_up: Done once its time is over and it has no answer.
+        """
+        number = pending.question.number
+        thread = threading.Thread(target=self._do, args=(pending, work), name=f"{self._name} {number}", daemon=True)
+        with self._lock:
+            busy = len(self._threads)
+            if busy >= self._most:
+                return busy
+            self._threads.add(thread)
+            self._pending[number] = pending
+        self._deadlines.start()
+        pending.when_closed(self._deadlines.after(pending.left_s, give_up))
+        thread.start()
+        return 0
+
+    def drop(self, number: int) -> None:
+        """A question is no longer asked; what comes back is dropped."""
+        with self._lock:
+            pending = self._pending.pop(number, None)
+        if pending is not None:
+            pending.close()
+
+    def stop(self, within_s: float, end_model: Callable[[], object]) -> None:
+        """Drop every question, end what the threads wait for and wait for them, so long at most."""
+        ends = time.monotonic() + within_s
+        with self._lock:
+            dropped, threads = list(self._pending.values()), list(self._threads)
+            self._pending.clear()
+        for pending in dropped:
+            pending.close()
+        self._deadlines.close(within_s)
+        end_model()
+        for thread in threads:
+            if thread.ident is not None and thread is not threading.current_thread():  # one may be about to begin
+                thread.join(max(0.0, ends - time.monotonic()))
+
+    def _do(self, pending: PendingQuestion, work: Callable[[], Mapping[str, Any]]) -> None:
+        try:
+            answer = work()
+        except BaseException as error:  # noqa: BLE001 - a thread that dies would count as one that hangs, for ever
+            answer = {"failed": f"the answer could not be read: {type(error).__name__}"}
+        with self._lock:
+            self._threads.discard(threading.current_thread())
+            if self._pending.get(pending.question.number) is pending:
+                del self._pending[pending.question.number]
+        pending.reply(answer)
