@@ -8,14 +8,14 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from typing import Annotated, Any, get_args, get_origin
+from typing import Annotated, Any, Protocol, Self, TypeVar, get_args, get_origin
 
 from pydantic import BaseModel, ValidationError
 
-from rai_missions.errors import Fault, pointer, suggestion
+from rai_missions.errors import DefinitionError, Fault, pointer, suggestion
 from rai_missions.redaction import shown
 
-__all__ = ("KEY", "faults_of", "place_of")
+__all__ = ("KEY", "faults_of", "place_of", "validated")
 
 MOST = 1000
 """How many faults are listed one by one; anyone who has more reads no further."""
@@ -23,6 +23,33 @@ KEY = "[key]"
 """pydantic's last step to the name of an entry, where the name and not the entry is at fault."""
 DESCRIBING = frozenset(("Entry", "Fields", "File", "Spec", "Words"))
 """Last words of the names of classes that describe what the words before them name."""
+
+
+class Validates(Protocol):
+    """A model of pydantic's, and what type checkers take for one."""
+
+    @classmethod
+    def model_validate(cls, obj: Any, /) -> Self: ...
+
+
+M = TypeVar("M", bound=Validates)
+
+
+def validated(model: type[M], data: Any, source: str = "") -> M:
+    """Plain data as a model.
+
+    Args:
+        model: What it is to be.
+        data: As its author wrote it.
+        source: Where it was found, for the error.
+
+    Raises:
+        DefinitionError: It is at fault, every fault with its place.
+    """
+    try:
+        return model.model_validate(data)
+    except ValidationError as error:
+        raise DefinitionError(faults_of(error, model, data), source) from None
 
 
 def faults_of(error: ValidationError, model: type[Any], data: Any, known: Iterable[str] = ()) -> Iterator[Fault]:

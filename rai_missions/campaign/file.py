@@ -21,7 +21,7 @@ from rai_missions.campaign.scene_sources import ScenesEntry
 from rai_missions.check import check
 from rai_missions.check import faults_of as mission_faults
 from rai_missions.errors import DefinitionError, Fault, pointer, suggestion
-from rai_missions.mission.file_kinds import mistaken
+from rai_missions.mission.file_kinds import object_of
 from rai_missions.mission.json_reader import read_json
 from rai_missions.mission.schema import schema_of
 from rai_missions.model import LISTED, Format, Integer, Json, MissionModel, Name, Number, Text, fault
@@ -213,11 +213,7 @@ def _read(source: Path) -> dict[str, Any]:
         DefinitionError: It is none.
         UsageError: It is not there.
     """
-    data = read_json(source)
-    if not isinstance(data, Mapping):
-        raise DefinitionError([Fault("", f"a campaign is a JSON object, not {shown(data)}")], str(source))
-    if found := tuple(mistaken(data, "campaign")):
-        raise DefinitionError(found, str(source))
+    data = object_of("campaign", read_json(source), str(source))
     return _with_scene_files({key: item for key, item in data.items() if key != "$schema"}, source.parent)
 
 

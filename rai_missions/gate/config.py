@@ -11,14 +11,14 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, Literal, Self
 
-from pydantic import Field, ValidationError, field_validator, model_validator
+from pydantic import Field, field_validator, model_validator
 
 from rai_missions.errors import DefinitionError, Fault, UsageError, suggestion
 from rai_missions.gate.state import COMMANDERS, GateRules
 from rai_missions.mission.json_reader import read_json
 from rai_missions.model import Bool, Format, Integer, Json, MissionModel, Seconds, Text, fault, without_schema
 from rai_missions.redaction import shown
-from rai_missions.validation_errors import faults_of
+from rai_missions.validation_errors import validated
 
 __all__ = ("CommandTopic", "GateWords", "command_topic", "gate_words", "leases_of", "read_gate")
 
@@ -130,10 +130,7 @@ def gate_words(data: Mapping[str, Any], source: str = "") -> GateWords:
     Raises:
         DefinitionError: It is at fault, every fault with its place.
     """
-    try:
-        return GateWords.model_validate(dict(data))
-    except ValidationError as error:
-        raise DefinitionError(faults_of(error, GateWords, data), source) from None
+    return validated(GateWords, dict(data), source)
 
 
 def command_topic(text: str) -> dict[str, str]:

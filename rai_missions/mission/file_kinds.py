@@ -3,14 +3,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from typing import Any, Literal
 
-from rai_missions.errors import Fault
+from rai_missions.errors import DefinitionError, Fault
+from rai_missions.redaction import shown
 
-__all__ = ("FileKind", "mistaken")
+__all__ = ("FileKind", "object_of")
 
 FileKind = Literal["mission", "profile", "campaign"]
+NAMES: Mapping[FileKind, str] = {"mission": "a mission", "profile": "a robot profile", "campaign": "a campaign"}
 WORDS: Mapping[FileKind, tuple[str, ...]] = {
     "mission": ("states", "initial"), "profile": ("connector",), "campaign": ("scenes", "models"),
 }  # fmt: skip
@@ -26,9 +28,21 @@ HINTS: Mapping[tuple[FileKind, FileKind], str] = {
 """Kind that is wanted, kind that is there → what the author reads."""
 
 
-def mistaken(data: Mapping[str, Any], wanted: FileKind) -> Iterator[Fault]:
-    """The fault of a file that is of another kind than the one that is wanted; none where its words fit either."""
+def object_of(wanted: FileKind, data: Any, source: str) -> Mapping[str, Any]:
+    """What a file of a kind holds: an object, which is not plainly one of another kind.
+
+    Args:
+        wanted: The kind.
+        data: The file's content.
+        source: Where it was found, for the error.
+
+    Raises:
+        DefinitionError: It is none.
+    """
+    if not isinstance(data, Mapping):
+        raise DefinitionError([Fault("", f"{NAMES[wanted]} is a JSON object, not {shown(data)}")], source)
     if not any(word in data for word in WORDS[wanted]):
         found = [kind for kind, words in WORDS.items() if all(word in data for word in words)]
         if len(found) == 1:
-            yield Fault("", HINTS[wanted, found[0]])
+            raise DefinitionError([Fault("", HINTS[wanted, found[0]])], source)
+    return data

@@ -10,13 +10,11 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from pydantic import ValidationError
-
 from rai_missions.errors import DefinitionError, Fault, UsageError
 from rai_missions.guards import Guard, In, Not
 from rai_missions.guards.guard import made
 from rai_missions.keys import Key
-from rai_missions.mission.file_kinds import mistaken
+from rai_missions.mission.file_kinds import object_of
 from rai_missions.mission.include_rules import Chain, included_file, inclusion_faults, questions, refused, shared_key
 from rai_missions.mission.json_reader import MAX_BYTES, MAX_DEPTH, read_json
 from rai_missions.mission.mission import BUILT_IN_EVENTS, Mission
@@ -24,7 +22,7 @@ from rai_missions.mission.renaming import Names, renamed
 from rai_missions.redaction import shown
 from rai_missions.states import Compound, Final, Include, State, Transition
 from rai_missions.states.state import ANY_EVENT, OUTCOMES
-from rai_missions.validation_errors import faults_of
+from rai_missions.validation_errors import validated
 
 __all__ = ("MAX_STATES", "expanded", "read_mission")
 
@@ -49,15 +47,7 @@ def read_mission(file: Path) -> Mission:
         DefinitionError: The mission is at fault.
         UsageError: There is no such file.
     """
-    data = read_json(file)
-    if not isinstance(data, Mapping):
-        raise DefinitionError([Fault("", f"a mission is a JSON object, not {shown(data)}")], str(file))
-    if found := tuple(mistaken(data, "mission")):
-        raise DefinitionError(found, str(file))
-    try:
-        return Mission.model_validate(data)
-    except ValidationError as error:
-        raise DefinitionError(faults_of(error, Mission, data), str(file)) from None
+    return validated(Mission, object_of("mission", read_json(file), str(file)), str(file))
 
 
 def expanded(mission: Mission, file: Path) -> Mission:

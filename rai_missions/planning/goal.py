@@ -9,11 +9,10 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import Annotated, Any, ClassVar
 
-from pydantic import AfterValidator, Field, PlainSerializer, Strict, ValidationError, field_validator
+from pydantic import AfterValidator, Field, PlainSerializer, Strict, field_validator
 
-from rai_missions.errors import DefinitionError
 from rai_missions.model import AnyOf, MissionModel, TaggedModel, Text, fault
-from rai_missions.validation_errors import faults_of
+from rai_missions.validation_errors import validated
 
 __all__ = (
     "Apart", "AtPlace", "Goal", "Grouped", "InContainer", "LeftOf", "NextTo", "OnTop", "Predicate", "Refusal",
@@ -203,10 +202,7 @@ def read_goal(data: object) -> Goal | Refusal:
     kind: type[Goal | Refusal] = Refusal if isinstance(data, Mapping) and "refused" in data else Goal
     if isinstance(data, kind):
         return data
-    try:
-        return kind.model_validate(data)
-    except ValidationError as error:
-        raise DefinitionError(faults_of(error, kind, data)) from None
+    return validated(kind, data)
 
 
 def goal_schema() -> dict[str, Any]:

@@ -7,12 +7,12 @@ from collections.abc import Mapping
 from functools import lru_cache
 from typing import Annotated, Any, Literal
 
-from pydantic import ConfigDict, Field, PlainSerializer, ValidationError, model_validator
+from pydantic import ConfigDict, Field, PlainSerializer, model_validator
 
 from rai_missions.errors import DefinitionError, UsageError, suggestion
 from rai_missions.model import Bool, Integer, MissionModel, Number, Text, fault
 from rai_missions.planning.geometry import Footprint, box, disc
-from rai_missions.validation_errors import faults_of
+from rai_missions.validation_errors import validated
 
 __all__ = ("CONTAINERS", "DESK", "ROUND", "Scene", "Thing", "ThingType", "has_colour", "judged_by", "read_scene")
 
@@ -161,10 +161,7 @@ def read_scene(data: Any) -> Scene:
     """
     if isinstance(data, Scene):
         return data
-    try:
-        return Scene.model_validate(data)
-    except ValidationError as error:
-        raise DefinitionError(faults_of(error, Scene, data)) from None
+    return validated(Scene, data)
 
 
 def has_colour(thing: Thing, colour: str) -> bool | None:

@@ -8,18 +8,15 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from pydantic import ValidationError
-
 from rai_missions.errors import DefinitionError, Fault, UsageError
-from rai_missions.mission.file_kinds import mistaken
+from rai_missions.mission.file_kinds import object_of
 from rai_missions.mission.json_reader import parse_json, read_json
 from rai_missions.profile.profile import Robot
 from rai_missions.redaction import shown
-from rai_missions.validation_errors import faults_of
+from rai_missions.validation_errors import validated
 
 __all__ = ("dump_profile", "identity_folder", "is_program", "load_profile", "parse_profile")
 
@@ -82,11 +79,4 @@ def identity_folder(robot: Robot, file: str | os.PathLike[str]) -> Path | None:
 
 
 def _robot(data: Any, source: str) -> Robot:
-    if not isinstance(data, Mapping):
-        raise DefinitionError([Fault("", f"a robot profile is a JSON object, not {shown(data)}")], source)
-    if found := tuple(mistaken(data, "profile")):
-        raise DefinitionError(found, source)
-    try:
-        return Robot.model_validate(data)
-    except ValidationError as error:
-        raise DefinitionError(faults_of(error, Robot, data), source) from None
+    return validated(Robot, object_of("profile", data, source), source)

@@ -15,8 +15,6 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
-from pydantic import ValidationError
-
 from rai_missions.connectors.python_robot import PythonRobot
 from rai_missions.connectors.python_robot.robot import EVENTS, FACTS, MESSAGES
 from rai_missions.errors import DefinitionError, Fault
@@ -26,7 +24,7 @@ from rai_missions.mission.python_file import call_offered, run_file
 from rai_missions.profile.coverage import missing
 from rai_missions.profile.profile import Robot
 from rai_missions.redaction import shown
-from rai_missions.validation_errors import faults_of
+from rai_missions.validation_errors import validated
 
 __all__ = ("KIND", "RobotProgram", "lacking_functions", "profile_of", "read_program", "same_file")
 
@@ -186,7 +184,4 @@ def _profile(robot: PythonRobot, mission: Mission, facts: Mapping[str, Any], con
         "topics": {name: {"topic": MESSAGES + name, "type": ""} for name in robot.topic_functions},
         "rules": robot.rules,
     } | ({"about": robot.about} if robot.about else {})  # fmt: skip
-    try:
-        return Robot.model_validate(data)
-    except ValidationError as error:
-        raise DefinitionError(faults_of(error, Robot, data), robot.name) from None
+    return validated(Robot, data, robot.name)

@@ -11,8 +11,6 @@ from collections.abc import Callable, Iterator, Mapping
 from functools import partial
 from typing import Any
 
-from pydantic import ValidationError
-
 from rai_missions.engine import Chart
 from rai_missions.engine.activities.ticker import Trees
 from rai_missions.engine.step import Step
@@ -23,7 +21,7 @@ from rai_missions.journal import Record, StepRow
 from rai_missions.mission.json_reader import parse_json
 from rai_missions.mission.mission import Mission
 from rai_missions.profile import Robot, parse_profile, terms
-from rai_missions.validation_errors import faults_of
+from rai_missions.validation_errors import validated
 
 __all__ = ("JournalReplayer", "Predicates", "mission_of", "robot_of")
 
@@ -109,10 +107,7 @@ def mission_of(record: Record) -> Mission:
         sentence = "the mission has behaviours in Python and is not in its journal; give its file: --mission FILE.py"
         raise DefinitionError([Fault("", sentence)], source)
     data = parse_json(record.header.mission.encode("utf-8", "surrogatepass"), source)
-    try:
-        mission = Mission.model_validate(data)
-    except ValidationError as error:
-        raise DefinitionError(faults_of(error, Mission, data), source) from None
+    mission = validated(Mission, data, source)
     if faults := list(_of_other_versions(mission, record.header.versions)):
         raise DefinitionError(faults, source)
     return mission

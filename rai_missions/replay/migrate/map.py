@@ -10,13 +10,12 @@ import os
 from pathlib import Path
 from typing import Any
 
-from pydantic import Field, ValidationError
+from pydantic import Field
 
-from rai_missions.errors import DefinitionError
 from rai_missions.mission.json_reader import read_json
 from rai_missions.mission.schema import schema_of
 from rai_missions.model import Format, Json, MissionModel, Name, Text
-from rai_missions.validation_errors import faults_of
+from rai_missions.validation_errors import validated
 
 __all__ = ("Map", "load_map", "map_schema")
 
@@ -48,10 +47,7 @@ def load_map(path: str | os.PathLike[str]) -> Map:
     data = read_json(file)
     if isinstance(data, dict):
         data = {word: value for word, value in data.items() if word != "$schema"}
-    try:
-        return Map.model_validate(data)
-    except ValidationError as error:
-        raise DefinitionError(faults_of(error, Map, data), str(file)) from None
+    return validated(Map, data, str(file))
 
 
 def map_schema() -> dict[str, Any]:
