@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping
 from typing import TypeVar
 
 __all__ = ("knots",)
@@ -11,7 +11,7 @@ __all__ = ("knots",)
 Node = TypeVar("Node")
 
 
-def knots(follows: Mapping[Node, Sequence[Node]]) -> list[list[Node]]:
+def knots(follows: Mapping[Node, Iterable[Node]]) -> list[list[Node]]:
     """The parts within which every node leads to every other, those of a single node too.
 
     Args:
@@ -27,29 +27,34 @@ def knots(follows: Mapping[Node, Sequence[Node]]) -> list[list[Node]]:
     waiting: set[Node] = set()
     found: list[list[Node]] = []
     for root in follows:
-        work = [(root, iter(follows[root]))] if root not in number else []
+        work = [root] if root not in number else []
+        successors: dict[Node, Iterator[Node]] = {}
         while work:
-            node, successors = work[-1]
+            node = work[-1]
             if node not in number:
                 number[node] = low[node] = len(number)
                 stack.append(node)
                 waiting.add(node)
-            following = next((each for each in successors if each not in number), None)
-            if following is not None:
-                work.append((following, iter(follows[following])))
-                continue
-            work.pop()
-            low[node] = min([low[node], *(low[each] for each in follows[node] if each in waiting)])
-            if low[node] == number[node]:
-                knot = _cut(stack, node)
-                waiting.difference_update(knot)
-                found.append(sorted(knot, key=order.__getitem__))
+                successors[node] = iter(follows[node])
+            for following in successors[node]:
+                if following not in number:
+                    work.append(following)
+                    break
+                if following in waiting:
+                    low[node] = min(low[node], number[following])
+            else:
+                work.pop()
+                if work:
+                    low[work[-1]] = min(low[work[-1]], low[node])
+                if low[node] == number[node]:
+                    found.append(sorted(_cut(stack, waiting, node), key=order.__getitem__))
     return sorted(found, key=lambda knot: order[knot[0]])
 
 
-def _cut(stack: list[Node], last: Node) -> list[Node]:
+def _cut(stack: list[Node], waiting: set[Node], last: Node) -> list[Node]:
     """Take off the top of a stack, down to and with one."""
-    taken = [stack.pop()]
-    while taken[-1] is not last:
+    taken: list[Node] = []
+    while not taken or taken[-1] is not last:
         taken.append(stack.pop())
+        waiting.discard(taken[-1])
     return taken

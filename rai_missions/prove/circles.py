@@ -8,8 +8,9 @@ for ever only where nothing waits all the way round that is not taken in it.
 from __future__ import annotations
 
 from collections import defaultdict, deque
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Sequence
 
+from rai_missions.check.scc import knots
 from rai_missions.prove.state_graph import StateGraph
 
 __all__ = ("circling",)
@@ -22,7 +23,8 @@ def circling(space: StateGraph) -> list[int]:
     """The states through which time alone leads a silent run again and again, ascending."""
     steps = _endless(space)
     sets = space.sets
-    found = [each for part in _parts(steps) for each in part if _is_for_ever(part, steps, space.waiting, sets)]
+    parts = knots({number: [target for target, _ in after] for number, after in steps.items()})
+    found = [each for part in parts for each in part if _is_for_ever(part, steps, space.waiting, sets)]
     return sorted(found)
 
 
@@ -40,46 +42,6 @@ def _endless(space: StateGraph) -> Steps:
             if not left[source]:
                 waiting.append(source)
     return {number: [each for each in steps[number] if left.get(each[0])] for number, many in left.items() if many}
-
-
-def _parts(steps: Steps) -> Iterator[list[int]]:
-    """Strongly connected states (R. Tarjan, SIAM J. Comput. 1 (1972) 146), without recursion."""
-    index: dict[int, int] = {}
-    low: dict[int, int] = {}
-    stack: list[int] = []
-    on_stack: set[int] = set()
-    for root in steps:
-        if root in index:
-            continue
-        work = [(root, iter(steps[root]))]
-        index[root] = low[root] = len(index)
-        stack.append(root)
-        on_stack.add(root)
-        while work:
-            number, rest = work[-1]
-            for target, _ in rest:
-                if target not in index:
-                    index[target] = low[target] = len(index)
-                    stack.append(target)
-                    on_stack.add(target)
-                    work.append((target, iter(steps[target])))
-                    break
-                if target in on_stack:
-                    low[number] = min(low[number], index[target])
-            else:
-                work.pop()
-                if work:
-                    low[work[-1][0]] = min(low[work[-1][0]], low[number])
-                if low[number] == index[number]:
-                    yield _popped(stack, on_stack, number)
-
-
-def _popped(stack: list[int], on_stack: set[int], last: int) -> list[int]:
-    part: list[int] = []
-    while not part or part[-1] != last:
-        part.append(stack.pop())
-        on_stack.discard(part[-1])
-    return part
 
 
 def _is_for_ever(part: Iterable[int], steps: Steps, waiting: Sequence[int], sets: list[frozenset[str]]) -> bool:
