@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rai_missions.worlds.camera import Frame
-from rai_missions.worlds.detector_options import check_detector_options
+from rai_missions.worlds.options import check_detector_options
 from rai_missions.worlds.perception.detections import Box2D, ObjectDetection
 
 __all__ = ("DetectorErrors", "OpenSetDetector", "Thing")

@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 
 from rai_missions.worlds.desk.catalogue import lookalikes
 from rai_missions.worlds.desk.look import SeenBody
-from rai_missions.worlds.detector_options import check_detector_options
+from rai_missions.worlds.options import check_detector_options
 
 __all__ = ("MOST_ERRORS", "ClassifiedBody", "LookClassifier", "LookErrors", "ThingClass")
 

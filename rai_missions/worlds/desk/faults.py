@@ -19,6 +19,7 @@ from rai_missions.errors import UsageError, suggestion
 from rai_missions.worlds.desk.catalogue import KINDS
 from rai_missions.worlds.desk.scene import object_name, put_free
 from rai_missions.worlds.desk.scene_file import DESK, MIDDLE, DeskObject
+from rai_missions.worlds.options import check_names, check_number
 
 __all__ = ("DeskFaults", "FaultEvent", "Mischief")
 
@@ -85,13 +86,10 @@ class DeskFaults:
         """
         given = dict(options or {})
         known = [field.name for field in fields(cls)]
+        check_names("faults", given, known, called="option")
         for name, value in given.items():
-            if name not in known:
-                raise UsageError(f"faults: no option {name!r}{suggestion(name, known)}")
-            most = 60.0 if name in EVENTS else 1.0
-            is_number = isinstance(value, int | float) and not isinstance(value, bool)
-            if name not in ("plan", "seed") and not (is_number and 0 <= value <= most):
-                raise UsageError(f"faults: {name} takes a number from 0 to {most:g}, not {value!r}")
+            if name not in ("plan", "seed"):
+                check_number(f"faults: {name}", value, 0, 60 if name in EVENTS else 1)
             if name == "seed" and not isinstance(value, int):
                 raise UsageError(f"faults: seed takes a whole number, not {value!r}")
         plan = given.get("plan", ())

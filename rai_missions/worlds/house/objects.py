@@ -15,6 +15,7 @@ from typing import Any
 from rai_missions.errors import UsageError, suggestion
 from rai_missions.worlds.house.figures import COLOURS, FIGURES
 from rai_missions.worlds.house.layout import DEPTH_M, SPOTS, WIDTH_M, Spot
+from rai_missions.worlds.options import check_names
 
 __all__ = ("HouseObject", "Objects", "place_objects")
 
@@ -60,9 +61,7 @@ def place_objects(seed: int, wanted: Objects | None) -> tuple[HouseObject, ...]:
 
 def _fields(given: str | Mapping[str, Any]) -> dict[str, Any]:
     one = dict(given) if isinstance(given, Mapping) else {"kind": given}
-    for field in one:
-        if field not in FIELDS:
-            raise UsageError(f"objects: no field {field!r}{suggestion(field, FIELDS)}")
+    check_names("objects", one, FIELDS)
     for field, known in (("kind", FIGURES), ("spot", SPOTS), ("colour", COLOURS)):
         if (field == "kind" or field in one) and one.get(field) not in known:
             raise UsageError(f"objects: no {field} {one.get(field)!r}{suggestion(str(one.get(field)), known)}")

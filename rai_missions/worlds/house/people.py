@@ -18,6 +18,7 @@ from rai_missions.errors import UsageError, suggestion
 from rai_missions.worlds.house.costmap import Costmap
 from rai_missions.worlds.house.layout import DOORS, PLACES
 from rai_missions.worlds.house.planner import plan
+from rai_missions.worlds.options import check_names, check_number
 
 __all__ = ("People", "PersonPlan", "Resident", "residents")
 
@@ -82,16 +83,12 @@ def _given(one: Any) -> PersonPlan:
     known = [each.name for each in fields(PersonPlan)]
     if not isinstance(one, Mapping):
         raise UsageError(f"people: {one!r} is no person; give an object with the fields {', '.join(known)}")
-    for name in one:
-        if name not in known:
-            raise UsageError(f"people: no field {name!r}{suggestion(name, known)}")
+    check_names("people", one, known)
     person = PersonPlan(**one)
     for name, (least, most) in BOUNDS.items():
         value = getattr(person, name)
-        if name == "turn_deg" and value is None:
-            continue
-        if not isinstance(value, int | float) or isinstance(value, bool) or not least <= value <= most:
-            raise UsageError(f"people: {name} takes a number from {least:g} to {most}, not {value!r}")
+        if name != "turn_deg" or value is not None:
+            check_number(f"people: {name}", value, least, most)
     for name in FLAGS:
         if not isinstance(getattr(person, name), bool):
             raise UsageError(f"people: {name} takes true or false, not {getattr(person, name)!r}")

@@ -6,7 +6,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from rai_missions.errors import UsageError, suggestion
+from rai_missions.errors import UsageError
+from rai_missions.worlds.options import check_names
 from rai_missions.worlds.scene_files import read_scene_file
 
 __all__ = ("read_scene",)
@@ -23,7 +24,5 @@ def read_scene(scene: str | Mapping[str, Any] | None) -> Mapping[str, Any]:
     given: Any = read_scene_file(scene) if isinstance(scene, str) else (scene or {})
     if not isinstance(given, Mapping):
         raise UsageError(f"scene: {scene!r} holds no object; give one with {', '.join(WORDS)}")
-    for word in given:
-        if word not in WORDS:
-            raise UsageError(f"scene: no word {word!r}{suggestion(str(word), WORDS)}")
+    check_names("scene", given, WORDS, called="word")
     return given

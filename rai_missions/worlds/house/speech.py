@@ -9,8 +9,9 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
-from rai_missions.errors import UsageError, suggestion
+from rai_missions.errors import UsageError
 from rai_missions.worlds import messages
+from rai_missions.worlds.options import check_names
 
 __all__ = ("FROM_HUMAN", "HRI_MESSAGE", "Sentence", "Speech", "sentences")
 
@@ -54,9 +55,7 @@ def sentences(speech: Speech | Any) -> list[Sentence]:
 
 def _sentence(number: int, given: Any) -> Sentence:
     one = dict(given) if isinstance(given, Mapping) else {}
-    for name in one:
-        if name not in FIELDS:
-            raise UsageError(f"speech: no field {name!r}{suggestion(str(name), FIELDS)}")
+    check_names("speech", one, FIELDS)
     at_s, text = one.get("at_s"), one.get("text")
     if not isinstance(at_s, int | float) or isinstance(at_s, bool) or not 0 <= at_s <= 1e6:
         raise UsageError(f"speech: at_s takes the seconds since the start, not {at_s!r}")

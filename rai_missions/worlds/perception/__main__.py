@@ -13,7 +13,8 @@ from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
-from rai_missions.errors import ConnectorError, UsageError, suggestion
+from rai_missions.errors import ConnectorError, UsageError
+from rai_missions.worlds.options import check_names
 from rai_missions.worlds.perception.finder import FinderConfig, ObjectFinder
 from rai_missions.worlds.perception.projection import Mount
 
@@ -33,9 +34,7 @@ def read_config(path: str) -> FinderConfig:
     known = [each.name for each in fields(FinderConfig)]
     if not isinstance(given, Mapping):
         raise UsageError(f"{path}: give an object with the fields {', '.join(known)}")
-    for name in given:
-        if name not in known:
-            raise UsageError(f"{path}: no field {name!r}{suggestion(name, known)}")
+    check_names(path, given, known)
     mount = given.get("mount", {})
     try:
         return FinderConfig(**{**given, "mount": Mount(**mount)})
