@@ -78,7 +78,7 @@ class Key(MissionModel):
     fields: Annotated[dict[Name, TypeName], BeforeValidator(_field_types)] | None = None
     """An object's fields and their types."""
     frame: Text = ""
-    """The frame that a pose is given in."""
+    """The frame that a pose is given in; one without this frame does not fit."""
     about: Text = ""
     """What it means, in a sentence, with its unit; questions and reports show it."""
 
@@ -94,6 +94,8 @@ class Key(MissionModel):
             raise fault("initial", "a robot key has no 'initial': it is unknown until the robot reports it")
         if self.fields is not None and self.type != "object":
             raise fault("fields", f"only an object has 'fields', this is of type '{self.type}'")
+        if self.frame and self.type != "pose":
+            raise fault("frame", f"only a pose has a 'frame', this is of type '{self.type}'")
         if self.initial is not None and (why := type_error(self, self.initial)):
             raise fault("initial", f"'initial' does not fit: {why}")
         return self
@@ -130,7 +132,10 @@ _FITS: Mapping[str, Callable[[Any], bool]] = {
 def type_error(key: Key, value: Any) -> str:
     """Why a value does not fit a key; empty if it does."""
     if not _FITS[key.type](value):
-        return f"{clipped(repr(value), 80)} is not of type '{key.type}'"
+        like = '; a pose is {"x": 1.5, "y": 2, "yaw": 0}, in metres and radians' if key.type == "pose" else ""
+        return f"{clipped(repr(value), 80)} is not of type '{key.type}'{like}"
+    if key.frame and value.get("frame") != key.frame:
+        return f'{clipped(repr(value), 80)} is not in the frame of this key; it needs "frame": "{key.frame}"'
     for name, kind in (key.fields or {}).items():
         if name in value and value[name] is not None and not _FITS[kind](value[name]):
             return f"field '{name}': {clipped(repr(value[name]), 80)} is not of type '{kind}'"

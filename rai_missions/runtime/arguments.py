@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from rai_missions.errors import DefinitionError, Fault
+from rai_missions.errors import DefinitionError, Fault, suggestion
 from rai_missions.keys import type_error
 from rai_missions.mission.mission import Mission
 
@@ -28,7 +28,7 @@ def accepted(mission: Mission, arguments: Mapping[str, Any], *, whole: bool = Tr
     faults = [
         Fault(
             f"/blackboard/{name}",
-            f"the mission takes no argument '{name}'; it takes: {', '.join(sorted(takes)) or 'none'}",
+            f"the mission takes no argument '{name}'{suggestion(name, takes)}",
         )
         for name in arguments
         if name not in takes

@@ -51,7 +51,7 @@ def faults(tmp_path: Path, words: dict[str, Any]) -> str:
      "/rollouts/later/agent/choosing: 'choosing' has no option 'lft'; did you mean 'left'?"),
     ({"scenes": {"given": [{"scene": "a", "kind": "b", "seed": 1, "later": {"agent": {"chosing": "left"}}}]}},
      "/scenes/given/0/later/agent/chosing: 'chosing' is no decision of the mission; did you mean 'choosing'?"),
-    ({"arguments": {"deep": 1}}, "/arguments/deep: the mission takes no argument 'deep'; it takes: depth"),
+    ({"arguments": {"deep": 1}}, "/arguments/deep: the mission takes no argument 'deep'; did you mean 'depth'"),
     ({"arguments": {"depth": "deep"}}, "/arguments/depth: the argument does not fit"),
     ({"scenes": {"world": "orchrd", "seeds": [1]}},
      "/scenes/world: there is no world 'orchrd'; did you mean 'orchard'?"),

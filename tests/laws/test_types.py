@@ -9,19 +9,20 @@ from typing import Any
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from pydantic import ValidationError
 
 from rai_missions.engine import Chart
 from rai_missions.engine.step import Ask, CallService, StartGoal, Step
 from rai_missions.engine.trees import CompiledTrees
 from rai_missions.event import Event
-from rai_missions.keys import type_error
+from rai_missions.keys import Key, type_error
 from rai_missions.mission.mission import Mission
 
 Json = dict[str, Any]
-TYPES = ("string", "number", "integer", "boolean", "object", "list", "pose")
+TYPES = ("string", "number", "integer", "boolean", "object", "list", "pose", "pose in map")
 VALUES: tuple[Any, ...] = (
     "seven", "", 7, -1, 0.5, 5.0, 1e308, 10**400, True, False, {}, {"x": 1.0, "y": 2.0}, {"x": "far", "y": 0},
-    [], [1, "a"],
+    {"x": 1.0, "y": 2.0, "frame": "map"}, {"x": 1.0, "y": 2.0, "frame": "odom"}, [], [1, "a"],
 )  # fmt: skip
 DOORS = ("event", "raised", "later", "add", "robot", "result", "call", "leaf", "answer", "each", "tree", "tree_add")
 """The ways by which something from elsewhere comes to be written."""
@@ -30,7 +31,8 @@ values = st.sampled_from(VALUES)
 
 def mission_of(door: str, type_name: str, amount: float) -> Mission:
     """A mission in which the key `k` is written through one door, and `free` holds anything."""
-    key: Json = {"type": type_name, **({"source": "answer"} if door == "answer" else {})}
+    kind, _, frame = type_name.partition(" in ")
+    key: Json = {"type": kind, "frame": frame, **({"source": "answer"} if door == "answer" else {})}
     take: Json = {"set": "k", "from": "event.v"}
     options = {"go": {"parameters": {"type": "object"}}, "stay": {}}
     passed_on: Json = {"raise": "f", "data": {"v": {"from": "event.v"}}}
@@ -112,6 +114,21 @@ def test_what_is_reported_about_a_write_that_does_not_fit() -> None:
     made = Chart(mission_of("add", "string", 1), CompiledTrees())
     made.write("k", "five", at=0.0)
     assert through("add", made, 0)[0].notes == ("'k' was not written: nothing can be added to 'five'",)
+
+
+def test_a_key_with_a_frame_takes_poses_of_that_frame_alone() -> None:
+    key = Key.model_validate({"type": "pose", "frame": "map"})
+    assert type_error(key, {"x": 1, "y": 2, "frame": "map"}) == ""
+    for given_frame in ({}, {"frame": ""}, {"frame": "odom"}):
+        assert type_error(key, {"x": 1, "y": 2, **given_frame}).endswith(
+            """is not in the frame of this key; it needs "frame": "map\""""
+        )
+    assert (
+        type_error(key, 5)
+        == """5 is not of type 'pose'; a pose is {"x": 1.5, "y": 2, "yaw": 0}, in metres and radians"""
+    )
+    with pytest.raises(ValidationError, match="only a pose has a 'frame', this is of type 'list'"):
+        Key.model_validate({"type": "list", "frame": "map"})
 
 
 def test_an_item_that_does_not_fit_ends_its_each_instead_of_a_round_with_the_item_before() -> None:

@@ -322,7 +322,7 @@ def test_what_is_no_order_is_answered_with_why(active: Client, text: str, why: s
 def test_arguments_come_with_the_start_and_are_checked(scene: Scene) -> None:
     scene.client.activate()
     reported = scene.client.command(command="start", arguments={"sped": 2})
-    assert "the mission takes no argument 'sped'; it takes: speed" in reported["why"]
+    assert "the mission takes no argument 'sped'; did you mean 'speed'" in reported["why"]
     assert "does not fit" in scene.client.command(command="start", arguments={"speed": "fast"})["why"]
     assert scene.client.command(command="start", arguments={"speed": 2})["success"]
 

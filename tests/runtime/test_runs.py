@@ -246,7 +246,7 @@ def test_a_mission_may_end_as_it_starts() -> None:
 @pytest.mark.parametrize(
     ("arguments", "sentence"),
     [
-        ({"sped": 1.0}, "the mission takes no argument 'sped'; it takes: speed"),
+        ({"sped": 1.0}, "the mission takes no argument 'sped'; did you mean 'speed'"),
         ({"speed": "fast"}, "the argument does not fit: 'fast' is not of type 'number'"),
         ({"count": 3}, "the mission takes no argument 'count'"),
     ],
