@@ -11,6 +11,7 @@ import argparse
 import sys
 import threading
 from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from typing import NamedTuple
 
@@ -138,7 +139,10 @@ class Person:
                     return
             spoken += not self._receive(sentence.text)
             with self._changed:
-                self._changed.wait_for(lambda count=spoken: self._answered >= count or self._over.is_set())
+                self._changed.wait_for(partial(self._is_answered, spoken))
+
+    def _is_answered(self, count: int) -> bool:
+        return self._answered >= count or self._over.is_set()
 
 
 def play(scene: Scene, show: Callable[[str], None], *, model: BaseChatModel | None = None) -> Result:
