@@ -54,14 +54,15 @@ class Reports:
     def __init__(self, language: Language, results: Sequence[str] = ()) -> None:
         self._language, self._results = language, results
         self._all: dict[str, MissionReport] = {}
-        self._waits = ""
+        self._run = self._waits = ""
         self.is_speaker_alive = True
 
     def follow(self, view: StatusView, at: float) -> None:
-        """Add what the run's new status makes due."""
+        """Add what the run's new status makes due; what a process before this one may have spoken is a repetition."""
+        repeated, self._run = view.is_resumed and view.run != self._run, view.run
         for identity, text, priority in self._new(view):
             if identity not in self._all:
-                self._all[identity] = MissionReport(identity, text, priority, due=at)
+                self._all[identity] = MissionReport(identity, text, priority, due=at, repeated=repeated)
         self._forget(view.run or "run")
 
     def _forget(self, run: str) -> None:

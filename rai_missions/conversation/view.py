@@ -14,7 +14,7 @@ from rai_missions.keys import Source, TypeName
 
 __all__ = ("HappeningKind", "KeyView", "MissionView", "ProgressView", "RunEvent", "StatusView")
 
-HappeningKind = Literal["entered", "event", "command", "answered", "control", "ended"]
+HappeningKind = Literal["entered", "event", "command", "answered", "control", "continued", "ended"]
 
 
 class KeyView(NamedTuple):
@@ -74,6 +74,8 @@ class StatusView(NamedTuple):
     """Seconds on the run's clock."""
     run: str = ""
     """The run's id; empty while there is none. Reports are counted by it."""
+    is_resumed: bool = False
+    """Another process began it, and may have spoken its reports."""
     revision: int = 0
     """`Status.revision`."""
     mode: str = ""

@@ -124,6 +124,11 @@ class Runner(RunCommands):
         """It waits for a command to start, or to resume before the start; of a run that is over, it never began."""
         return self._waits or self._chart.held_back
 
+    @property
+    def is_resumed(self) -> bool:
+        """Another process began it."""
+        return self._resumed is not None
+
     def start(self, arguments: Mapping[str, Any]) -> str:
         """Begin a run that waits for this command, or was paused before its start; from any thread.
 

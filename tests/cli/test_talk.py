@@ -258,6 +258,10 @@ def test_a_run_that_was_killed_before_its_start_waits_for_it_again(mission: Path
         capture_output=True, timeout=PATIENCE_S, check=False,
     )  # fmt: skip
     assert "is ready to start" in resumed.stdout and "done := 2" in resumed.stdout, resumed
+    assert (
+        "Again: The mission 'errand' is ready" in resumed.stdout
+        and "Again: The mission 'errand' has" not in resumed.stdout
+    )
     assert main(["verify", str(journal)]) == 0
 
 

@@ -25,6 +25,7 @@ from rai_missions.conversation import (
     permissions,
 )
 from rai_missions.conversation.sentences import SentenceStream, sentences
+from rai_missions.engine.decision import Offer, Question
 from rai_missions.errors import UsageError
 
 RUNNING = StatusView(run="r", mode="running", mission="patrol")
@@ -78,6 +79,16 @@ def test_why_it_stopped_is_known_before_the_run_has_taken_the_order(order: str) 
     assert "operator Anna (terminal)" in why(1.0)
     dialogue.on_order_end(OrderEnd(number, "the mission has ended", 2.0))
     assert "Anna" not in why(2.0)
+
+
+def test_what_a_process_before_may_have_reported_is_marked_as_repeated_and_nothing_later() -> None:
+    question = Question(1, "asking", "operator", "Which way?", (Offer("left"),))
+    resumed = RUNNING._replace(is_resumed=True, questions=(question,))
+    dialogue = Dialogue()
+    first = dialogue.on_status(resumed, 0.0)
+    later = dialogue.on_status(resumed._replace(questions=(question._replace(number=2),)), 1.0)
+    reports = {each.report: each.repeated for each in (*first, *later) if isinstance(each, Speech)}
+    assert reports == {"r:start": True, "r:question:1": True, "r:question:2": False}
 
 
 def test_a_profile_adds_to_what_a_role_may() -> None:

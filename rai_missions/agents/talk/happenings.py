@@ -22,6 +22,8 @@ def happenings(step: Step, states: Mapping[str, str], events: Mapping[str, str])
     event, by = step.event, str(step.event.data.get("by", ""))
     if event.kind == "event" and not step.ignored:
         yield RunEvent("event", event.name, step.at, events.get(event.name, ""))
+    elif event.kind == "command" and event.name == "take_up":
+        yield RunEvent("continued", "", step.at)
     elif event.kind == "command" and not step.refusal:
         yield RunEvent("command", event.name, step.at, by=by)
     elif event.kind == "control" and not step.refusal:

@@ -94,7 +94,8 @@ class RunStatus:
             name for _, name, _ in mission.walk() if name in run.active
         )  # fmt: skip
         return StatusView(
-            at=now, run=self._runner.run_id, revision=status.revision if status is not None else 0,
+            at=now, run=self._runner.run_id, is_resumed=self._runner.is_resumed,
+            revision=status.revision if status is not None else 0,
             mode=run.outcome or run.mode, awaits_start=self._runner.waits, control=run.holder, active=active,
             outcome=run.outcome, why=run.why,
             waits=status.waits if status is not None else "", held_by=run.held_by, held_since=run.held_since,

@@ -123,12 +123,15 @@ class TalkRuns:
         )  # fmt: skip
 
     def follow(self, prepared: PreparedRun) -> None:
-        """A run that followed is the one that is talked about now; what was ordered is carried out with it."""
+        """A run that followed is the one that is talked about now; what was ordered is carried out with it.
+
+        A start that was ordered while the run was prepared begins it where it waits.
+        """
         runner = self.begin(prepared)
         with self._lock:
             ordered, self._ordered = self._ordered, None
         if ordered is not None:
-            ordered.on_end("")
+            ordered.on_end(runner.start(ordered.order.arguments) if runner.waits else "")
         if self._is_interrupted:
             runner.cancel(BY)
 

@@ -1,0 +1,39 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Which run follows another in one conversation, where an order comes in the moment between the two."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from rai_missions.agents.mission import RunConfig, prepare
+from rai_missions.cli.run.talk_runs import TalkRuns
+from rai_missions.conversation import Order
+from rai_missions.mission.mission import Mission
+from rai_missions.runtime.clock import SimulatedClock
+
+MISSION: dict[str, Any] = {
+    "format": 1, "name": "errand", "initial": "waiting",
+    "blackboard": {"rounds": {"type": "integer", "source": "argument", "initial": 1}},
+    "states": {"waiting": {"transitions": [{"after_s": 1, "to": "over"}]}, "over": {"final": "aborted"}},
+}  # fmt: skip
+START = Order(1, "start", "operator", "page", "", "errand", {"rounds": 3})
+
+
+def test_a_start_that_is_ordered_while_the_next_run_is_prepared_begins_that_run() -> None:
+    config = RunConfig(Mission.model_validate(MISSION), clock=SimulatedClock(), waits=True)
+    ends = list[str]()
+    with prepare(config) as first:
+        runs = TalkRuns(config, waits=True, is_reachable=lambda: True)
+        runs.begin(first)
+        assert first.runner.start({}) == ""
+        assert first.runner.run().outcome == "aborted"
+        second = runs.following()
+        assert second is not None
+        runs.order(START, ends.append)
+        runs.follow(second)
+        runner = second.runner
+        runner.call_soon(lambda: runner.cancel("test") if runner.waits else None)  # where the order was lost
+        runner.run()
+        assert ends == [""] and not runner.waits, "it never began"
+        assert runner.view.board["rounds"].value == 3
+        second.close()
