@@ -66,8 +66,8 @@ class ConversationalAgent:
         model: What is asked where the rules know no answer; None: then it does not know.
         doors: Where people speak and write, and where the robot does.
         robot: Who the robot is.
-        start: Begins another run where one is over and a person orders so, at once or from those that wait; None: then
-            that is refused, and none waits.
+        start: Begins another run where one is over and a person orders so, at once or from those that wait, and takes
+            back by "stop" what it has not begun; None: then that is refused, and none waits.
         now: The dialogue's clock, in seconds; the wall's by default.
     """
 
@@ -302,11 +302,11 @@ class ConversationalAgent:
             )
 
         run = self._attached
-        if order.name == "start" and (run is None or run.status.view().outcome is not None):
-            if self._start is None:
-                on_end("no other mission can be begun here")
-            else:
-                self._start(order, on_end)
+        is_over = run is None or run.status.view().outcome is not None
+        if order.name in ("start", "stop") and is_over and self._start is not None:
+            self._start(order, on_end)
+        elif order.name == "start" and is_over:
+            on_end("no other mission can be begun here")
         elif run is None:
             on_end("no mission is running")
         else:

@@ -86,25 +86,25 @@ class Dialogue:
                 self._models.ask(utterance, number)
             elif handling == "stopped":
                 self._models.drop_all()
-        return self._talk.taken()
+        return self._end()
 
     def on_status(self, view: StatusView, at: float) -> tuple[Output, ...]:
         """The run has changed: each change of `Status`, of the open question, and of the run itself."""
         self._begin(at)
         self._follow(view)
-        return self._talk.taken()
+        return self._end()
 
     def on_mission_speech(self, text: str, at: float) -> tuple[Output, ...]:
         """The mission's own effect `say`: its author's sentence, spoken as it is."""
         self._begin(at)
         self._speaking.speak(text, priority="chatter")
-        return self._talk.taken()
+        return self._end()
 
     def on_model(self, reply: ModelText) -> tuple[Output, ...]:
         """A piece of a model's reply."""
         self._begin(reply.at)
         self._models.on_text(reply)
-        return self._talk.taken()
+        return self._end()
 
     def on_speech_end(self, end: SpeechEnd) -> tuple[Output, ...]:
         """A speech has ended."""
@@ -112,30 +112,34 @@ class Dialogue:
         if self._speaking.on_end(end):
             self._orders.on_speech_end(end)
             self._models.on_speech_end(end)
-        return self._talk.taken()
+        return self._end()
 
     def on_order_end(self, end: OrderEnd) -> tuple[Output, ...]:
         """An order was carried out, or refused by what should do so."""
         self._begin(end.at)
         self._orders.on_order_end(end)
-        return self._talk.taken()
+        return self._end()
 
     def on_speaker(self, *, is_alive: bool, at: float) -> tuple[Output, ...]:
         """The speaker died, or speaks again: what it did not speak follows then, marked as repeated."""
         self._begin(at)
         self._speaking.on_speaker(is_alive=is_alive)
-        return self._talk.taken()
+        return self._end()
 
     def on_time(self, at: float) -> tuple[Output, ...]:
         """Time has passed: confirmations expire, a model is not waited for any longer, an owed report follows."""
         self._begin(at)
-        return self._talk.taken()
+        return self._end()
 
     def _begin(self, at: float) -> None:
         self._talk.pass_time(at)
         self._orders.on_time()
         self._models.on_time()
         self._speaking.on_time()
+
+    def _end(self) -> tuple[Output, ...]:
+        self._orders.begin_requests()  # last of all: a stop in this input drops them
+        return self._talk.taken()
 
     def _follow(self, view: StatusView) -> None:
         before = self._talk.follow(view)

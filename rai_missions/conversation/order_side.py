@@ -318,7 +318,7 @@ class OrderSide:
         self._talk.note("void", order=order_data(pending.sense), by=by)
         if by in ("time", "changed", "replaced"):
             self._speaking.reply(f"void_{by}", pending.utterance, 0, order=pending.words)
-        if by == "time" and pending.is_request:
+        if by in ("time", "unspoken") and pending.is_request:
             self._requests.drop("requests_unanswered")
 
     def _decide(self, utterance: Utterance, number: int, *, is_yes: bool, agreeing: int) -> None:
@@ -334,8 +334,6 @@ class OrderSide:
             self._pending = None
             self._talk.note("void", order=order_data(pending.sense), by="no", number=number)
             self._speaking.reply("dropped", utterance, number)
-            if pending.is_request:
-                self._next_request()
         elif utterance.is_spoken and agreeing < 2:
             self._talk.note("refused", number=number, order="confirm", by="recognisers")
             self._speaking.reply("two_needed", utterance, number, order=pending.words)
@@ -367,6 +365,12 @@ class OrderSide:
         if view.mode and not is_alive(view) and view.run != self._ended_run:
             self._ended_run = view.run
             self._starting_until = float("-inf")
+
+    def begin_requests(self) -> None:
+        """The next request has its turn where no mission runs or is about to, and no one is asked for another."""
+        while self._requests and self._pending is None and self._talk.now >= self._starting_until:
+            if is_alive(self._talk.view):
+                return
             self._next_request()
 
     def _next_request(self) -> None:

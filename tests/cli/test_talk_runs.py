@@ -37,3 +37,24 @@ def test_a_start_that_is_ordered_while_the_next_run_is_prepared_begins_that_run(
         assert ends == [""] and not runner.waits, "it never began"
         assert runner.view.board["rounds"].value == 3
         second.close()
+
+
+def test_a_stop_keeps_back_the_run_whose_start_was_ordered_and_has_not_begun() -> None:
+    config = RunConfig(Mission.model_validate(MISSION), clock=SimulatedClock())
+    ends, stops = list[str](), list[str]()
+    with prepare(config) as first:
+        runs = TalkRuns(config, waits=False, is_reachable=lambda: True)
+        runs.begin(first)
+        assert first.runner.run().outcome == "aborted"
+        runs.order(START, ends.append)
+        runs.order(START._replace(name="stop"), stops.append)
+        assert not runs.is_continued and stops == [""] and "stopped before it began" in ends[0]
+        runs.order(START, ends.append)
+        second = runs.following()
+        assert second is not None
+        runs.order(START._replace(name="stop"), stops.append)
+        runs.follow(second)
+        runner = second.runner
+        runner.call_soon(lambda: runner.cancel("test"))
+        assert (runner.run().outcome, runner.waits) == ("canceled", True), "it never began"
+        second.close()

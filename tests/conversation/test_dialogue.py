@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import json
+from itertools import chain
 from typing import Any
 
 import pytest
@@ -79,6 +80,43 @@ def test_why_it_stopped_is_known_before_the_run_has_taken_the_order(order: str) 
     assert "operator Anna (terminal)" in why(1.0)
     dialogue.on_order_end(OrderEnd(number, "the mission has ended", 2.0))
     assert "Anna" not in why(2.0)
+
+
+PATROL = RUNNING._replace(missions=(MissionView("patrol"), MissionView("tour")))
+HAPPENS = tuple(
+    each.split(", ") for each in (
+        "start the patrol, yes", "start the tour, yes", "start the tour", "yes", "no", "stop", "what is that?",
+        "failed", "succeeded", "begins", "refused", "waits",
+    )
+)  # fmt: skip
+
+
+@given(st.lists(st.sampled_from(HAPPENS), max_size=12).map(lambda each: [*chain(*each)]))
+@settings(max_examples=100, deadline=None, derandomize=True)
+def test_a_request_waits_for_something_and_none_begins_after_a_stop(happens: list[str]) -> None:
+    view, at, may_begin = PATROL, 0.0, False
+    dialogue, orders = Dialogue(Settings(requests="queue"), view), list[int]()
+    for happening in (*happens, "failed", "what is that?", *["waits"] * 5):
+        at += 25.0 if happening == "waits" else 0.5
+        if happening in ("failed", "succeeded"):
+            view = view._replace(mode=happening, outcome=happening)
+        elif happening == "begins":
+            view = view._replace(run=f"r{at}", mode="running", outcome=None)
+        outputs = dialogue.on_time(at)
+        if happening in ("refused", "waits"):
+            outputs += tuple(each for number in orders for each in dialogue.on_order_end(OrderEnd(number, "no", at)))
+            orders.clear()
+        elif happening in ("failed", "succeeded") and at % 2:
+            outputs += dialogue.on_status(view, at)  # else the next sentence comes before it is seen
+        elif happening not in ("failed", "succeeded", "begins"):
+            outputs += dialogue.on_utterance(Utterance(happening, "operator", "terminal", at=at), view)
+        may_begin = (may_begin or happening == "yes") and happening != "stop"
+        starts = [each.number for each in outputs if isinstance(each, Order) and each.name == "start"]
+        assert may_begin or not starts, "it began after a stop"
+        orders += starts
+    outputs = dialogue.on_utterance(Utterance("what did I order?", "operator", "terminal", at=at), view)
+    texts = [each.text for each in outputs if isinstance(each, Speech) and not each.report]
+    assert not any("wait" in text for text in texts), texts
 
 
 def test_what_a_process_before_may_have_reported_is_marked_as_repeated_and_nothing_later() -> None:

@@ -27,6 +27,8 @@ __all__ = ("TalkRuns",)
 
 NO_INPUT = "operator (end of input)"
 """Who cancels a run that waits to be started where no one can start it any more."""
+WITHDRAWN = "operator (stop)"
+"""Who stops a run that was begun by an order to which a stop came."""
 
 
 class OrderedRun(NamedTuple):
@@ -63,7 +65,11 @@ class TalkRuns:
     # -- from any thread ----------------------------------------------------------------------------------------------
 
     def order(self, order: Order, on_end: OnOrderEnd) -> None:
-        """Begin another run, since one is over."""
+        """Begin another run, since one is over; or, by a stop, none that was ordered."""
+        if order.name == "stop":
+            self._withdraw(f"it was stopped before it began: {order.role} ({order.channel})")
+            on_end("")
+            return
         before = self._before
         why = self._why_not(before, order) if before is not None else "no run was prepared"
         with self._lock:
@@ -125,23 +131,30 @@ class TalkRuns:
     def follow(self, prepared: PreparedRun) -> None:
         """A run that followed is the one that is talked about now; what was ordered is carried out with it.
 
-        A start that was ordered while the run was prepared begins it where it waits.
+        A start that was ordered while the run was prepared begins it where it waits; one that was withdrawn meanwhile
+        leaves it stopped before its start.
         """
         runner = self.begin(prepared)
         with self._lock:
             ordered, self._ordered = self._ordered, None
         if ordered is not None:
             ordered.on_end(runner.start(ordered.order.arguments) if runner.waits else "")
+        elif not runner.waits:
+            runner.stop(WITHDRAWN)
         if self._is_interrupted:
             runner.cancel(BY)
 
     def close(self) -> None:
         """No other run follows."""
+        before = self._before
+        self._withdraw((before.why_last if before is not None else "") or "the program ends")
+
+    def _withdraw(self, why: str) -> None:
+        """No start is ordered any more."""
         with self._lock:
             ordered, self._ordered = self._ordered, None
         if ordered is not None:
-            before = self._before
-            ordered.on_end((before.why_last if before is not None else "") or "the program ends")
+            ordered.on_end(why)
 
     def _why_not(self, before: PreparedRun, order: Order) -> str:
         if before.why_last:
