@@ -34,10 +34,15 @@ class WebCommands:
         session: The run.
         answers: Whether the page may answer as the operator.
         note: Writes into the run's journal.
+        on_late_stop: Receives who gave an e-stop that found the run over: none is to follow it.
     """
 
-    def __init__(self, session: RunSession, *, answers: bool, note: Callable[[str], object]) -> None:
+    def __init__(
+        self, session: RunSession, *, answers: bool, note: Callable[[str], object],
+        on_late_stop: Callable[[str], object] = lambda by: None,
+    ) -> None:  # fmt: skip
         self._session, self._answers, self._note = session, answers, note
+        self._on_late_stop = on_late_stop
 
     def submit(self, text: str, on_reply: ReplyCallback) -> None:
         """Take an order, as JSON that anybody may have written; never waits."""
@@ -71,6 +76,8 @@ class WebCommands:
 
     def _reply(self, order: Command, on_reply: ReplyCallback, reply: CommandReply, *, has_arrived: bool) -> None:
         """What the engine has received is in the journal with its answer; the rest is noted here."""
+        if order.command == "e_stop" and self._session.is_over:
+            self._on_late_stop(order.by)
         if not reply.success and not has_arrived:
             what = f"{order.command} {order.to or order.option}".strip()
             try:

@@ -9,6 +9,8 @@ from rai_missions.agents.mission import RunConfig, prepare
 from rai_missions.cli.run.talk_runs import TalkRuns
 from rai_missions.conversation import Order
 from rai_missions.mission.mission import Mission
+from rai_missions.node.run_session import RunSession
+from rai_missions.node.web_operator import WebCommands
 from rai_missions.runtime.clock import SimulatedClock
 
 MISSION: dict[str, Any] = {
@@ -58,3 +60,17 @@ def test_a_stop_keeps_back_the_run_whose_start_was_ordered_and_has_not_begun() -
         runner.call_soon(lambda: runner.cancel("test"))
         assert (runner.run().outcome, runner.waits) == ("canceled", True), "it never began"
         second.close()
+
+
+def test_an_e_stop_that_finds_the_run_over_has_no_other_follow() -> None:
+    config = RunConfig(Mission.model_validate(MISSION), clock=SimulatedClock())
+    replies = list[tuple[bool, str]]()
+    with prepare(config) as first:
+        runs = TalkRuns(config, waits=False, is_reachable=lambda: True)
+        session = RunSession(runs.begin(first), None)
+        page = WebCommands(session, answers=True, note=first.runner.note, on_late_stop=runs.kill)
+        session.run()
+        runs.order(START, print)
+        assert runs.is_continued
+        page.submit('{"command": "e_stop"}', lambda success, why: replies.append((success, why)))
+        assert replies == [(False, "the mission has ended")] and not runs.is_continued

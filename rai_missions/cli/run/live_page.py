@@ -194,7 +194,8 @@ class RunPage:
         path = str(journal.path) if journal is not None else ""
         about = {"run": runner.run_id, "journal": path, "answers": self._operator}
         shown = ShownRun(
-            course, ClosedOptions(prepared.mission), WebCommands(course, answers=self._operator, note=runner.note),
+            course, ClosedOptions(prepared.mission),
+            WebCommands(course, answers=self._operator, note=runner.note, on_late_stop=self._stop_late),
             f"run {runner.run_id} · {path}",
         )  # fmt: skip
         self._shown, is_first = shown, self._shown is None
@@ -212,6 +213,10 @@ class RunPage:
         """Carry a page's order to the run that it shows."""
         assert self._shown is not None
         self._shown.desk.submit(text, on_reply)
+
+    def _stop_late(self, by: str) -> None:
+        if self._talk is not None:
+            self._talk.kill(by)
 
     def _start(self, mission: Mission, about: dict[str, Any]) -> None:
         """Serve the page from now on."""

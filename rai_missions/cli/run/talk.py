@@ -224,12 +224,19 @@ class TalkSession:
             runs.interrupt(by)
             agent.decide_nothing()
 
-        with interruptible(interrupt, runs.kill, "canceling"):
+        with interruptible(interrupt, self.kill, "canceling"):
             yield
 
     def _order_next(self, order: Order, on_end: OnOrderEnd) -> None:
         assert self._runs is not None
         self._runs.order(order, on_end)
+
+    def kill(self, by: str) -> None:
+        """An e-stop: the run that there is ends at once, and no other follows; from any thread."""
+        runs, agent = self._runs, self.agent
+        if runs is not None and agent is not None:
+            runs.kill(by)
+            agent.decide_nothing()
 
     @property
     def _is_reachable(self) -> bool:
