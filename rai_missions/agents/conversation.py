@@ -40,7 +40,7 @@ from rai_missions.conversation import (
 from rai_missions.conversation.inputs import SpeechResult
 from rai_missions.engine.step import Step
 from rai_missions.event import Role
-from rai_missions.redaction import logger
+from rai_missions.redaction import logger, redacted
 from rai_missions.runtime.lifecycle import Status
 from rai_missions.runtime.runner import Runner
 
@@ -165,7 +165,7 @@ class ConversationalAgent:
         self, text: str, *, role: Role, channel: str, author: str = "", readings: tuple[str, ...] = (),
         message_id: str = "",
     ) -> str:  # fmt: skip
-        """A person's sentence, from any thread; why it is not taken, or empty.
+        """A person's sentence, from any thread; why it is not taken, or empty. A secret in it is hidden here.
 
         Args:
             text: The sentence.
@@ -186,7 +186,8 @@ class ConversationalAgent:
             if self._waiting >= MOST_WAITING and not self.is_stop(text):
                 return f"{MOST_WAITING} sentences wait already; speak again in a moment"
             self._waiting += 1
-        sentence = Utterance(text, role, channel, author, 0.0, readings, message_id)
+        words = tuple(map(redacted, readings))
+        sentence = Utterance(redacted(text), role, channel, redacted(author), 0.0, words, message_id)
         self._worker.post(partial(self._take, sentence))
         return ""
 

@@ -1,0 +1,35 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Secrets in a conversation: a person utters them, a model repeats them, and no door, journal or history has them."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+from rai_missions.runtime.clock import WallClock
+from tests.agents.talk.scenes import RepliesModel, Talk
+from tests.rigs.runs import mission
+
+KNOWN, SHAPED = "canary-key-4b1d", "sk-proj-Qk3mQ9vT7wXyB2nC5dF8hJ"
+MOVING: dict[str, Any] = {
+    "moving": {"action": "move", "timeout_s": 600, "transitions": [{"on": "succeeded", "to": "over"}]},
+    "over": {"final": "aborted"},
+}  # fmt: skip
+
+
+def test_nothing_of_a_conversation_holds_a_secret_that_a_person_or_a_model_utters(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setenv("STRANGERS_API_KEY", KNOWN)
+    model, author = RepliesModel(reply=f"Apples cost {KNOWN} {SHAPED}. Nice."), f"Anna {KNOWN}"
+    with Talk(mission(MOVING), clock=WallClock(), model=model) as talk:
+        talk.screen.until(lambda line: "started" in line.text)
+        talk.order(f"what of {KNOWN} {SHAPED}", author=author)
+        talk.screen.until(lambda line: line.way == "model")
+        for text in (f"start the {KNOWN}", "cancel the mission", "yes"):
+            talk.order(text, author=author)
+        talk.end()
+        talk.agent.conclude(5.0)
+    left = repr((talk.screen.lines, talk.book.data, talk.book.steps, talk.agent._dialogue.history))
+    assert "[hidden]" in left and KNOWN not in left and SHAPED not in left
