@@ -55,10 +55,19 @@ def unknown_events(survey: MissionIndex) -> Found:
         own = tuple(source.options) if source is not None else ()
         for place, word in _listed(f"{transition.place}/on", transition.definition.on):
             if word != ANY_EVENT and word not in words and word not in own:
-                yield place, _unknown_trigger(word, own, words, options)
+                yield place, _of_another_sort(word, survey) or _unknown_trigger(word, own, words, options)
     for effect, place, _ in survey.effects:
         if isinstance(effect, Raise) and effect.event not in survey.events:
             yield f"{place}/raise", survey.events.missing(effect.event)
+
+
+def _of_another_sort(word: str, survey: MissionIndex) -> str:
+    """The sentence on a word that fires nothing, but names a state or a key; empty for any other."""
+    if word in survey.states:
+        return f"'{word}' is a state, and no event; name it in 'to' to lead there"
+    if word in survey.keys:
+        return f"'{word}' is a key, and no event; compare it in 'when'"
+    return ""
 
 
 def _unknown_trigger(word: str, own: tuple[str, ...], words: Lexicon, options: dict[str, StateRef]) -> str:
