@@ -8,12 +8,14 @@ from __future__ import annotations
 
 from collections import Counter, deque
 from collections.abc import Callable, Collection, Iterable, Sequence
+from itertools import chain
 from typing import NamedTuple
 
 from rai_missions.prove.environment import Environment
 from rai_missions.prove.limits import MOST_STATES, Limits, Meter
 from rai_missions.prove.loops import Level, Loop
-from rai_missions.prove.part_steps import BITS, CHANGE, END, MOVE, Course, PartSteps
+from rai_missions.prove.part_courses import BITS, CHANGE, END, MOVE, NotedArrival
+from rai_missions.prove.part_steps import PartSteps
 from rai_missions.prove.region_parts import PartNumbers, RegionParts
 from rai_missions.prove.regions import Regions
 from rai_missions.prove.separate_regions import EntangledError, SeparateRegions, may_be_apart
@@ -94,13 +96,16 @@ class Space(StateGraph):
         self._every_goal = self._stores.question([ALL_GOALS])
         self.fresh = environment.codec.place()
         """Before the start."""
-        self._frontier: deque[tuple[int, bytes | PartNumbers, SavedState | None, Store, int]] = deque()
+        self._frontier: deque[tuple[int, bytes, SavedState | None, Store, int]] = deque()
+        """Number of a state, its core and the state itself, or neither and its code; its store."""
         self._has_stores = False
         """States can differ in their stores alone."""
         self._courses: dict[bytes, list[StepCache]] = {}
         """Core, or core and goals, → what came of what happens there."""
         self._heads: dict[tuple[int, bytes], int] = {}
         """Of states that are taken apart the number of a frame, with all that makes a difference of the store."""
+        self._frames: list[tuple[int, range]] = []
+        """Of each of these the frame, and where in the code its parts are."""
         self.widest = 0
         """The most parts that a state has."""
         self._words_here: Sequence[frozenset[str]] = ()
@@ -172,10 +177,10 @@ class Space(StateGraph):
         frontier = self._frontier
         while frontier and not self.is_over:
             number, core, saved, store, code = frontier.popleft()
-            if saved is not None and isinstance(core, bytes):
+            if saved is not None:
                 self._leave(number, core, Place(saved, store))
-            elif by_parts is not None and isinstance(core, PartNumbers):
-                by_parts.leave(number, core, store, code)
+            elif by_parts is not None:
+                by_parts.leave(number, store, code)
             self.done += 1
             if number % NOW_AND_THEN == 0:
                 self._progress(self.states, number)
@@ -310,11 +315,9 @@ class Space(StateGraph):
                     self._apart.enter(key >> BITS * self.widest, target.parts, depth)
         number = self._numbers.get(key)
         if number is None:
-            if self.states >= self.meter.limits.states:
-                self.meter.is_full = True
-                self.cut.add(max(source, 0))
+            number = self._find(key, source, arrival, store, answer)
+            if number is None:
                 return
-            number = self._find(key, source, arrival, store, answer, target)
         kind = arrival.kind
         if source < 0 or (source == number and not (kind == "time" and arrival.has_moved)):
             return  # what changes nothing leads nowhere
@@ -326,46 +329,64 @@ class Space(StateGraph):
         self.join(source, number, kind, kept)
 
     def repeat(
-        self, courses: Iterable[Course], steps: int, source: int, spot: PartNumbers, store: Store, code: int
+        self, noted: Iterable[Sequence[NotedArrival]], steps: int, source: int, store: Store, code: int
     ) -> None:  # fmt: skip
         """The same happens in a state of which every part and the frame are known."""
-        numbers, targets, kept, heads = self._numbers, self._targets, self._kept, self._heads
-        top = BITS * self.widest
-        inner = code & (1 << top) - 1
+        numbers, targets, kept = self._numbers, self._targets, self._kept
+        inner = code & (1 << BITS * self.widest) - 1
         self.begin(source)
-        for course in courses:
-            for sort, shift, frame, change, arrival in course.arrivals:
-                if sort == MOVE:
-                    number = numbers.get(code + shift)
-                elif sort == CHANGE and change is not None:
-                    head = heads.get((frame, self._stores.after(store, change)[1]))
-                    number = numbers.get(head << top | inner + shift) if head is not None else None
-                else:
-                    number = numbers.get(arrival.core) if sort == END else None
+        for sort, shift, change, arrival in chain.from_iterable(noted):
+            if sort == MOVE:
+                number = numbers.get(code + shift)
                 if number is None:
-                    self._arrive(source, arrival, store, spot)
-                elif number != source and arrival.kind != "command":
-                    targets.append(number)
-                    kept.append(REPORTED)
+                    after = self._stores.after(store, change)[0] if change is not None else store
+                    number = self._find(code + shift, source, arrival, after, b"")
+            elif sort == CHANGE and change is not None and arrival.spot is not None:
+                after, answer = self._stores.after(store, change)
+                key = (self.head(arrival.spot, answer) << BITS * self.widest) + inner + shift
+                number = numbers.get(key)
+                if number is None:
+                    number = self._find(key, source, arrival, after, answer)
+            else:
+                number = numbers.get(arrival.core) if sort == END else None
+                if number is None:
+                    self._arrive(source, arrival, store, self.spot(code))
+            if number is not None and number != source and arrival.kind != "command":
+                targets.append(number)
+                kept.append(REPORTED)
         self.steps += steps
         self.meter.spend(steps, self.states)
 
+    def head(self, spot: PartNumbers, answer: bytes) -> int:
+        """How the codes of states begin that have a frame and of whose stores this makes a difference."""
+        found = self._heads.setdefault((spot.frame, answer), len(self._heads))
+        if found == len(self._frames):
+            self._frames.append((spot.frame, range(self.widest - 1, self.widest - 1 - len(spot.parts), -1)))
+        return found
+
     def code(self, spot: PartNumbers, answer: bytes) -> int:
         """What distinguishes a state that is taken apart: its frame and what its store answers, then its parts."""
-        code = self._heads.setdefault((spot.frame, answer), len(self._heads))
+        code = self.head(spot, answer)
         for part in spot.parts:
             code = code << BITS | part
         return code << BITS * (self.widest - len(spot.parts))
 
-    def _find(
-        self, key: bytes | int, source: int, arrival: Arrival, store: Store, answer: bytes, target: PartNumbers | None
-    ) -> int:
-        """Take note of a state that is new; its number."""
+    def spot(self, code: int) -> PartNumbers:
+        """The frame and the parts of the state that has a code."""
+        frame, places = self._frames[code >> BITS * self.widest]
+        return PartNumbers(frame, tuple([code >> BITS * place & (1 << BITS) - 1 for place in places]))
+
+    def _find(self, key: bytes | int, source: int, arrival: Arrival, store: Store, answer: bytes) -> int | None:
+        """Take note of a state that is new; its number, or None where there is no room for it."""
+        if self.states >= self.meter.limits.states:
+            self.meter.is_full = True
+            self.cut.add(max(source, 0))
+            return None
         number = self._add(key, source, arrival.way)
         if arrival.ended is not None:
             self.ends[number] = arrival.ended[0]
-        elif target is not None and isinstance(key, int):
-            self._frontier.append((number, target, None, store, key))
+        elif isinstance(key, int):
+            self._frontier.append((number, b"", None, store, key))
         elif arrival.state is not None:
             self._frontier.append((number, arrival.core, arrival.state, store, 0))
             if arrival.levels:

@@ -9,132 +9,41 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Callable, Iterable, Sequence
-from typing import Any, NamedTuple, Protocol
+from functools import reduce
+from operator import or_
+from typing import Any, Protocol
 
 from rai_missions.prove.limits import Meter
-from rai_missions.prove.region_parts import Part, PartNumbers, RegionParts
+from rai_missions.prove.part_courses import (
+    BITS,
+    ENDED,
+    KEPT,
+    LOUD,
+    OUTER,
+    TREES,
+    Course,
+    Half,
+    Halves,
+    NotedArrival,
+    Share,
+    Slot,
+)
+from rai_missions.prove.region_parts import PartNumbers, RegionParts
 from rai_missions.prove.regions import OF_GOALS, OUTSIDE
 from rai_missions.prove.separate_regions import EntangledError, SeparateRegions
 from rai_missions.prove.state_key import Place
-from rai_missions.prove.step_cache import Arrival, CachedStep, CaseTable, PartsView, StepCache, joined
+from rai_missions.prove.step_cache import CachedStep, PartsView, StepCache, joined
 from rai_missions.prove.step_maker import StepCase, StepOrigin
-from rai_missions.prove.store import ALL_GOALS, Store, StoreChange, Stores
+from rai_missions.prove.store import ALL_GOALS, Store, Stores
 
-__all__ = ("BITS", "CHANGE", "END", "MOVE", "Course", "PartSteps", "Search")
+__all__ = ("PartSteps", "Search")
 
-BITS = 24
-"""Of a part's number in the code of a state; there are never so many parts as states."""
-LOUD, KEPT, TREES, ENDED = 1, 2, 4, 8
-"""Some part is not quiet, runs what a pause leaves as it is, runs a tree, has come to its end."""
-SUMMARY = 4
-"""So many bits lower than what parts wait for."""
-OUTER = KEPT | TREES
-"""What of it decides what can happen around all parts."""
-MOVE, CHANGE, END, OTHER = range(4)
-"""It changes parts alone, or frame or store too; it ends the mission; all else."""
-MOST_STORES = 10_000
-"""So many stores are remembered for each part; for others it is looked up."""
-
-
-class NotedArrival(NamedTuple):
-    """What came of a step, prepared for every state in which it happens."""
-
-    kind: int
-    shift: int
-    """The difference that its parts make to the code of a state."""
-    frame: int
-    change: StoreChange | None
-    arrival: Arrival
-
-
-class Course:
-    """All that what happens on account of one part, or around all, can come to.
-
-    Args:
-        step: That.
-        spot: A state in which it happens.
-        widest: The most parts that a state of the mission has.
-    """
-
-    __slots__ = ("arrivals", "footprint", "step", "steps", "wakes")
-
-    def __init__(self, step: CachedStep, spot: PartNumbers, widest: int) -> None:
-        self.step, self.footprint, self.steps = step, step.footprint, step.steps
-        self.wakes = self.footprint.wakes << SUMMARY | self.footprint.leaves * LOUD
-        """Where one of these is in the summary of a state, another part may be woken, or not be quiet."""
-        found = (_noted(arrival, spot, widest) for arrival in step.arrivals)
-        self.arrivals = [each for each in found if each is not None]
-
-
-def _noted(arrival: Arrival, spot: PartNumbers, widest: int) -> NotedArrival | None:
-    """What came of a step, as it is noted in a state; None where it changes nothing."""
-    target, change, changed, kind = arrival.spot, arrival.change, arrival.changed, arrival.kind
-    if arrival.ended is not None and kind != "time":
-        return NotedArrival(END, 0, 0, change, arrival)
-    if target is None or changed is None or change is None or kind in ("time", "command"):
-        return NotedArrival(OTHER, 0, 0, change, arrival)
-    shift = sum((part - spot.parts[group]) << BITS * (widest - 1 - group) for group, part in changed)
-    if target.frame != spot.frame or not _is_nothing(change):
-        return NotedArrival(CHANGE, shift, target.frame, change, arrival)
-    return NotedArrival(MOVE, shift, target.frame, change, arrival) if changed else None
-
-
-def _is_nothing(change: StoreChange) -> bool:
-    return not (change.written or change.added or change.goals or change.is_absolute)
-
-
-class Share:
-    """What can happen on account of one part, or of the frame.
-
-    Args:
-        scenes: It.
-        group: The part's group, or in place of it `OUTSIDE` or `OF_GOALS`.
-    """
-
-    __slots__ = ("by_store", "caches", "group", "joined", "waits", "words")
-
-    def __init__(self, scenes: Sequence[StepCase], group: int) -> None:
-        self.group, self.caches = group, [StepCache() for _ in scenes]
-        self.words = frozenset(each.happening.words for each in scenes if each.happening.kind == "time")
-        """What of it waits for time."""
-        self.waits = bool(self.words)
-        self.joined = CaseTable[Course]()
-        """All that it comes to."""
-        self.by_store: dict[int, Course] = {}
-        """Number of a store → the same, where it rests on no other part."""
-
-    def course(self, store: Store, view: PartsView) -> Course | None:
-        """All that it comes to in a state; None where it is not known."""
-        found = self.joined.find(store, view)
-        is_own = found is not None and not found.footprint.turns and found.footprint.needs in ((), (self.group,))
-        if found is not None and is_own and len(self.by_store) < MOST_STORES:
-            self.by_store[store.number] = found
-        return found
-
-
-class Slot:
-    """A part in a frame.
-
-    Args:
-        part: It.
-    """
-
-    __slots__ = ("last", "share", "summary")
-
-    def __init__(self, part: Part) -> None:
-        kept, trees = part.runs
-        self.summary = part.wakes << SUMMARY | (not part.is_quiet) * LOUD | kept * KEPT | trees * TREES
-        self.summary |= part.is_ended * ENDED
-        self.share: Share | None = None
-        """What can happen on its account; `last` where all others have come to their ends."""
-        self.last: Share | None = None
-
-    def have(self, share: Share, *, is_last: bool) -> None:
-        """This can happen on its account."""
-        if is_last:
-            self.last = share
-        else:
-            self.share = share
+HalfTable = tuple[Halves, Halves, Halves]
+"""First halves, second halves, and what can happen around all parts by what decides it."""
+TWO = 2
+"""Where fewer parts have not come to their ends, what can happen on account of one rests on the others."""
+MOST_HALVES = 50_000
+"""So many halves of states are remembered; past that all are forgotten and it starts again."""
 
 
 class Search(Protocol):
@@ -162,8 +71,10 @@ class Search(Protocol):
 
     def waits_for_nothing(self, number: int) -> None: ...
 
+    def spot(self, code: int) -> PartNumbers: ...
+
     def repeat(
-        self, courses: Iterable[Course], steps: int, source: int, spot: PartNumbers, store: Store, code: int
+        self, noted: Iterable[Sequence[NotedArrival]], steps: int, source: int, store: Store, code: int
     ) -> None: ...
 
     def again(self, course: CachedStep, source: int, store: Store, spot: PartNumbers | None = None) -> None: ...
@@ -193,40 +104,103 @@ class PartSteps:
         """StateFrame, with what all parts of a state have in common, → what can happen around them."""
         self._slots: list[list[dict[int, Slot]]] = []
         """StateFrame, group, number of a part → it."""
+        self._by_frame: dict[int, HalfTable] = {}
+        """StateFrame → what is known of halves of states that have it."""
+        self._tables: dict[int, HalfTable] = {}
+        """How the code of a state begins → the same."""
+        self._halves = 0
         self._nothing = frozenset[str]()
 
-    def leave(self, number: int, spot: PartNumbers, store: Store, code: int) -> None:
+    def leave(self, number: int, store: Store, code: int) -> None:
         """Everything that can happen in a state, which has a code among others."""
         if self._apart is not None:
-            self._leave_apart(self._apart, number, spot, store, code)
-            return
-        slots, summary = self._slots_of(spot), 0
-        for slot in slots:
-            summary |= slot.summary
-        shares, at = self._shares_of(spot, slots, summary, store), store.number
-        courses, view, steps, waits = list[Course](), None, 0, False
-        for share in shares:
-            if share is None:
-                self._make(number, spot, store)
-                return
-            course = share.by_store.get(at)
-            if course is None or course.wakes & summary:
-                view = view if view is not None else self._view(spot)
-                course = share.course(store, view)
-                if course is None:
-                    self._make(number, spot, store)
-                    return
-            courses.append(course)
-            steps += course.steps
-            waits = waits or share.waits
-        if not self._search.meter.has_room(steps):
+            self._leave_apart(self._apart, number, self._search.spot(code), store, code)
+        elif not self._leave_by_halves(number, store, code):
+            self._leave_by_parts(number, self._search.spot(code), store, code)
+
+    def _leave_by_halves(self, number: int, store: Store, code: int) -> bool:
+        """The same, where each half of its parts rests on itself alone, and is known; whether that is so."""
+        search, width = self._search, self._search.widest
+        if store.goals or width == 1:
+            return False
+        table = self._tables.get(code >> BITS * width)
+        if table is None:
+            table = self._table(code)
+        inner = BITS * (width // 2)
+        codes = code >> inner & (1 << BITS * width - inner) - 1, code & (1 << inner) - 1
+        one, other = table[0].find(codes[0], store), table[1].find(codes[1], store)
+        summary = one.summary | other.summary if one is not None and other is not None else 0
+        outer = table[2].find(summary & OUTER, store)
+        if one is None or other is None or outer is None:
+            self._learn(table, codes, store, code)
+            return False
+        if not (one.is_own and other.is_own and outer.is_own) or one.open + other.open < TWO:
+            return False
+        if (one.wakes | other.wakes | outer.wakes) & summary:
+            return False
+        steps = one.steps + other.steps + outer.steps
+        is_alike = (not one.turns or one.fits(other.reads)) and (not other.turns or other.fits(one.reads))
+        if not (is_alike and search.meter.has_room(steps)):
+            return False
+        if one.waits or other.waits or outer.waits:
+            search.waits(number, [*one.words, *other.words], self._nothing.union(*outer.words), self._nothing)
+        else:
+            search.waits_for_nothing(number)
+        search.repeat((one.noted, other.noted, outer.noted), steps, number, store, code)
+        return True
+
+    def _table(self, code: int) -> HalfTable:
+        """What is known of the halves of states with the frame of one."""
+        table = self._by_frame.setdefault(self._search.spot(code).frame, (Halves(), Halves(), Halves()))
+        self._tables[code >> BITS * self._search.widest] = table
+        return table
+
+    def _learn(self, table: HalfTable, codes: tuple[int, int], store: Store, code: int) -> None:
+        """Note what is known of the halves of a state, and of what can happen around all its parts."""
+        if self._halves >= MOST_HALVES:
+            self._tables.clear()
+            self._by_frame.clear()
+            self._halves = 0
+        spot, middle = self._search.spot(code), self._search.widest - self._search.widest // 2
+        slots, view = self._slots_of(spot), self._view(spot)
+        around = reduce(or_, (slot.summary for slot in slots)) & OUTER
+        for halves, key, first, some, shares in (
+            (table[0], codes[0], 0, slots[:middle], [slot.share for slot in slots[:middle]]),
+            (table[1], codes[1], middle, slots[middle:], [slot.share for slot in slots[middle:]]),
+            (table[2], around, 0, [], [self._shares.get((spot.frame, around))]),
+        ):
+            if halves.find(key, store) is None and (found := self._known(shares, store, view)) is not None:
+                asked = frozenset[object]().union(*(course.step.asked for _, course in found))
+                halves.add(key, self._stores.question(asked), store, Half(some, first, found))
+                self._halves += 1
+
+    def _leave_by_parts(self, number: int, spot: PartNumbers, store: Store, code: int) -> None:
+        """The same, part by part."""
+        search, slots = self._search, self._slots_of(spot)
+        summary = reduce(or_, (slot.summary for slot in slots))
+        shares = self._shares_of(spot, slots, summary, store)
+        found = self._known(shares, store, self._view(spot))
+        steps = sum(course.steps for _, course in found or ())
+        if found is None or not search.meter.has_room(steps):
             self._make(number, spot, store)
             return
-        if waits:
+        if any(share.waits for share, _ in found):
             self._note_waiting(number, shares)
         else:
-            self._search.waits_for_nothing(number)
-        self._search.repeat(courses, steps, number, spot, store, code)
+            search.waits_for_nothing(number)
+        search.repeat([course.noted for _, course in found], steps, number, store, code)
+
+    def _known(
+        self, shares: Iterable[Share | None], store: Store, view: PartsView
+    ) -> list[tuple[Share, Course]] | None:  # fmt: skip
+        """Each with all that it comes to in a state; None where that is not known of all."""
+        found = []
+        for share in shares:
+            course = share.joined.find(store, view) if share is not None else None
+            if share is None or course is None:
+                return None
+            found.append((share, course))
+        return found
 
     def _view(self, spot: PartNumbers) -> PartsView:
         return PartsView(spot.parts, self._parts.of(spot))
@@ -276,7 +250,9 @@ class PartSteps:
         if store.goals or summary & (LOUD | KEPT | TREES | ENDED) or any(each.waits for each in shares):
             raise EntangledError
         view = self._view(spot)
-        outcomes = {share.group: found.step for share in shares if (found := share.course(store, view)) is not None}
+        outcomes = {
+            share.group: found.step for share in shares if (found := share.joined.find(store, view)) is not None
+        }
         if not self._search.is_over:
             apart.leave(head, spot, [part.wakes for part in view.parts], depth, outcomes)
 

@@ -95,7 +95,9 @@ class StateGraph:
         """The steps that are joined from now on lead out of this state."""
         missing = source + 1 - len(self._first)
         self._first.extend([len(self._targets)] * missing)
-        self._source, self._joined = source, set()
+        self._source = source
+        if self._joined:
+            self._joined = set()
 
     def join(self, source: int, target: int, kind: HappeningKind, kept: frozenset[str] | None = None) -> None:
         """Note a step from one to another, but for what an operator does who need not."""
@@ -142,11 +144,15 @@ class StateGraph:
         place = tuple(now)
         if not time_only and place in self._far:
             return self._far[place]
-        first, sources = self._sources_of(time_only=time_only)
-        far, steps = array("l", [-1]) * self.states, 0
+        far, steps = array("l", [-1]) * self.states, 1
         for number in now:
             far[number] = 0
-        while now:
+        # one look at every step: where an event ends the mission from everywhere, none has to be sorted
+        now = list({source for source, target in self.edges(time_only=time_only) if far[source] and not far[target]})
+        for number in now:
+            far[number] = steps
+        first, sources = self._sources_of(time_only=time_only) if -1 in far else (array("L"), array("I"))
+        while now and first:
             steps += 1
             then = []
             for number in now:

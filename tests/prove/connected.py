@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from typing import Any
 
-__all__ = ("CONNECTED", "mission", "region")
+__all__ = ("CONNECTED", "among_others", "mission", "region")
 
 Json = dict[str, Any]
 FAILED = ["failed", "timed_out", "rejected"]
@@ -65,6 +65,16 @@ def acting(name: str, action: str, event: str) -> Json:
     """An action, again and again."""
     ends = [{"on": "succeeded", "to": f"{name}b"}, {"on": FAILED, "to": f"{name}b"}]
     return region(name, ends, [{"on": event, "to": f"{name}a"}], a={"action": action, "timeout_s": 3})
+
+
+def among_others(document: Json) -> Json:
+    """The same with a region before and one behind the second, each of which comes to its end."""
+    work = document["states"]["work"]
+    left, right = work["parallel"].values()
+    other = region("x", [{"on": "x", "when": ARMED, "to": "xend"}, {"after_s": 7, "to": "xend"}], [])
+    regions = {"left": left, "other": other, "right": right, "last": ending("y", "y")}
+    states = {**document["states"], "work": {**work, "parallel": regions}}
+    return {**document, "events": {**document["events"], "x": {}, "y": {}}, "states": states}
 
 
 ARMED: Json = {"key": "armed", "==": True}

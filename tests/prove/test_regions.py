@@ -19,7 +19,7 @@ from rai_missions.prove.environment import Environment
 from rai_missions.prove.explorer import Space
 from rai_missions.prove.limits import Limits
 from rai_missions.prove.properties import claims, lost, stuck
-from tests.prove.connected import CONNECTED, region
+from tests.prove.connected import CONNECTED, among_others, region
 from tests.prove.connected import mission as connected
 from tests.prove.regional import FACTS, regional
 
@@ -110,6 +110,12 @@ def test_part_by_part_is_what_a_full_exploration_is(seed: int) -> None:
 def test_what_connects_regions_makes_no_difference(what: str) -> None:
     assert hold_against_full(CONNECTED[what], FACTS) is not None
     hold_one_by_one(CONNECTED[what])
+
+
+@pytest.mark.parametrize("what", CONNECTED)
+def test_what_connects_regions_makes_no_difference_among_others(what: str) -> None:
+    """What half of four regions can do is put together once, for every state that has this half."""
+    hold_against_full(among_others(CONNECTED[what]), FACTS)
 
 
 def test_a_tree_that_rests_continues_where_a_state_of_another_region_has_lasted(
