@@ -237,7 +237,8 @@ if TYPE_CHECKING:
         def model_validate(cls, obj: Any) -> Self: ...
         @classmethod
         def model_json_schema(cls, *, ref_template: str = ...) -> dict[str, Any]: ...
-        def model_dump(self, *, mode: str, by_alias: bool, exclude_defaults: bool) -> dict[str, Any]: ...
+        def model_dump(self, **options: Any) -> dict[str, Any]: ...
+        def model_dump_json(self, **options: Any) -> str: ...
         def model_copy(self, *, update: Mapping[str, Any] | None = None) -> Self: ...
 else:
 
@@ -280,6 +281,8 @@ class MissionModel(Model):  # noqa: PLW1641 - pydantic gives a frozen model its 
     """How it is written; `%s` is the word in question."""
     positional: ClassVar[tuple[str, ...]] = ()
     """The words that Python authors may give by position, in this order: those that a declared constructor has so."""
+    ordered: ClassVar[tuple[str, ...]] = ()
+    """The fields that are objects whose order has a meaning."""
 
     def __init__(self, /, *given: Any, **words: Any) -> None:
         """Make one; the arguments are explained above.
@@ -338,8 +341,10 @@ class MissionModel(Model):  # noqa: PLW1641 - pydantic gives a frozen model its 
                 field.metadata.append(NOT_NULL)
 
     def __eq__(self, other: object) -> bool:
-        """Whether both are written alike: 1, 1.0 and true are three values, the order of an object's words is none."""
-        return type(self) is type(other) and alike(self.__dict__, other.__dict__)
+        """Whether both are written alike: 1, 1.0 and true are three values, and order counts where it has a meaning."""
+        if type(self) is not type(other) or not alike(self.__dict__, other.__dict__):
+            return False
+        return all(list(self.__dict__[name]) == list(other.__dict__[name]) for name in self.ordered)
 
     def __getattr__(self, name: str) -> NoReturn:
         raise AttributeError(_NoSuchAttribute(type(self), name))
@@ -375,9 +380,21 @@ class MissionModel(Model):  # noqa: PLW1641 - pydantic gives a frozen model its 
         for _, inner in self.inside():
             yield from inner.everything()
 
+    def model_dump(self, **options: Any) -> dict[str, Any]:
+        """As a file has it: the format's words, and none that has its default; `model_validate` reads it back.
+
+        Args:
+            options: Those of pydantic.
+        """
+        return super().model_dump(**{"by_alias": True, "exclude_defaults": True, **options})
+
+    def model_dump_json(self, **options: Any) -> str:
+        """As `model_dump`, as text."""
+        return super().model_dump_json(**{"by_alias": True, "exclude_defaults": True, **options})
+
     def written(self) -> dict[str, Any]:
         """As JSON has it: aliases, and no word that has its default."""
-        return self.model_dump(mode="json", by_alias=True, exclude_defaults=True)
+        return self.model_dump(mode="json")
 
 
 def _too_many(kind: type[MissionModel], given: Sequence[Any]) -> str:

@@ -39,6 +39,7 @@ class Compound(State, word="states"):
 class Parallel(State, word="parallel"):
     """All regions are active at a time; when each has reached a final, the worst outcome is its own."""
 
+    ordered = ("parallel",)
     parallel: States = Field(min_length=1)
     """The regions, by their names; each is a state."""
 

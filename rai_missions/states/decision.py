@@ -76,6 +76,7 @@ class DecisionSpec(MissionModel):
     """The question of a decision, its answers, and who is asked."""
 
     family: ClassVar = "decision"
+    ordered = ("options",)
 
     question: Text
     """What is asked, in a sentence."""

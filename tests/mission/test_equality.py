@@ -56,5 +56,7 @@ def test_values_are_alike_where_their_json_is_the_same(one: Any, other: Any) -> 
 @given(values)
 def test_what_is_dumped_and_loaded_is_the_same_mission_to_the_digit(value: Any) -> None:
     written = mission(value)
+    assert Mission.model_validate(written.model_dump()) == written
+    assert Mission.model_validate_json(written.model_dump_json()) == written
     again = Mission.model_validate(parse_json(dump(written).encode()))
     assert again == written and alike(again.state("a").written()["goal"], {"speed": value})

@@ -10,12 +10,12 @@ from collections.abc import Iterator, Mapping
 
 from rai_missions.mission.mission import Mission
 from rai_missions.model import MissionModel
-from rai_missions.states import State
+from rai_missions.states import Parallel, State
 from rai_missions.states.tree import TreeNode
 from visualize.build import parents_of
 from visualize.diff.change import Change
 from visualize.diff.decisions import asked_changes, new_questions, offers
-from visualize.diff.fields import FieldRef, as_words, effects_changed, fields, guards
+from visualize.diff.fields import FieldRef, as_words, effects_changed, fields, guards, reordered
 from visualize.diff.originals import AS_THEY_ARE, Originals
 from visualize.diff.reachability import Ways, new_ways
 from visualize.diff.reads import Uses, otherwise, uses
@@ -65,6 +65,8 @@ def _state(old: State, new: State, spot: FieldRef, ways: tuple[Ways, Ways, Uses]
         yield from fields(old, new, spot, of=State)
     else:
         yield from fields(old, new, spot)
+        if isinstance(old, Parallel) and reordered(old.children(), new.children()):
+            yield spot.inside("parallel").changed("form", "regions are entered and tried in another order", "safety")
     yield from _passing(old, new, spot, ways[2])
     yield from asked_changes(old, new, spot.inside("decision"))
     if type(old) is type(new):

@@ -9,7 +9,7 @@ from rai_missions.states import State
 from rai_missions.states.decision import DecisionSpec, Option
 from rai_missions.states.tree import TreeNode
 from visualize.diff.change import Change
-from visualize.diff.fields import FieldRef, as_words, fields, severity_if
+from visualize.diff.fields import FieldRef, as_words, fields, reordered, severity_if
 from visualize.text import child_pointer
 
 __all__ = ("asked_changes", "new_questions", "offers")
@@ -73,6 +73,10 @@ def _ask(old: DecisionSpec, new: DecisionSpec, spot: FieldRef) -> Change:
 
 
 def _options(old: DecisionSpec, new: DecisionSpec, asks: Asks, spot: FieldRef) -> Iterator[Change]:
+    if reordered(old.options, new.options):
+        yield spot.inside("options").changed(
+            "asked", "options are shown in another order", severity_if(MODEL in new.ask)
+        )
     newly = MODEL in new.ask and MODEL not in old.ask
     for option in old.options.keys() - new.options.keys():
         yield spot.inside("options", option).went("rest", f"option '{option}' removed", "other")

@@ -6,7 +6,7 @@ Rule: a field that is not compared elsewhere is compared here, whatever it is; w
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from typing import Any, Literal, NamedTuple
 
 from rai_missions.guards.guard import Guard
@@ -28,6 +28,7 @@ __all__ = (
     "fields",
     "guards",
     "relation",
+    "reordered",
     "severity_if",
 )
 
@@ -149,6 +150,12 @@ def _weighed(name: str, new: MissionModel, after: Any, *, asks_a_model: bool) ->
     if name == "name":
         return "rest", "other"
     return TOPIC_OF.get(name, "tree" if isinstance(new, TreeNode) else "form"), "safety"
+
+
+def reordered(before: Iterable[str], after: Iterable[str]) -> bool:
+    """Whether the names that both have are in another order."""
+    was, now = list(before), list(after)
+    return [name for name in was if name in now] != [name for name in now if name in was]
 
 
 def _same_program(before: Any, after: Any) -> bool:

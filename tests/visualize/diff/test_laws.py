@@ -83,21 +83,43 @@ def test_whatever_is_taken_away_or_changed_is_found(given: dict[str, Any], data:
     assert not difference(now, old).empty, place
 
 
-def shuffled(value: Any, random: Random) -> Any:
-    """The same document with the keys of every object in another order."""
+def shuffled(value: Any, random: Random, word: str = "") -> Any:
+    """The same document with the keys of every object in another order, but for those whose order has a meaning."""
     if isinstance(value, list):
         return [shuffled(item, random) for item in value]
     if not isinstance(value, dict):
         return value
     names = list(value)
-    random.shuffle(names)
-    return {name: shuffled(value[name], random) for name in names}
+    if word not in ("parallel", "options"):
+        random.shuffle(names)
+    return {name: shuffled(value[name], random, name) for name in names}
 
 
 @given(mission_documents(), st.randoms(use_true_random=False))
 def test_the_order_of_keys_is_no_difference(given: dict[str, Any], random: Random) -> None:
     old, new = (Mission.model_validate(each) for each in (given, shuffled(given, random)))
     assert difference(old, new).changes == ()
+    assert old == new
+
+
+@pytest.mark.parametrize("word", ["parallel", "options"])
+def test_another_order_of_regions_or_options_is_a_difference(word: str) -> None:
+    """Regions are entered and tried in their order, and a model is shown the options in theirs."""
+    wait: dict[str, Any] = {"states": {"idle": {}}}
+    of_two = {
+        "parallel": {
+            "parallel": {"left": {**wait, "initial": "idle"}, "right": {"initial": "rest", "states": {"rest": {}}}}
+        },
+        "options": {"decision": {"question": "Which?", "options": {"go": {}, "stay": {}}, "fallback": "stay"}},
+    }[word]
+    given = {"name": "m", "initial": "two", "states": {"two": of_two}}
+    new = json.loads(json.dumps(given))
+    holder = new["states"]["two"] if word == "parallel" else new["states"]["two"]["decision"]
+    holder[word] = dict(reversed(holder[word].items()))
+    old, now = Mission.model_validate(given), Mission.model_validate(new)
+    assert old != now
+    (change,) = difference(old, now).safety
+    assert change.sentence.endswith("in another order")
 
 
 @given(mission_documents(), st.data())
