@@ -8,7 +8,9 @@ import os
 import sqlite3
 import subprocess
 import sys
+import time
 from contextlib import closing
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -70,6 +72,15 @@ def test_a_file_that_is_no_journal_is_left_alone(folder: Path, capsys: pytest.Ca
     assert main(["run", "lamp.json", "--journal", "a.journal"]) == 2
     assert (folder / "a.journal").read_text() == "my notes"
     assert "a.journal" in capsys.readouterr().err
+
+
+def test_runs_that_begin_in_one_second_have_a_journal_each(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(time, "strftime", lambda _: "20260101-090000")
+    for process in (11, 12):
+        monkeypatch.setattr(os, "getpid", partial(int, process))
+        assert main(["run", "lamp.json"]) == 1
+    assert len([*folder.glob("journals/*.journal")]) == 2
+    assert not [*folder.glob("journals/*.1.journal")]
 
 
 def test_every_fault_is_reported_on_stderr_with_its_place(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -46,7 +46,7 @@ class RunOptions(NamedTuple):
         no_operator: Ask no operator, on the terminal or elsewhere.
         guards: A Python file with the predicates of 'named' guards. It is executed.
         no_python: Refuse a mission, a robot and guards in Python.
-        journal: The file in which the run is recorded. Without it: journals/NAME-TIME.journal.
+        journal: The file in which the run is recorded. Without it: journals/NAME-TIME-PROCESS.journal.
         record: Record messages, pictures, steps and the journal as MCAP, for Foxglove and replay (extra 'record').
         picture: Draw the path taken when the run ends: .svg, .png, .dot, .mmd, .md.
         speed: The speed of simulated time: 1 is the wall clock's, 5 is five times that, 0.5 is half, max is as fast as
@@ -108,7 +108,7 @@ def run(options: RunOptions) -> int:
 
     Example:
         rai-missions run mission.json --robot robot.json --set alleys=3
-        rai-missions run --resume journals/tractor-20260101-090000.journal
+        rai-missions run --resume journals/tractor-20260101-090000-4711.journal
     """
     from rai_missions.cli.output import nonblocking_output
     from rai_missions.cli.run.mission_run import run_mission

@@ -36,7 +36,7 @@ def watch(
         0 it was ended (Ctrl-C, SIGTERM), 2 the input is at fault
 
     Example:
-        rai-missions watch journals/tractor-20260101-090000.journal
+        rai-missions watch journals/tractor-20260101-090000-4711.journal
     """
     from rai_missions.cli.run.find_page import find_journal, running_page
     from rai_missions.cli.run.live_page import open_page, place_of, show_journal

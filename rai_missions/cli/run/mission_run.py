@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import itertools
 import json
+import os
 import sys
 import time
 from contextlib import ExitStack
@@ -237,7 +238,8 @@ def _config(options: RunOptions, mission: Mission, lines: Lines) -> RunConfig:
 
 
 def _journal_of(mission: Mission) -> str:
-    return f"journals/{mission.name.replace('/', '_')}-{time.strftime('%Y%m%d-%H%M%S')}.journal"
+    """The journal of a run that names none; runs that begin together have one each."""
+    return f"journals/{mission.name.replace('/', '_')}-{time.strftime('%Y%m%d-%H%M%S')}-{os.getpid()}.journal"
 
 
 def _mission(options: RunOptions) -> Mission:
