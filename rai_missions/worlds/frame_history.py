@@ -14,7 +14,10 @@ from typing import Any
 
 import numpy as np
 
+from rai_missions.image import Image
+from rai_missions.worlds import messages
 from rai_missions.worlds.camera import Camera, Frame, Moment
+from rai_missions.worlds.publish_queue import Outbox
 
 __all__ = ("FrameHistory",)
 
@@ -40,8 +43,23 @@ class FrameHistory:
         self._moments: OrderedDict[int, Moment] = OrderedDict()
         self._measured: OrderedDict[int, Frame] = OrderedDict()
 
-    def keep(self, at: float, moment: Moment) -> None:
-        """Remember the moment of a picture that is published now."""
+    def publish(
+        self, outbox: Outbox, moment: Moment, at: float, *, depth: str, lens: str, fovy_deg: float
+    ) -> None:  # fmt: skip
+        """Publish the depth and the lens of a moment, and remember it; the picture itself follows.
+
+        Args:
+            outbox: Where to.
+            moment: The moment.
+            at: When it is, s.
+            depth: The topic of the depth.
+            lens: The topic of the lens.
+            fovy_deg: The camera's field of view, top to bottom.
+        """
+        width, height = self._camera.width, self._camera.height
+        picture = Image(f"/{depth}@{at:.3f}", width, height, "16UC1", lambda: self._depth_mm(at, moment))
+        outbox.publish(lens, messages.camera_info(width, height, fovy_deg, at))
+        outbox.publish(depth, messages.image(picture, at))
         with self._lock:
             self._moments[_milliseconds(at)] = moment
             while len(self._moments) > KEPT:
@@ -61,7 +79,7 @@ class FrameHistory:
             moment = self._moments.get(moment_ms)
         return None if moment is None else (moment_ms, self._frame(moment_ms, moment))
 
-    def depth_mm(self, at: float, moment: Moment) -> bytes:
+    def _depth_mm(self, at: float, moment: Moment) -> bytes:
         """The depth of a moment in mm, two bytes a pixel, the low one first, with the sensor's noise; 0 is unknown."""
         moment_ms = _milliseconds(at)
         frame = self._frame(moment_ms, moment)

@@ -5,8 +5,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 
-from rai_missions.image import Image
-from rai_missions.worlds import messages
 from rai_missions.worlds.camera import Camera, Moment
 from rai_missions.worlds.desk import interface
 from rai_missions.worlds.desk.catalogue import COLOURS, lookalikes
@@ -34,7 +32,6 @@ class DeskVision:
     def __init__(
         self, camera: Camera, things: Mapping[int, ThingClass], errors: LookErrors, seed: int, now: Callable[[], float]
     ) -> None:
-        self._camera = camera
         self._frames = FrameHistory(camera, seed)
         boxes = DetectorErrors(miss=errors.miss, misclassify=errors.swap, down=errors.down)
         bodies = {body: Thing(*thing) for body, thing in things.items()}
@@ -46,12 +43,7 @@ class DeskVision:
 
     def publish(self, outbox: Outbox, moment: Moment, at: float) -> None:
         """Publish a moment's depth and the lens; the picture itself follows."""
-        self._frames.keep(at, moment)
-        width, height = self._camera.width, self._camera.height
-        name = f"/{interface.DEPTH}@{at:.3f}"
-        depth = Image(name, width, height, "16UC1", lambda: self._frames.depth_mm(at, moment))
-        outbox.publish(interface.LENS, messages.camera_info(width, height, FRONT_FOVY_DEG, at))
-        outbox.publish(interface.DEPTH, messages.image(depth, at))
+        self._frames.publish(outbox, moment, at, depth=interface.DEPTH, lens=interface.LENS, fovy_deg=FRONT_FOVY_DEG)
 
 
 def _lookalikes(thing: Thing) -> list[Thing]:

@@ -6,8 +6,6 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from rai_missions.connectors.connector import Close, Connector
-from rai_missions.image import Image
-from rai_missions.worlds import messages
 from rai_missions.worlds.camera import Camera, Moment
 from rai_missions.worlds.detector_services import Answer, DetectorServices
 from rai_missions.worlds.frame_history import FrameHistory
@@ -31,10 +29,9 @@ class Vision:
     """
 
     def __init__(self, camera: Camera, detector: OpenSetDetector | None, seed: int, now: Callable[[], float]) -> None:
-        self._camera = camera
-        self.frames = FrameHistory(camera, seed)
+        self._frames = FrameHistory(camera, seed)
         self._finder = ObjectFinder(interface.FINDER)
-        self._served = DetectorServices(self.frames, detector, now) if detector is not None else None
+        self._served = DetectorServices(self._frames, detector, now) if detector is not None else None
 
     def services(self) -> dict[tuple[str, str], Answer]:
         """Name and type → what answers."""
@@ -46,8 +43,4 @@ class Vision:
 
     def publish(self, outbox: Outbox, moment: Moment, at: float) -> None:
         """Publish a moment's depth and the lens; the picture itself follows."""
-        self.frames.keep(at, moment)
-        width, height = self._camera.width, self._camera.height
-        depth = Image(f"/{interface.DEPTH}@{at:.3f}", width, height, "16UC1", lambda: self.frames.depth_mm(at, moment))
-        outbox.publish(interface.LENS, messages.camera_info(width, height, CAMERA_FOVY_DEG, at))
-        outbox.publish(interface.DEPTH, messages.image(depth, at))
+        self._frames.publish(outbox, moment, at, depth=interface.DEPTH, lens=interface.LENS, fovy_deg=CAMERA_FOVY_DEG)
