@@ -28,6 +28,8 @@ def test_an_unknown_world_names_those_that_exist() -> None:
         ({"alleys": 0}, "alleys: an orchard has 1 to 30 alleys, not 0"),
         ({"length_m": 5}, "length_m: an alley is 12 to 200 m long, not 5"),
         ({"detector": {"blur": 1}, "alleys": 1}, "detector: no option 'blur'; there are: noise, miss"),
+        ({"detector": {"miss": 2}, "alleys": 1}, "detector: miss takes a number from 0 to 1, not 2"),
+        ({"detector": {"noise": "x"}, "alleys": 1}, "detector: noise takes a number from 0 to 100, not 'x'"),
         ({"alleys": "x"}, "the world 'orchard' cannot be opened with alleys=\"x\": alleys takes a whole number"),
         ({"alleys": True}, "the world 'orchard' cannot be opened with alleys=true: alleys takes a whole number"),
         (

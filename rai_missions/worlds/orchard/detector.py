@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 
 from rai_missions.errors import UsageError
 from rai_missions.worlds.camera import Moment
+from rai_missions.worlds.options import check_number
 from rai_missions.worlds.orchard.kinds import KINDS, LIVING
 from rai_missions.worlds.orchard.obstacles import Obstacle
 from rai_missions.worlds.orchard.sight import RANGE_M, ObstacleMeasures, ObstacleSight
@@ -51,13 +52,15 @@ class Errors:
 
     @classmethod
     def of(cls, options: Mapping[str, Any] | Errors | None) -> Errors:
-        """From plain data; a `UsageError` names what does not exist."""
+        """From plain data; a `UsageError` names what does not exist or is out of range."""
         if isinstance(options, Errors):
             return options
         known = [field.name for field in fields(cls)]
         unknown = sorted(set(options or {}) - set(known))
         if unknown:
             raise UsageError(f"detector: no option {unknown[0]!r}; there are: {', '.join(known)}")
+        for name, value in (options or {}).items():
+            check_number(f"detector: {name}", value, 0, 100 if name == "noise" else 1)
         return cls(**(options or {}))
 
 
