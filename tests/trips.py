@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -14,7 +14,7 @@ from rai_missions.mission.json_reader import parse_json
 from rai_missions.profile import Robot
 from rai_missions.runtime.runner import Result
 
-__all__ = ("Moments", "Trip", "profile_of", "trips")
+__all__ = ("Moments", "Trip", "profile_of", "taken_options", "trips")
 
 Moments = Mapping[float, Callable[[Any], object]]
 """When → what happens then, to the trip."""
@@ -65,8 +65,12 @@ class Trip:
     @property
     def answers(self) -> list[str]:
         """The options that were taken."""
-        notes = [note for step in self.steps for note in step.notes if note.endswith(": accepted")]
-        return [note.split("'")[1] for note in notes]
+        return taken_options(self.steps)
+
+
+def taken_options(steps: Iterable[Step]) -> list[str]:
+    """The options that were proposed and taken, in their order."""
+    return [verdict.option for step in steps for verdict in step.verdicts if verdict.accepted]
 
 
 Kind = TypeVar("Kind", bound=Trip)

@@ -198,7 +198,8 @@ def test_a_model_that_fails_leads_to_the_fallback(model: DoubleModel, message: s
     result, made = asked(model, decision={"deadline_s": 30.0})  # a machine that is busy does not answer for it
     assert result.outcome == "aborted" and made.entered[-1] == "left"
     assert any(message in note for note in notes(made)), notes(made)
-    assert any(note.startswith("fallback 'leave'") for note in notes(made))
+    verdicts = [verdict for step in made.book.steps for verdict in step.verdicts]
+    assert any((verdict.kind, verdict.option) == ("fallback", "leave") for verdict in verdicts)
 
 
 @pytest.mark.parametrize("model", [HangingModel(), BabblingModel()])

@@ -20,13 +20,9 @@ from rai_missions.image import Image
 from rai_missions.journal import Confirmation, Header, Journal, Note, Record, StepRow, read, verify
 from rai_missions.journal.rows import GENESIS, chained
 from rai_missions.journal.sqlite import LONGEST_BYTES
-from tests.rigs.journals import blackboard_writes, steps
+from tests.rigs.journals import anomalies, blackboard_writes, listing, steps
 
 HEADER = Header('{"format": 1}', profile="{}", arguments={"alleys": 6}, run="r1")
-
-
-def run_of(count: int) -> list[Step]:
-    return [Step(seq, seq / 2, Event("anomaly", seq / 2, {"n": seq})) for seq in range(1, count + 1)]
 
 
 @pytest.fixture
@@ -34,7 +30,7 @@ def path(tmp_path: Path) -> Path:
     """A closed journal: row 0, five steps, a confirmation, a note."""
     path = tmp_path / "run.journal"
     with Journal.create(path, HEADER) as journal:
-        for step in run_of(5):
+        for step in anomalies(5):
             journal.write(step, since=step.at - 0.5)
         journal.confirm(3, "succeeded")
         journal.note("resumed", {"after": "a crash"})
@@ -47,10 +43,6 @@ def alter(path: Path, *statements: str) -> None:
         for statement in statements:
             database.execute(statement)
     database.close()
-
-
-def listing(folder: Path) -> dict[str, tuple[bytes, int]]:
-    return {item.name: (item.read_bytes(), item.stat().st_mtime_ns) for item in folder.iterdir()}
 
 
 @settings(max_examples=settings.default.max_examples * 2 // 5)  # each draws steps of everything that there is
@@ -70,7 +62,7 @@ def test_a_run_that_was_written_is_the_run_that_is_read(
 def test_every_row_is_read_in_its_order(path: Path) -> None:
     with read(path) as record:
         rows = list(record.rows())
-        assert rows[0] == StepRow(1, run_of(1)[0], 0.0)
+        assert rows[0] == StepRow(1, anomalies(1)[0], 0.0)
         assert rows[-2:] == [Confirmation(6, 3, "succeeded"), Note(7, "resumed", {"after": "a crash"})]
         assert (record.confirmations(), record.notes()) == ({3: "succeeded"}, (rows[-1],))
         assert record.last() == rows[4]
@@ -92,7 +84,7 @@ def test_row_0_reports_what_is_needed_to_run_it_again(path: Path) -> None:
 
 def test_a_journal_is_continued_with(path: Path) -> None:
     with Journal.open(path) as journal:
-        assert journal.write(run_of(6)[5], since=2.5) == 8
+        assert journal.write(anomalies(6)[5], since=2.5) == 8
     assert verify(path) == ()
 
 
@@ -107,7 +99,7 @@ def test_reading_changes_nothing(path: Path) -> None:
 def test_a_journal_is_read_while_it_is_written(tmp_path: Path) -> None:
     path = tmp_path / "j"
     with Journal.create(path, HEADER) as journal:
-        for count, step in enumerate(run_of(40), 1):
+        for count, step in enumerate(anomalies(40), 1):
             journal.write(step, since=0.0)
             before = listing(tmp_path)
             with read(path) as record:
@@ -169,7 +161,7 @@ def test_what_cannot_be_written_leaves_the_chain_whole(tmp_path: Path) -> None:
         with pytest.raises(UsageError, match="NaN"):
             journal.note("measured", float("nan"))
         with pytest.raises(UsageError, match="plain data"):
-            journal.write(run_of(1)[0], since=float("nan"))
+            journal.write(anomalies(1)[0], since=float("nan"))
         assert journal.note("fine") == 1
     assert verify(path) == ()
 
@@ -339,7 +331,7 @@ def test_a_damaged_journal_is_a_fault_and_never_a_traceback(
 ) -> None:
     path = tmp_path_factory.mktemp("damaged") / "j"
     with Journal.create(path, HEADER) as journal:
-        for step in run_of(40):
+        for step in anomalies(40):
             journal.write(step, since=0.0)
     data = bytearray(path.read_bytes())
     data[at : at + len(garbage)] = garbage

@@ -22,6 +22,7 @@ from rai_missions.event import Event
 from rai_missions.journal import Header, Journal, read, set_aside, verify
 from rai_missions.journal.open_files import OPEN, OpenFiles
 from rai_missions.journal.sqlite import log_of
+from tests.rigs.journals import listing
 
 HEADER = Header("{}", run="r")
 PATIENCE_S = 30.0
@@ -32,10 +33,6 @@ ROOT = Path(__file__).parents[2]
 def rows_of(path: Path) -> list[object]:
     with read(path) as record:
         return [(raw[0], raw[1], raw[2]) for raw in record.raw() if raw[0]]
-
-
-def listing(folder: Path) -> dict[str, tuple[bytes, int]]:
-    return {item.name: (item.read_bytes(), item.stat().st_mtime_ns) for item in folder.iterdir()}
 
 
 def wait_for(journals: OpenFiles, count: int) -> None:

@@ -11,8 +11,9 @@ from typing import Any, NamedTuple
 from mcap.reader import make_reader
 
 from rai_missions.mission.mission import Mission
+from rai_missions.recording import Recording
 
-__all__ = ("LAMP", "ReadRecording", "kept")
+__all__ = ("LAMP", "ReadRecording", "kept", "recording")
 
 LAMP = Mission.model_validate(
     {
@@ -37,6 +38,11 @@ LAMP = Mission.model_validate(
     }
 )
 """A mission that continues as long as its battery does."""
+
+
+def recording(path: Path, **words: Any) -> Recording:
+    """A recording of the lamp, whose clock shows 0; words count instead of its own."""
+    return Recording.create(path, **{"mission": LAMP, "about": {}, "now": lambda: 0.0, **words})
 
 
 class ReadRecording(NamedTuple):

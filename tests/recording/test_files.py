@@ -35,24 +35,16 @@ from rai_missions.recording.queue import RecordingQueue, Route, packed, unpacked
 from rai_missions.runtime.clock import SimulatedClock
 from rai_missions.runtime.run_options import RunObserver
 from rai_missions.runtime.runner import Runner
-from tests.recording.kept import LAMP, kept
-from tests.rigs.journals import raw_rows_of
+from tests.recording.kept import LAMP, kept, recording
+from tests.rigs.journals import anomalies, raw_rows_of
 
 mcap = pytest.importorskip("mcap")
 PATIENCE_S = 30.0
 
 
-def recording(path: Path, **words: Any) -> Recording:
-    return Recording.create(path, **{"mission": LAMP, "about": {}, "now": lambda: 0.0, **words})
-
-
-def run_of(count: int) -> list[Step]:
-    return [Step(seq, seq / 2, Event("anomaly", seq / 2, {"n": seq})) for seq in range(1, count + 1)]
-
-
 def journaled(folder: Path, made: Recording, count: int) -> Journal:
     with Journal.create(folder / "run.journal", Header(dump(LAMP)), witness=made.row) as journal:
-        for step in run_of(count):
+        for step in anomalies(count):
             journal.write(step, since=0.0)
     return journal
 

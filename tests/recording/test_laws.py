@@ -16,20 +16,16 @@ from rai_missions.errors import DefinitionError
 from rai_missions.event import Event
 from rai_missions.journal import Header, Journal, Record, read
 from rai_missions.mission.files import dump
-from rai_missions.recording import Recording, journal_of
+from rai_missions.recording import journal_of
 from rai_missions.replay.replay import replay
 from rai_missions.runtime.clock import SimulatedClock
 from rai_missions.runtime.run_options import RunObserver
 from rai_missions.runtime.runner import Runner
-from tests.recording.kept import LAMP, kept
+from tests.recording.kept import LAMP, kept, recording
 from tests.rigs.journals import blackboard_writes, raw_rows_of, steps
 from tests.strategies import EVENTS, missions
 
 pytest.importorskip("mcap")
-
-
-def recording(path: Path, **words: Any) -> Recording:
-    return Recording.create(path, **{"mission": LAMP, "about": {}, "now": lambda: 0.0, **words})
 
 
 def written(folder: Path, run: list[tuple[Step, Any]]) -> tuple[Path, Path]:

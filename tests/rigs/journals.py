@@ -35,10 +35,21 @@ from rai_missions.replay.replay import Replay, replay
 from rai_missions.states.state import HOLDERS
 
 __all__ = (
-    "MemoryJournal", "assert_whole", "blackboard_writes", "raw_rows_of", "rows_of", "steps", "steps_of", "values",
+    "MemoryJournal", "anomalies", "assert_whole", "blackboard_writes", "listing", "raw_rows_of", "rows_of", "steps",
+    "steps_of", "values",
 )  # fmt: skip
 
 PATIENCE_S = 30.0
+
+
+def anomalies(count: int) -> list[Step]:
+    """Steps of a run in which the same event comes every half second."""
+    return [Step(seq, seq / 2, Event("anomaly", seq / 2, {"n": seq})) for seq in range(1, count + 1)]
+
+
+def listing(folder: Path) -> dict[str, tuple[bytes, int]]:
+    """What is in a folder: name → content, and when it was written."""
+    return {item.name: (item.read_bytes(), item.stat().st_mtime_ns) for item in folder.iterdir()}
 
 
 def steps_of(path: Path) -> list[Step]:

@@ -18,6 +18,7 @@ from typing import Any, TypeVar
 from rai_missions.connectors.contract import Inbox
 from rai_missions.journal import read
 from tests.ros2 import QUICK_DISCOVERY, lock_free_domain
+from tests.trips import taken_options
 
 ROOT = Path(__file__).parents[2]
 TRACTOR = ROOT / "missions" / "tractor"
@@ -148,6 +149,5 @@ def graph_in(folder: Path, kind: Callable[[Mapping[str, str], Path], Kind]) -> I
 def answers(journal: Path) -> list[str]:
     """The options that were taken, one after the other; the same again and again appears here once."""
     with read(journal) as record:
-        notes = [note for step in record.steps() for note in step.notes if ": accepted" in note]
-    taken = [note.split("'")[1] for note in notes]
+        taken = taken_options(record.steps())
     return [option for index, option in enumerate(taken) if index == 0 or taken[index - 1] != option]
