@@ -22,7 +22,7 @@ class Default(Transition):
 
     @model_validator(mode="after")
     def _one_trigger(self) -> Self:
-        given = [word for word in ("on", "of", "after_s", "when", "do", "internal") if getattr(self, word)]
+        given = [word for word in type(self).model_fields if word in self.model_fields_set - {"to", "about"}]
         if given or not self.to:
             what = f"this has {', '.join(given)}" if given else "this has none"
             raise fault("default", f"a history's transition has only where it leads without memory, 'to'; {what}")

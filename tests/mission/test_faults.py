@@ -58,6 +58,18 @@ TRANSITION, ENTRY = "/states/a/transitions/0", "/states/a/entry/0"
     ("document", "sentence"),
     [
         ([1], "/: a mission is a JSON object, not [1]"),
+        (
+            state(history="deep", transitions=[{"when": {"fresh": "k"}, "to": "a"}]),
+            TRANSITION + ": a history's transition has only where it leads without memory, 'to'; this has when",
+        ),
+        (
+            state(history="deep", transitions=[{"on": "e"}]),
+            TRANSITION + ": a history's transition has only where it leads without memory, 'to'; this has on",
+        ),
+        (
+            state(history="deep", transitions=[{}]),
+            TRANSITION + ": a history's transition has only where it leads without memory, 'to'; this has none",
+        ),
         ({"name": "x", "states": {"a": {}}}, "/: 'initial' is missing; a mission needs it"),
         (SMALL | {"format": 2}, "/format: no such choice: 2; it is 1"),
         (SMALL | {"fromat": 1}, "/fromat: a mission has no 'fromat'; did you mean 'format'?"),
