@@ -38,7 +38,7 @@ def _change(root: list[Any], source: random.Random) -> None:
     holder, word = source.choice(places)
     other, where = source.choice(places)
     value = holder[word]
-    kind = source.randrange(9)
+    kind = source.randrange(10)
     if kind == 0:
         holder[word] = source.choice(ODD)
     elif kind == 1:
@@ -56,6 +56,8 @@ def _change(root: list[Any], source: random.Random) -> None:
         del value[400:]
     elif kind == 7 and isinstance(value, str):
         holder[word] = _misspelled(value, source)
+    elif kind == 8 and isinstance(value, dict):
+        holder[word] = [*value, source.choice(_words(places) or ["x"]).title()]
     elif isinstance(value, int | float):
         holder[word] = source.choice((value + 1, -value, value * 10**9, str(value)[:300], 1 - value))
     else:

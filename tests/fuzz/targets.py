@@ -14,7 +14,7 @@ import zlib
 from collections.abc import Callable, Mapping
 from pathlib import Path
 
-from rai_missions.check import check
+from rai_missions.check import check, check_file
 from rai_missions.embodiment import Identity
 from rai_missions.errors import MissionError
 from rai_missions.journal import Header, Journal, read, verify
@@ -40,6 +40,7 @@ def mission(data: bytes, folder: Path) -> None:
     """A mission in JSON: loaded, checked, written, loaded again, drawn and compared."""
     file = folder / "mission.json"
     file.write_bytes(data)
+    check_file(str(file))
     loaded = load(file)
     holds = not any(each.severity == "error" for each in check(loaded))
     again = folder / "again.json"
