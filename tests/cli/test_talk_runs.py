@@ -74,3 +74,19 @@ def test_an_e_stop_that_finds_the_run_over_has_no_other_follow() -> None:
         assert runs.is_continued
         page.submit('{"command": "e_stop"}', lambda success, why: replies.append((success, why)))
         assert replies == [(False, "the mission has ended")] and not runs.is_continued
+
+
+def test_a_run_that_waits_ends_where_the_input_ended_while_it_was_prepared() -> None:
+    config = RunConfig(Mission.model_validate(MISSION), clock=SimulatedClock(), waits=True)
+    with prepare(config) as first:
+        runs = TalkRuns(config, waits=True, is_reachable=lambda: True)
+        runs.begin(first)
+        first.runner.start({})
+        first.runner.run()
+        second = runs.following()
+        assert second is not None
+        runs.give_up()
+        runs.follow(second)
+        second.runner.call_soon(lambda: second.runner.cancel("test"))  # what ends it where it would wait for ever
+        assert "end of input" in second.runner.run().why
+        second.close()

@@ -52,7 +52,7 @@ class TalkRuns:
         self._lock = threading.Lock()
         self._ordered: OrderedRun | None = None
         self._before: PreparedRun | None = None
-        self._is_interrupted = False
+        self._is_interrupted = self._is_given_up = False
         self._count = 1
 
     def begin(self, prepared: PreparedRun) -> Runner:
@@ -93,6 +93,7 @@ class TalkRuns:
 
     def give_up(self) -> None:
         """No one can order anything any more: a run that waits to be started ends."""
+        self._is_given_up = True
         if self._before is not None:
             runner = self._before.runner
             runner.call_soon(lambda: runner.cancel(NO_INPUT) if runner.waits else None)
@@ -143,6 +144,8 @@ class TalkRuns:
             runner.stop(WITHDRAWN)
         if self._is_interrupted:
             runner.cancel(BY)
+        if self._is_given_up:
+            self.give_up()
 
     def close(self) -> None:
         """No other run follows."""
