@@ -304,6 +304,25 @@ def test_without_a_broker_one_sentence_states_it() -> None:
             MqttConnector({"port": port}).start()
 
 
+def test_a_way_that_becomes_silent_is_to_be_known_as_lost_within_seconds() -> None:
+    pytest.importorskip("paho.mqtt", reason="pip install -e '.[mqtt]'")
+    received = list[bytes]()
+    with socket.create_server(("127.0.0.1", 0)) as listening:
+
+        def refuse() -> None:
+            client, _ = listening.accept()
+            with client:
+                received.append(client.recv(1000))
+                client.sendall(bytes((0x20, 3, 0, 0x87, 0)))  # CONNACK of MQTT 5: not authorised
+                client.recv(1000)
+
+        threading.Thread(target=refuse, daemon=True).start()
+        with pytest.raises(ConnectorError, match="does not let us in"):
+            MqttConnector({"port": listening.getsockname()[1]}).start()
+    after_name = received[0].index(b"MQTT") + len(b"MQTT")  # the version and the flags, then the interval in 2 bytes
+    assert 0 < int.from_bytes(received[0][after_name + 2 : after_name + 4]) <= 10
+
+
 def test_an_unknown_option_is_reported_with_what_there_is() -> None:
     with pytest.raises(UsageError, match="no option 'hots'; there is: host, port"):
         MqttConnector({"hots": "x"})

@@ -24,6 +24,8 @@ PATIENCE_S = 5.0
 """How long a broker may take to let a client in."""
 AGAIN_S, LONGEST_S = 0.5, 8.0
 """Seconds between two attempts to reach a broker that is gone: at first, and at most."""
+KEEPALIVE_S = 10
+"""How often the way is tried where nothing is sent: one that has become silent counts as lost within twice that."""
 REMEDY = "pip install '.[mqtt]'"
 
 
@@ -115,7 +117,7 @@ class BrokerLink:
         client.on_connect, client.on_message, client.on_publish = connected, self._on_message, self._on_publish
         client.on_disconnect = lambda *_: self._lost(client)
         client.on_socket_open = _hurry
-        client.connect(self._host, self._port)
+        client.connect(self._host, self._port, keepalive=KEEPALIVE_S)
         with self._lock:
             is_wanted = self._is_open
             self._made = client if is_wanted else None
