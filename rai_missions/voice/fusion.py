@@ -27,14 +27,15 @@ LEAST_STOP, LEAST_STOP_FIRST = 2.4, 1.0
 In loud noise "pause" is often as near to it: where that is not enough and "stop" is next, the first's own counts."""
 SHORTEST_S, LONGEST_S = (0.18, 0.03), (0.5, 0.08)
 """How long a phrase lasts, in seconds, and so many more for each of its letters. "Stop" may be drawn out."""
-LEAST_STOP_S = 0.24
-"""So short may "stop" be where the second agrees."""
+LEAST_AGREED_S = 0.24
+"""So short may "stop" be where the second agrees, and any phrase that is read freely as well."""
 PAUSE = "pause"
 LIKENESS, NO_LIKENESS, NO_TEXT = 6.0, 0.5, -1.5
 """Nats for the share of letters that a free text has in common with a phrase, the share that is no evidence, and nats
 where nothing was read freely."""
-MORE_WORDS, MORE_WORDS_BEST = 1, 2
-"""By how many words the free text may be longer than a phrase that is meant; the same where it is the second's best."""
+WORDS_A_MORE, MORE_WORDS_BEST = 3, 2
+"""For how many words of a phrase that is meant the free text may have one more; how many it may have more where the
+phrase is the second's best. For "stop" one more is never too much: it must not be missed."""
 LEAST_LEAD = 0.5
 """How much more it must be than that for the next phrase."""
 MOST = 30.0
@@ -82,9 +83,9 @@ def _can_last(phrase: str, spoken_s: float, *, is_read: bool, is_agreed: bool) -
     least, most = (base + each * letters for base, each in (SHORTEST_S, LONGEST_S))
     if phrase in STOPS and is_read:
         return True
-    if phrase == STOP:
-        return spoken_s >= (LEAST_STOP_S if is_agreed else least)
-    return least <= spoken_s and (spoken_s <= most or is_read)
+    if is_agreed and (is_read or phrase == STOP):
+        least = LEAST_AGREED_S
+    return least <= spoken_s and (spoken_s <= most or is_read or phrase == STOP)
 
 
 def _phrase(plain: str, first: Mapping[str, float], second: Mapping[str, float], phrases: Sequence[str]) -> str:
@@ -103,8 +104,9 @@ def _phrase(plain: str, first: Mapping[str, float], second: Mapping[str, float],
     elif phrase == PAUSE and not is_enough and len(sums) > 1 and sums[-2][1] == STOP:
         phrase, is_enough = STOP, min(first[STOP], sums[-2][0]) >= LEAST_STOP
     is_best = phrase in second and second[phrase] == max(second.values())
-    more = MORE_WORDS_BEST if is_best else MORE_WORDS
-    return phrase if is_enough and len(plain.split()) <= len(phrase.split()) + more else ""
+    words = len(phrase.split())
+    more = MORE_WORDS_BEST if is_best else 1 if phrase == STOP else words // WORDS_A_MORE
+    return phrase if is_enough and len(plain.split()) <= words + more else ""
 
 
 def _likeness(plain: str, phrase: str) -> float:
