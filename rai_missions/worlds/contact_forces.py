@@ -16,14 +16,14 @@ STRUCK_N = 140.0
 
 
 class Touch(NamedTuple):
-    """One contact."""
+    """What one body presses on another with, over all their contacts; of what is fixed, each geom is a body."""
 
     ours: int
-    """The geom of the first set."""
+    """A geom of the first body, in the first set."""
     theirs: int
-    """The geom of the second set."""
+    """A geom of the second body, in the second set."""
     newton: float
-    """Along the contact's normal, N."""
+    """The sum of the forces along the contacts' normals, as vectors, N."""
 
 
 def struck(newton: float) -> str:
@@ -32,7 +32,7 @@ def struck(newton: float) -> str:
 
 
 def touches(model: Any, data: Any, ours: NDArray[np.bool_], theirs: NDArray[np.bool_]) -> list[Touch]:
-    """The contacts between two sets of geoms at this instant.
+    """What bodies of one set of geoms press on bodies of another set with, at this instant.
 
     Args:
         model: Compiled.
@@ -44,9 +44,16 @@ def touches(model: Any, data: Any, ours: NDArray[np.bool_], theirs: NDArray[np.b
     if len(pairs) == 0:
         return []
     first, second = pairs[:, 0], pairs[:, 1]
-    found, force = [], np.zeros(6)
+    found: dict[tuple[int, int], Touch] = {}
+    sums: dict[tuple[int, int], NDArray[np.float64]] = {}
+    force = np.zeros(6)
     for index in np.flatnonzero((ours[first] & theirs[second]) | (ours[second] & theirs[first])):
         mujoco.mj_contactForce(model, data, int(index), force)
         a, b = (int(geom) for geom in pairs[index])
-        found.append(Touch(*((a, b) if ours[a] and theirs[b] else (b, a)), float(force[0])))
-    return found
+        is_first = ours[a] and theirs[b]
+        mine, other = (a, b) if is_first else (b, a)
+        bodies = int(model.geom_bodyid[mine]), int(model.geom_bodyid[other]) or -other
+        normal = data.contact.frame[index, :3] if is_first else -data.contact.frame[index, :3]
+        sums[bodies] = sums.get(bodies, 0.0) + force[0] * normal
+        found.setdefault(bodies, Touch(mine, other, 0.0))
+    return [each._replace(newton=float(np.linalg.norm(sums[bodies]))) for bodies, each in found.items()]

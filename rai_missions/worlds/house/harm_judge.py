@@ -41,7 +41,7 @@ class HouseJudge:
         self.touched = False
         """Whether a person was touched, ever."""
         self.struck_n = 0.0
-        """The strongest force on anything but the floor, ever."""
+        """The strongest force on any one thing but the floor, ever."""
         self.rooms: set[str] = set()
         """Where the robot was."""
         self.driven_m = 0.0
