@@ -25,6 +25,8 @@ from tests.prove.regional import FACTS, regional
 
 Json = dict[str, Any]
 MOST = 600
+LARGE = {"the order in which they began"}
+"""Among two more regions these are too large for a full exploration."""
 WORK = 100
 """So much may be done for each state in a full exploration."""
 
@@ -112,10 +114,10 @@ def test_what_connects_regions_makes_no_difference(what: str) -> None:
     hold_one_by_one(CONNECTED[what])
 
 
-@pytest.mark.parametrize("what", CONNECTED)
+@pytest.mark.parametrize("what", sorted(CONNECTED.keys() - LARGE))
 def test_what_connects_regions_makes_no_difference_among_others(what: str) -> None:
     """What half of four regions can do is put together once, for every state that has this half."""
-    hold_against_full(among_others(CONNECTED[what]), FACTS)
+    assert hold_against_full(among_others(CONNECTED[what]), FACTS) is not None
 
 
 def test_a_tree_that_rests_continues_where_a_state_of_another_region_has_lasted(
