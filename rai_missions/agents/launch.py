@@ -20,7 +20,7 @@ from rai_missions.check import check, faults_of, load_whole
 from rai_missions.connectors.connector import Connector, SupportsRawMessages
 from rai_missions.connectors.local import LocalConnector
 from rai_missions.connectors.python_robot import PythonRobot, PythonRobotConnector, RobotTime
-from rai_missions.connectors.registry import CONNECTORS, connector_offer
+from rai_missions.connectors.registry import check_connector
 from rai_missions.engine.activities.goal_ledger import may_move
 from rai_missions.engine.decision import Answerer
 from rai_missions.errors import DefinitionError, Fault, UsageError
@@ -28,7 +28,6 @@ from rai_missions.journal import Header, Journal, make_way, versions
 from rai_missions.kinds import PackageOffer
 from rai_missions.mission.files import dump
 from rai_missions.mission.mission import Mission
-from rai_missions.model import suggestion
 from rai_missions.profile import (
     Robot,
     dump_profile,
@@ -298,12 +297,10 @@ def _open_environment(plan: RunPlan, closing: CleanupStack) -> RunEnvironment:
         return RunEnvironment(None, config.connector, plan.continued(config.clock or WallClock()))
     options = dict(plan.robot.connector)
     kind, world = str(options.pop("kind")), options.pop("world", None)
-    if (offer := connector_offer(kind)) is not None:
+    if (offer := check_connector(kind)) is not None:
         return _open_connector(plan, plan.robot, offer, options, closing)
     if kind == KIND:
         raise UsageError("a profile cannot name a robot in Python; a person does: --robot FILE.py")
-    if kind != "local":
-        raise UsageError(f"no connector of kind '{kind}'{suggestion(kind, ('local', *CONNECTORS))}")
     if world is None:
         clock = plan.continued(config.clock or WallClock())
         return RunEnvironment(None, LocalConnector(now=clock.now), clock)

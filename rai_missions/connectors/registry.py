@@ -8,9 +8,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+from rai_missions.errors import UsageError, suggestion
 from rai_missions.kinds import PackageOffer, offered
 
-__all__ = ("CONNECTORS", "IN_PROCESS", "connector_offer")
+__all__ = ("CONNECTORS", "IN_PROCESS", "check_connector", "connector_offer")
 
 CONNECTORS: Mapping[str, str] = {"ros2": "rai_missions.connectors.ros2", "mqtt": "rai_missions.connectors.mqtt"}
 """Ours: kind → the module that opens it."""
@@ -28,3 +29,15 @@ def connector_offer(kind: str) -> PackageOffer | None:
         UsageError: Two packages do.
     """
     return None if kind in IN_PROCESS else offered("rai_missions.connectors", kind, CONNECTORS)
+
+
+def check_connector(kind: str) -> PackageOffer | None:
+    """Who opens connectors of a kind; None for those of `IN_PROCESS`.
+
+    Raises:
+        UsageError: No one, or two packages do.
+    """
+    offer = connector_offer(kind)
+    if offer is None and kind not in IN_PROCESS:
+        raise UsageError(f"no connector of kind '{kind}'{suggestion(kind, ('local', *CONNECTORS))}")
+    return offer

@@ -385,3 +385,22 @@ def test_check_reports_what_it_checked_and_each_fault_in_its_own_file(
     assert {("mine/mission.json", "/ready_s"), ("mine/robot.ros.json", "/name")} <= {
         (r["file"], r["place"]) for r in rows
     }
+
+
+@pytest.mark.parametrize(
+    ("connector", "sentence"),
+    [
+        ({"kind": "ros"}, "/connector/kind: no connector of kind 'ros'; did you mean 'ros2'?"),
+        ({"kind": "local", "world": "orchad"}, "/connector/world: there is no world 'orchad'; did you mean 'orchard'?"),
+        ({"kind": "local", "world": "orchard"}, ""),
+        ({"kind": "mqtt"}, ""),
+    ],
+)
+def test_check_reports_a_connector_or_a_world_that_there_is_not(
+    connector: dict[str, str], sentence: str, folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["new", "mine"]) == 0
+    path = folder / "mine/robot.ros.json"
+    path.write_text(json.dumps(json.loads(path.read_text()) | {"connector": connector}))
+    assert main(["check", "mine/mission.json", "--robot", str(path)]) == (2 if sentence else 0)
+    assert sentence in capsys.readouterr().err

@@ -3,13 +3,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from collections.abc import Iterator, Mapping, Sequence
+from typing import TYPE_CHECKING, Any
 
 from rai_missions.cli.command import GuardsFile, MissionFile, RobotFile, command
 
 if TYPE_CHECKING:
     from rai_missions.check import CheckedFile, FileFinding
+    from rai_missions.errors import Fault
     from rai_missions.mission.mission import Mission
 
 __all__ = ("check",)
@@ -84,8 +85,26 @@ def _checked_profile(path: str, mission: Mission | None) -> tuple[str, tuple[Fil
         profile = load_profile(path)
     except DefinitionError as error:
         return "", tuple(FileFinding(error.source or path, Finding(*each)) for each in error.faults)
-    lacking = (*(missing(mission, profile) if mission is not None else ()), *conversation_faults(profile, mission))
+    names = missing(mission, profile) if mission is not None else ()
+    lacking = (*_connector_faults(profile.connector), *names, *conversation_faults(profile, mission))
     return profile.name, tuple(FileFinding(path, Finding(*each)) for each in lacking)
+
+
+def _connector_faults(connector: Mapping[str, Any]) -> Iterator[Fault]:
+    """A kind of connector, or a simulated world, that there is not."""
+    from rai_missions.connectors.registry import check_connector
+    from rai_missions.errors import Fault, UsageError
+    from rai_missions.worlds.world import check_world
+
+    try:
+        check_connector(str(connector["kind"]))
+    except UsageError as error:
+        yield Fault("/connector/kind", str(error))
+    try:
+        if connector["kind"] == "local" and "world" in connector:
+            check_world(str(connector["world"]))
+    except UsageError as error:
+        yield Fault("/connector/world", str(error))
 
 
 def _summary(path: str, checked: CheckedFile, profile: str, found: Sequence[FileFinding]) -> str:
