@@ -12,6 +12,7 @@ from pathlib import Path
 import pytest
 
 from rai_missions.cli.main import main
+from tests.rigs.signals import in_terminal
 
 MISSION = {
     "format": 1,
@@ -77,7 +78,8 @@ def test_a_signal_while_a_command_is_imported_is_its_exit_status_and_no_tracebac
         signal.raise_signal(number)
 
     monkeypatch.setattr("rai_missions.cli.main.load_command", interrupted)
-    before = [signal.getsignal(each) for each in signal.valid_signals()]
-    assert main(["check", "m.json"]) == 128 + number
+    with in_terminal():
+        before = [signal.getsignal(each) for each in signal.valid_signals()]
+        assert main(["check", "m.json"]) == 128 + number
+        assert [signal.getsignal(each) for each in signal.valid_signals()] == before
     assert capsys.readouterr().err == "interrupted\n"
-    assert [signal.getsignal(each) for each in signal.valid_signals()] == before

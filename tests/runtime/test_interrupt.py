@@ -14,6 +14,7 @@ from hypothesis import strategies as st
 from rai_missions.engine.step import CancelGoal, StartGoal
 from rai_missions.runtime.interrupts import DEFAULTS, end_signals, interruptible
 from tests.rigs.runs import Rig, mission
+from tests.rigs.signals import in_terminal
 
 OUTCOMES = ["succeeded", "failed", "canceled", "rejected", "timed_out"]
 
@@ -47,7 +48,9 @@ def interrupted(
 def test_the_journal_of_an_interrupted_run_has_the_end_or_the_cancel_of_every_goal(
     tenths: list[int], on_cancel: tuple[str, ...], winds_down: bool, by: signal.Signals
 ) -> None:
-    rig = interrupted(*(tenth / 10 for tenth in tenths), on_cancel=on_cancel, winds_down=winds_down, by=by)
+    with in_terminal():
+        rig = interrupted(*(tenth / 10 for tenth in tenths), on_cancel=on_cancel, winds_down=winds_down, by=by)
+        assert [signal.getsignal(each) for each in DEFAULTS] == list(DEFAULTS.values())
     effects = [effect for step in rig.book.steps for effect in step.effects]
     started = {effect.number for effect in effects if isinstance(effect, StartGoal)}
     ended = {step.event.number for step in rig.book.steps if step.event.kind == "result"}
@@ -55,7 +58,6 @@ def test_the_journal_of_an_interrupted_run_has_the_end_or_the_cancel_of_every_go
     assert started <= ended | canceled
     assert rig.runner.view.outcome in ("canceled", "aborted")
     assert {goal.number for goal in rig.runner.view.loose_goals} == started - ended
-    assert [signal.getsignal(each) for each in DEFAULTS] == list(DEFAULTS.values())
 
 
 def test_an_interrupted_run_cancels_its_goal_and_its_journal_has_the_end_of_it() -> None:
@@ -75,7 +77,8 @@ def test_a_run_that_is_asked_to_end_names_the_signal() -> None:
 
 
 def test_a_terminal_that_is_gone_cancels_a_run_however_often_it_reports_so() -> None:
-    rig = interrupted(1.0, 2.0, 3.0, 4.0, winds_down=True, by=signal.SIGHUP)
+    with in_terminal():
+        rig = interrupted(1.0, 2.0, 3.0, 4.0, winds_down=True, by=signal.SIGHUP)
     assert (rig.runner.view.outcome, rig.runner.view.why) == ("canceled", "canceled by SIGHUP")
 
 
