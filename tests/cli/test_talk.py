@@ -180,6 +180,13 @@ def profile(mission: Path, **conversation: Any) -> Path:
     return path
 
 
+def test_the_input_ends_by_a_key_that_is_pressed_before_a_line_is_asked_for(mission: Path) -> None:
+    with terminal(mission, "--robot", str(profile(mission, begins="ready"))) as screen:
+        screen.type("\x04")
+        screen.until("was canceled: canceled by operator (end of input)")
+        assert screen.program.wait(PATIENCE_S) == 1
+
+
 @pytest.mark.long
 def test_after_the_end_another_run_is_started_by_talk_with_its_arguments(mission: Path) -> None:
     mission.write_text(json.dumps(COUNTING))

@@ -169,8 +169,11 @@ class EditedInput(LineInput):
     def __init__(self, to: TypedLines, foot: Callable[[], str]) -> None:
         super().__init__(to)
         from prompt_toolkit import PromptSession
+        from prompt_toolkit.key_binding import KeyBindings
 
-        self._session: Any = PromptSession("> ", bottom_toolbar=foot, refresh_interval=0.25)
+        keys = KeyBindings()
+        keys.add("c-@")(_end_of_input)
+        self._session: Any = PromptSession("> ", bottom_toolbar=foot, refresh_interval=0.25, key_bindings=keys)
 
     def _wake(self) -> None:
         app = self._session.app
@@ -190,6 +193,12 @@ class EditedInput(LineInput):
         except KeyboardInterrupt:  # the key arrives here, and means the program
             os.kill(os.getpid(), signal.SIGINT)
             return ""
+
+
+def _end_of_input(event: Any) -> None:
+    """Ctrl-D that was pressed before the line was asked for: the terminal that edits hands it over as NUL."""
+    if not event.current_buffer.text:
+        event.app.exit(exception=EOFError())
 
 
 def open_typing(
