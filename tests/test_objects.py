@@ -53,8 +53,6 @@ GLOBALS = {
     ("rai_missions/embodiment/reading_process.py", "resource.setrlimit"): PROCESS,
     ("rai_missions/embodiment/minilm.py", "os.environ"): f"{READS}; a maker's telemetry has no other switch",
     ("rai_missions/worlds/perception/__main__.py", "signal.signal"): PROCESS,
-    ("rai_missions/agents/runner.py", "signal.signal"): "put back when the agents have stopped",
-    ("rai_missions/cli/signals.py", "signal.signal"): "the program's own, and put back when the run ends",
     ("rai_missions/connectors/ros2/connector.py", "atexit.register"): "taken back when it stops",
     ("rai_missions/mission/garbage.py", "gc.freeze"): "thawed at once, and left alone where something is frozen",
     ("rai_missions/mission/garbage.py", "gc.set_threshold"): "put back when the last one has built",

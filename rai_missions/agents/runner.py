@@ -7,14 +7,11 @@ Rule: no agent waits for another. One that dies, hangs or raises takes no other 
 from __future__ import annotations
 
 import os
-import signal
 import sys
 import threading
 import time
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
-from types import FrameType
-from typing import Any, NoReturn
+from collections.abc import Mapping
+from typing import NoReturn
 
 from rai_missions.agents.agent import Agent, AgentHealth
 from rai_missions.agents.health import DIAGNOSTIC_ARRAY, DIAGNOSTICS, diagnostics_of
@@ -22,7 +19,7 @@ from rai_missions.agents.watched_agent import WatchedAgent
 from rai_missions.connectors.connector import Connector
 from rai_missions.connectors.worker import Worker
 from rai_missions.redaction import logger
-from rai_missions.runtime.interrupts import end_signals
+from rai_missions.runtime.interrupts import on_signals
 
 __all__ = ("AgentRunner", "exit_with")
 
@@ -130,7 +127,7 @@ class AgentRunner:
         Returns:
             The exit status: 1 where an agent died or hangs.
         """
-        with _leaving_by_signal(self):
+        with on_signals(lambda *_: self.leave()):
             self.run()
             while not self._leaving.is_set() and any(each.lives for each in self.agents.values()):
                 self._changed.wait(LOOKS_S)
@@ -162,24 +159,6 @@ class AgentRunner:
                 if self._is_public:
                     log.exception("how the agents fare cannot be published; this is logged once")
                 self._is_public = False
-
-
-@contextmanager
-def _leaving_by_signal(runner: AgentRunner) -> Iterator[None]:
-    """Leave on a signal that asks the program to end, where this is the thread that receives them."""
-    if threading.current_thread() is not threading.main_thread():
-        yield
-        return
-
-    def receive(_number: int, _frame: FrameType | None) -> None:
-        runner.leave()
-
-    before: dict[Any, Any] = {each: signal.signal(each, receive) for each in end_signals()}
-    try:
-        yield
-    finally:
-        for each, handler in before.items():
-            signal.signal(each, handler)
 
 
 def exit_with(runner: AgentRunner) -> NoReturn:

@@ -3,41 +3,27 @@
 
 from __future__ import annotations
 
-import signal
-import threading
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager, nullcontext
+from collections.abc import Callable
+from contextlib import AbstractContextManager
 from typing import Any
 
-from rai_missions.runtime.interrupts import end_signals, interrupt_handler
+from rai_missions.runtime.interrupts import interrupt_handler, on_signals
 
 __all__ = ("interruptible", "on_signals", "raised_signals")
 
 
-@contextmanager
-def on_signals(do: Callable[[int, Any], object]) -> Iterator[None]:
-    """A signal that asks the program to end does this; afterwards each does again what it did before."""
-    before = {each: signal.signal(each, do) for each in end_signals()}
-    try:
-        yield
-    finally:
-        for each, handler in before.items():
-            signal.signal(each, handler)
-
-
-@contextmanager
-def raised_signals() -> Iterator[None]:
+def raised_signals() -> AbstractContextManager[None]:
     """A signal that asks the program to end raises `KeyboardInterrupt` with its number, where that is this thread's."""
 
     def receive(number: int, frame: Any) -> None:
         raise KeyboardInterrupt(number)
 
-    with on_signals(receive) if threading.current_thread() is threading.main_thread() else nullcontext():
-        yield
+    return on_signals(receive)
 
 
-@contextmanager
-def interruptible(stop: Callable[[str], object], kill: Callable[[str], object], doing: str) -> Iterator[None]:
+def interruptible(
+    stop: Callable[[str], object], kill: Callable[[str], object], doing: str
+) -> AbstractContextManager[None]:  # fmt: skip
     """The first interrupt stops in good order, the second is an e-stop, a third raises where it is.
 
     Args:
@@ -45,5 +31,4 @@ def interruptible(stop: Callable[[str], object], kill: Callable[[str], object], 
         kill: What the second does; called with who interrupts.
         doing: What the first does, in a word for people.
     """
-    with on_signals(interrupt_handler(stop, kill, doing)):
-        yield
+    return on_signals(interrupt_handler(stop, kill, doing))

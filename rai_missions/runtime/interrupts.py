@@ -14,7 +14,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from typing import Any, Protocol
 
-__all__ = ("BY", "end_signals", "interrupt_handler", "interruptible")
+__all__ = ("BY", "end_signals", "interrupt_handler", "interruptible", "on_signals")
 
 BY = "operator (interrupt)"
 """Who cancels and stops a run by Ctrl-C, as its journal has it."""
@@ -37,6 +37,21 @@ class InterruptedRun(Protocol):
 def end_signals() -> tuple[signal.Signals, ...]:
     """The signals that ask this program to end; under `nohup`, SIGHUP is none of them."""
     return tuple(each for each in DEFAULTS if each is not signal.SIGHUP or signal.getsignal(each) is not signal.SIG_IGN)
+
+
+@contextmanager
+def on_signals(do: Callable[[int, Any], object]) -> Iterator[None]:
+    """A signal that asks the program to end does this, where this is the thread that receives them.
+
+    Afterwards each does again what it did before.
+    """
+    is_main = threading.current_thread() is threading.main_thread()
+    before = {each: signal.signal(each, do) for each in end_signals()} if is_main else {}
+    try:
+        yield
+    finally:
+        for each, handler in before.items():
+            signal.signal(each, handler)
 
 
 def interrupt_handler(
