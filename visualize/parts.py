@@ -33,5 +33,5 @@ def document_of(state: State) -> dict[str, Any]:
     own = own_part(state)
     if not (program := own.program()):
         return own.written()
-    words = own.model_dump(mode="json", by_alias=True, exclude_defaults=True, exclude={"tree"})
+    words = own.model_dump(mode="json", exclude={"tree"})
     return {"behaviour": program, **words}

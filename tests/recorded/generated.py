@@ -67,7 +67,7 @@ def words_of(mission: Mission) -> set[str]:
             for each in value:
                 look(each, word)
 
-    look(mission.model_dump(by_alias=True, exclude_defaults=True), "")
+    look(mission.model_dump(), "")
     return found
 
 

@@ -154,7 +154,7 @@ def _weighed(name: str, new: MissionModel, after: Any, *, asks_a_model: bool) ->
 
 def reordered(before: Iterable[str], after: Iterable[str]) -> bool:
     """Whether the names that both have are in another order."""
-    was, now = list(before), list(after)
+    was, now = dict.fromkeys(before), dict.fromkeys(after)
     return [name for name in was if name in now] != [name for name in now if name in was]
 
 
