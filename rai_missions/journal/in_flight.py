@@ -6,7 +6,7 @@ Rule: it is read from rows alone. Whether any of it still continues is for the r
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 
 from rai_missions.engine.step import (
     Ask,
@@ -25,7 +25,7 @@ from rai_missions.engine.step import (
 from rai_missions.event import Event, is_e_stop
 from rai_missions.journal.rows import Confirmation, JournalRow, StepRow
 
-__all__ = ("InFlight", "needs_confirmation", "underway")
+__all__ = ("InFlight", "needs_confirmation")
 
 WEIGHTY = (StartGoal, CallService, PublishMessage, SayAloud)
 OPENING = (StartGoal, CallService, Ask, StartBehaviour)
@@ -130,11 +130,3 @@ class InFlight:
         self.open.pop(number, None)
         self.accepted.discard(number)
         self.canceled.discard(number)
-
-
-def underway(rows: Iterable[JournalRow]) -> InFlight:
-    """What a journal's rows leave open."""
-    found = InFlight()
-    for row in rows:
-        found.follow(row)
-    return found

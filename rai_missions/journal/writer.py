@@ -8,7 +8,6 @@ Rule: its lock is held from its opening to `close`. Its files may be closed mean
 from __future__ import annotations
 
 import datetime
-import hashlib
 import platform
 import threading
 import time
@@ -174,13 +173,6 @@ class Journal(Closable):
     def note(self, text: str, data: Any = None) -> int:
         """Writes something that a reader should know; raises as `write` does."""
         return self._append("note", text_of({"text": text, "data": to_json(data)}))
-
-    def put_blob(self, data: bytes, media_type: str) -> str:
-        """Keeps bytes, each content once, and gives their SHA-256 in hex; raises as `write` does."""
-        digest = hashlib.sha256(data).hexdigest()
-        with self._alone:
-            self._run([(BLOB, (digest, media_type, data))], f"a picture of {len(data)} bytes")
-        return digest
 
     def close(self) -> None:
         """Ends the writing; doing so twice changes nothing.

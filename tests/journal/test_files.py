@@ -20,7 +20,7 @@ from rai_missions.image import Image
 from rai_missions.journal import Confirmation, Header, Journal, Note, Record, StepRow, read, verify
 from rai_missions.journal.rows import GENESIS, chained
 from rai_missions.journal.sqlite import LONGEST_BYTES
-from tests.rigs.journals import anomalies, blackboard_writes, listing, steps
+from tests.rigs.journals import anomalies, blackboard_writes, listing, shown, steps
 
 HEADER = Header('{"format": 1}', profile="{}", arguments={"alleys": 6}, run="r1")
 
@@ -173,7 +173,6 @@ def test_the_pictures_of_a_question_are_kept_once(tmp_path: Path) -> None:
     with Journal.create(path, HEADER) as journal:
         for seq in (1, 2):
             journal.write(Step(seq, 0.0, Event("anomaly", 0.0, {"seen": image}), effects=(Ask(question),)), since=0.0)
-        assert journal.put_blob(image.data, "x") == image.digest
     with read(path) as record:
         first = next(record.steps())
         assert first.question is not None
@@ -260,8 +259,10 @@ def test_a_row_that_was_altered_with_its_hash_breaks_the_row_after(path: Path) -
 
 def test_a_picture_that_was_altered_is_reported(tmp_path: Path) -> None:
     path = tmp_path / "j"
+    image = Image("camera@1", 1, 1, "png", lambda: b"a person")
     with Journal.create(path, HEADER) as journal:
-        digest = journal.put_blob(b"a person", "image/png")
+        journal.write(shown(1, image), since=0.0)
+    digest = image.digest
     alter(path, "UPDATE blobs SET bytes = CAST('nobody' AS BLOB)")
     reported = f"picture {digest[:12]}…: its bytes do not have the hash under which they are kept"
     assert [str(fault).startswith(reported) for fault in verify(path)] == [True]

@@ -10,11 +10,9 @@ from pathlib import Path
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from rai_missions.engine.decision import Evidence, Question
-from rai_missions.engine.step import Ask, Step
-from rai_missions.event import Event
 from rai_missions.image import Image
 from rai_missions.journal import Header, Journal, verify
+from tests.rigs.journals import shown
 
 ENCODINGS = st.sampled_from(["rgb8", "png", "jpeg", "mono8"])
 CHANGES = {
@@ -22,12 +20,6 @@ CHANGES = {
     "DELETE FROM blobs WHERE rowid = ?": "its bytes are missing",
     "UPDATE blobs SET bytes = x'00' WHERE rowid = ?": "do not have the hash",
 }
-
-
-def shown(number: int, image: Image) -> Step:
-    evidence = (Evidence("camera", image, 0.1, fresh=True),)
-    question = Question(number=number, owner="asking", asked="agent", text="?", options=(), evidence=evidence)
-    return Step(number, float(number), Event("start", float(number), kind="command"), effects=(Ask(question),))
 
 
 @settings(deadline=None, max_examples=30)

@@ -11,7 +11,7 @@ from rai_missions.engine.step import StartGoal, Step
 from rai_missions.errors import DefinitionError, MissionError, UsageError
 from rai_missions.event import Event
 from rai_missions.journal import Header, Journal, StepRow, read, verify
-from rai_missions.journal.in_flight import underway
+from rai_missions.journal.in_flight import InFlight
 
 
 def written(path: Path, *steps: Step) -> Path:
@@ -44,7 +44,9 @@ def test_an_event_that_holds_a_hash_shows_no_picture(tmp_path: Path) -> None:
 def test_what_a_server_had_accepted_before_a_migration_is_accepted_after_it() -> None:
     migrated = Event("migrate", 3.0, {"accepted": [4]}, "command")
     goals = tuple(StartGoal(number, "moving", "move", {}) for number in (4, 5))
-    assert underway([StepRow(1, Step(1, 3.0, migrated, effects=goals), 0.0)]).accepted == {4}
+    under = InFlight()
+    under.follow(StepRow(1, Step(1, 3.0, migrated, effects=goals), 0.0))
+    assert under.accepted == {4}
 
 
 def test_a_file_that_is_no_database_next_to_a_log_is_no_journal(tmp_path: Path) -> None:

@@ -19,10 +19,11 @@ from hypothesis import strategies as st
 from rai_missions.engine.step import Step
 from rai_missions.errors import ConnectorError, UsageError
 from rai_missions.event import Event
+from rai_missions.image import Image
 from rai_missions.journal import Header, Journal, read, set_aside, verify
 from rai_missions.journal.open_files import OPEN, OpenFiles
 from rai_missions.journal.sqlite import log_of
-from tests.rigs.journals import listing
+from tests.rigs.journals import listing, shown
 
 HEADER = Header("{}", run="r")
 PATIENCE_S = 30.0
@@ -65,7 +66,8 @@ def test_journals_that_rest_have_the_rows_of_those_that_do_not(
             elif how == "confirm":
                 each.confirm(place, "performed")
             elif how == "picture":
-                each.put_blob(bytes([place]) * 9_000, "image/png")
+                image = Image("camera@1", 100, 30, "rgb8", lambda filled=place: bytes([filled]) * 9_000)  # type: ignore[misc]
+                each.write(shown(place + 1, image), since=0.0)
         if how == "rest":
             journals[number].rest()
         elif how == "read":

@@ -16,7 +16,7 @@ from rai_missions.connectors.local import LocalConnector
 from rai_missions.engine.step import CallService, PublishMessage, StartGoal, Step
 from rai_missions.event import Event
 from rai_missions.journal import read
-from rai_missions.journal.in_flight import underway
+from rai_missions.journal.in_flight import InFlight
 from rai_missions.mission.mission import Mission
 from tests.replay.coroner import Inquest, SlowAnswerer, Steady, steps_of
 from tests.replay.farm import ACTIONS, FARMER, Farm
@@ -234,9 +234,10 @@ def looked_at(path: Path, yard: Yard, inquest: Inquest) -> tuple[Ended, bool]:
     effects = [(step.seq, each) for step in steps for each in step.effects]
     starts = {inquest.goal_id(each): each for _, each in effects if isinstance(each, StartGoal)}
     assert {goal_id for _, goal_id in yard.started} <= starts.keys(), "no goal was started that no row reports"
-    assert not [each for each in underway(rows).open.values() if isinstance(each, StartGoal)], (
-        "each goal's end is known"
-    )
+    under = InFlight()
+    for row in rows:
+        under.follow(row)
+    assert not [each for each in under.open.values() if isinstance(each, StartGoal)], "each goal's end is known"
     calls = Counter(each.service for _, each in effects if isinstance(each, CallService))
     sure = Counter(
         each.service for seq, each in effects if isinstance(each, CallService) and confirmed.get(seq) == "performed"

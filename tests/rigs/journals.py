@@ -35,8 +35,8 @@ from rai_missions.replay.replay import Replay, replay
 from rai_missions.states.state import HOLDERS
 
 __all__ = (
-    "MemoryJournal", "anomalies", "assert_whole", "blackboard_writes", "listing", "raw_rows_of", "rows_of", "steps",
-    "steps_of", "values",
+    "MemoryJournal", "anomalies", "assert_whole", "blackboard_writes", "listing", "raw_rows_of", "rows_of", "shown",
+    "steps", "steps_of", "values",
 )  # fmt: skip
 
 PATIENCE_S = 30.0
@@ -191,3 +191,10 @@ steps = st.builds(
     st.lists(verdicts, max_size=2).map(tuple), st.sampled_from(get_args(Refusal)), st.booleans(),
 )  # fmt: skip
 blackboard_writes = st.lists(st.tuples(names, values, instants), max_size=3, unique_by=lambda write: write[0])
+
+
+def shown(number: int, image: Image) -> Step:
+    """A step that asks a question with a picture, which its journal keeps."""
+    evidence = (Evidence("camera", image, 0.1, fresh=True),)
+    question = Question(number=number, owner="asking", asked="agent", text="?", options=(), evidence=evidence)
+    return Step(number, float(number), Event("start", float(number), kind="command"), effects=(Ask(question),))
