@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import json
 import re
+import shutil
 from collections.abc import Iterator, Mapping
 from functools import cache
 from pathlib import Path
@@ -69,8 +70,8 @@ def _shipped(what: str, installed: Path, checkout: Path, *, with_file: str) -> P
     raise UsageError(f"this installation has no {what}; install the package again")
 
 
-def copy_template(name: str, directory: Path) -> Iterator[Path]:
-    """Make a folder with a mission of one's own; the files made, in order.
+def copy_template(name: str, directory: Path) -> tuple[Path, ...]:
+    """Make a folder with a mission of one's own, whole or not at all; the files made, in order.
 
     Raises:
         UsageError: No such template, the folder's name is none of a mission, or it holds something already or cannot
@@ -83,10 +84,26 @@ def copy_template(name: str, directory: Path) -> Iterator[Path]:
         _check_name(directory)
     if directory.exists() and (not directory.is_dir() or any(directory.iterdir())):
         raise UsageError(f"'{directory}' is there and not empty; name a folder that is new")
+    was_there = directory.exists()
     try:
-        yield from _copied(template, directory)
-    except OSError as error:
+        return tuple(_copied(template, directory))
+    except BaseException as error:
+        _remove(directory, keeps_folder=was_there)
+        if not isinstance(error, OSError):
+            raise
         raise UsageError(f"'{directory}' cannot be made: {error.strerror}") from error
+
+
+def _remove(directory: Path, *, keeps_folder: bool) -> None:
+    """Remove what was made in a folder that was empty or absent."""
+    if not keeps_folder:
+        shutil.rmtree(directory, ignore_errors=True)
+        return
+    for each in directory.iterdir():
+        if each.is_dir():
+            shutil.rmtree(each, ignore_errors=True)
+        else:
+            each.unlink()
 
 
 def _check_name(directory: Path) -> None:

@@ -5,8 +5,10 @@ from __future__ import annotations
 
 import json
 import re
+import resource
 import runpy
 import shlex
+import signal
 import subprocess
 import sys
 from pathlib import Path
@@ -127,6 +129,25 @@ def test_what_cannot_be_made_is_refused_with_the_remedy(
     assert message in capsys.readouterr().err
     assert [str(path.relative_to(folder)) for path in folder.rglob("*")] == ["full", "full/file"]
     assert (folder / "full/file").read_text() == "kept"
+
+
+@pytest.mark.parametrize("is_there", [False, True])
+def test_a_folder_that_cannot_be_filled_is_left_as_it_was(
+    folder: Path, is_there: bool, capsys: pytest.CaptureFixture[str]
+) -> None:
+    if is_there:
+        (folder / "mine").mkdir()
+    soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
+    ignored = signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (2_000, hard))  # the larger files of the template do not fit
+    try:
+        assert main(["new", "mine"]) == 2
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
+        signal.signal(signal.SIGXFSZ, ignored)
+    assert "'mine' cannot be made" in capsys.readouterr().err
+    assert [path.name for path in folder.rglob("*")] == ["mine"] * is_there
+    assert main(["new", "mine"]) == 0
 
 
 @pytest.mark.parametrize("template", templates())
