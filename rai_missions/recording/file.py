@@ -91,11 +91,12 @@ def make_file(path: Path) -> RecordingFile:
 
 def _set_aside(path: Path) -> Path:
     """Rename a recording; gives its new name."""
-    if not is_mcap(path):
-        raise UsageError(f"{path} is there already, and is no recording; name another file")
-    with path.open("rb") as stream:
-        try:
-            fcntl.flock(stream, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except BlockingIOError:
-            raise UsageError(f"{path} is being written by another run; wait for its end or name another") from None
-        return path.rename(free_name(path))
+    if path.is_file():  # a pipe would keep anyone who opens it
+        with path.open("rb") as stream:
+            try:
+                fcntl.flock(stream, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            except BlockingIOError:  # also while nothing of it has reached the disk
+                raise UsageError(f"{path} is being written by another run; wait for its end or name another") from None
+            if is_mcap(path):
+                return path.rename(free_name(path))
+    raise UsageError(f"{path} is there already, and is no recording; name another file")

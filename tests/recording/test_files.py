@@ -103,6 +103,14 @@ def test_a_recording_that_is_being_written_keeps_its_name(tmp_path: Path) -> Non
     assert recording(tmp_path / "run.mcap").moved_aside == tmp_path / "run.1.mcap"
 
 
+def test_a_recording_that_another_run_has_just_begun_is_refused_as_one_that_is_being_written(tmp_path: Path) -> None:
+    begun = make_file(tmp_path / "run.mcap")
+    with pytest.raises(UsageError, match="is being written by another run"):
+        make_file(tmp_path / "run.mcap")
+    begun.give_back()
+    assert list(tmp_path.iterdir()) == []
+
+
 def test_where_none_can_be_written_it_is_reported(tmp_path: Path) -> None:
     (tmp_path / "run.mcap").mkdir()
     with pytest.raises(UsageError, match="is there already"):
