@@ -256,7 +256,7 @@ class Runner(RunCommands):
             raise UsageError("; ".join(rivalry.contests))
         while chart.outcome is None and not self._may_begin():
             self._loop(lambda: chart.outcome is not None or not self.waits)
-            self._write_arguments()
+        self._write_arguments()  # an order to start may have brought others since, also while facts were awaited
         holder = self._executor.holder
         if holder is not None and holder != chart.holder and chart.outcome is None:
             self._step(lambda: chart.send(Event(holder, self._clock.now(), {"by": "robot"}, "control")))

@@ -7,6 +7,8 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from rai_missions.errors import DefinitionError
 from rai_missions.journal import Header, Journal
@@ -31,6 +33,32 @@ def test_it_begins_with_the_command_and_with_its_arguments() -> None:
     assert rig.run().outcome == "aborted"
     assert seen == ["ready", ""]
     assert rig.runner.start({"n": 3}) == "the mission has been started already"
+
+
+@given(
+    st.sampled_from([None, 0.1, 0.3, 0.5]),
+    st.lists(st.tuples(st.integers(1, 7), st.integers(1, 9) | st.none()), min_size=1, max_size=4),
+)
+def test_it_has_the_arguments_of_the_last_order_whenever_the_robot_reports_its_facts(
+    fact_at: float | None, orders: list[tuple[int, int | None]]
+) -> None:
+    facts: dict[str, Any] = {"there": {"type": "boolean", "source": "robot"}} if fact_at else {}
+    rig, given_n = Rig(mission(COUNTED, blackboard={**KEYS, **facts}), waits=True), list[int]()
+
+    def order(n: int | None) -> None:
+        if n is None:
+            rig.runner.stop()
+        elif not rig.runner.start({"n": n}):
+            given_n.append(n)
+
+    if fact_at:
+        rig.stage.play({fact_at: lambda: rig.publish("/there", data=False)})
+    for at in sorted({tenth / 10 + 0.02 for tenth, _ in orders}):
+        rig.stage.play({at: lambda at=at: [order(n) for tenth, n in orders if tenth / 10 + 0.02 == at]})
+    rig.stage.play({0.9: rig.runner.cancel})
+    rig.run()
+    if given_n:
+        assert rig.runner.view.board["n"].value == given_n[-1]
 
 
 def test_its_journal_replays(tmp_path: Path) -> None:
