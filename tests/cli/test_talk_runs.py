@@ -5,6 +5,8 @@ from __future__ import annotations
 
 from typing import Any
 
+import pytest
+
 from rai_missions.agents.mission import RunConfig, prepare
 from rai_missions.cli.run.talk_runs import TalkRuns
 from rai_missions.conversation import Order
@@ -90,3 +92,24 @@ def test_a_run_that_waits_ends_where_the_input_ended_while_it_was_prepared() -> 
         second.runner.call_soon(lambda: second.runner.cancel("test"))  # what ends it where it would wait for ever
         assert "end of input" in second.runner.run().why
         second.close()
+
+
+@pytest.mark.parametrize(
+    ("orders", "ends"),
+    [
+        ("", "end of input"), ("start", "reached"), ("start pause", "end of input"), ("start stop", "end of input"),
+        ("stop", "end of input"),
+    ],
+)  # fmt: skip
+def test_where_the_input_ends_a_run_that_only_an_order_moves_ends_and_any_other_runs_to_its_end(
+    orders: str, ends: str
+) -> None:
+    runs = TalkRuns(RunConfig(Mission.model_validate(MISSION)), waits=True, is_reachable=lambda: False)
+    clock = SimulatedClock()
+    config = RunConfig(Mission.model_validate(MISSION), clock=clock, waits=True, on_status=lambda _: runs.changed())
+    with prepare(config) as first:
+        runner = runs.begin(first)
+        for word in orders.split():
+            runner.start({}) if word == "start" else getattr(runner, word)("operator")
+        runs.give_up()
+        assert ends in runner.run().why

@@ -240,11 +240,12 @@ class TalkSession:
 
     @property
     def _is_reachable(self) -> bool:
-        """Whether a sentence may still come from somewhere."""
-        return self._is_typed_at or self._is_watched or self._hri is not None or self._voice is not None
+        """Whether an order may still come from somewhere."""
+        doors = self._hri is not None or self._voice is not None
+        return self._is_typed_at or self._is_watched or doors or not self._is_alone
 
     def typed_to_the_end(self) -> None:
-        """Nothing more is typed; where there is no other door, a run that waits to be started ends."""
+        """Nothing more is typed; where there is no other door, a run that waits for an order ends."""
         self._is_typed_at = False
         agent, runs = self.agent, self._runs
         if agent is not None and runs is not None and not self._is_reachable:
@@ -267,6 +268,8 @@ class TalkSession:
     def _changed(self, status: Status) -> None:
         if self.agent is not None:
             self.agent.changed(status)
+        if self._runs is not None:
+            self._runs.changed()
         if self._status is not None:
             self._status(status)
 

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 __all__ = ("TalkRuns",)
 
 NO_INPUT = "operator (end of input)"
-"""Who cancels a run that waits to be started where no one can start it any more."""
+"""Who cancels a run that waits for a person's order where no one can give one any more."""
 WITHDRAWN = "operator (stop)"
 """Who stops a run that was begun by an order to which a stop came."""
 
@@ -92,11 +92,15 @@ class TalkRuns:
             self._before.runner.kill(by)
 
     def give_up(self) -> None:
-        """No one can order anything any more: a run that waits to be started ends."""
+        """No one can order anything any more: a run that waits to be started or resumed ends, now or later."""
         self._is_given_up = True
-        if self._before is not None:
+        self.changed()
+
+    def changed(self) -> None:
+        """The status of the run has changed."""
+        if self._is_given_up and self._before is not None:
             runner = self._before.runner
-            runner.call_soon(lambda: runner.cancel(NO_INPUT) if runner.waits else None)
+            runner.call_soon(lambda: runner.cancel(NO_INPUT) if runner.waits or runner.view.mode == "paused" else None)
 
     @property
     def is_interrupted(self) -> bool:
@@ -144,8 +148,7 @@ class TalkRuns:
             runner.stop(WITHDRAWN)
         if self._is_interrupted:
             runner.cancel(BY)
-        if self._is_given_up:
-            self.give_up()
+        self.changed()
 
     def close(self) -> None:
         """No other run follows."""
