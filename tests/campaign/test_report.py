@@ -18,6 +18,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from rai_missions.campaign.compare import compare
+from rai_missions.campaign.embodiments import EMBODIMENTS
 from rai_missions.campaign.report.comparisons import within
 from rai_missions.campaign.report.figures import CampaignFigures, GroupFigures, figures_of
 from rai_missions.campaign.report.wrong_answers import wrong_answers
@@ -75,6 +76,13 @@ def test_the_shares_are_those_that_sql_counts(results: Path, sort: Sort) -> None
     kinds = one(results, f"SELECT count(*) {cells} AND kind = 'branch' AND option = 'replan'", *names)
     assert found.kinds["branch"].options["replan"] == kinds
     assert sum(kind.cells for kind in found.kinds.values()) == count
+
+
+def test_embodiments_are_in_the_order_in_which_each_shows_more(tmp_path: Path) -> None:
+    sorts = [Sort(name, 0.5, embodiment) for name in ("b", "a") for embodiment in sorted(EMBODIMENTS)]
+    groups = read(make_results(tmp_path / "a.db", sorts=sorts)).groups
+    shown = [(each.name.embodiment, each.name.model) for each in groups]
+    assert shown == [(embodiment, name) for embodiment in EMBODIMENTS for name in ("a", "b")]
 
 
 def test_a_cell_that_failed_is_in_no_share_and_an_absent_answer_is_not_the_best(tmp_path: Path) -> None:

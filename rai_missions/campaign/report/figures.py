@@ -13,6 +13,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
+from rai_missions.campaign.embodiments import EMBODIMENTS
 from rai_missions.campaign.statistics import Interval, clustered_interval
 from rai_missions.campaign.store import BEST_FIRST, CellRecord, ResultStore, SceneRecord
 
@@ -187,7 +188,10 @@ class CampaignFigures(NamedTuple):
 
 
 def figures_of(store: ResultStore) -> CampaignFigures:
-    """The figures of a store: over the split `report`, or over all scenes where no scene is in it."""
+    """The figures of a store: over the split `report`, or over all scenes where no scene is in it.
+
+    Groups are in the order of missions, of `EMBODIMENTS`, and of models' names.
+    """
     every = {scene.scene: scene for scene in store.scenes()}
     split = REPORTED if any(scene.split == REPORTED for scene in every.values()) else "all"
     scenes = {name: scene for name, scene in every.items() if split == "all" or scene.split == split}
@@ -204,7 +208,11 @@ def figures_of(store: ResultStore) -> CampaignFigures:
             other += 1
         else:
             foreign += 1
-    ordered = sorted(groups.values(), key=lambda group: (group.name.mission, group.name.embodiment, group.name.model))
+    rank = {name: number for number, name in enumerate(EMBODIMENTS)}
+    ordered = sorted(
+        groups.values(),
+        key=lambda each: (each.name.mission, rank.get(each.name.embodiment, len(rank)), each.name.model),
+    )
     baselines = baselines_of(scenes, labels)
     return CampaignFigures(split, scenes, labels, tuple(ordered), baselines, other, foreign, len(reached))
 
