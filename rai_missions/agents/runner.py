@@ -81,7 +81,10 @@ class AgentRunner:
         return {f"{each.name}/{name}": found for each in self._watched for name, found in each.connectors.items()}
 
     def run(self) -> None:
-        """Begin each agent, one after the other; what one raises is its health, and the next begins."""
+        """Begin each agent, one after the other; what one raises is its health, and the next begins.
+
+        Where `stop` comes meanwhile, those that began end here.
+        """
         with self._lock:
             if self._is_running:
                 return
@@ -93,15 +96,22 @@ class AgentRunner:
                     each.begin(self._start_s, self._leaving)
                     log.info("%s: %s", each.name, each.health.state)
                     self._report()
+            if self._leaving.is_set():
+                self._end()
 
     def stop(self) -> None:
-        """End them in the reverse order, each within `stop_s`, and cut off the one that hangs."""
+        """End them in the reverse order, each within `stop_s`, and cut off the one that hangs.
+
+        Called by an agent's own `run` or `stop`, it returns at once: what waits for that agent ends them all.
+        """
+        is_within = any(each.is_caller for each in self._watched)
         self._leaving.set()
+        if is_within:
+            return
         with self._lock:
             if self._is_running:
                 self._end()
             self._leaving.clear()
-            self._hurries.clear()
 
     def _end(self) -> None:
         for each in reversed(self._watched):
@@ -112,6 +122,8 @@ class AgentRunner:
                 each.cut_off()
         self._report()
         self._is_running = False
+        self._leaving.clear()
+        self._hurries.clear()
         self._worker.close(1.0)
 
     def leave(self) -> None:
@@ -129,7 +141,7 @@ class AgentRunner:
         """
         with on_signals(lambda *_: self.leave()):
             self.run()
-            while not self._leaving.is_set() and any(each.lives for each in self.agents.values()):
+            while not self._leaving.is_set() and self.health.state == "running":
                 self._changed.wait(LOOKS_S)
                 self._changed.clear()
             self.stop()

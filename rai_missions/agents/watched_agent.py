@@ -39,6 +39,7 @@ class WatchedAgent:
         self._health = AgentHealth("ready")
         self._asked_at: float | None = None
         self._has_returned = threading.Event()
+        self._awaited: set[threading.Thread] = set()
         self._worker = Worker(f"health of {name}")
 
     @property
@@ -49,17 +50,24 @@ class WatchedAgent:
             return AgentHealth("hangs", f"it has not reported how it fares for {LOOK_S:g} s")
         return self._health
 
+    @property
+    def is_caller(self) -> bool:
+        """Whether the agent's own `run` or `stop`, which is waited for, calls this."""
+        return threading.current_thread() in self._awaited
+
     def begin(self, within_s: float, leaving: threading.Event) -> None:
         """Run it; where that fails or hangs, its health states why."""
         self._asked_at = None
         self._worker.start()
-        self._health = self._attempt("run", self._run, within_s, leaving) or AgentHealth("running")
+        self._has_returned = has_returned = threading.Event()
 
-    def _run(self) -> None:
-        try:
-            self.agent.run()
-        finally:
-            self._has_returned.set()
+        def run() -> None:
+            try:
+                self.agent.run()
+            finally:
+                has_returned.set()
+
+        self._health = self._attempt("run", run, within_s, leaving) or AgentHealth("running")
 
     def look(self) -> None:
         """Ask how it fares; never waits."""
@@ -69,15 +77,22 @@ class WatchedAgent:
             self._worker.post(lambda: self._ask(agent))
 
     def end(self, within_s: float, leaving: threading.Event) -> None:
-        """Stop it; where that fails or hangs, its health states why."""
+        """Stop it; where that fails or hangs, or its `run` does not return either, its health states why."""
         before = self.health
         if before.state == "ready":
             return
-        failure = self._attempt("stop", self.agent.stop, self.patience_s(within_s), leaving)
-        has_begun_late = before.state == "hangs" and self._has_returned.is_set()
+        until = time.monotonic() + self.patience_s(within_s)
+        failure = self._attempt("stop", self.agent.stop, until - time.monotonic(), leaving)
+        has_begun_late = before.state == "hangs" and failure is None and self._returns(until, leaving)
         is_stopped = before.state == "running" or has_begun_late
         self._health = failure or (AgentHealth("stopped") if is_stopped else before)
         self._worker.close(0.0)
+
+    def _returns(self, until: float, leaving: threading.Event) -> bool:
+        """Whether its `run` returns by then."""
+        while not self._has_returned.wait(TURN_S) and time.monotonic() < until and not leaving.is_set():
+            pass
+        return self._has_returned.is_set()
 
     def patience_s(self, within_s: float) -> float:
         """How long its `stop` may take: what it states itself, or else so many seconds."""
@@ -136,10 +151,12 @@ class WatchedAgent:
                 raised.append(error)
 
         thread = threading.Thread(target=attempt, name=f"{self.name}: {what}", daemon=True)
+        self._awaited.add(thread)
         thread.start()
         began = time.monotonic()
         while thread.is_alive() and time.monotonic() < began + within_s and not leaving.is_set():
             thread.join(TURN_S)
+        self._awaited.discard(thread)
         if thread.is_alive():
             return AgentHealth("hangs", f"{what} has not returned within {time.monotonic() - began:.1f} s")
         if raised:

@@ -288,6 +288,61 @@ def test_what_an_agent_states_of_itself_harms_no_other(tmp_path: Path) -> None:
     connector.stop()
 
 
+class Ending:
+    """An agent whose life ends at a moment of its own choice: it has its runner stop, or is asked while it begins."""
+
+    def __init__(self, kind: str, runner: list[AgentRunner]) -> None:
+        self.kind, self.runner = kind, runner
+        self.may_return, self.begins = threading.Event(), threading.Event()
+        self.lives = 0
+
+    def run(self) -> None:
+        self.lives += 1
+        self.begins.set()
+        if self.kind == "run stops":
+            self.runner[0].stop()
+        if self.kind == "returns late" or (self.kind == "hangs again" and self.lives == 2):
+            self.may_return.wait()
+
+    def stop(self) -> None:
+        if self.kind == "stop stops":
+            self.runner[0].stop()
+        if self.kind == "returns late":
+            threading.Timer(0.1, self.may_return.set).start()
+
+
+@pytest.mark.parametrize("kind", ["run stops", "stop stops", "returns late"])
+@pytest.mark.parametrize("serves", [False, True])
+def test_an_agent_that_ends_as_it_is_asked_is_stopped_at_whatever_moment(kind: str, serves: bool) -> None:
+    runner: list[AgentRunner] = []
+    ending, before = Ending(kind, runner), Ending("plain", runner)
+    runner.append(AgentRunner({"before": before, "ending": ending, "after": Ending("plain", runner)}))
+    status: list[int] = []
+    life = threading.Thread(target=lambda: status.append(runner[0].serve()) if serves else runner[0].run())
+    life.start()
+    assert ending.begins.wait(10.0)
+    runner[0].stop()
+    life.join(10.0)
+    assert not life.is_alive() and status == [0] * serves
+    states = {name: health.state for name, health in runner[0].agents.items()}
+    assert states.pop("after") in ("ready", "stopped")
+    assert states == {"before": "stopped", "ending": "stopped"}
+    ending.kind = "plain"
+    runner[0].run()
+    assert {health.state for health in runner[0].agents.values()} == {"running"}, "a stopped one may be run again"
+    runner[0].stop()
+
+
+def test_one_that_hangs_in_its_second_life_is_named() -> None:
+    ending = Ending("hangs again", [])
+    runner = AgentRunner({"ending": ending}, start_s=0.1, stop_s=0.1)
+    for state in ("stopped", "hangs"):
+        runner.run()
+        runner.stop()
+        assert runner.agents["ending"].state == state
+    ending.may_return.set()
+
+
 def test_a_long_reason_is_cut_where_it_is_published() -> None:
     found = diagnostics_of("all", {"ear": AgentHealth("died", "x" * 5000, {"log": "y" * 5000})}, at=1.0)
     (status,) = found["status"]
