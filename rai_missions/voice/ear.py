@@ -13,6 +13,7 @@ from typing import Any
 from rai_missions.connectors.sound.connector import FRAME_BYTES, RATE_HZ
 from rai_missions.errors import UsageError, suggestion
 from rai_missions.voice.absent import absent
+from rai_missions.voice.double_talk import DoubleTalk
 from rai_missions.voice.kind import EarReading
 
 __all__ = ("WAKE_WORDS", "EchoCanceller", "SoundEar", "open_ear")
@@ -50,6 +51,7 @@ class SoundEar:
     def __init__(self, wake_word: str = "", *, echo: bool = True) -> None:
         self._activity = SpeechActivity()
         self._canceller = EchoCanceller() if echo else None
+        self._double_talk = DoubleTalk()
         self._suppressor = EchoCanceller(noise=True)
         self._wake = WakeWord(wake_word) if wake_word else None
 
@@ -57,7 +59,10 @@ class SoundEar:
         """See `FrameReader`."""
         if len(recorded) != FRAME_BYTES or len(played) != FRAME_BYTES:
             raise UsageError(f"a frame has {FRAME_BYTES} bytes each way, not {len(recorded)} and {len(played)}")
-        clear = self._canceller.take(recorded, played) if self._canceller is not None else recorded
+        clear = recorded
+        if self._canceller is not None:
+            without = self._canceller.take(recorded, played)
+            clear = recorded if self._double_talk.take(recorded, played) else without
         quiet = self._suppressor.take(clear, b"")
         return EarReading(
             self._activity.take(quiet), self._wake.take(clear) if self._wake is not None else 0.0, clear, quiet

@@ -1,0 +1,67 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Whether a person speaks while we do: by what is louder than our echo can be.
+
+Rule: it only finds what is certain. What it does not find, the echo canceller still may.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from typing import Any
+
+from rai_missions.connectors.sound.connector import FRAME_BYTES, RATE_HZ
+from rai_missions.connectors.sound.wav import numpy
+
+__all__ = ("KNOWN_FRAMES", "DoubleTalk")
+
+FRAME_SAMPLES = FRAME_BYTES // 2
+EDGES_HZ = (0, 400, 1000, 2000, 4000)
+"""Where the bands begin; the last one ends at 8 kHz."""
+KNOWN_FRAMES, PLAYED_FRAMES, ECHO_FRAMES = 26, 8, 19
+"""0.8 s of a report, after which the echo of its first 0.26 s has returned; 0.6 s, within which one is looked for. The
+delay is below 0.5 s: one that is longer the canceller does not know either."""
+MEMORY_FRAMES, HELD_FRAMES = 62, 8
+"""For how long a bound holds, 2 s, and how long a person is taken to speak on, 0.26 s."""
+MARGIN = 10**1.2
+"""By how much a band must be above the bound, as energies: 12 dB."""
+LEAST = 100.0**2
+"""Energy of a sample, of 32768 squared, below which a band shows nothing, whether it is played or recorded."""
+
+
+class DoubleTalk:
+    """Compares frames with the echo that there can be, band by band.
+
+    0.8 s of what was recorded have the whole echo of what was played in their first 0.26 s. So the echo's share is at
+    most the one's energy over the other's, also while a person speaks; the least of two seconds is a bound.
+    """
+
+    def __init__(self) -> None:
+        self._np = numpy()
+        self._starts = [each * FRAME_SAMPLES // RATE_HZ for each in EDGES_HZ]
+        silence = [self._energies(bytes(FRAME_BYTES))] * KNOWN_FRAMES
+        self._recorded, self._played = deque(silence, KNOWN_FRAMES), deque(silence, KNOWN_FRAMES)
+        self._shares = deque[Any](maxlen=MEMORY_FRAMES)
+        self._held = 0
+
+    def take(self, recorded: bytes, played: bytes) -> bool:
+        """Whether the next frame has a person's speech for certain, or follows one that has."""
+        np = self._np
+        self._recorded.append(self._energies(recorded))
+        self._played.append(self._energies(played))
+        self._shares.append(self._most_share())
+        echo = np.min(self._shares, axis=0) * np.max(list(self._played)[-ECHO_FRAMES:], axis=0)
+        is_certain = np.any(self._recorded[-1] > np.maximum(MARGIN * echo, LEAST))
+        self._held = HELD_FRAMES + 1 if is_certain else max(0, self._held - 1)
+        return self._held > 0
+
+    def _most_share(self) -> Any:
+        """What share of what was played may have returned, for each band; infinity if too little was played."""
+        np = self._np
+        played = np.sum(list(self._played)[:PLAYED_FRAMES], axis=0)
+        return np.where(played > LEAST * PLAYED_FRAMES, np.sum(self._recorded, axis=0) / played, np.inf)
+
+    def _energies(self, samples: bytes) -> Any:
+        """The mean energy of a frame's samples, in each band; never 0."""
+        np = self._np
+        spectrum = np.fft.rfft(np.frombuffer(samples, "<i2"))
+        return 1.0 + 2 * np.add.reduceat(np.abs(spectrum) ** 2, self._starts) / FRAME_SAMPLES**2

@@ -1,0 +1,104 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What is louder than our echo can be, over any room: never the echo itself, always a person who is that loud."""
+
+from __future__ import annotations
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from rai_missions.connectors.sound.connector import FRAME_BYTES, RATE_HZ, SILENCE, SoundFrame
+from rai_missions.connectors.sound.room import RoomSound
+from rai_missions.voice.double_talk import HELD_FRAMES, KNOWN_FRAMES, DoubleTalk
+from tests.voice.conftest import needs_voice, spoken
+
+np = pytest.importorskip("numpy")
+
+FRAME = FRAME_BYTES // 2
+REPORT_FRAMES, PERSON_AT, PERSON_FRAMES = 100, 50, 10
+ROOMS, QUIET_ROOMS = (
+    st.tuples(st.integers(0, 9999), st.floats(-50.0, most), st.floats(0.0, 450.0), st.integers(0, 20))
+    for most in (0.0, -20.0)
+)
+"""Seed, level of the echo in dB, its delay in ms, how many reflections."""
+
+
+def syllables(random: np.random.Generator, frames: int) -> bytes:
+    """Sound that changes its level and its spectrum a few times a second, as speech does."""
+    found = []
+    while sum(map(len, found)) < frames * FRAME:
+        count = int(random.integers(3, 10)) * FRAME
+        frequencies = np.fft.rfftfreq(count, 1 / RATE_HZ)
+        centre, width = random.uniform(200, 4000), random.uniform(200, 2000)
+        spectrum = np.fft.rfft(random.normal(size=count)) * np.exp(-(((frequencies - centre) / width) ** 2))
+        sound = np.fft.irfft(spectrum, count)
+        found.append(sound / np.sqrt(np.mean(sound**2)) * random.choice([30, 1000, 3000]))
+    return bytes(np.concatenate(found)[: frames * FRAME].clip(-32768, 32767).astype("<i2").tobytes())
+
+
+def frames_of(room: tuple[int, float, float, int], person: bytes = b"") -> list[SoundFrame]:
+    """A report in a room, with a person in it."""
+    seed, echo_db, delay_ms, reflections = room
+    random, tail = np.random.default_rng(seed), np.zeros(800)
+    ours = syllables(random, REPORT_FRAMES)
+    places = random.integers(1, 800, reflections)
+    tail[places] = random.normal(size=reflections) * np.exp(-places / 400) * 0.3
+    sound = RoomSound(
+        person.ljust(len(ours), b"\0"), echo_db=echo_db, delay_ms=delay_ms, tail=tuple(tail[: 800 * bool(reflections)])
+    )
+    found, pieces = list[SoundFrame](), iter(range(0, len(ours), FRAME_BYTES))
+    sound.play(lambda at: ours[start : start + FRAME_BYTES] if (start := next(pieces, None)) is not None else b"")
+    sound.listen(found.append)
+    sound.start()
+    while not sound.over:
+        sound.step()
+    return found
+
+
+def found_in(frames: list[SoundFrame]) -> list[int]:
+    double_talk = DoubleTalk()
+    return [number for number, each in enumerate(frames) if double_talk.take(each.recorded, each.played)]
+
+
+@given(ROOMS)
+def test_our_own_echo_is_no_person_in_any_room(room: tuple[int, float, float, int]) -> None:
+    assert found_in(frames_of(room)) == []
+
+
+@given(QUIET_ROOMS)
+def test_a_person_far_louder_than_the_echo_is_known_at_once(room: tuple[int, float, float, int]) -> None:
+    speech = np.random.default_rng(room[0]).normal(size=PERSON_FRAMES * FRAME) * 8000
+    person = bytes(PERSON_AT * FRAME_BYTES) + bytes(speech.clip(-32768, 32767).astype("<i2").tobytes())
+    found = found_in(frames_of(room, person))
+    assert found[:1] == [PERSON_AT]
+    assert set(found) >= set(range(PERSON_AT, PERSON_AT + PERSON_FRAMES))
+    assert max(found) <= PERSON_AT + PERSON_FRAMES + HELD_FRAMES
+
+
+def test_nothing_is_certain_before_enough_was_played() -> None:
+    random = np.random.default_rng(1)
+    loud = [(random.normal(size=FRAME) * 5000).astype("<i2").tobytes() for _ in range(100)]
+    assert found_in([SoundFrame(0.0, each, SILENCE) for each in loud]) == []
+    assert found_in([SoundFrame(0.0, each, each) for each in loud[: KNOWN_FRAMES // 2]]) == []
+
+
+@needs_voice
+@pytest.mark.xdist_group("voice")
+@pytest.mark.parametrize("echo_db", [None, -40.0, -20.0])
+def test_a_person_is_recognised_within_the_first_report(echo_db: float | None) -> None:
+    from rai_missions.voice.ear import SoundEar
+
+    ours, stop = spoken("I am driving to the kitchen. Four of six waypoints are done.", "slt"), spoken("Stop.", "rms")
+    at = 2 * RATE_HZ // FRAME * FRAME
+    room = RoomSound(bytes(2 * at) + stop + bytes(RATE_HZ), echo_db=echo_db)
+    pieces = iter(range(0, len(ours), FRAME_BYTES))
+    room.play(lambda now: ours[start : start + FRAME_BYTES] if (start := next(pieces, None)) is not None else b"")
+    frames, ear = list[SoundFrame](), SoundEar()
+    room.listen(frames.append)
+    room.start()
+    while not room.over:
+        room.step()
+    speech = [number for number, each in enumerate(frames) if ear.take(each.recorded, each.played).speech >= 0.5]
+    first, last = at // FRAME, (at + len(stop) // 2) // FRAME
+    assert len([number for number in speech if first <= number <= last]) >= 3
+    assert [number for number in speech if number < first] == []
