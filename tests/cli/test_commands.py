@@ -394,10 +394,17 @@ def test_check_reports_what_it_checked_and_each_fault_in_its_own_file(
         ({"kind": "local", "world": "orchad"}, "/connector/world: there is no world 'orchad'; did you mean 'orchard'?"),
         ({"kind": "local", "world": "orchard"}, ""),
         ({"kind": "mqtt"}, ""),
+        ({"kind": "mqtt", "prot": 1883}, "no option 'prot'; there is: host, port"),
+        ({"kind": "mqtt", "port": "1883"}, "connector/port: '1883' is no port; give a whole number from 1 to 65535"),
+        ({"kind": "mqtt", "port": None}, "connector/port: null is no port"),
+        ({"kind": "mqtt", "port": 70_000}, "connector/port: 70000 is no port"),
+        ({"kind": "mqtt", "host": 5}, "connector/host: 5 is no text; give a name or an address"),
+        ({"kind": "ros2", "noed": "beacon"}, "no option 'noed'; did you mean 'node'?"),
+        ({"kind": "ros2", "domain_id": 300}, "connector/domain_id: 300 is no ROS domain; one goes from 0 to 232"),
     ],
 )
-def test_check_reports_a_connector_or_a_world_that_there_is_not(
-    connector: dict[str, str], sentence: str, folder: Path, capsys: pytest.CaptureFixture[str]
+def test_check_reports_a_connector_a_world_or_an_option_that_there_is_not(
+    connector: dict[str, Any], sentence: str, folder: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert main(["new", "mine"]) == 0
     path = folder / "mine/robot.ros.json"

@@ -91,8 +91,10 @@ def _checked_profile(path: str, mission: Mission | None) -> tuple[str, tuple[Fil
 
 
 def _connector_faults(connector: Mapping[str, Any]) -> Iterator[Fault]:
-    """A kind of connector, or a simulated world, that there is not."""
-    from rai_missions.connectors.registry import check_connector
+    """A kind of connector, a simulated world, or an option of one of our connectors that there is not."""
+    from importlib import import_module
+
+    from rai_missions.connectors.registry import CONNECTORS, check_connector
     from rai_missions.errors import Fault, UsageError
     from rai_missions.worlds.world import check_world
 
@@ -100,6 +102,11 @@ def _connector_faults(connector: Mapping[str, Any]) -> Iterator[Fault]:
         check_connector(str(connector["kind"]))
     except UsageError as error:
         yield Fault("/connector/kind", str(error))
+    try:
+        if (module := CONNECTORS.get(connector["kind"])) is not None:
+            import_module(module).check_options({word: each for word, each in connector.items() if word != "kind"})
+    except UsageError as error:
+        yield Fault("/connector", str(error))
     try:
         if connector["kind"] == "local" and "world" in connector:
             check_world(str(connector["world"]))

@@ -10,9 +10,9 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from rai_missions.connectors.connector import Connector
-from rai_missions.connectors.mqtt.connector import MqttConnector
+from rai_missions.connectors.mqtt.connector import MqttConnector, read_options
 
-__all__ = ("open_connector",)
+__all__ = ("check_options", "open_connector")
 
 
 def open_connector(options: Mapping[str, Any], *, now: Callable[[], float] | None = None) -> Connector:
@@ -23,6 +23,11 @@ def open_connector(options: Mapping[str, Any], *, now: Callable[[], float] | Non
         now: Seconds on the run's clock; stamps what is received. Left out, the time of day.
 
     Raises:
-        UsageError: An option is not known.
+        UsageError: An option is not known, or has a value that it cannot have.
     """
     return MqttConnector(options, now=now)
+
+
+def check_options(options: Mapping[str, Any]) -> None:
+    """Whether a profile's words are understood; raises as `open_connector` does."""
+    read_options(options)

@@ -22,7 +22,7 @@ from rai_missions.connectors.mqtt.codec import decode, encode
 from rai_missions.connectors.mqtt.link import BrokerLink
 from rai_missions.connectors.stamps import ReadingDate, dated, stamp_of
 from rai_missions.errors import ConnectorError, UsageError
-from rai_missions.redaction import cut, logger
+from rai_missions.redaction import cut, logger, shown
 
 __all__ = ("MqttConnector",)
 
@@ -36,6 +36,22 @@ MOST_ANSWERED = 256
 GONE = "the MQTT broker is gone"
 
 
+def read_options(given: Mapping[str, Any]) -> tuple[str, int]:
+    """A broker's host and port, from a profile's `connector`.
+
+    Raises:
+        UsageError: An option is not known, or has a value that it cannot have.
+    """
+    for word in given.keys() - set(OPTIONS):
+        raise UsageError(f"connector: no option {shown(word)}; there is: {', '.join(OPTIONS)}")
+    host, port = given.get("host", "127.0.0.1"), given.get("port", 1883)
+    if not isinstance(host, str):
+        raise UsageError(f"connector/host: {shown(host)} is no text; give a name or an address")
+    if not isinstance(port, int) or isinstance(port, bool) or not 1 <= port <= 65_535:
+        raise UsageError(f"connector/port: {shown(port)} is no port; give a whole number from 1 to 65535")
+    return host, port
+
+
 class MqttConnector:
     """Topics and services over a broker; a `Connector` without actions.
 
@@ -46,16 +62,13 @@ class MqttConnector:
         now: Seconds on the run's clock; stamps what is received. Left out, the time of day.
 
     Raises:
-        UsageError: An option is not known.
+        UsageError: An option is not known, or has a value that it cannot have.
     """
 
     modes: frozenset[Mode] = frozenset({"topics", "services"})
 
     def __init__(self, options: Mapping[str, Any] | None = None, *, now: Callable[[], float] | None = None) -> None:
-        given = dict(options or {})
-        for word in given.keys() - set(OPTIONS):
-            raise UsageError(f"connector: no option '{word}'; there is: {', '.join(OPTIONS)}")
-        self._host, self._port = str(given.get("host", "127.0.0.1")), int(given.get("port", 1883))
+        self._host, self._port = read_options(options or {})
         self._now = now or time.time
         self._lock = threading.Lock()
         self._link = BrokerLink(

@@ -14,7 +14,7 @@ from typing import Any, Literal
 from rai_missions.connectors.connector import Connector
 from rai_missions.errors import ConnectorError, UsageError
 
-__all__ = ("REMEDY", "fields_of", "installation", "open_connector", "why_absent")
+__all__ = ("REMEDY", "check_options", "fields_of", "installation", "open_connector", "why_absent")
 
 REMEDY = (
     "source a robot's own ROS 2 (source /opt/ros/jazzy/setup.bash), or, on a machine without one, "
@@ -39,6 +39,17 @@ def open_connector(options: Mapping[str, Any], *, now: Callable[[], float] | Non
     from rai_missions.connectors.ros2.connector import Ros2Connector
 
     return Ros2Connector(options, now=now)
+
+
+def check_options(options: Mapping[str, Any]) -> None:
+    """Whether a profile's words are understood, without ROS.
+
+    Raises:
+        UsageError: One is not.
+    """
+    from rai_missions.connectors.ros2.config import read_options
+
+    read_options(options)
 
 
 def installation() -> dict[str, str]:
