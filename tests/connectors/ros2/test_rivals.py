@@ -88,6 +88,14 @@ class Rig:
             assert time.monotonic() < until, f"there are not {count} servers"
             tick.wait(0.02)
 
+    def wait_until_two_answer(self, connector: Any) -> None:
+        """Wait until two servers receive a connector's requests; a server is on the graph before that."""
+        until, why = time.monotonic() + PATIENCE_S, ""
+        while not why.startswith("more than one server answers"):
+            assert time.monotonic() < until, f"two servers do not answer: {why}"
+            _, reports = self.send(connector, Script(accept="never").order(0))
+            why = until_reported(reports, "rejected")[-1].why
+
     def send(self, connector: Any, order: int = 1) -> tuple[str, Inbox[Report]]:
         goal_id, reports = uuid.uuid4().hex, Inbox[Report](PATIENCE_S)
         connector.send_goal(self.name, FIBONACCI, {"order": order}, goal_id=goal_id, on_report=reports)
@@ -136,6 +144,7 @@ def test_a_server_that_is_on_the_graph_and_does_not_answer_is_no_second_one_and_
     with Peer(rig.name[1:], PROGRAM) as frozen, Peer(rig.name[1:], PROGRAM) as living:
         rig.name += "/move"
         rig.wait_for(ours, 2)
+        rig.wait_until_two_answer(ours)
         frozen.signal(signal.SIGSTOP)
         goal_id, reports = rig.send(ours, script.order(1))
         until_reported(reports, "accepted")
