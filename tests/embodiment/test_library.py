@@ -112,6 +112,14 @@ def test_a_secret_in_a_document_is_not_quoted(folder: Path) -> None:
     assert "tyre service has the key [hidden]" in quotes and "Zk3m" not in quotes
 
 
+def test_an_index_is_for_its_user_alone_whatever_the_file_before_was(folder: Path) -> None:
+    index = folder.parent / "x.index"
+    index.touch(mode=0o666)
+    index.chmod(0o666)
+    build_index(folder, index, embedder=LetterVectors())
+    assert index.stat().st_mode & 0o777 == 0o600
+
+
 @given(st.text(max_size=300))
 def test_any_question_is_answered_or_refused(any_library: Library, question: str) -> None:
     found = any_library.recall(question)
