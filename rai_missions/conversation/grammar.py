@@ -102,6 +102,8 @@ class Grammar:
         language = self.language
         if language.quiet.fits(words):
             return (Sense("quiet"),)
+        if language.withdraw.fits(words):
+            return (Sense("withdraw"),)
         if language.orders["stop"].fits(words):
             return (STOP,)
         found = [Sense("yes")] if language.yes.fits(words) else [Sense("no")] if language.no.fits(words) else []

@@ -35,14 +35,22 @@ class Language(LanguageTexts):
         self.orders = {name: Phrases(each, parts) for name, each in data["orders"].items()}
         self.questions = {name: Phrases(each, parts) for name, each in data["questions"].items()}
         self.yes, self.no = Phrases(data["yes"], parts), Phrases(data["no"], parts)
-        self.quiet = Phrases(data["quiet"], parts)
+        self.quiet, self.withdraw = Phrases(data["quiet"], parts), Phrases(data["withdraw"], parts)
         self.start, self.answer = Phrases(data["start"], parts), Phrases(data["answer"], parts)
         self.argument = Phrases(data["argument"], parts)
         self.with_values = Phrases([data["with_values"]], parts)
 
     def vocabulary(self) -> frozenset[str]:
         """Every word of the grammar: what a misspelled word may be meant as."""
-        every = (*self.orders.values(), *self.questions.values(), self.yes, self.no, self.quiet, self.start)
+        every = (
+            *self.orders.values(),
+            *self.questions.values(),
+            self.yes,
+            self.no,
+            self.quiet,
+            self.withdraw,
+            self.start,
+        )
         return frozenset(word for each in every for word in each.words)
 
     def word(self, table: str, name: str) -> str:

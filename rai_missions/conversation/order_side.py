@@ -107,7 +107,11 @@ class OrderSide:
     def _answer_nothing(self, utterance: Utterance, number: int) -> Handling:
         if self._talk.settings.has_model:
             return "unknown"
-        self._speaking.reply("nothing_to_confirm", utterance, number)
+        if self._requests and may(utterance.role, "start", self._talk.settings):
+            requests = self._talk.language.listed(self._requests.words)
+            self._speaking.reply("queued_to_drop", utterance, number, requests=requests)
+        else:
+            self._speaking.reply("nothing_to_confirm", utterance, number)
         return "handled"
 
     def _chosen(self, senses: Sequence[Sense], utterance: Utterance, number: int) -> Sense | None:
@@ -140,6 +144,8 @@ class OrderSide:
             self._speaking.silence(is_total=False)
         elif sense.kind == "question":
             self._answer(sense, utterance, number)
+        elif sense.kind == "withdraw":
+            self._withdraw(utterance, number)
         elif not may(utterance.role, sense.name, self._talk.settings):  # type: ignore[arg-type]
             self._refuse_permission(sense.name, utterance, number)
         elif sense.kind == "fault":
@@ -184,7 +190,7 @@ class OrderSide:
         words, is_idle = language.text("order_stop"), not is_alive(view)
         self._put(JudgedOrder(STOP, utterance, number, "grammar", words, is_reported=is_idle))
         self._speaking.silence(is_total=True)
-        asked = [self._pending.words] if self._pending is not None and self._pending.is_request else []
+        asked = self._asked_request
         if self._pending is not None:
             self._void("stop")
         text = language.text("stop_no_run" if is_idle else "done_stop")
@@ -193,6 +199,23 @@ class OrderSide:
         self._speaking.speak(text, to=utterance.channel, reply_to=number)
         self._requests.drop("requests_stopped", asked)
         return "stopped"
+
+    @property
+    def _asked_request(self) -> tuple[str, ...]:
+        """In words, the request whose turn it is, while a person is asked whether it may begin."""
+        return (self._pending.words,) if self._pending is not None and self._pending.is_request else ()
+
+    def _withdraw(self, utterance: Utterance, number: int) -> None:
+        """What waits is dropped; a role that may order a start may do so."""
+        asked = self._asked_request
+        if not may(utterance.role, "start", self._talk.settings):
+            self._refuse_permission("start", utterance, number)
+        elif not asked and not self._requests:
+            self._speaking.reply("queued_none", utterance, number)
+        else:
+            if asked:
+                self._void("withdrawn")
+            self._requests.drop("requests_withdrawn", asked)
 
     def take(
         self, sense: Sense, utterance: Utterance, number: int, *, mapper: Mapper, agreeing: int | None = None
@@ -310,7 +333,7 @@ class OrderSide:
             return
         self._pending = pending._replace(distracted=pending.distracted | {utterance.speaker})
 
-    def _void(self, by: Literal["time", "changed", "replaced", "stop", "unspoken"]) -> None:
+    def _void(self, by: Literal["time", "changed", "replaced", "stop", "unspoken", "withdrawn"]) -> None:
         """What was read back does not count any more; the person is informed where that is not obvious."""
         pending, self._pending = self._pending, None
         if pending is None:
