@@ -179,9 +179,6 @@ class Compare(Guard, word="key"):
     def distinguish(self, by: Distinctions) -> None:
         if self.other is not None:
             by.join(self.key, self.other, self.op)
-        elif self._operator.takes_list:
-            for item in self.operand:
-                by.compare(self.key, "==", item)
         else:
             by.compare(self.key, self.op, self.operand)
 

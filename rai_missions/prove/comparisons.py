@@ -10,7 +10,7 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from rai_missions.engine.robot_facts import RobotFacts
-from rai_missions.guards.compare import ORDERED
+from rai_missions.guards.compare import OPERATORS, ORDERED
 from rai_missions.keys import Key
 from rai_missions.mission.mission import Mission
 from rai_missions.prove.parts import guards_in, parts, writes_in
@@ -40,7 +40,7 @@ class Comparisons:
             for name, kind in event.fields.items():
                 self.declared.setdefault(name, []).append(kind)
         self.atoms: dict[str, list[tuple[str, Any]]] = {}
-        """Path → operator and constant of each comparison."""
+        """Path → operator and operand of each comparison with constants."""
         self.kin: dict[str, set[str]] = {}
         """Path → those that it is compared with or copied to, itself among them."""
         self.near: dict[str, set[float]] = {}
@@ -79,7 +79,8 @@ class Comparisons:
 
     def compare(self, path: str, op: str, operand: Any) -> None:
         self.atoms.setdefault(path, []).append((op, operand))
-        if isinstance(operand, dict | list) or (isinstance(operand, str) and op in ORDERED):
+        constants = operand if OPERATORS[op].takes_list else [operand]
+        if any(isinstance(each, dict | list) or (isinstance(each, str) and op in ORDERED) for each in constants):
             self._odd.add(path)
 
     def join(self, path: str, other: str, op: str = "") -> None:
@@ -256,7 +257,12 @@ class Comparisons:
 
     def operands(self, path: str) -> list[Any]:
         """The constants that it or its kin is compared with."""
-        return [operand for kin in sorted(self.kin.get(path, {path})) for _, operand in self.atoms.get(kin, ())]
+        return [constant for kin in sorted(self.kin.get(path, {path})) for _, constant in self.constants(kin)]
+
+    def constants(self, path: str) -> Iterator[tuple[str, Any]]:
+        """Operator and constant of each comparison; of a list each item, to which the value may be equal."""
+        for op, operand in self.atoms.get(path, ()):
+            yield from (("==", each) for each in operand) if OPERATORS[op].takes_list else ((op, operand),)
 
     def within(self, path: str) -> list[str]:
         """The next names below a path that anybody looks at."""

@@ -114,8 +114,8 @@ class Values:
             if key not in learned.atoms:
                 continue
             linked = len(learned.kin.get(key, {key})) > 1
-            high = [_past(op, each, 1) for op, each in learned.atoms[key] if isinstance(each, int | float)]
-            low = [_past(op, each, -1) for op, each in learned.atoms[key] if isinstance(each, int | float)]
+            high = [_past(op, each, 1) for op, each in learned.constants(key) if isinstance(each, int | float)]
+            low = [_past(op, each, -1) for op, each in learned.constants(key) if isinstance(each, int | float)]
             if linked:
                 tried = {*SAMPLES, *_next_to([each for each in learned.operands(key) if isinstance(each, int | float)])}
                 high, low = [*high, max(tried) + 1], [*low, min(tried) - 1]
@@ -232,9 +232,10 @@ class Values:
         elif kind in NUMBERS:
             yield from self._numbers(path, whole=kind == "integer")
         else:
-            yield from sorted({each for each in learned.operands(path) if isinstance(each, str)})
             others = len(learned.kin.get(path, {path}))
-            yield from (f"{OTHER} {number}" if number else OTHER for number in range(others))
+            known = sorted({each for each in learned.operands(path) if isinstance(each, str)})
+            known += [f"{OTHER} {number}" if number else OTHER for number in range(others)]
+            yield from known if others > 1 or learned.is_sampled(path) else self._apart(path, known)
 
     def _numbers(self, path: str, *, whole: bool) -> Iterator[float]:
         """Every constant that it or its kin is compared with, and enough numbers between them to order the kin."""
@@ -261,11 +262,11 @@ class Values:
         else:
             yield from range(many)
 
-    def _apart(self, path: str, candidates: Iterator[float]) -> Iterator[float]:
+    def _apart(self, path: str, candidates: Iterable[Any]) -> Iterator[Any]:
         """Those that some guard treats otherwise than all before."""
         seen: set[tuple[Any, ...]] = set()
         for value in candidates:
-            found = _found_out(self.learned.atoms[path], value)
+            found = _found_out(self.learned.atoms.get(path, ()), value)
             if found not in seen:
                 seen.add(found)
                 yield value
