@@ -6,16 +6,19 @@ Source: S. C. Kleene, Introduction to Metamathematics (1952), section 64, the st
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from typing import Annotated, Any, ClassVar
+import json
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Mapping, Sequence
+from typing import Annotated, Any, ClassVar, NamedTuple, cast
 
 from pydantic import BeforeValidator, Field
 
 from rai_missions.guards.form import Form, Junction, form_of
 from rai_missions.guards.guard import Guard, GuardOrKey, Site, Sources, Test, Truth, View
+from rai_missions.keys import Stamped
 from rai_missions.model import AnyOf
 
-__all__ = ("All", "Any_", "Not")
+__all__ = ("All", "Any_", "Not", "OpenObject")
 
 
 def _flat(word: str) -> BeforeValidator:
@@ -49,7 +52,17 @@ class _Junction(Guard):
     """How one without parts is called."""
 
     def compile(self, site: Site) -> Test:
-        return conjunction([guard.compile(site) for guard in self.inner()], deciding=self.deciding)
+        test = conjunction([guard.compile(site) for guard in self.inner()], deciding=self.deciding)
+        key = self._looked_into()
+        return asked_at_once(key, json.dumps(self.model_dump(mode="json")), test) if key in site.keys else test
+
+    def _looked_into(self) -> str:
+        """The key whose value alone, by its fields, makes it true or false; empty where there is none."""
+        leaves = [each for each in self.walk() if not isinstance(each, _Junction | Not)]
+        paths = {path for each in leaves for path in each.paths()}
+        roots = {path.partition(".")[0] for path in paths}
+        is_one = len(roots) == 1 and len(paths) > 1 and roots.isdisjoint(paths)
+        return roots.pop() if is_one and all(each.word == "key" for each in leaves) else ""
 
     def words(self) -> str:
         joined = f" {'or' if self.deciding else 'and'} ".join(_wrapped(guard) for guard in self.inner())
@@ -127,6 +140,34 @@ class Not(Guard, word="not"):
     def after_jump(self, active: Callable[[str], Truth], *, restarted: bool) -> Truth:
         value = self.guard.after_jump(active, restarted=restarted)
         return None if value is None else not value
+
+
+class OpenObject(ABC):
+    """An object that is left open, as in a proof: it answers for itself what is asked of several of its fields."""
+
+    @abstractmethod
+    def find(self, question: str, test: Callable[[Mapping[str, Any]], Truth]) -> Truth:
+        """What a test of its fields finds; the same question has the same test."""
+
+
+class _Alone(NamedTuple):
+    """What a guard sees that looks into one key."""
+
+    board: Mapping[str, Stamped]
+    at: float
+
+
+def asked_at_once(key: str, question: str, test: Test) -> Test:
+    """A test of the fields of one key; one that is left open is asked for its truth, and not for each field."""
+
+    def ask(view: View) -> Truth:
+        entry = view.board.get(key)
+        if entry is None or not isinstance(entry[0], OpenObject):
+            return test(view)
+        at = entry[1]
+        return entry[0].find(question, lambda value: test(cast(View, _Alone({key: Stamped(value, at)}, at))))
+
+    return ask
 
 
 def _wrapped(guard: Guard) -> str:

@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """What is seen as a whole, left open as far as no rule has asked: each question leaves those that answer it alike.
 
-Rule: a sight is the set of the values that agree in all that was asked. A question is a field, or what is asked of a
-goal by the sight, and every guard asks by one of the two (`get`, and `judge`, which `guards.goal.judged` calls).
+Rule: a sight is the set of the values that agree in all that was asked. A question is a field (`get`), what is asked of
+a goal by the sight (`judge`, which `guards.goal.judged` calls), or whether an `all` or `any` of comparisons of its fields
+is true (`find`). Every guard asks by one of these.
 
 Why this loses no run, and adds none within a step: two values of a set differ only in what no guard has asked. A step
 depends on a sight through the answers alone, so it is the same step for all values of the set; and each answer that
@@ -21,6 +22,7 @@ from functools import cached_property
 from itertools import product
 from typing import Any
 
+from rai_missions.guards.boolean import OpenObject
 from rai_missions.guards.goal import JudgingSight, judged
 from rai_missions.guards.guard import Truth
 from rai_missions.planning.scene import judged_by
@@ -42,6 +44,9 @@ class Sights:
 
     def __init__(self, values: Sequence[Mapping[str, Any]], pick: Callable[[Sequence[Any]], Any]) -> None:
         self.values, self.pick = values, pick
+        self.fields = frozenset[str]().union(*values)
+        self.about_goals: set[str] = set()
+        """The questions about goals."""
         self._answers: dict[str, Answers] = {}
 
     def answers(self, question: str) -> Answers:
@@ -54,10 +59,16 @@ class Sights:
     def judge(self, aspect: str, wanted: Any, request: Any) -> str:
         """The question whether a goal is reached, feasible or asked for."""
         question = f"{aspect} {json.dumps([wanted, request], default=repr)}"
+        self.about_goals.add(question)
         if question not in self._answers:
             found = {scene: judged(aspect, wanted, value, request) for scene, value in self._by_scene.items()}
             self._answers[question] = _grouped(found[scene] for scene in self._scenes)
         return question
+
+    def ask(self, question: str, test: Callable[[Mapping[str, Any]], Any]) -> None:
+        """Have a question answered by a test of a value."""
+        if question not in self._answers:
+            self._answers[question] = _grouped(test(value) for value in self.values)
 
     @cached_property
     def _scenes(self) -> Sequence[str]:
@@ -94,7 +105,7 @@ class Sights:
                 yield known
 
 
-class OpenSight(OpenFields, JudgingSight):
+class OpenSight(OpenFields, JudgingSight, OpenObject):
     """A sight of which only what was asked is known.
 
     Args:
@@ -117,6 +128,11 @@ class OpenSight(OpenFields, JudgingSight):
         found: Truth = self.get(self.sights.judge(aspect, wanted, request))
         return found
 
+    def find(self, question: str, test: Callable[[Mapping[str, Any]], Truth]) -> Truth:
+        self.sights.ask(question, test)
+        found: Truth = self.get(question)
+        return found
+
     def fresh(self, known: Mapping[str, Any] | None = None) -> OpenSight:
         made = OpenSight(self.sights)
         made.update(self if known is None else known)
@@ -132,6 +148,8 @@ class OpenSight(OpenFields, JudgingSight):
         return self.sights.first(self.sights.fitting(self))
 
     def words(self) -> str:
+        if not self.sights.about_goals:
+            return str(dict(self) if self.keys() <= self.sights.fields else self.example())
         return "seen so that " + ", ".join(f"{question}: {_plainly(answer)}" for question, answer in self.items())
 
 

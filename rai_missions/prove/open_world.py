@@ -112,10 +112,10 @@ class OpenWorld:
         return None if many is None else [self.choices.pick(self.values.item(key)) for _ in range(many)]
 
     def _shape(self, key: str) -> OpenFields | None:
-        if fields := self.values.shape(key):
-            return OpenFields(fields, partial(self.values.part, key), self.choices.pick)
         if self.values.is_sight(key):
             return OpenSight(Sights([each for each in self.values.of(key) if each is not None], self.choices.pick))
+        if fields := self.values.shape(key):
+            return OpenFields(fields, partial(self.values.part, key), self.choices.pick)
         return None
 
     def anything_of(self, node: Node, into: str, live: LooksAhead) -> Callable[..., ComputedResult]:

@@ -31,6 +31,8 @@ OTHER = "something else"
 FAR_M = 1e6
 PICTURE = Image("any", 1, 1, "rgb8", b"\0\0\0")
 SAMPLES = range(4)
+MOST_MIXTURES = 1_000
+"""An object that can be more is asked field by field."""
 SCALARS = ("boolean", "number", "integer", "string")
 
 
@@ -87,9 +89,11 @@ class Values:
         return () if any(learned.within(f"{key}.{field}") for field in fields) else tuple(fields)
 
     def is_sight(self, key: str) -> bool:
-        """Whether goals are judged by what is seen there, and nothing else is done with it as a whole."""
+        """Whether guards look at its fields, or judge goals by it, and nothing else is done with it as a whole."""
         learned = self.learned
         is_alone = len(learned.kin.get(key, {key})) == 1 and not learned.atoms.get(key)
+        if self.shape(key):
+            return is_alone and len(self.of(key)) <= MOST_MIXTURES
         if self._keys[key].type != "object" or not learned.asked_of_goals(key) or learned.is_goal(key):
             return False
         fields = learned.within(key)

@@ -22,6 +22,7 @@ from tests.engine.test_goals import ASKED_FOR, FEASIBLE, KEYS, REACHED
 from tests.prove.explored import RecordingSpace
 from tests.prove.test_goals import moving
 from tests.prove.test_laws import hold_against_forgetless, hold_against_patient
+from tests.strategies import mission_documents
 
 Json = dict[str, Any]
 lenient = settings(suppress_health_check=list(HealthCheck), deadline=None)
@@ -157,6 +158,32 @@ def hold_against_plain(document: Json) -> None:
     assert all(length <= lengths(every)[name] for name, length in lengths(few).items())
 
 
+FIELDS: list[Json] = [
+    {"key": "obstacle.kind", "in": ["log", "branch"]}, {"key": "obstacle.kind", "==": "log"},
+    {"key": "obstacle.living", "==": True}, {"key": "obstacle.height_m", "<": 0.1},
+    {"key": "obstacle.height_m", ">=": 0.25}, {"not": {"key": "obstacle.living", "==": False}},
+]  # fmt: skip
+
+
+def junctions() -> st.SearchStrategy[Json]:
+    """An `all` or `any` of fields of one object, one inside another."""
+    parts = st.lists(st.sampled_from(FIELDS), min_size=2, max_size=3)
+    flat = st.builds(lambda word, parts: {word: parts}, st.sampled_from(["all", "any"]), parts)
+    return st.one_of(flat, st.builds(lambda outer, inner, part: {outer: [inner, part]},
+                                     st.sampled_from(["all", "any"]), flat, st.sampled_from(FIELDS)))  # fmt: skip
+
+
+def looking(given: Any, guards: list[Json]) -> Any:
+    """A mission whose comparisons of some keys look into an object instead."""
+    if isinstance(given, list):
+        return [looking(each, guards) for each in given]
+    if not isinstance(given, dict):
+        return given
+    if given.get("key") in ("battery", "clear", "obstacle.living"):
+        return guards[len(str(given)) % len(guards)]
+    return {word: looking(each, guards) for word, each in given.items()}
+
+
 def hold_against_asked(document: Json) -> None:
     """Against every value of what no guard looks at, too."""
     mission = Mission.model_validate(document)
@@ -237,3 +264,18 @@ def test_questions_leave_the_values_that_answer_them_alike() -> None:
 def test_a_mission_with_a_whole_desk_in_sight_is_proved_in_few_steps() -> None:
     proof = prove(Mission.model_validate(moving(blackboard={**KEYS, "objects": OBJECTS})))
     assert proof.verdict == "proved" and proof.steps < 20_000
+
+
+@settings(lenient, max_examples=4)
+@given(mission_documents(), st.lists(junctions(), min_size=2, max_size=3))
+def test_an_object_asked_at_once_finds_what_one_asked_field_by_field_finds(document: Json, guards: list[Json]) -> None:
+    hold_against_plain(looking(document, guards))
+
+
+@pytest.mark.drill
+@settings(lenient, max_examples=1000)
+@given(mission_documents(), st.lists(junctions(), min_size=2, max_size=3))
+def test_an_object_asked_at_once_finds_what_one_asked_field_by_field_finds_however_often_it_is_tried(
+    document: Json, guards: list[Json]
+) -> None:
+    hold_against_plain(looking(document, guards))
