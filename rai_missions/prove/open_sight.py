@@ -2,8 +2,8 @@
 """What is seen as a whole, left open as far as no rule has asked: each question leaves those that answer it alike.
 
 Rule: a sight is the set of the values that agree in all that was asked. A question is a field (`get`), what is asked of
-a goal by the sight (`judge`, which `guards.goal.judged` calls), or whether an `all` or `any` of comparisons of its fields
-is true (`find`). Every guard asks by one of these.
+a goal by the sight (`judge`, which `guards.goal.judged` calls), or an `all` or `any` of comparisons of its fields
+(`find`). Every guard asks by one of these.
 
 Why this loses no run, and adds none within a step: two values of a set differ only in what no guard has asked. A step
 depends on a sight through the answers alone, so it is the same step for all values of the set; and each answer that
