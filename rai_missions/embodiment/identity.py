@@ -45,6 +45,13 @@ class Identity:
         """The picture by which it is shown, if it has one."""
         return self.images[0] if self.images else None
 
+    @property
+    def first_sentence(self) -> str:
+        """What the description begins with, its headings aside; empty where there is no text."""
+        lines = [line for line in self.description.splitlines() if not line.lstrip().startswith("#")]
+        text = " ".join(" ".join(lines).split())
+        return f"{text.split('. ')[0].rstrip('.')}." if text else ""
+
     def words(self) -> str:
         """The description and the build, for a person."""
         parts = (self.description.strip(), self.body.words() if self.body else "")

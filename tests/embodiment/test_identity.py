@@ -71,6 +71,17 @@ def test_a_description_is_enough(tmp_path: Path) -> None:
     assert (identity.portrait, identity.body, identity.words()) == (None, None, "A tractor.")
 
 
+@pytest.mark.parametrize(
+    ("description", "sentence"),
+    [
+        ("# Who I am\n\nI am a tractor. I work alone.\n", "I am a tractor."), ("I am\na tractor\n", "I am a tractor."),
+        ("# Only a heading\n", ""), ("", ""),
+    ],
+)  # fmt: skip
+def test_its_first_sentence_has_no_heading(description: str, sentence: str) -> None:
+    assert Identity(description).first_sentence == sentence
+
+
 @given(st.integers(1, 300), st.integers(1, 300), st.sampled_from(["png", "jpeg"]))
 def test_a_pictures_size_is_read_from_its_bytes(width: int, height: int, kind: str) -> None:
     image = Image.of_file("x", picture(kind, (width, height)))

@@ -107,7 +107,7 @@ class TalkSession:
         name = prepared.robot.name if prepared.robot is not None else ""
         if self._options.voice:
             self._doors.append(self._open_voice())
-        robot = RobotWords(name, _first_sentence(identity))
+        robot = RobotWords(name, identity.first_sentence if identity is not None else "")
         if self._policy is not None and self._policy.hri:
             self._doors.append(self._open_topics(prepared, name))
         self.agent = agent = ConversationalAgent(
@@ -358,11 +358,6 @@ def _identity(prepared: PreparedRun) -> Identity | None:
     from rai_missions.embodiment import Identity
 
     return Identity.read(prepared.plan.identity) if prepared.plan.identity is not None else None
-
-
-def _first_sentence(identity: Identity | None) -> str:
-    text = " ".join(identity.description.split()) if identity is not None else ""
-    return f"{text.split('. ')[0].rstrip('.')}." if text else ""
 
 
 def _model(options: RunOptions, prepared: PreparedRun, identity: Identity | None) -> TalkModel | None:
