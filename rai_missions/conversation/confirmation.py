@@ -2,7 +2,7 @@
 """A confirmation: one order that was read back and waits for its yes.
 
 Rule: the yes counts for exactly what was read back: by one who may, in time, while what it rests on is the same, and
-as the first that this person utters after it.
+as the first that this person utters after it. A yes that may be meant for the question before does not count.
 """
 
 from __future__ import annotations
@@ -32,5 +32,9 @@ class Confirmable(NamedTuple):
     """Of the speech that reads it back."""
     distracted: frozenset[tuple[str, str]] = frozenset()
     """The speakers who have uttered something else since; the yes of one of them has it read back again."""
+    is_crossing: bool = False
+    """Another question ended right before this one, so a yes may be meant for that one: it has this read back again."""
+    understood_by: tuple[str, str] = ("", "")
+    """The speaker who ended the other question, and so knows of this one."""
     is_request: bool = False
     """It waited for the end of a mission, which did not succeed."""

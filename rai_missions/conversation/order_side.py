@@ -45,6 +45,8 @@ REMEMBERED = 10
 STARTING_S = 30.0
 """Seconds that an ordered start may take until the run is seen; then the next request is possible."""
 LONGEST_REASON = 200
+CROSSING_S = 1.0
+"""Seconds after the end of one question within which a person may still answer it, while the next is asked."""
 STOPPING = frozenset({"stop", "pause", "cancel"})
 """Orders after which the mission does not continue by itself."""
 
@@ -63,6 +65,7 @@ class OrderSide:
         self._grammar = Grammar(talk.language, phrases)
         self._count = 0
         self._pending: Confirmable | None = None
+        self._ended_at, self._ended_by = float("-inf"), ("", "")
         self._requests = RequestQueue(talk, speaking)
         self._under_way: dict[int, JudgedOrder] = {}
         self._ordered: dict[tuple[str, str], deque[str]] = defaultdict(lambda: deque(maxlen=REMEMBERED))
@@ -306,11 +309,13 @@ class OrderSide:
 
     def _read_back(self, judged: JudgedOrder, *, is_request: bool = False) -> None:
         if self._pending is not None:
-            self._void("replaced")
+            self._void("replaced", by_speaker=judged.utterance.speaker)
         rests_on = self._binding(judged.sense, is_request=is_request)
         pending = Confirmable(
-            judged.sense, judged.utterance, judged.mapper, judged.words, rests_on, self._talk.now, is_request=is_request
-        )
+            judged.sense, judged.utterance, judged.mapper, judged.words, rests_on, self._talk.now,
+            is_crossing=self._talk.now - self._ended_at < CROSSING_S, understood_by=self._ended_by,
+            is_request=is_request,
+        )  # fmt: skip
         self._ask(pending, judged.utterance, judged.number)
 
     def _binding(self, sense: Sense, *, is_request: bool) -> tuple[object, ...]:
@@ -323,7 +328,7 @@ class OrderSide:
         form = "request_asked" if pending.is_request else form
         speech = self._speaking.reply(form, to, number, order=pending.words)
         until = self._talk.now + self._talk.settings.confirm_s
-        self._pending = pending._replace(until=until, key=speech.key, distracted=frozenset())
+        self._pending = pending._replace(until=until, key=speech.key)
         self._talk.note("read_back", number=number, order=order_data(pending.sense), mapper=pending.mapper)
 
     def _distract(self, utterance: Utterance) -> None:
@@ -333,9 +338,24 @@ class OrderSide:
             return
         self._pending = pending._replace(distracted=pending.distracted | {utterance.speaker})
 
-    def _void(self, by: Literal["time", "changed", "replaced", "stop", "unspoken", "withdrawn"]) -> None:
-        """What was read back does not count any more; the person is informed where that is not obvious."""
+    def _end_pending(self, by_speaker: tuple[str, str] = ("", "")) -> Confirmable | None:
+        """No confirmation is asked for any more; the one that was.
+
+        Args:
+            by_speaker: Who has ended it; empty where no speaker has.
+        """
         pending, self._pending = self._pending, None
+        if pending is not None:
+            self._ended_at, self._ended_by = self._talk.now, by_speaker
+        return pending
+
+    def _void(
+        self,
+        by: Literal["time", "changed", "replaced", "stop", "unspoken", "withdrawn"],
+        by_speaker: tuple[str, str] = ("", ""),
+    ) -> None:
+        """What was read back does not count any more; the person is informed where that is not obvious."""
+        pending = self._end_pending(by_speaker)
         if pending is None:
             return
         self._talk.note("void", order=order_data(pending.sense), by=by)
@@ -354,19 +374,21 @@ class OrderSide:
             self._talk.note("refused", number=number, order="confirm", role=utterance.role, by="role")
             self._speaking.reply("not_yours", utterance, number, role=role[:1].upper() + role[1:])
         elif not is_yes:
-            self._pending = None
+            self._end_pending(utterance.speaker)
             self._talk.note("void", order=order_data(pending.sense), by="no", number=number)
             self._speaking.reply("dropped", utterance, number)
         elif utterance.is_spoken and agreeing < 2:
             self._talk.note("refused", number=number, order="confirm", by="recognisers")
             self._speaking.reply("two_needed", utterance, number, order=pending.words)
-        elif utterance.speaker in pending.distracted:
-            self._ask(pending, utterance, number)
+        elif utterance.speaker in pending.distracted or (
+            pending.is_crossing and utterance.speaker != pending.understood_by
+        ):
+            self._ask(pending._replace(distracted=frozenset(), is_crossing=False), utterance, number)
         else:
             self._confirm(pending, utterance, number)
 
     def _confirm(self, pending: Confirmable, utterance: Utterance, number: int) -> None:
-        self._pending = None
+        self._end_pending(utterance.speaker)
         self._talk.note(
             "confirmed", number=number, order=order_data(pending.sense), sentence=cut(utterance.text, 2_000)
         )
