@@ -45,7 +45,7 @@ from rai_missions.runtime.clock import Clock, ContinuedClock, PublishedClock, Si
 from rai_missions.runtime.robot_clock import RobotClock
 from rai_missions.runtime.run_options import NewRun, RunObserver
 from rai_missions.runtime.runner import Runner
-from rai_missions.worlds.world import World, open_world, world_offer
+from rai_missions.worlds.world import World, check_local, open_world, world_offer
 
 if TYPE_CHECKING:
     from langchain_core.language_models import BaseChatModel
@@ -302,6 +302,7 @@ def _open_environment(plan: RunPlan, closing: CleanupStack) -> RunEnvironment:
     if kind == KIND:
         raise UsageError("a profile cannot name a robot in Python; a person does: --robot FILE.py")
     if world is None:
+        check_local(options)
         clock = plan.continued(config.clock or WallClock())
         return RunEnvironment(None, LocalConnector(now=clock.now), clock)
     return _open_world(plan, str(world), options, closing)

@@ -19,7 +19,7 @@ from rai_missions.connectors.connector import Connector
 from rai_missions.errors import UsageError, suggestion
 from rai_missions.kinds import PackageOffer, offered
 
-__all__ = ("WORLDS", "World", "open_world", "world_offer")
+__all__ = ("WORLDS", "World", "check_local", "check_world", "open_world", "world_offer")
 
 WORLDS: Mapping[str, str] = {
     "desk": "rai_missions.worlds.desk:Desk",
@@ -89,15 +89,54 @@ def open_world(name: str, **options: Any) -> World:
     Raises:
         UsageError: No such world or option, or the packages that it needs are not installed.
     """
+    made: World = _checked(name, _class_of(name), options)(**options)
+    return made
+
+
+def check_local(options: Mapping[str, Any]) -> None:
+    """Check what a profile states of a connector of kind `local` besides its kind; a world's class is loaded for it.
+
+    What the packages of this machine do not let load is not checked; nor is what an object or a list holds.
+
+    Raises:
+        UsageError: No such world or option, or a value of another type than the option's.
+    """
+    given = dict(options)
+    name = given.pop("world", None)
+    if name is None:
+        for word in given:
+            raise UsageError(f"connector: no option {word!r}{suggestion(word, ('world',))}")
+        return
+    check_world(str(name))
+    try:
+        world = _class_of(str(name))
+    except UsageError:
+        return
+    _checked(str(name), world, given)
+
+
+def _class_of(name: str) -> Any:
+    """A world's class, or the function that makes it.
+
+    Raises:
+        UsageError: There is no such world, or it does not load.
+    """
     offer = check_world(name)
-    world = offer.load() if name not in WORLDS else _ours(name)
+    return offer.load() if name not in WORLDS else _ours(name)
+
+
+def _checked(name: str, world: Any, options: Mapping[str, Any]) -> Any:
+    """The same class; its options exist and have values of their types.
+
+    Raises:
+        UsageError: One has not.
+    """
     known = list(inspect.signature(world).parameters)
     unknown = sorted(set(options) - set(known))
     if unknown:
         raise UsageError(f"the world {name!r} has no option {unknown[0]!r}; there are: {', '.join(known)}")
     _check_sorts(name, world, options)
-    made: World = world(**options)
-    return made
+    return world
 
 
 def _ours(name: str) -> Any:

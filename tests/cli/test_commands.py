@@ -391,7 +391,11 @@ def test_check_reports_what_it_checked_and_each_fault_in_its_own_file(
     ("connector", "sentence"),
     [
         ({"kind": "ros"}, "/connector/kind: no connector of kind 'ros'; did you mean 'ros2'?"),
-        ({"kind": "local", "world": "orchad"}, "/connector/world: there is no world 'orchad'; did you mean 'orchard'?"),
+        ({"kind": "local", "world": "orchad"}, "/connector: there is no world 'orchad'; did you mean 'orchard'?"),
+        ({"kind": "local", "wrold": "orchard"}, "/connector: connector: no option 'wrold'; did you mean 'world'?"),
+        ({"kind": "local", "world": "orchard", "aleys": 2}, "/connector: the world 'orchard' has no option 'aleys'"),
+        ({"kind": "local", "world": "orchard", "seed": "x"}, "/connector: the world 'orchard' cannot be opened with"),
+        ({"kind": "local", "world": "orchard", "seed": 7}, ""),
         ({"kind": "local", "world": "orchard"}, ""),
         ({"kind": "mqtt"}, ""),
         ({"kind": "mqtt", "prot": 1883}, "no option 'prot'; there is: host, port"),

@@ -91,27 +91,25 @@ def _checked_profile(path: str, mission: Mission | None) -> tuple[str, tuple[Fil
 
 
 def _connector_faults(connector: Mapping[str, Any]) -> Iterator[Fault]:
-    """A kind of connector, a simulated world, or an option of one of our connectors that there is not."""
+    """A kind of connector, a simulated world, or an option of one of ours that there is not."""
     from importlib import import_module
 
     from rai_missions.connectors.registry import CONNECTORS, check_connector
     from rai_missions.errors import Fault, UsageError
-    from rai_missions.worlds.world import check_world
+    from rai_missions.worlds.world import check_local
 
     try:
         check_connector(str(connector["kind"]))
     except UsageError as error:
         yield Fault("/connector/kind", str(error))
+    options = {word: each for word, each in connector.items() if word != "kind"}
     try:
         if (module := CONNECTORS.get(connector["kind"])) is not None:
-            import_module(module).check_options({word: each for word, each in connector.items() if word != "kind"})
+            import_module(module).check_options(options)
+        elif connector["kind"] == "local":
+            check_local(options)
     except UsageError as error:
         yield Fault("/connector", str(error))
-    try:
-        if connector["kind"] == "local" and "world" in connector:
-            check_world(str(connector["world"]))
-    except UsageError as error:
-        yield Fault("/connector/world", str(error))
 
 
 def _summary(path: str, checked: CheckedFile, profile: str, found: Sequence[FileFinding]) -> str:
