@@ -7,18 +7,17 @@ Source: S. C. Kleene, Introduction to Metamathematics (1952), section 64, the st
 from __future__ import annotations
 
 import json
-from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from typing import Annotated, Any, ClassVar, NamedTuple, cast
 
 from pydantic import BeforeValidator, Field
 
 from rai_missions.guards.form import Form, Junction, form_of
-from rai_missions.guards.guard import Guard, GuardOrKey, Site, Sources, Test, Truth, View
+from rai_missions.guards.guard import Guard, GuardOrKey, OpenObject, Site, Sources, Test, Truth, View
 from rai_missions.keys import Stamped
 from rai_missions.model import AnyOf
 
-__all__ = ("All", "Any_", "Not", "OpenObject")
+__all__ = ("All", "Any_", "Not")
 
 
 def _flat(word: str) -> BeforeValidator:
@@ -140,14 +139,6 @@ class Not(Guard, word="not"):
     def after_jump(self, active: Callable[[str], Truth], *, restarted: bool) -> Truth:
         value = self.guard.after_jump(active, restarted=restarted)
         return None if value is None else not value
-
-
-class OpenObject(ABC):
-    """An object that is left open, as in a proof: it answers for itself what is asked of several of its fields."""
-
-    @abstractmethod
-    def find(self, question: str, test: Callable[[Mapping[str, Any]], Truth]) -> Truth:
-        """What a test of its fields finds; the same question has the same test."""
 
 
 class _Alone(NamedTuple):

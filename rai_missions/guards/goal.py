@@ -7,7 +7,6 @@ Rule: what a key holds is judged by `planning`, by rule; a goal or a sight that 
 from __future__ import annotations
 
 import json
-from abc import ABC, abstractmethod
 from collections.abc import Iterator
 from functools import lru_cache
 from typing import Any, Literal, Self
@@ -16,11 +15,23 @@ from pydantic import Field, model_validator
 
 from rai_missions.errors import DefinitionError
 from rai_missions.guards.form import Atom, Form
-from rai_missions.guards.guard import Distinctions, Guard, Operand, Site, Sources, Test, Truth, TypeFault, Types, View
+from rai_missions.guards.guard import (
+    Distinctions,
+    Guard,
+    OpenObject,
+    Operand,
+    Site,
+    Sources,
+    Test,
+    Truth,
+    TypeFault,
+    Types,
+    View,
+)
 from rai_missions.model import KeyPath, Path, fault
 from rai_missions.planning import Goal, feasible, reached, read_goal, read_scene
 
-__all__ = ("GoalAspect", "GoalIs", "JudgingSight", "judged")
+__all__ = ("GoalAspect", "GoalIs", "judged")
 
 GoalAspect = Literal["reached", "feasible", "said"]
 """What is asked of a goal."""
@@ -116,14 +127,6 @@ def _judged(aspect: str, wanted: str, seen: str, request: str) -> Truth:
     return reached(goal, scene) if aspect == "reached" else feasible(goal, scene) is None
 
 
-class JudgingSight(ABC):
-    """What is seen, left open as in a proof: it answers for itself what is asked of a goal by it."""
-
-    @abstractmethod
-    def judge(self, aspect: str, wanted: Any, request: Any) -> Truth:
-        """What `judged` finds by it."""
-
-
 def judged(aspect: str, wanted: Any, seen: Any, request: Any = None) -> Truth:
     """Whether a goal is reached or feasible by what is seen, or is in a request; unknown where one cannot be read.
 
@@ -133,7 +136,7 @@ def judged(aspect: str, wanted: Any, seen: Any, request: Any = None) -> Truth:
         seen: What is seen, as plain data, or a sight that judges by itself; for `said` it may be None.
         request: The request, for `said`.
     """
-    if isinstance(seen, JudgingSight):
+    if isinstance(seen, OpenObject):
         return seen.judge(aspect, wanted, request)
     if aspect == "said" and not isinstance(request, str):
         return None

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import json
 import math
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Collection, Iterator, Mapping
 from typing import Any, ClassVar, NamedTuple, Protocol, TypeAlias
 
@@ -22,6 +23,7 @@ __all__ = (
     "Guard",
     "GuardOrKey",
     "Instant",
+    "OpenObject",
     "Operand",
     "Site",
     "Sources",
@@ -166,6 +168,18 @@ class Distinctions(Protocol):
 
     def sample(self, path: str) -> None:
         """More is distinguished than a few values can represent: nothing that rests on it counts as proved."""
+
+
+class OpenObject(ABC):
+    """An object that is left open, as in a proof: it answers for itself what guards ask of it as a whole."""
+
+    @abstractmethod
+    def find(self, question: str, test: Callable[[Mapping[str, Any]], Truth]) -> Truth:
+        """What a test of its fields finds; the same question has the same test."""
+
+    @abstractmethod
+    def judge(self, aspect: str, wanted: Any, request: Any) -> Truth:
+        """What `guards.goal.judged` finds of a goal by it."""
 
 
 class TypeFault(NamedTuple):

@@ -22,9 +22,8 @@ from functools import cached_property
 from itertools import product
 from typing import Any
 
-from rai_missions.guards.boolean import OpenObject
-from rai_missions.guards.goal import JudgingSight, judged
-from rai_missions.guards.guard import Truth
+from rai_missions.guards.goal import judged
+from rai_missions.guards.guard import OpenObject, Truth
 from rai_missions.planning.scene import judged_by
 from rai_missions.prove.nondeterminism import OpenFields
 
@@ -105,7 +104,7 @@ class Sights:
                 yield known
 
 
-class OpenSight(OpenFields, JudgingSight, OpenObject):
+class OpenSight(OpenFields, OpenObject):
     """A sight of which only what was asked is known.
 
     Args:

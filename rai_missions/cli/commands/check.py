@@ -92,21 +92,20 @@ def _checked_profile(path: str, mission: Mission | None) -> tuple[str, tuple[Fil
 
 def _connector_faults(connector: Mapping[str, Any]) -> Iterator[Fault]:
     """A kind of connector, a simulated world, or an option of one of ours that there is not."""
-    from importlib import import_module
-
     from rai_missions.connectors.registry import CONNECTORS, check_connector
     from rai_missions.errors import Fault, UsageError
     from rai_missions.worlds.world import check_local
 
+    kind, options = str(connector["kind"]), {word: each for word, each in connector.items() if word != "kind"}
     try:
-        check_connector(str(connector["kind"]))
+        offer = check_connector(kind)
     except UsageError as error:
         yield Fault("/connector/kind", str(error))
-    options = {word: each for word, each in connector.items() if word != "kind"}
+        return
     try:
-        if (module := CONNECTORS.get(connector["kind"])) is not None:
-            import_module(module).check_options(options)
-        elif connector["kind"] == "local":
+        if offer is not None and kind in CONNECTORS:
+            offer.load().check_options(options)
+        elif kind == "local":
             check_local(options)
     except UsageError as error:
         yield Fault("/connector", str(error))
