@@ -18,6 +18,7 @@ from typing import Any, Protocol, Union, get_args, get_origin, get_type_hints
 from rai_missions.connectors.connector import Connector
 from rai_missions.errors import UsageError, suggestion
 from rai_missions.kinds import PackageOffer, offered
+from rai_missions.worlds.options import check_names
 
 __all__ = ("WORLDS", "World", "check_local", "check_world", "open_world", "world_offer")
 
@@ -89,7 +90,7 @@ def open_world(name: str, **options: Any) -> World:
     Raises:
         UsageError: No such world or option, or the packages that it needs are not installed.
     """
-    made: World = _checked(name, _class_of(name), options)(**options)
+    made: World = _checked(name, _class_of(name, check_world(name)), options)(**options)
     return made
 
 
@@ -104,24 +105,22 @@ def check_local(options: Mapping[str, Any]) -> None:
     given = dict(options)
     name = given.pop("world", None)
     if name is None:
-        for word in given:
-            raise UsageError(f"connector: no option {word!r}{suggestion(word, ('world',))}")
+        check_names("connector", given, ("world",), called="option")
         return
-    check_world(str(name))
+    offer = check_world(str(name))
     try:
-        world = _class_of(str(name))
+        world = _class_of(str(name), offer)
     except UsageError:
         return
     _checked(str(name), world, given)
 
 
-def _class_of(name: str) -> Any:
+def _class_of(name: str, offer: PackageOffer) -> Any:
     """A world's class, or the function that makes it.
 
     Raises:
-        UsageError: There is no such world, or it does not load.
+        UsageError: It does not load.
     """
-    offer = check_world(name)
     return offer.load() if name not in WORLDS else _ours(name)
 
 
