@@ -38,3 +38,11 @@ class Confirmable(NamedTuple):
     """The speaker who ended the other question, and so knows of this one."""
     is_request: bool = False
     """It waited for the end of a mission, which did not succeed."""
+
+    def is_unclear_from(self, speaker: tuple[str, str]) -> bool:
+        """Whether the yes of this speaker may be meant for something else, and has the order read back again."""
+        return speaker in self.distracted or (self.is_crossing and speaker != self.understood_by)
+
+    def asked_again(self) -> Confirmable:
+        """The same, to be read back again: the next yes of each speaker is clear."""
+        return self._replace(distracted=frozenset(), is_crossing=False)

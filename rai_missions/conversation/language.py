@@ -42,15 +42,8 @@ class Language(LanguageTexts):
 
     def vocabulary(self) -> frozenset[str]:
         """Every word of the grammar: what a misspelled word may be meant as."""
-        every = (
-            *self.orders.values(),
-            *self.questions.values(),
-            self.yes,
-            self.no,
-            self.quiet,
-            self.withdraw,
-            self.start,
-        )
+        alone = (self.yes, self.no, self.quiet, self.withdraw, self.start)
+        every = (*self.orders.values(), *self.questions.values(), *alone)
         return frozenset(word for each in every for word in each.words)
 
     def word(self, table: str, name: str) -> str:

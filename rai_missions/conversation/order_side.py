@@ -110,11 +110,11 @@ class OrderSide:
     def _answer_nothing(self, utterance: Utterance, number: int) -> Handling:
         if self._talk.settings.has_model:
             return "unknown"
+        language, text = self._talk.language, self._talk.language.text("nothing_to_confirm")
         if self._requests and may(utterance.role, "start", self._talk.settings):
-            requests = self._talk.language.listed(self._requests.words)
-            self._speaking.reply("queued_to_drop", utterance, number, requests=requests)
-        else:
-            self._speaking.reply("nothing_to_confirm", utterance, number)
+            waiting = language.text("queued", requests=language.listed(self._requests.words))
+            text = f"{text} {waiting} {language.text('queued_more')}"
+        self._speaking.speak(text, to=utterance.channel, reply_to=number)
         return "handled"
 
     def _chosen(self, senses: Sequence[Sense], utterance: Utterance, number: int) -> Sense | None:
@@ -380,10 +380,8 @@ class OrderSide:
         elif utterance.is_spoken and agreeing < 2:
             self._talk.note("refused", number=number, order="confirm", by="recognisers")
             self._speaking.reply("two_needed", utterance, number, order=pending.words)
-        elif utterance.speaker in pending.distracted or (
-            pending.is_crossing and utterance.speaker != pending.understood_by
-        ):
-            self._ask(pending._replace(distracted=frozenset(), is_crossing=False), utterance, number)
+        elif pending.is_unclear_from(utterance.speaker):
+            self._ask(pending.asked_again(), utterance, number)
         else:
             self._confirm(pending, utterance, number)
 
