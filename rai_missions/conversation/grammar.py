@@ -6,12 +6,13 @@ Rule: the word to stop comes first, whatever else it could be; it needs no quest
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from itertools import groupby
 
 from rai_missions.conversation.arguments import BadValue, read_arguments
 from rai_missions.conversation.language import Language, spoken
 from rai_missions.conversation.named import key_named, missions_named, option_named
+from rai_missions.conversation.phrases import Phrases
 from rai_missions.conversation.senses import Sense
 from rai_missions.conversation.start_phrases import StartPhrases
 from rai_missions.conversation.view import KeyView, MissionView, StatusView
@@ -29,6 +30,7 @@ MOST_PARTS = 6
 """Sentences of an utterance that are read; of more, only a stop at its beginning or end counts."""
 NEAREST = 5
 """Letters of the shortest word whose misspelling is mended."""
+NONE: Mapping[str, str] = {}
 JSON_TYPES = {"integer": "integer", "number": "number", "boolean": "boolean", "string": "string"}
 
 
@@ -38,12 +40,20 @@ class Grammar:
     Args:
         language: Its data.
         phrases: Sentences of the robot's own that start a mission.
+        questions: Questions of the robot's own → the key, or the field of one, whose value answers them.
+
+    Raises:
+        UsageError: A question is not closed, or names a part that does not exist.
     """
 
-    def __init__(self, language: Language, phrases: StartPhrases | None = None) -> None:
+    def __init__(
+        self, language: Language, phrases: StartPhrases | None = None, questions: Mapping[str, str] = NONE
+    ) -> None:
         self.language = language
         self._phrases = phrases or StartPhrases((), {}, language)
-        self._vocabulary = language.vocabulary() | self._phrases.words
+        self._own_questions = [(Phrases([each], language.data["parts"]), path) for each, path in questions.items()]
+        words = frozenset(word for each, _ in self._own_questions for word in each.words)
+        self._vocabulary = language.vocabulary() | self._phrases.words | words
 
     def senses(self, text: str, view: StatusView) -> tuple[Sense, ...]:
         """What the sentence may mean in this moment; several where it is ambiguous, empty for other talk.
@@ -196,6 +206,10 @@ class Grammar:
     # -- questions of state --------------------------------------------------------------------------------------------
 
     def _questions(self, words: list[str], view: StatusView) -> Iterator[Sense]:
+        for own, path in self._own_questions:
+            if path.partition(".")[0] in view.keys and own.fits(words):
+                yield Sense("question", "value", key=path)
+                return
         for name, phrases in self.language.questions.items():
             for slots in phrases.match(words):
                 if "key" not in slots:

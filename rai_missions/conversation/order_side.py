@@ -33,6 +33,7 @@ from rai_missions.conversation.speaking import SpeechSide
 from rai_missions.conversation.start_phrases import StartPhrases
 from rai_missions.conversation.state_answers import Asker, is_alive
 from rai_missions.conversation.talk import Talk
+from rai_missions.conversation.values import is_known
 from rai_missions.conversation.view import StatusView
 from rai_missions.redaction import cut
 
@@ -62,7 +63,7 @@ class OrderSide:
     def __init__(self, talk: Talk, speaking: SpeechSide) -> None:
         self._talk, self._speaking = talk, speaking
         phrases = StartPhrases(talk.settings.phrases, talk.settings.names, talk.language)
-        self._grammar = Grammar(talk.language, phrases)
+        self._grammar = Grammar(talk.language, phrases, talk.settings.questions)
         self._count = 0
         self._pending: Confirmable | None = None
         self._ended_at, self._ended_by = float("-inf"), ("", "")
@@ -102,6 +103,8 @@ class OrderSide:
         if senses[0].kind in ("yes", "no"):
             return self._answer_nothing(utterance, number)
         sense = self._chosen(senses, utterance, number)
+        if sense is not None and self._is_for_model(sense):
+            return "unknown"
         if sense is not None:
             agreeing = sum(any(sense.identity == other.identity for other in others) for others in each)
             self._handle(sense, utterance, number, agreeing if utterance.is_spoken else None)
@@ -133,6 +136,10 @@ class OrderSide:
         choices = language.listed([self._choice(sense) for sense in possible], "or")
         self._speaking.reply("ambiguous", utterance, number, choices=choices)
         return None
+
+    def _is_for_model(self, sense: Sense) -> bool:
+        """Whether it is a question of the robot's own that no value answers now, and a model may know more."""
+        return sense.name == "value" and self._talk.settings.has_model and not is_known(sense.key, self._talk.view.keys)
 
     def _choice(self, sense: Sense) -> str:
         language, question = self._talk.language, self._talk.view.question(sense.question)
@@ -181,7 +188,7 @@ class OrderSide:
         ordered = tuple(self._ordered.get(utterance.speaker, ()))
         stopping = next((each for each in self._under_way.values() if each.sense.name in STOPPING), None)
         by = stopping.utterance.by if stopping is not None else ""
-        return Asker(ordered, self._requests.words, names, by)
+        return Asker(ordered, self._requests.words, names, by, self._speaking.reports.last_end)
 
     # -- orders --------------------------------------------------------------------------------------------------------
 

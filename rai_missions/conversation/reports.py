@@ -13,7 +13,7 @@ from typing import Any, Literal, NamedTuple
 from rai_missions.conversation.language import Language, spoken
 from rai_missions.conversation.outputs import Priority
 from rai_missions.conversation.state_answers import is_alive, question_text
-from rai_missions.conversation.values import about_words, value_words
+from rai_missions.conversation.values import about_words, result_sentences
 from rai_missions.conversation.view import StatusView
 
 __all__ = ("MissionReport", "Reports")
@@ -55,12 +55,15 @@ class Reports:
         self._language, self._results = language, results
         self._all: dict[str, MissionReport] = {}
         self._run = self._waits = ""
+        self.last_end = ""
         self.is_speaker_alive = True
 
     def follow(self, view: StatusView, at: float) -> None:
         """Add what the run's new status makes due; what a process before this one may have spoken is a repetition."""
         repeated, self._run = view.is_resumed and view.run != self._run, view.run
         for identity, text, priority in self._new(view):
+            if priority == "end":
+                self.last_end = text
             if identity not in self._all:
                 self._all[identity] = MissionReport(identity, text, priority, due=at, repeated=repeated)
         self._forget(view.run or "run")
@@ -94,12 +97,13 @@ class Reports:
             yield f"{run}:end", self._end(view), "end"
 
     def _end(self, view: StatusView) -> str:
-        why, mode = about_words(view.why), self._language.word("modes", view.mode)
+        results = result_sentences(self._results, view.keys, self._language)
+        why = "" if results and view.mode == "succeeded" else about_words(view.why)
+        mode = self._language.word("modes", view.mode)
         text = self._language.text(
             "report_end_why" if why else "report_end", mission=spoken(view.mission), mode=mode, why=why
         )
-        keys = [view.keys[name] for name in self._results if name in view.keys]
-        text += "".join(f" {_sentence(value_words(each.value, each, self._language))}" for each in keys if each.value)
+        text = " ".join([text, *results])
         if view.open_goals:
             goals = self._language.listed([spoken(name) for name in view.open_goals])
             text += " " + self._language.text("open_goals", goals=goals)
@@ -176,7 +180,3 @@ class Reports:
                 begun = report.repeated or report.state != "owed" or report.uncut
                 report = report._replace(state="owed", key="", due=0.0, tries=0, repeated=begun)
             self._all[report.identity] = report
-
-
-def _sentence(words: str) -> str:
-    return f"{words[:1].upper()}{words[1:].rstrip('.')}."

@@ -49,6 +49,8 @@ class Settings(NamedTuple):
     """The channels at which an operator is met; a refusal names them."""
     results: tuple[str, ...] = ()
     """The keys whose values are spoken with the end of a mission, where they have one."""
+    questions: Mapping[str, str] = {}
+    """Questions of this robot → the key, or the field of one, whose value answers them."""
     phrases: tuple[StartPhrase, ...] = ()
     """Sentences of this robot that start a mission with arguments."""
     names: Mapping[str, Mapping[str, Any]] = {}

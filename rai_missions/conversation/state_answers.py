@@ -12,7 +12,14 @@ from typing import NamedTuple
 from rai_missions.conversation.language import Language, spoken
 from rai_missions.conversation.named import unit_of
 from rai_missions.conversation.senses import Sense
-from rai_missions.conversation.values import about_words, duration, key_sentence, value_words
+from rai_missions.conversation.values import (
+    about_words,
+    duration,
+    key_sentence,
+    result_sentences,
+    value_sentence,
+    value_words,
+)
 from rai_missions.conversation.view import RunEvent, StatusView
 from rai_missions.engine.decision import Question
 from rai_missions.engine.modes import ALIVE
@@ -34,6 +41,8 @@ class Asker(NamedTuple):
     """The orders that its role may give, in words."""
     stopping_by: str = ""
     """Who gave an order to stop, pause or cancel that the run has not taken yet; empty where there is none."""
+    last_end: str = ""
+    """What was last reported at the end of a run; empty before the first end."""
 
 
 def is_alive(view: StatusView) -> bool:
@@ -52,6 +61,11 @@ def state_of_run(view: StatusView, language: Language) -> str:
     return language.text("state", mission=_mission(view), mode=language.word("modes", view.mode))
 
 
+def _is_before(view: StatusView) -> bool:
+    """Whether there is no run, or one that has not begun."""
+    return not view.mode or (is_alive(view) and (view.mode == "ready" or view.awaits_start))
+
+
 def question_text(question: Question, language: Language) -> str:
     """The question with its options, numbered."""
     lines = list[str]()
@@ -67,15 +81,16 @@ class StateAnswers:
 
     Args:
         language: Its templates.
+        results: The keys whose values are the mission's result.
     """
 
-    def __init__(self, language: Language) -> None:
-        self.language = language
+    def __init__(self, language: Language, results: Sequence[str] = ()) -> None:
+        self.language, self._results = language, results
         self._by_name: Mapping[str, Callable[[StatusView, Asker], str]] = {
-            "doing": lambda view, _: self.status(view), "progress": self._progress, "where": self._where,
+            "doing": self._doing, "progress": self._progress, "time_left": self._time_left, "where": self._where,
             "why_stopped": self._why_stopped, "waits": self._waits, "asked": self._asked, "ordered": self._ordered,
             "control": self._control, "capabilities": self._capabilities, "mission": self._about_mission,
-            "happened": self._happened, "who": self._who,
+            "happened": self._happened, "result": self._result, "who": self._who,
             "hello": lambda *_: self.language.text("hello"), "thanks": lambda *_: self.language.text("thanks"),
         }  # fmt: skip
 
@@ -89,6 +104,8 @@ class StateAnswers:
         """
         if sense.name == "key":
             return key_sentence(sense.key, view.keys, self.language)
+        if sense.name == "value":
+            return value_sentence(sense.key, view.keys, self.language)
         return self._by_name[sense.name](view, asker)
 
     def status(self, view: StatusView) -> str:
@@ -104,6 +121,14 @@ class StateAnswers:
             parts.append(language.text("held", holder=language.word("holders", view.held_by)))
         parts += self._waits_for_answers(view)
         return " ".join(parts)
+
+    def _doing(self, view: StatusView, asker: Asker) -> str:
+        return self._after(self.status(view), view, asker)
+
+    def _after(self, text: str, view: StatusView, asker: Asker) -> str:
+        """With what ended before; nothing is added to a run that has begun."""
+        before = asker.last_end if _is_before(view) else ""
+        return f"{text} {self.language.text('before', text=before)}" if before else text
 
     def _in_state(self, view: StatusView, form: str) -> str:
         mode = self.language.word("modes", view.mode)
@@ -142,6 +167,10 @@ class StateAnswers:
             " ".join(self._steps(view)) or f"{self.language.text('no_progress')} {self._in_state(view, 'mode_state')}"
         )
 
+    def _time_left(self, view: StatusView, asker: Asker) -> str:
+        text = self._progress(view, asker)
+        return f"{self.language.text('no_time')} {text}" if is_alive(view) else text
+
     def _where(self, view: StatusView, _: Asker) -> str:
         poses = [key for key in view.keys.values() if key.type == "pose" and key.source == "robot"]
         if not poses:
@@ -154,6 +183,8 @@ class StateAnswers:
         return self.language.text("position", name=spoken(key.name), value=value)
 
     def _why_stopped(self, view: StatusView, asker: Asker) -> str:
+        if _is_before(view) and asker.last_end:
+            return self._doing(view, asker)
         if view.mode == "paused":
             return self._mode_by(view, "paused")
         if view.mode == "canceling" and view.mode_by:
@@ -227,11 +258,18 @@ class StateAnswers:
         form = "mission_about" if view.about else "mission_no_about"
         return self.language.text(form, mission=_mission(view), about=view.about)
 
-    def _happened(self, view: StatusView, _: Asker) -> str:
+    def _result(self, view: StatusView, asker: Asker) -> str:
+        if asker.last_end and (_is_before(view) or not is_alive(view)):
+            return asker.last_end
+        results = result_sentences(self._results, view.keys, self.language)
+        return " ".join(results or [self.language.text("no_result"), self.status(view)])
+
+    def _happened(self, view: StatusView, asker: Asker) -> str:
         lines = [self._line(each, view) for each in view.happened[-MOST_HAPPENINGS:]]
         text = (
             self.language.text("happened", lines="; ".join(lines)) if lines else self.language.text("happened_nothing")
         )
+        text = self._after(text, view, asker)
         return f"{text} {self._ended(view)}" if view.mode and not is_alive(view) else text
 
     def _line(self, happening: RunEvent, view: StatusView) -> str:

@@ -4,10 +4,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import Any
 
-from rai_missions.conversation.language import Language
+from rai_missions.conversation.language import Language, spoken
 from rai_missions.conversation.named import unit_of
 from rai_missions.conversation.view import KeyView
 from rai_missions.image import Image
@@ -15,7 +15,7 @@ from rai_missions.keys import is_number
 from rai_missions.plain_data import rounded
 from rai_missions.redaction import cut
 
-__all__ = ("about_words", "duration", "key_sentence", "value_words")
+__all__ = ("about_words", "duration", "is_known", "key_sentence", "result_sentences", "value_sentence", "value_words")
 
 AGED_S = 2.0
 """From this age on, the age of a value is spoken as well."""
@@ -80,15 +80,44 @@ def _pose(value: Mapping[str, Any], key: KeyView, language: Language) -> str:
     return f"{text}, {language.text('frame', frame=key.frame)}" if key.frame else text
 
 
-def key_sentence(path: str, keys: Mapping[str, KeyView], language: Language) -> str:
-    """A key, or a field of one, with its value, its `about` and its age, or that it is unknown."""
+def _found(path: str, keys: Mapping[str, KeyView]) -> tuple[KeyView, str, Any]:
+    """The key of a path, the field, and the value of either."""
     name, _, field = path.partition(".")
     key = keys[name]
-    words = unit_of(name, language.data["units"])[0]
+    return key, field, key.value.get(field) if field and isinstance(key.value, Mapping) else key.value
+
+
+def is_known(path: str, keys: Mapping[str, KeyView]) -> bool:
+    """Whether a key, or a field of one, has a value now that can be put in words."""
+    key, _, value = _found(path, keys)
+    return key.is_fresh and value is not None and not isinstance(value, Image)
+
+
+def value_sentence(path: str, keys: Mapping[str, KeyView], language: Language) -> str:
+    """The bare value of a key, or of a field of one, as a sentence; that it is unknown, and what it would be."""
+    key, field, value = _found(path, keys)
+    if is_known(path, keys):
+        return _sentence(value_words(value, key, language, field=field))
+    return language.text("value_unknown", about=about_words(key.about) or spoken(key.name))
+
+
+def result_sentences(names: Iterable[str], keys: Mapping[str, KeyView], language: Language) -> list[str]:
+    """The values of a mission's results, each as a sentence; those without a value are left out."""
+    given = [keys[name] for name in names if name in keys]
+    return [_sentence(value_words(key.value, key, language)) for key in given if key.value]
+
+
+def _sentence(words: str) -> str:
+    return f"{words[:1].upper()}{words[1:].rstrip('.')}."
+
+
+def key_sentence(path: str, keys: Mapping[str, KeyView], language: Language) -> str:
+    """A key, or a field of one, with its value, its `about` and its age, or that it is unknown."""
+    key, field, value = _found(path, keys)
+    words = unit_of(key.name, language.data["units"])[0]
     if field:
         words = f"{words} {unit_of(field, language.data['units'])[0]}"
     words = f"{words[:1].upper()}{words[1:]}"
-    value = key.value.get(field) if field and isinstance(key.value, Mapping) else key.value
     if key.age_s is None and key.value is None:
         return language.text("key_never", name=words)
     age = duration(key.age_s or 0.0, language)

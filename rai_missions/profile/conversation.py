@@ -48,6 +48,9 @@ class ConversationPolicy(MissionModel):
     arguments."""
     names: dict[Name, dict[Text, Json]] = Field(default_factory=dict)
     """Argument → the words for each of its values in a phrase, where it has no other values."""
+    questions: dict[Text, Text] = Field(default_factory=dict)
+    """What may be asked of this robot → the key, or the field of one, whose value is the answer. A question is written
+    as a phrase is; `*` is any words. It counts in each mission that has the key."""
     results: Keys = ()
     """Keys whose values are spoken with the end of a mission, where they have one; those that it lacks are left out."""
     hri: Bool = False

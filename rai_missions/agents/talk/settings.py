@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 
 from rai_missions.conversation import Settings, permissions
 from rai_missions.conversation.language import language, languages
@@ -29,6 +29,7 @@ def settings_of(policy: ConversationPolicy | None) -> Settings:
         late=LATE[policy.while_answering],
         phrases=tuple(StartPhrase(phrase, arguments) for phrase, arguments in policy.phrases.items()),
         names=policy.names,
+        questions=policy.questions,
         results=policy.results,
     )
 
@@ -60,4 +61,18 @@ def conversation_faults(robot: Robot, mission: Mission | None = None) -> tuple[F
             known = ", ".join(sorted(takes))
             sentence = "the mission takes no argument '{}'; it takes: " + known
             found += [Fault(place, sentence.format(name)) for name in sorted(gives - takes)]
-    return tuple(found)
+    return (*found, *_question_faults(policy, mission))
+
+
+def _question_faults(policy: ConversationPolicy, mission: Mission | None) -> Iterator[Fault]:
+    """What is wrong with a robot's own questions; a key that the mission lacks is no fault."""
+    for question, path in policy.questions.items():
+        place = pointer(("conversation", "questions", question))
+        try:
+            Phrases([question], language(policy.language).data["parts"])
+        except UsageError as error:
+            yield Fault(place, str(error))
+        name, _, field = path.partition(".")
+        fields = (mission.blackboard[name].fields or {}) if mission and name in mission.blackboard else None
+        if field and fields is not None and field not in fields:
+            yield Fault(place, f"'{name}' has no field '{field}'{suggestion(field, fields)}")

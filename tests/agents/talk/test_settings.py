@@ -16,12 +16,20 @@ from rai_missions.profile import ConversationPolicy, Robot, load_profile
 
 MISSION: dict[str, Any] = {
     "format": 1, "name": "errand", "initial": "over", "states": {"over": {"final": "aborted"}},
-    "blackboard": {"task": {"type": "string", "source": "argument", "initial": "find"}},
+    "blackboard": {
+        "task": {"type": "string", "source": "argument", "initial": "find"},
+        "seen": {"type": "object", "source": "robot", "fields": {"text": "string"}, "optional": True},
+    },
 }  # fmt: skip
 FAULTS = {
     "language": ({"language": "fr"}, "/conversation/language: no language 'fr'"),
     "phrase": ({"phrases": {"find (the": {}}}, "/conversation/phrases/find (the: the phrase 'find (the' is not closed"),
     "part": ({"phrases": {"<fnd>": {}}}, "/conversation/phrases/<fnd>: the phrase '<fnd>' names no part"),
+    "question": ({"questions": {"see (you": "seen"}}, "/conversation/questions/see (you: the phrase 'see (you' is not"),
+    "field": (
+        {"questions": {"what do you see": "seen.txt"}},
+        "/conversation/questions/what do you see: 'seen' has no field 'txt'; did you mean 'text'?",
+    ),
     "argument": (
         {"phrases": {"find {objct}": {"task": "find"}}}, "the mission takes no argument 'objct'; it takes: task"
     ),
@@ -38,8 +46,9 @@ def test_what_is_wrong_is_found_by_check(name: str, tmp_path: Path, capsys: pyte
     assert sentence in capsys.readouterr().err
 
 
-def test_a_phrase_of_another_mission_is_no_fault() -> None:
-    robot = Robot(name="bench", conversation=ConversationPolicy(phrases={"find {object}": {"place": "house"}}))
+def test_a_sentence_of_another_mission_is_no_fault() -> None:
+    other = ConversationPolicy(phrases={"find {object}": {"place": "house"}}, questions={"how deep": "water.depth_m"})
+    robot = Robot(name="bench", conversation=other)
     assert conversation_faults(robot, Mission.model_validate(MISSION)) == ()
 
 
