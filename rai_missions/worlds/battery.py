@@ -9,6 +9,7 @@ from typing import Any
 
 from rai_missions.errors import UsageError
 from rai_missions.redaction import cut_repr
+from rai_missions.worlds.options import check_names
 
 __all__ = ("Battery",)
 
@@ -41,9 +42,7 @@ class Battery:
     @classmethod
     def of(cls, options: Mapping[str, Any] | None, **ours: Any) -> Battery:
         """From plain data, which goes before the world's own words; a `UsageError` names what does not exist."""
-        unknown = sorted(set(options or {}) - {"capacity_wh", "charge"})
-        if unknown:
-            raise UsageError(f"battery: no option {unknown[0]!r}; there are: capacity_wh, charge")
+        check_names("battery", options or {}, ("capacity_wh", "charge"), called="option")
         for name, value in (options or {}).items():
             if not isinstance(value, int | float) or isinstance(value, bool) or not math.isfinite(value):
                 raise UsageError(f"battery: {name} takes a finite number, not {cut_repr(value, 60)}")

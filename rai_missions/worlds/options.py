@@ -8,7 +8,7 @@ from typing import Any
 
 from rai_missions.errors import UsageError, suggestion
 
-__all__ = ("check_detector_options", "check_names", "check_number")
+__all__ = ("check_detector_options", "check_names", "check_number", "check_numbers")
 
 
 def check_names(what: str, given: Iterable[Any], known: Collection[str], *, called: str = "field") -> None:
@@ -38,6 +38,22 @@ def check_number(place: str, value: Any, least: float, most: float) -> None:
         raise UsageError(f"{place} takes a number from {least:.9g} to {most:.9g}, not {value!r}")
 
 
+def check_numbers(what: str, options: Mapping[str, Any], most: Mapping[str, float]) -> None:
+    """Check options that are numbers from 0 on.
+
+    Args:
+        what: Whose options.
+        options: Option → value.
+        most: The options that there are → the largest value of each.
+
+    Raises:
+        UsageError: An option does not exist or is out of range.
+    """
+    check_names(what, options, most, called="option")
+    for name, value in options.items():
+        check_number(f"{what}: {name}", value, 0, most[name])
+
+
 def check_detector_options(options: Mapping[str, Any], most: Mapping[str, float]) -> None:
     """Check the options of a simulated detector, given as plain data.
 
@@ -49,8 +65,7 @@ def check_detector_options(options: Mapping[str, Any], most: Mapping[str, float]
         UsageError: An option does not exist or is out of range.
     """
     check_names("detector", options, (*most, "down"), called="option")
-    for name, value in options.items():
-        if name != "down":
-            check_number(f"detector: {name}", value, 0, most[name])
-        elif not (isinstance(value, list | tuple) and len(value) == 2 and value[0] <= value[1]):
-            raise UsageError(f"detector: down takes when it begins and ends, as in [20, 60], not {value!r}")
+    check_numbers("detector", {name: value for name, value in options.items() if name != "down"}, most)
+    down = options.get("down", (0, 0))
+    if not (isinstance(down, list | tuple) and len(down) == 2 and down[0] <= down[1]):
+        raise UsageError(f"detector: down takes when it begins and ends, as in [20, 60], not {down!r}")

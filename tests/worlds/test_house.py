@@ -316,10 +316,10 @@ def test_its_camera_shows_the_room(visit: Any) -> None:
 @pytest.mark.parametrize(
     ("options", "why"),
     [
-        ({"blocked": ["cellar"]}, "no door 'cellar'; there are: kitchen_living, kitchen_study"),
+        ({"blocked": ["cellar"]}, "no door 'cellar'; there is: bedroom_study"),
         ({"blocked": {"study_pantry": [60, 20]}}, r"study_pantry: \[60, 20\] is not when it begins and ends"),
         ({"recoveries": -1}, "-1 is no number of attempts"),
-        ({"battery": {"volts": 3}}, "no option 'volts'; there are: capacity_wh, charge"),
+        ({"battery": {"volts": 3}}, "no option 'volts'; there is: capacity_wh, charge"),
         ({"alleys": 3}, "has no option 'alleys'; there are: seed, blocked"),
     ],
 )

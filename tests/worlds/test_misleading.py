@@ -95,11 +95,11 @@ def test_what_does_not_exist_is_refused() -> None:
     ):
         with pytest.raises(UsageError, match=why):
             place(1, Layout(), [wrong])
-    with pytest.raises(UsageError, match="no option 'jump'; there are: drive_over"):
+    with pytest.raises(UsageError, match="no option 'jump'; there is: abort, drive_over"):
         try_option(orchard(kind="log"), "jump")
     with pytest.raises(UsageError, match="there is no decision"):
         try_option({**orchard(kind="log"), "obstacles": []}, OPTIONS[0])
-    for conditions, why in (({"rain": 1}, "no option 'rain'"), ({"fog": 2}, "fog is a number from 0 to 1, not 2")):
+    for conditions, why in (({"rain": 1}, "no option 'rain'"), ({"fog": 2}, "fog takes a number from 0 to 1, not 2")):
         with pytest.raises(UsageError, match=why):
             Conditions.of(conditions)
 

@@ -23,11 +23,11 @@ def test_an_unknown_world_names_those_that_exist() -> None:
     [
         ({"trees": 5}, "the world 'orchard' has no option 'trees'; there are: seed, alleys,"),
         ({"obstacles": ["cow"]}, "obstacles: no kind 'cow'; there are: branch, log, crate"),
-        ({"obstacles": [{"kind": "log", "colour": 3}]}, "obstacles: no field 'colour'; there are: kind, alley"),
+        ({"obstacles": [{"kind": "log", "colour": 3}]}, "obstacles: no field 'colour'; there is: across_m, alley"),
         ({"obstacles": ["log", "log"], "alleys": 1}, "obstacles: 2 obstacles for 1 alleys"),
         ({"alleys": 0}, "alleys: an orchard has 1 to 30 alleys, not 0"),
         ({"length_m": 5}, "length_m: an alley is 12 to 200 m long, not 5"),
-        ({"detector": {"blur": 1}, "alleys": 1}, "detector: no option 'blur'; there are: noise, miss"),
+        ({"detector": {"blur": 1}, "alleys": 1}, "detector: no option 'blur'; there is: confuse, false_alarm"),
         ({"detector": {"miss": 2}, "alleys": 1}, "detector: miss takes a number from 0 to 1, not 2"),
         ({"detector": {"noise": "x"}, "alleys": 1}, "detector: noise takes a number from 0 to 100, not 'x'"),
         ({"alleys": "x"}, "the world 'orchard' cannot be opened with alleys=\"x\": alleys takes a whole number"),
@@ -39,7 +39,7 @@ def test_an_unknown_world_names_those_that_exist() -> None:
             "battery takes an object, detector takes an object",
         ),
         ({"battery": {"charge": "full"}}, "battery: charge takes a finite number, not 'full'"),
-        ({"battery": {"volts": 1}, "alleys": 1}, "battery: no option 'volts'; there are: capacity_wh, charge"),
+        ({"battery": {"volts": 1}, "alleys": 1}, "battery: no option 'volts'; there is: capacity_wh, charge"),
     ],
 )
 def test_a_wrong_option_names_the_right_ones(options: dict[str, Any], sentence: str) -> None:

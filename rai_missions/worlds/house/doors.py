@@ -10,6 +10,7 @@ from typing import Any
 from rai_missions.errors import UsageError
 from rai_missions.worlds.house.layout import CRATE, DOORS
 from rai_missions.worlds.house.scene import AWAY_Z, crate
+from rai_missions.worlds.options import check_names
 
 __all__ = ("Blocked", "Doors")
 
@@ -37,9 +38,8 @@ class Doors:
         self._data = data
         self._mocap = {door: model.body_mocapid[model.body(crate(door)).id] for door in DOORS}
         self._times = dict(blocked.items() if isinstance(blocked, Mapping) else ((door, ()) for door in blocked))
+        check_names("blocked", self._times, DOORS, called="door")
         for door, times in self._times.items():
-            if door not in DOORS:
-                raise UsageError(f"blocked: no door {door!r}; there are: {', '.join(DOORS)}")
             if len(times) % 2 or list(times) != sorted(times):
                 sentence = "is not when it begins and ends, as in [20, 60] or [20, 60, 90, 120]"
                 raise UsageError(f"blocked: {door}: {list(times)} {sentence}")

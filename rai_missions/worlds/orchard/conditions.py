@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from typing import Any
 
-from rai_missions.errors import UsageError
+from rai_missions.worlds.options import check_numbers
 
 __all__ = ("Conditions",)
 
@@ -39,12 +39,7 @@ class Conditions:
         """
         if isinstance(options, Conditions):
             return options
-        known = [field.name for field in fields(cls)]
-        for name, value in (options or {}).items():
-            if name not in known:
-                raise UsageError(f"conditions: no option {name!r}; there are: {', '.join(known)}")
-            if isinstance(value, bool) or not isinstance(value, int | float) or not 0 <= value <= 1:
-                raise UsageError(f"conditions: {name} is a number from 0 to 1, not {value!r}")
+        check_numbers("conditions", options or {}, {field.name: 1.0 for field in fields(cls)})
         return cls(**(options or {}))
 
     @property

@@ -17,9 +17,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from rai_missions.errors import UsageError
 from rai_missions.worlds.camera import Moment
-from rai_missions.worlds.options import check_number
+from rai_missions.worlds.options import check_numbers
 from rai_missions.worlds.orchard.kinds import KINDS, LIVING
 from rai_missions.worlds.orchard.obstacles import Obstacle
 from rai_missions.worlds.orchard.sight import RANGE_M, ObstacleMeasures, ObstacleSight
@@ -55,12 +54,7 @@ class Errors:
         """From plain data; a `UsageError` names what does not exist or is out of range."""
         if isinstance(options, Errors):
             return options
-        known = [field.name for field in fields(cls)]
-        unknown = sorted(set(options or {}) - set(known))
-        if unknown:
-            raise UsageError(f"detector: no option {unknown[0]!r}; there are: {', '.join(known)}")
-        for name, value in (options or {}).items():
-            check_number(f"detector: {name}", value, 0, 100 if name == "noise" else 1)
+        check_numbers("detector", options or {}, {field.name: 1.0 for field in fields(cls)} | {"noise": 100.0})
         return cls(**(options or {}))
 
 

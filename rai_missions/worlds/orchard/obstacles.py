@@ -14,6 +14,7 @@ from dataclasses import dataclass, fields, replace
 from typing import Any
 
 from rai_missions.errors import UsageError
+from rai_missions.worlds.options import check_names
 from rai_missions.worlds.orchard.kinds import KINDS, LIVING
 from rai_missions.worlds.orchard.layout import Layout
 
@@ -120,9 +121,7 @@ def _draw(rng: random.Random, alley: int) -> Obstacle:
 def _chosen(what: str | None | Mapping[str, Any], drawn: Obstacle) -> Obstacle:
     choice = dict(what) if isinstance(what, Mapping) else {"kind": what or "none"}
     known = [field.name for field in fields(Obstacle)]
-    unknown = sorted(set(choice) - set(known))
-    if unknown:
-        raise UsageError(f"obstacles: no field {unknown[0]!r}; there are: {', '.join(known)}")
+    check_names("obstacles", choice, known)
     for field, kinds in (("kind", (*KINDS, "none")), ("hides", (*KINDS, ""))):
         if choice.get(field, "") not in kinds or (field == "kind" and "kind" not in choice):
             raise UsageError(f"obstacles: no kind {choice.get(field)!r}; there are: {', '.join(KINDS)}, none")

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from rai_missions.errors import UsageError
+from rai_missions.worlds.options import check_names
 from rai_missions.worlds.orchard.world import Orchard
 
 __all__ = ("OPTIONS", "Trial", "decision_world", "try_branch", "try_option", "try_options")
@@ -80,9 +81,7 @@ def try_option(options: Mapping[str, Any], option: str) -> Trial:
 
 def try_options(options: Mapping[str, Any], tried: tuple[str, ...] = OPTIONS) -> dict[str, Trial]:
     """Roll options out, each on a branch of the world in which they are open; as `try_option`."""
-    unknown = [option for option in tried if option not in OPTIONS]
-    if unknown:
-        raise UsageError(f"no option {unknown[0]!r}; there are: {', '.join(OPTIONS)}")
+    check_names("the decision at the obstacle", tried, OPTIONS, called="option")
     world = decision_world({**options, "camera": False, "sight": "geometry", "detector": {"noise": 0.0}})
     return {option: try_branch(world, option) for option in tried}
 
