@@ -100,6 +100,11 @@ class Key(MissionModel):
             raise fault("initial", f"'initial' does not fit: {why}")
         return self
 
+    @property
+    def must_recur(self) -> bool:
+        """The robot must report it again and again: what it reported goes stale."""
+        return self.source == "robot" and self.max_age_s is not None
+
 
 def is_number(value: Any) -> bool:
     """Whether it is a number that can be reckoned with: finite, and no integer beyond all floating-point numbers."""

@@ -74,5 +74,5 @@ def _aging(survey: MissionIndex, guard: Guard) -> Iterator[str]:
     """The robot keys that can go stale and that a comparison in the guard rests on."""
     for name in guard.fading():
         key = survey.mission.blackboard.get(name)
-        if key is not None and key.source == "robot" and key.max_age_s is not None:
+        if key is not None and key.must_recur:
             yield name

@@ -134,7 +134,7 @@ def resync(program: Program, state: RunState, event: Event) -> None:
     keys, board, received = program.keys, state.board, event.data.get("heard", {})
     robot = [name for name, key in keys.items() if key.source == "robot"] if program.has_trees else []
     before = {name: known(program, state, name) for name in robot}
-    for name in [name for name in board if keys[name].source == "robot" and keys[name].max_age_s is not None]:
+    for name in [name for name in board if keys[name].must_recur]:
         del board[name]
     for name, (value, at) in received.items():
         if name in keys and not type_error(keys[name], value):

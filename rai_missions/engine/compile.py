@@ -49,12 +49,13 @@ class CompiledMission:
         self._link()
         self.controls = frozenset(node.control for node in self.order if node.control is not None)
         """Whose control its states need."""
-        guarded = [each for each in self.transitions.values() if each.condition is not None]
-        self.memories = {memory: each.source.control for each in guarded for memory in each.condition.holds}  # type: ignore[union-attr]
-        """Memory of a `held` guard of a transition → whose control the transition's state needs."""
         self.invariants = {
             name: self.condition(guard, f"/invariants/{name}", "") for name, guard in mission.invariants.items()
         }
+        guarded = [(each.source, each.condition) for each in self.transitions.values() if each.condition is not None]
+        guarded += [(self.root, each) for each in self.invariants.values()]
+        self.keepers = {memory: node for node, condition in guarded for memory in condition.holds}
+        """Memory of a `held` guard → the state whose transition it guards; the root for an invariant."""
         self.invariant_reads = frozenset[str]().union(*(each.reads for each in self.invariants.values()))
         self._configurations: dict[tuple[int, ...], Configuration] = {}
         self.empty = Configuration((), self.root)

@@ -199,8 +199,8 @@ def _instants(program: Program, value: Mapping[str, float], by_s: float, control
 
 
 def _since(program: Program, value: Mapping[str, float], by_s: float, controls: Controls | None) -> Any:
-    of = program.graph.memories
-    return {each: at + by_s if _concerns(controls, of.get(each)) else at for each, at in value.items()}
+    of = program.graph.keepers
+    return {each: at + by_s if _concerns(controls, of[each].control) else at for each, at in value.items()}
 
 
 def _timers(program: Program, value: Mapping[Any, Any], by_s: float, controls: Controls | None) -> Any:

@@ -272,7 +272,7 @@ def _next_round(program: Program, state: RunState, node: Node) -> None:
 def _hold(program: Program, state: RunState) -> None:
     """Remember since when the guards inside `held` have been true."""
     for memory, test in (*state.config.holds.items(), *program.always_held.items()):
-        if state.frozen and program.graph.memories.get(memory) in state.frozen:
+        if state.frozen and program.graph.keepers[memory].control in state.frozen:
             continue
         is_true = test(state) is True
         if is_true is not (memory in state.held):

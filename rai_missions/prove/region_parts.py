@@ -94,12 +94,6 @@ class RegionParts:
         self._parted = {each.name: each.holds for each in TABLE if each.holds in PARTED}
         self._in_order = tuple(each.name for each in TABLE if each.holds in IN_ORDER)
         graph = chart.program.graph
-        self._keepers = {memory: each.source.name for each in graph.transitions.values() if each.condition is not None
-                         for memory in each.condition.holds}  # fmt: skip
-        """What remembers for how long a guard has been true → its state."""
-        keys = chart.mission.blackboard.items()
-        self._passing = frozenset(name for name, key in keys if key.source == "robot" and key.max_age_s is not None)
-        """What a robot must report again and again."""
         self._is_kept = frozenset(name for name, node in graph.nodes.items() if is_kept(chart.program, node))
         """The states whose activity a pause leaves as it is."""
         self.frames: list[StateFrame] = []
@@ -150,7 +144,7 @@ class RegionParts:
         if holds == "board":
             return parallel.key_of.get(key)
         if holds == "since":
-            return parallel.group_of.get(self._keepers.get(key, ""))
+            return parallel.group_of.get(self._chart.program.graph.keepers[key].name)
         if holds == "timers":
             return parallel.group_of.get(self.regions.timer_owner(key))
         owner = value.owner.partition("#")[0] if holds == "goals" else key
@@ -204,7 +198,7 @@ class RegionParts:
             yield from machine.reads(activity)
             if isinstance(activity, TreeActivity):
                 yield from self._keys_of(name)
-        if any(key in self._passing and entry is not None for key, entry in fields.get("board", {}).items()):
+        if any(key in self._world.passing and entry is not None for key, entry in fields.get("board", {}).items()):
             yield TIME
 
     def _keys_of(self, name: str) -> Iterable[str]:

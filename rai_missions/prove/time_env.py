@@ -47,15 +47,9 @@ class TimeEnvironment:
     ) -> None:  # fmt: skip
         self._chart, self._world, self._codec, self._inputs = chart, world, codec, inputs
         self._rest, self._instruments = rest, instruments
-        keys = chart.mission.blackboard.items()
-        self._passing = frozenset(name for name, key in keys if key.source == "robot" and key.max_age_s is not None)
-        """What a robot must report again and again."""
         self._over = ("", frozenset[str]())
         """The state of the tree, and the group of its waits, of which something is over in this step."""
         self._spans = self._durations()
-        self._keepers = {memory: each.source.name for each in self._chart.program.graph.transitions.values()
-                         for memory in (each.condition.holds if each.condition is not None else ())}  # fmt: skip
-        """What remembers for how long a guard has been true → its state."""
 
     def _durations(self) -> dict[tuple[str, Any], tuple[str, float]]:
         """The timers that are set when a state is entered → the state, and after how many seconds they run out."""
@@ -79,7 +73,7 @@ class TimeEnvironment:
     @property
     def is_silent(self) -> bool:
         """Nothing is known that the robot must report again and again: it has been silent for long."""
-        return all(self._world.board.known(key) in (None, MISSING) for key in self._passing)
+        return all(self._world.board.known(key) in (None, MISSING) for key in self._world.passing)
 
     def kept(self, waiting: Iterable[Stimulus], taken: str) -> frozenset[str]:
         """Which of the things that waited for time wait on after a step, and not from the beginning."""
@@ -129,7 +123,7 @@ class TimeEnvironment:
         """Have every key that can go stale do so at this instant or not, when someone looks."""
         before: dict[str, Any] = {}
         for key, entry in list(self._world.board.entries()):
-            if entry is not None and key > beyond and key in self._passing:
+            if entry is not None and key > beyond and key in self._world.passing:
                 before[key] = entry
                 self._world.wavering[key] = entry.value
                 self._world.board.pop(key)
@@ -191,9 +185,10 @@ class TimeEnvironment:
             aged = self.elapse(self._aged(name), *self._chart.state.running)
             yield Stimulus(words, "time", aged, owner=name, is_tick=True)
         for memory, since in list(self._chart.state.held.items()):
-            if since == NOW and self._chart.program.graph.memories.get(memory) not in self._chart.state.frozen:
+            keeper = self._chart.program.graph.keepers[memory]
+            if since == NOW and keeper.control not in self._chart.state.frozen:
                 words = f"{memory} has held for long enough"
-                yield Stimulus(words, "time", self.elapse(self._mature(memory)), owner=self._keepers.get(memory, ""))
+                yield Stimulus(words, "time", self.elapse(self._mature(memory)), owner=keeper.name)
 
     def machine_times(self) -> Iterator[Stimulus]:
         for name, path, state in list(self._inputs.inner()):
