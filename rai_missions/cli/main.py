@@ -14,8 +14,8 @@ from contextlib import suppress
 
 from rai_missions.cli.command import Command
 from rai_missions.cli.commands import load_command, names, root_parser
-from rai_missions.cli.signals import raised_signals
 from rai_missions.cli.streams import standard_streams
+from rai_missions.runtime.interrupts import raised_signals
 
 __all__ = ("main", "run")
 

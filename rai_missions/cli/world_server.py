@@ -13,10 +13,10 @@ from contextlib import contextmanager
 from functools import partial
 from typing import Any
 
-from rai_missions.cli.signals import on_signals
 from rai_missions.errors import UsageError
 from rai_missions.event import Event
 from rai_missions.runtime.clock import SimulatedClock
+from rai_missions.runtime.interrupts import on_signals
 from rai_missions.runtime.mailbox import Mailbox
 from rai_missions.worlds import open_world
 from rai_missions.worlds.bridge import Front, Stage, company

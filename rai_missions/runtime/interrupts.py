@@ -11,10 +11,10 @@ import signal
 import sys
 import threading
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager, suppress
+from contextlib import AbstractContextManager, contextmanager, suppress
 from typing import Any, Protocol
 
-__all__ = ("BY", "end_signals", "interrupt_handler", "interruptible", "on_signals")
+__all__ = ("BY", "end_signals", "interruptible", "on_interrupts", "on_signals", "raised_signals")
 
 BY = "operator (interrupt)"
 """Who cancels and stops a run by Ctrl-C, as its journal has it."""
@@ -54,16 +54,31 @@ def on_signals(do: Callable[[int, Any], object]) -> Iterator[None]:
             signal.signal(each, handler)
 
 
-def interrupt_handler(
+def raised_signals() -> AbstractContextManager[None]:
+    """A signal that asks the program to end raises `KeyboardInterrupt` with its number, where that is this thread's."""
+
+    def receive(number: int, frame: Any) -> None:
+        raise KeyboardInterrupt(number)
+
+    return on_signals(receive)
+
+
+def on_interrupts(
     cancel: Callable[[str], object], kill: Callable[[str], object], doing: str = "canceling"
-) -> Callable[[int, Any], None]:
-    """A handler of signals: the first cancels, the second is an e-stop, a third raises `KeyboardInterrupt`.
+) -> AbstractContextManager[None]:
+    """The first interrupt cancels, the second is an e-stop, a third raises `KeyboardInterrupt` where it is.
 
     Args:
         cancel: Called with who interrupts.
         kill: Called with who interrupts.
         doing: What `cancel` does, in a word for people.
     """
+    return on_signals(_interrupt_handler(cancel, kill, doing))
+
+
+def _interrupt_handler(
+    cancel: Callable[[str], object], kill: Callable[[str], object], doing: str
+) -> Callable[[int, Any], None]:
     pressed: list[int] = []
 
     def interrupt(number: int, frame: Any) -> None:
@@ -87,7 +102,7 @@ def interrupt_handler(
 
 @contextmanager
 def interruptible(run: InterruptedRun) -> Iterator[None]:
-    """Let the signals that ask a program to end do to a run what `interrupt_handler` has.
+    """Let the signals that ask a program to end do to a run what `on_interrupts` has.
 
     Where the program or another thread has a handler of its own, that one stays.
 
@@ -98,7 +113,7 @@ def interruptible(run: InterruptedRun) -> Iterator[None]:
     is_main = threading.current_thread() is threading.main_thread()
     free = [each for each, default in DEFAULTS.items() if is_main and signal.getsignal(each) is default]
     received: list[int] = []
-    interrupt = interrupt_handler(run.cancel, run.kill)
+    interrupt = _interrupt_handler(run.cancel, run.kill, "canceling")
 
     def receive(number: int, frame: Any) -> None:
         received.append(number)

@@ -14,7 +14,7 @@ import pytest
 
 from rai_missions.cli.output import MAX_PENDING, BufferedStream, nonblocking_output, wait_for_output
 from rai_missions.cli.progress import Lines
-from rai_missions.cli.run.mission_run import interruptible_run
+from rai_missions.runtime.interrupts import on_interrupts
 from tests.rigs.runs import Rig, mission
 
 PATIENCE_S = 30.0
@@ -120,7 +120,7 @@ def test_an_interrupt_cancels_the_run_although_no_one_can_be_reported_so(monkeyp
     rig = Rig(mission(ROUND))
     rig.stage.play({1.0: lambda: signal.raise_signal(signal.SIGTERM)})
     monkeypatch.setattr(sys, "stderr", Gone())
-    with interruptible_run(rig.runner):
+    with on_interrupts(rig.runner.cancel, rig.runner.kill):
         assert rig.run().outcome == "canceled"
 
 

@@ -15,9 +15,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from rai_missions.cli.play.session import PlaySession
-from rai_missions.cli.signals import on_signals
 from rai_missions.errors import UsageError
 from rai_missions.replay.play import Click
+from rai_missions.runtime.interrupts import on_signals
 
 if TYPE_CHECKING:
     from visualize.live import LivePage

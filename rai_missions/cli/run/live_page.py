@@ -15,8 +15,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from rai_missions.cli.command import PAGE_PORT
 from rai_missions.cli.inputs import warn
-from rai_missions.cli.signals import on_signals
 from rai_missions.errors import UsageError
+from rai_missions.runtime.interrupts import on_signals
 
 if TYPE_CHECKING:
     from rai_missions.agents.mission import PreparedRun, RunConfig

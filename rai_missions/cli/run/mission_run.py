@@ -22,18 +22,18 @@ from rai_missions.cli.run.live_page import normalise_watch_args, page_of
 from rai_missions.cli.run.migration import migrated
 from rai_missions.cli.run.node import reject_single_run_options, serve_managed, serve_node
 from rai_missions.cli.run.talk import talk_of, talking
-from rai_missions.cli.signals import interruptible
 from rai_missions.errors import DefinitionError, MissionError, UsageError
 from rai_missions.journal import opened
 from rai_missions.mission.mission import Mission
 from rai_missions.profile import load_profile, read_program
+from rai_missions.runtime.interrupts import on_interrupts
 
 if TYPE_CHECKING:
     from rai_missions.cli.commands.run import RunOptions
     from rai_missions.engine.decision import Answerer
-    from rai_missions.runtime.runner import Result, Runner
+    from rai_missions.runtime.runner import Result
 
-__all__ = ("interruptible_run", "run_mission")
+__all__ = ("run_mission",)
 
 
 def run_mission(options: RunOptions) -> int:
@@ -130,7 +130,7 @@ def _run(options: RunOptions, config: RunConfig, lines: Lines, signals: ExitStac
         node = stack.enter_context(serve_node(options, page.config if page else config))
         prepared = stack.enter_context(prepare(node.config))
         _report_beginning(options, lines, prepared)
-        signals.enter_context(interruptible_run(prepared.runner))
+        signals.enter_context(on_interrupts(prepared.runner.cancel, prepared.runner.kill))
         if talk is not None:
             stack.enter_context(talking(talk, prepared, node.config, lines, page))
         ended: LastRun | None = None
@@ -159,11 +159,6 @@ def _report_beginning(options: RunOptions, lines: Lines, prepared: PreparedRun) 
         moved_aside=prepared.moved_aside or "",
     )  # fmt: skip
     lines.watch(prepared.runner.view)
-
-
-def interruptible_run(runner: Runner) -> Any:
-    """The first interrupt cancels the mission, the second is an e-stop, a third leaves at once."""
-    return interruptible(runner.cancel, runner.kill, "canceling")
 
 
 def _as_json(mission: Mission, result: Result, recording: str | None) -> dict[str, Any]:

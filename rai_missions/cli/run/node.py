@@ -9,8 +9,8 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
-from rai_missions.cli.signals import interruptible
 from rai_missions.errors import UsageError
+from rai_missions.runtime.interrupts import on_interrupts
 
 if TYPE_CHECKING:
     from rai_missions.agents.mission import RunConfig
@@ -72,7 +72,7 @@ def serve_managed(options: RunOptions, config: RunConfig, journals: Callable[[],
         config, options.node or "", ros_arguments=options.ros_args, operator=not options.no_operator, journals=journals,
         ended=_report,
     )  # fmt: skip
-    with interruptible(lambda _: node.shut_down(), lambda _: node.shut_down(at_once=True), "shutting down"):
+    with on_interrupts(lambda _: node.shut_down(), lambda _: node.shut_down(at_once=True), "shutting down"):
         node.run()
         try:
             print(f"node: {node.name.path} waits to be configured and activated", file=sys.stderr, flush=True)

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any
 
 from rai_missions.cli.inputs import warn
 from rai_missions.cli.run.talk_runs import TalkRuns
-from rai_missions.cli.signals import interruptible
 from rai_missions.errors import ConnectorError, DefinitionError, MissionError, UsageError
+from rai_missions.runtime.interrupts import on_interrupts
 
 if TYPE_CHECKING:
     from rai_missions.agents.conversation import ConversationalAgent
@@ -224,7 +224,7 @@ class TalkSession:
             runs.interrupt(by)
             agent.decide_nothing()
 
-        with interruptible(interrupt, self.kill, "canceling"):
+        with on_interrupts(interrupt, self.kill):
             yield
 
     def _order_next(self, order: Order, on_end: OnOrderEnd) -> None:
