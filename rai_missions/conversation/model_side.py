@@ -14,6 +14,7 @@ from rai_missions.conversation.order_side import OrderSide
 from rai_missions.conversation.outputs import AskModel, DropModel
 from rai_missions.conversation.sentences import SentenceStream
 from rai_missions.conversation.speaking import SpeechSide
+from rai_missions.conversation.state_answers import options_text
 from rai_missions.conversation.talk import Talk
 from rai_missions.plain_data import plain
 from rai_missions.redaction import cut
@@ -58,7 +59,10 @@ class ModelSide:
             self._next()
 
     def _do_not_know(self, utterance: Utterance, number: int) -> None:
-        text = self._talk.language.text("unknown")
+        language, view = self._talk.language, self._talk.view
+        text = language.text("unknown")
+        if view.questions and not utterance.is_spoken and may(utterance.role, "answer", self._talk.settings):
+            text = f"{text} {language.text('unknown_answer', options=options_text(view.questions, language))}"
         self._speaking.speak(text, to=utterance.channel, reply_to=number, way="unknown")
 
     def _begin(self, sentence: WaitingSentence) -> None:

@@ -24,8 +24,10 @@ from rai_missions.conversation.view import RunEvent, StatusView
 from rai_missions.engine.decision import Question
 from rai_missions.engine.modes import ALIVE
 
-__all__ = ("Asker", "StateAnswers", "is_alive", "question_text", "state_of_run")
+__all__ = ("Asker", "StateAnswers", "is_alive", "options_text", "question_text", "state_of_run")
 
+MOST_DECIDED = 2
+"""Lines of an answer to "what was decided"."""
 MOST_HAPPENINGS = 5
 """Lines of an answer to "what happened"."""
 
@@ -76,6 +78,12 @@ def question_text(question: Question, language: Language) -> str:
     return language.text("question", question=question.text.strip(), options="; ".join(lines))
 
 
+def options_text(questions: Sequence[Question], language: Language) -> str:
+    """The names of the options of all questions, numbered in each."""
+    numbered = [(number, offer) for each in questions for number, offer in enumerate(each.options, start=1)]
+    return "; ".join(language.text("option", number=number, name=spoken(offer.name)) for number, offer in numbered)
+
+
 class StateAnswers:
     """Answers questions of state in one language.
 
@@ -90,7 +98,8 @@ class StateAnswers:
             "doing": self._doing, "progress": self._progress, "time_left": self._time_left, "where": self._where,
             "why_stopped": self._why_stopped, "waits": self._waits, "asked": self._asked, "ordered": self._ordered,
             "control": self._control, "capabilities": self._capabilities, "mission": self._about_mission,
-            "happened": self._happened, "result": self._result, "who": self._who,
+            "happened": self._happened, "result": self._result, "decided": self._decided,
+            "who": self._who,
             "hello": lambda *_: self.language.text("hello"), "thanks": lambda *_: self.language.text("thanks"),
         }  # fmt: skip
 
@@ -116,7 +125,7 @@ class StateAnswers:
             return language.text("no_run_offer", missions=missions) if missions else language.text("no_run")
         if view.mode not in ALIVE:
             return self._ended(view)
-        parts = [self._in_state(view, "mode_state"), *self._steps(view)]
+        parts = [self._in_state(view, "mode_state"), *([] if _is_before(view) else self._steps(view))]
         if view.held_by:
             parts.append(language.text("held", holder=language.word("holders", view.held_by)))
         parts += self._waits_for_answers(view)
@@ -272,12 +281,17 @@ class StateAnswers:
         text = self._after(text, view, asker)
         return f"{text} {self._ended(view)}" if view.mode and not is_alive(view) else text
 
+    def _decided(self, view: StatusView, _: Asker) -> str:
+        lines = [self._line(each, view) for each in view.happened if each.kind == "answered"][-MOST_DECIDED:]
+        return self.language.text("happened", lines="; ".join(lines)) if lines else self.language.text("decided_none")
+
     def _line(self, happening: RunEvent, view: StatusView) -> str:
         template: str = self.language.data["happenings"][happening.kind]
         table = {"control": "holders", "ended": "modes"}.get(happening.kind)
         name = self.language.word(table, happening.name) if table else spoken(happening.name)
         about = self.language.text("about", about=about_words(happening.about)) if happening.about else ""
-        by = self.language.text("by", by=happening.by) if happening.by else ""
+        by = self.language.word("answerers", happening.by) if happening.kind == "answered" else happening.by
+        by = self.language.text("by", by=by) if by else ""
         return template.format(ago=duration(view.at - happening.at, self.language), name=name, about=about, by=by)
 
     def _who(self, view: StatusView, _: Asker) -> str:
