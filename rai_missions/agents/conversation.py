@@ -125,6 +125,13 @@ class ConversationalAgent:
         self._attached = AttachedRun(runner, journal, self._robot, self._note_news, self._take_speech)
         self._note_news()
 
+    def report_lost(self, requests: Sequence[str]) -> None:
+        """Have it reported that these requests are lost, which waited in a program that was killed; after `attach`."""
+        if requests:
+            self._worker.post(
+                lambda: self._perform(self._dialogue.on_lost_requests(requests, self._view(), self._now()))
+            )
+
     def step(self, step: Step) -> None:
         """The run has made a step; on its own thread."""
         if self._attached is not None:

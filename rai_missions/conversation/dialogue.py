@@ -6,7 +6,7 @@ Rule: it never waits. Each input returns at once with all outputs that follow fr
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any, Self
 
 from rai_missions.conversation.inputs import ModelText, OrderEnd, SpeechEnd, Utterance
@@ -91,6 +91,14 @@ class Dialogue:
     def on_status(self, view: StatusView, at: float) -> tuple[Output, ...]:
         """The run has changed: each change of `Status`, of the open question, and of the run itself."""
         self._begin(at)
+        self._follow(view)
+        return self._end()
+
+    def on_lost_requests(self, requests: Sequence[str], view: StatusView, at: float) -> tuple[Output, ...]:
+        """The program before this one was killed, and with it these requests, in words: they are reported."""
+        self._begin(at)
+        text = self._talk.language.text("requests_lost", requests=self._talk.language.listed(list(requests)))
+        self._speaking.reports.add(f"{view.run}:lost", text, at)
         self._follow(view)
         return self._end()
 

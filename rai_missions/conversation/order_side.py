@@ -412,6 +412,8 @@ class OrderSide:
             self._void("changed")
         if is_alive(view) and view.run != before.run:
             self._starting_until = float("-inf")
+            if self._requests:
+                self._requests.note()  # in the journal of the run that is new
         if view.mode and not is_alive(view) and view.run != self._ended_run:
             self._ended_run = view.run
             self._starting_until = float("-inf")

@@ -27,7 +27,7 @@ Mapper = Literal["grammar", "model"]
 
 NoteKind = Literal[
     "heard", "mapped", "read_back", "confirmed", "void", "refused", "ordered", "performed", "queued", "dropped",
-    "asked_model", "model_text", "replaced", "spoken", "unspoken",
+    "waiting", "asked_model", "model_text", "replaced", "spoken", "unspoken",
 ]  # fmt: skip
 
 

@@ -68,6 +68,11 @@ class Reports:
                 self._all[identity] = MissionReport(identity, text, priority, due=at, repeated=repeated)
         self._forget(view.run or "run")
 
+    def add(self, identity: str, text: str, at: float) -> None:
+        """Another report of a run, due at once; known already, nothing happens."""
+        if identity not in self._all:
+            self._all[identity] = MissionReport(identity, text, "question", due=at)
+
     def _forget(self, run: str) -> None:
         """Only of other runs: what was spoken of this one must not be spoken again."""
         old = [

@@ -59,11 +59,20 @@ class RequestQueue:
         self._waiting.append(judged)
         place = len(self._waiting)
         self._talk.note("queued", number=judged.number, order=order_data(judged.sense), place=place)
+        self.note()
         self._speaking.reply("queued_request", judged.utterance, judged.number, number=place, order=judged.words)
+
+    def note(self) -> None:
+        """Note what waits: a program that resumes the run after a kill reports what was lost."""
+        self._talk.note("waiting", requests=list(self.words))
 
     def take(self) -> JudgedOrder | None:
         """The oldest request, which waits no more; None where there is none."""
-        return self._waiting.popleft() if self._waiting else None
+        if not self._waiting:
+            return None
+        request = self._waiting.popleft()
+        self.note()
+        return request
 
     def drop(self, form: str, asked: Sequence[str] = ()) -> None:
         """All are dropped; every channel is informed.
@@ -79,6 +88,7 @@ class RequestQueue:
         for each in self._waiting:
             self._talk.note("dropped", order=order_data(each.sense))
         self._waiting.clear()
+        self.note()
         self._speaking.speak(language.text(form, requests=requests), priority="question")
 
 

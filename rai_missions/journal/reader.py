@@ -83,7 +83,8 @@ class Record(Closable):
 
     def notes(self) -> tuple[Note, ...]:
         """The notes, in order."""
-        return tuple(row for row in self.rows() if isinstance(row, Note))
+        notes = (self.row(raw) for raw in self.raw() if raw[1] == "note")
+        return tuple(row for row in notes if isinstance(row, Note))
 
     def last(self) -> StepRow | None:
         """The last step; a run that was not cut short ended with its `outcome`."""

@@ -272,6 +272,26 @@ def test_a_run_that_was_killed_before_its_start_waits_for_it_again(mission: Path
     assert main(["verify", str(journal)]) == 0
 
 
+@pytest.mark.long
+def test_what_waited_when_a_run_was_killed_is_reported_by_the_one_that_resumes_it(mission: Path) -> None:
+    with terminal(mission) as screen:
+        screen.until("has started")
+        for rounds in (2, 3):
+            screen.type(f"start with rounds {rounds}\r")
+            screen.until("Is that right?")
+            screen.type("yes\r")
+            screen.until("waits as number")
+        screen.type("what are you doing\r")  # its answer is behind the note in the journal
+        screen.until("waits at the gate")
+        screen.program.kill()
+    resumed = subprocess.run(
+        [PROGRAM, "run", "--talk", "--resume", screen.journal], input="stop\n", text=True, capture_output=True,
+        timeout=PATIENCE_S, check=False,
+    )  # fmt: skip
+    lost = next(line for line in resumed.stdout.splitlines() if "are lost with it" in line)
+    assert "with rounds 2" in lost and "with rounds 3" in lost
+
+
 WORDS = {"--json": "--talk does not go with --json", "--managed": "--talk is of one run; a managed node has many"}
 
 

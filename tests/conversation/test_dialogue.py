@@ -22,6 +22,7 @@ from rai_missions.conversation import (
     Speech,
     SpeechEnd,
     StatusView,
+    TalkNote,
     Utterance,
     permissions,
 )
@@ -117,6 +118,38 @@ def test_a_request_waits_for_something_and_none_begins_after_a_stop(happens: lis
     outputs = dialogue.on_utterance(Utterance("what did I order?", "operator", "terminal", at=at), view)
     texts = [each.text for each in outputs if isinstance(each, Speech) and not each.report]
     assert not any("wait" in text for text in texts), texts
+
+
+@given(st.lists(st.sampled_from(HAPPENS), max_size=12).map(lambda each: [*chain(*each)]))
+@settings(max_examples=100, deadline=None, derandomize=True)
+def test_the_last_note_of_what_waits_is_what_waits(happens: list[str]) -> None:
+    view, noted, at = PATROL, dict[str, list[str]](), 0.0
+    dialogue = Dialogue(Settings(requests="queue"), view)
+    for at, happening in enumerate(happens):
+        outputs: tuple[Any, ...] = ()
+        if happening in ("failed", "succeeded"):
+            view = view._replace(mode=happening, outcome=happening)
+        elif happening == "begins":
+            view = view._replace(run=f"r{at}", mode="running", outcome=None)
+        elif happening not in ("refused", "waits"):
+            outputs = dialogue.on_utterance(Utterance(happening, "operator", "terminal", at=at), view)
+        outputs += dialogue.on_status(view, at)
+        for each in outputs:
+            if isinstance(each, TalkNote) and each.kind == "waiting":
+                noted[view.run] = list(each.data["requests"])
+    answer = dialogue.on_utterance(Utterance("which requests wait?", "operator", "terminal", at=at), view)
+    text = next(each.text for each in answer if isinstance(each, Speech) and not each.report)
+    waiting = noted.get(view.run, [])
+    assert text.count("start the mission '") == text.partition("These")[0].count("start the mission '") + len(waiting)
+    assert all(each in text.partition("These")[2] for each in waiting)
+
+
+def test_what_was_lost_with_a_program_is_reported_once() -> None:
+    resumed, lost = RUNNING._replace(is_resumed=True), ("start the mission 'patrol'", "start the mission 'tour'")
+    dialogue = Dialogue()
+    outputs = (*dialogue.on_lost_requests(lost, resumed, 0.0), *dialogue.on_lost_requests(lost, resumed, 1.0))
+    texts = [each.text for each in outputs if isinstance(each, Speech) and each.report == "r:lost"]
+    assert len(texts) == 1 and all(each in texts[0] for each in lost)
 
 
 def test_what_a_process_before_may_have_reported_is_marked_as_repeated_and_nothing_later() -> None:

@@ -14,10 +14,11 @@ from typing import Any, NamedTuple, Protocol
 from rai_missions.agents.talk.doors import TalkLine
 from rai_missions.conversation import TalkNote
 from rai_missions.errors import MissionError
+from rai_missions.journal.reader import Record
 from rai_missions.redaction import Redaction, cut, logger
 from rai_missions.runtime.runner import Runner
 
-__all__ = ("LINES", "TALK", "NoteSink", "TalkJournal")
+__all__ = ("LINES", "TALK", "NoteSink", "TalkJournal", "waiting_requests")
 
 log = logger(__name__)
 TALK, LINES = "talk", "lines"
@@ -30,6 +31,13 @@ class NoteSink(Protocol):
     """What takes a note once the run is over: `rai_missions.journal.Journal`."""
 
     def note(self, text: str, data: Any = None) -> int: ...
+
+
+def waiting_requests(record: Record) -> tuple[str, ...]:
+    """The requests that waited when a journal's last word of them was written, each in words."""
+    rows = [row for note in record.notes() if isinstance(note.data, Mapping) for row in note.data.get(TALK) or ()]
+    last = next((row for row in reversed(rows) if isinstance(row, Mapping) and row.get("kind") == "waiting"), {})
+    return tuple(map(str, last.get("requests") or ()))
 
 
 class TalkRows(NamedTuple):

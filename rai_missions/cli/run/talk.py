@@ -117,6 +117,7 @@ class TalkSession:
         self._runs = TalkRuns(config, waits=self._begins_ready, is_reachable=lambda: self._is_reachable)
         self._runs.begin(prepared)
         agent.attach(prepared.runner, prepared.journal)
+        agent.report_lost(_lost(config))
         agent.run()
         if self._hri is not None:
             try:
@@ -346,6 +347,17 @@ def _profile(config: RunConfig) -> Robot | None:
         return None
     with opened(config.resume) as record:
         return robot_of(record)
+
+
+def _lost(config: RunConfig) -> tuple[str, ...]:
+    """The requests that waited in the program whose run is resumed, in words."""
+    from rai_missions.agents.talk.journal import waiting_requests
+    from rai_missions.journal import opened
+
+    if config.resume is None:
+        return ()
+    with opened(config.resume) as record:
+        return waiting_requests(record)
 
 
 def _is_simulated(profile: Robot | None) -> bool:
