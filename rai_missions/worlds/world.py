@@ -88,19 +88,25 @@ def open_world(name: str, **options: Any) -> World:
         options: What the world's class takes, such as `seed=7`.
 
     Raises:
-        UsageError: No such world or option, or the packages that it needs are not installed.
+        UsageError: No such world or option, an option's value does not fit, or the packages that the world needs are
+            not installed.
     """
-    made: World = _checked(name, _class_of(name, check_world(name)), options)(**options)
+    make = _checked(name, _class_of(name, check_world(name)), options)
+    try:
+        made: World = make(**options)
+    except (ArithmeticError, AttributeError, LookupError, TypeError, ValueError) as error:
+        raise UsageError(f"{_not_opened(name, options)}: {error}") from error
     return made
 
 
 def check_local(options: Mapping[str, Any]) -> None:
-    """Check what a profile states of a connector of kind `local` besides its kind; a world's class is loaded for it.
+    """Check what a profile states of a connector of kind `local` besides its kind; a world of ours is made for it.
 
-    What the packages of this machine do not let load is not checked; nor is what an object or a list holds.
+    What the packages of this machine do not let load is not checked; nor is, of a world of another package, what an
+    object or a list holds.
 
     Raises:
-        UsageError: No such world or option, or a value of another type than the option's.
+        UsageError: No such world or option, or an option's value does not fit.
     """
     given = dict(options)
     name = given.pop("world", None)
@@ -113,6 +119,8 @@ def check_local(options: Mapping[str, Any]) -> None:
     except UsageError:
         return
     _checked(str(name), world, given)
+    if name in WORLDS:
+        open_world(str(name), **{**given, "camera": False}).close()
 
 
 def _class_of(name: str, offer: PackageOffer) -> Any:
@@ -169,8 +177,12 @@ def _check_sorts(name: str, world: Any, options: Mapping[str, Any]) -> None:
         f"{option} takes {why}" for option, value in options.items() if (why := _mismatch(takes.get(option), value))
     ]
     if wrong:
-        options_text = ", ".join(f"{option}={json.dumps(value, default=repr)}" for option, value in options.items())
-        raise UsageError(f"the world {name!r} cannot be opened with {options_text}: {', '.join(wrong)}")
+        raise UsageError(f"{_not_opened(name, options)}: {', '.join(wrong)}")
+
+
+def _not_opened(name: str, options: Mapping[str, Any]) -> str:
+    given = ", ".join(f"{option}={json.dumps(value, default=repr)}" for option, value in options.items())
+    return f"the world {name!r} cannot be opened with {given}"
 
 
 def _mismatch(taken: Any, value: Any) -> str:

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
+from typing import Any
 
 import pytest
 from hypothesis import given
@@ -24,6 +25,21 @@ def test_check_counts_the_cells(tmp_path: Path, capsys: pytest.CaptureFixture[st
     assert main(["campaign", "check", str(path)]) == 0
     expected = "choosing: 18 cells: 3 scenes × 3 models × 1 embodiment × 2 orders of options\n"
     assert capsys.readouterr().out == expected
+
+
+@pytest.mark.parametrize(("scenes", "fault"), [
+    ({"given": [{"scene": "a", "kind": "even", "seed": 1, "options": {"aleys": 2}}]},
+     "/scenes/given/0/options: the world 'orchard' has no option 'aleys'"),
+    ({"given": [{"scene": "a", "kind": "even", "seed": 1, "options": {"detector": {"mis": 0.5}}}]},
+     "/scenes/given/0/options: detector: no option 'mis'"),
+    ({"seeds": [1], "options": {"conditions": {"fgo": 0.5}}}, "/scenes/options: conditions: no option 'fgo'"),
+])  # fmt: skip
+def test_check_reports_what_no_world_takes(
+    scenes: dict[str, Any], fault: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = write_campaign(tmp_path, campaign_data() | {"scenes": {"world": "orchard"} | scenes})
+    assert main(["campaign", "check", str(path)]) == 2
+    assert fault in capsys.readouterr().err
 
 
 def test_the_schema_is_printed(capsys: pytest.CaptureFixture[str]) -> None:

@@ -395,6 +395,8 @@ def test_check_reports_what_it_checked_and_each_fault_in_its_own_file(
         ({"kind": "local", "wrold": "orchard"}, "/connector: connector: no option 'wrold'; did you mean 'world'?"),
         ({"kind": "local", "world": "orchard", "aleys": 2}, "/connector: the world 'orchard' has no option 'aleys'"),
         ({"kind": "local", "world": "orchard", "seed": "x"}, "/connector: the world 'orchard' cannot be opened with"),
+        ({"kind": "local", "world": "orchard", "detector": {"mis": 1}}, "/connector: detector: no option 'mis'"),
+        ({"kind": "local", "world": "house", "blocked": 2}, "/connector: the world 'house' cannot be opened with blo"),
         ({"kind": "local", "world": "orchard", "seed": 7}, ""),
         ({"kind": "local", "world": "orchard"}, ""),
         ({"kind": "mqtt"}, ""),

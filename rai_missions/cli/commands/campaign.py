@@ -90,10 +90,13 @@ def _report(store: str, page: str | None) -> int:
 
 
 def _check(options: CampaignOptions) -> int:
+    from rai_missions.campaign.checks import scene_faults
     from rai_missions.campaign.run import plan_of
-    from rai_missions.errors import counted
+    from rai_missions.errors import DefinitionError, counted
 
     loaded = _loaded(options)
+    if found := tuple(scene_faults(loaded.file)):
+        raise DefinitionError(found, options.file)
     plan, file = plan_of(loaded), loaded.file
     print(
         f"{file.name}: {counted(len(plan.cells), 'cell')}: {counted(len(plan.scenes), 'scene')}"
