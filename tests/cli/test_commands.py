@@ -406,6 +406,9 @@ def test_check_reports_what_it_checked_and_each_fault_in_its_own_file(
         ({"kind": "mqtt", "port": 70_000}, "connector/port: 70000 is no port"),
         ({"kind": "mqtt", "host": 5}, "connector/host: 5 is no text; give a name or an address"),
         ({"kind": "ros2", "noed": "beacon"}, "no option 'noed'; did you mean 'node'?"),
+        ({"kind": "ros2", "parameters": {"a": {"b": 1}}}, 'connector/parameters/a: {"b": 1} is no parameter of ROS'),
+        ({"kind": "ros2", "parameters": {"a": [1, 2.5]}}, "connector/parameters/a: [1, 2.5] is no parameter of ROS"),
+        ({"kind": "ros2", "parameters": {"a": ["x"], "b": 1.5, "c": False}}, ""),
         ({"kind": "ros2", "domain_id": 300}, "connector/domain_id: 300 is no ROS domain; one goes from 0 to 232"),
     ],
 )

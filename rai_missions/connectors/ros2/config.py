@@ -84,7 +84,10 @@ def read_options(given: Mapping[str, Any]) -> Options:
         qos = options["qos"]
         options["qos"] = {topic: _quality(topic, each) for topic, each in _mapping(qos, "connector/qos").items()}
     if "parameters" in options:
-        options["parameters"] = dict(_mapping(options["parameters"], "connector/parameters"))
+        options["parameters"] = {
+            name: _parameter(name, each)
+            for name, each in _mapping(options["parameters"], "connector/parameters").items()
+        }
     domain, patience = options.get("domain_id"), options.get("discovery_s", 3.0)
     if domain is not None and not 0 <= domain <= 232:
         raise UsageError(f"connector/domain_id: {domain} is no ROS domain; one goes from 0 to 232")
@@ -134,6 +137,15 @@ def _mapping(given: Any, place: str) -> Mapping[str, Any]:
     if not isinstance(given, Mapping):
         raise UsageError(f"{place}: {shown(given)} is given where an object belongs")
     return given
+
+
+def _parameter(name: str, value: Any) -> Any:
+    """A value that a parameter of ROS may have: one of its kinds, or a list of one of them."""
+    kinds = {type(each) for each in (value if isinstance(value, list | tuple) else [value])}
+    if not name or len(kinds) > 1 or not kinds <= {str, bool, int, float}:
+        words = "give a name, and text, true or false, a number, or a list of one of these"
+        raise UsageError(f"connector/parameters/{name}: {shown(value)} is no parameter of ROS; {words}")
+    return value
 
 
 def _texts(given: Any) -> tuple[str, ...]:
