@@ -24,6 +24,7 @@ import numpy as np
 from rai_missions.connectors.sound.connector import FRAME_BYTES, FRAME_S, RATE_HZ, SoundFrame
 from rai_missions.connectors.sound.files import FileSound
 from rai_missions.connectors.sound.room import RoomSound
+from rai_missions.conversation import Dialogue, MissionView, Order, StatusView, Utterance
 from rai_missions.voice.listener import PHRASES, WAKE_CUTOFF, ListenSettings, SpeechListener, Transcript
 from rai_missions.voice.process import SpeechProcess
 from rai_missions.voice.recognisers.whisper import plain_words
@@ -147,7 +148,17 @@ def text_windows(count: int, random: np.random.Generator) -> Iterator[tuple[str,
         yield " ".join(words[start : start + size]), SPEAKERS[number % 4]
 
 
+RUNNING = StatusView(run="r", mode="running", mission="patrol", missions=(MissionView("patrol"),))
+
+
+def ordered(transcript: Transcript) -> list[str]:
+    """The orders that a transcript is while a mission runs, without a word more; of one who may give each."""
+    sentence = Utterance(transcript.text, "operator", "voice", readings=transcript.readings)
+    return [each.name for each in Dialogue(view=RUNNING).on_utterance(sentence, RUNNING) if isinstance(each, Order)]
+
+
 def false_orders(bench: Bench, scale: int) -> None:
+    given = Counter[str]()
     random, found, count, begun = np.random.default_rng(SEED + 1), list[str](), 0, time.monotonic()
     for number, (text, speaker) in enumerate(text_windows(100 * scale, random)):
         sound = mixed(speech(text, speaker), (40, 20, 10)[number % 3], ("white", "pink")[number % 2], random, 0.5)
@@ -157,11 +168,12 @@ def false_orders(bench: Bench, scale: int) -> None:
             words = plain_words(text)
             if each.text in PHRASES and not re.search(rf"\b{each.text}\b", words):
                 agree = each.readings.count(each.text)
-                found.append(f"{text!r} by {speaker} became {each.text!r} ({agree} agree)")
+                given.update(ordered(each))
+                found.append(f"{text!r} by {speaker} became {each.text!r} ({agree} agree): {ordered(each)}")
                 print(f"    {found[-1]}", flush=True)
         count += 1
         if count % 100 == 0:
-            print(f"  {len(found)} orders of {count} windows so far", flush=True)
+            print(f"  {len(found)} phrases of {count} windows so far", flush=True)
     for seed in range(20 * scale):
         level, kind = (100, 400, 1600)[seed % 3], ("white", "pink")[seed % 2]
         loud = noise(kind, 3 * RATE_HZ, random) * level
@@ -170,7 +182,8 @@ def false_orders(bench: Bench, scale: int) -> None:
         texts = [each.text for each in bench.of(FileSound(bytes(loud.clip(-32768, 32767).astype("<i2").tobytes())))]
         found += [f"{kind} noise became {text!r}" for text in texts if text in PHRASES]
         count += 1
-    print(f"  {len(found)} orders of {count} windows ({time.monotonic() - begun:.0f} s)")
+    print(f"  {given.total()} orders without a confirmation: {dict(given)}")
+    print(f"  {len(found)} phrases of {count} windows ({time.monotonic() - begun:.0f} s)")
     print("\n".join(f"    {each}" for each in found))
 
 

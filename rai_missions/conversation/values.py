@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 from rai_missions.conversation.language import Language, spoken
@@ -20,6 +20,9 @@ __all__ = ("about_words", "duration", "is_known", "key_sentence", "result_senten
 AGED_S = 2.0
 """From this age on, the age of a value is spoken as well."""
 MOST_ITEMS = 5
+"""Fields of an object that are spoken."""
+MOST_NAMES, LONGEST_NAME = 20, 60
+"""Names of a list that are spoken, and characters of one."""
 LONGEST_TEXT = 200
 
 
@@ -61,8 +64,16 @@ def value_words(value: Any, key: KeyView, language: Language, *, field: str = ""
         parts = [_field(str(name), each, key, language) for name, each in list(value.items())[:MOST_ITEMS]]
         return language.listed(parts) or language.text("empty")
     if isinstance(value, list | tuple):
-        return language.text("items", count=len(value))
+        return _names(value, language) or language.text("items" if value else "nothing", count=len(value))
     return cut(str(value), LONGEST_TEXT)
+
+
+def _names(items: Sequence[Any], language: Language) -> str:
+    """The texts of a list, or the names of its objects; empty where an item has none, or there are too many."""
+    names = [item.get("name") if isinstance(item, Mapping) else item for item in items]
+    if len(names) > MOST_NAMES or not all(name and isinstance(name, str) for name in names):
+        return ""
+    return language.listed([spoken(cut(name, LONGEST_NAME)) for name in names])
 
 
 def _field(name: str, value: Any, key: KeyView, language: Language) -> str:
