@@ -285,13 +285,19 @@ class Abstraction:
             number = next_number(state)
             state.goals[number] = state.goals[key]._replace(number=number)
 
-    def lengthen(self, state: RunState, node: Node) -> None:
-        """A list that the surroundings gave may be longer than was thought, where it has two items or more."""
+    def lengthen(self, state: RunState, node: Node, is_new: Callable[[RunState, Node], bool]) -> None:
+        """A list that the surroundings gave may be longer than was thought, where it has two items or more.
+
+        Args:
+            state: The run.
+            node: The `each` that goes over it.
+            is_new: Another item may lead to more than the items before.
+        """
         items, index = state.rounds[node.name]
         assert isinstance(node.state, Each)
         path, choices = node.state.each, self._world.choices
         is_given = path.split(".")[0] in self._given
-        if 0 < index == len(items) - 1 and is_given and choices.choose(2):
+        if 0 < index == len(items) - 1 and is_given and is_new(state, node) and choices.choose(2):
             state.rounds[node.name] = ((*items, choices.pick(self._world.values.item(path))), index)
 
 

@@ -70,7 +70,7 @@ class OpenSurroundings(Surroundings):
         self._environment.control.enter(state, node)
 
     def before_round(self, state: RunState, node: Node) -> None:
-        self._environment.rest.lengthen(state, node)
+        self._environment.rest.lengthen(state, node, self._environment.circles.is_new_round)
 
     def waits(self, state: RunState, event: Event, waiting: tuple[Event, ...]) -> bool:
         return self._environment.control.waits(state, event, waiting)

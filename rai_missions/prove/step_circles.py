@@ -4,6 +4,9 @@
 Rule: a step has gone round only where everything is as it was before, as far as anything can to_key. What becomes of it
 then is what the limits of a step make of it, whichever comes first: that of microsteps ends the mission, that of a
 tree's rounds has the tree rest, and the mission continues.
+
+Rule: a list has an end. Where a step has come, in the same list, to a place that it passed with one more item to come,
+no more items need to be tried: what they could bring follows from the earlier visit.
 """
 
 from __future__ import annotations
@@ -15,13 +18,16 @@ from typing import Any, NamedTuple
 from rai_missions.engine import Chart
 from rai_missions.engine.configuration import CompiledStep
 from rai_missions.engine.macrostep import MOST_MICROSTEPS
+from rai_missions.engine.nodes import Node
 from rai_missions.engine.state import TABLE, Holds, RunState
+from rai_missions.keys import type_error
 from rai_missions.prove.abstraction import INDIFFERENT, Abstraction
 from rai_missions.prove.activity_key import key_of, plain, timer_key
 from rai_missions.prove.instruments import Instruments
 from rai_missions.prove.open_world import OpenWorld
 from rai_missions.prove.step_chains import StepChains
 from rai_missions.prove.store import ALL_GOALS, MANY
+from rai_missions.states.compound import Each
 
 __all__ = ("StepCircles",)
 
@@ -51,6 +57,7 @@ class StepCircles:
 
     def __init__(self, chart: Chart, world: OpenWorld, rest: Abstraction, instruments: Instruments) -> None:
         self._world, self._rest, self._instruments = world, rest, instruments
+        self._keys = chart.program.keys
         self._chains = StepChains(world, instruments)
         self._macrostep: tuple[Any, int] = (None, 0)
         self._jumps = 0
@@ -63,20 +70,52 @@ class StepCircles:
             "timers": lambda timers: _many(timer_key(key, timer) for key, timer in timers.items()),
             "activities": lambda running: [(name, key_of(activity)) for name, activity in running.items()],
         }  # fmt: skip
+        self._lists: dict[str, tuple[int, set[str]]] = {}
+        """`each` → its current item, and the places in which the macrostep in hand has asked for more items."""
         self._fields = [(each.name, keys_by_kind.get(each.holds)) for each in TABLE if each.holds not in INDIFFERENT]
+
+    def is_new_round(self, state: RunState, node: Node) -> bool:
+        """Whether another item of a list may lead to what the items before have not led to in the same step."""
+        macrostep = (state.draft, state.draft.macrosteps)
+        if self._macrostep != macrostep:
+            self._begin(macrostep)
+        items, index = state.rounds[node.name]
+        last, places = self._lists.get(node.name, (index, None))
+        if places is None or index <= last:
+            self._lists[node.name] = index, set()
+            return True
+        self._lists[node.name] = index, places
+        self._look()
+        rounds = [(name, each[at + (name == node.name) :]) for name, (each, at) in sorted(state.rounds.items())]
+        fields = [each for each in self._state(state) if each[0] != "rounds"]
+        assert isinstance(node.state, Each)
+        key = node.state.item
+        is_replaced = not type_error(self._keys[key], items[index])
+        own = [each for each in self._counted() if not (is_replaced and each[0] == key)]
+        place = repr((fields, rounds, items[index], self._draft(state), own))
+        is_new = place not in places
+        places.add(place)
+        return is_new
+
+    def _begin(self, macrostep: tuple[Any, int]) -> None:
+        self._macrostep, self._jumps, self._passed, self._lists = macrostep, 0, {}, {}
+        self._chains.begin()
+
+    def _look(self) -> None:
+        """Everything is looked at."""
+        self._instruments.asked.add(ALL_GOALS)
+        self._instruments.compare_values()
 
     def may_step(self, state: RunState, step: CompiledStep) -> bool:
         """Whether a microstep may be made: not where the step goes round until the limit of microsteps."""
         macrostep = (state.draft, state.draft.macrosteps)
         if self._macrostep != macrostep:
-            self._macrostep, self._jumps, self._passed = macrostep, 0, {}
-            self._chains.begin()
+            self._begin(macrostep)
         self._jumps += 1
         if self._jumps <= PATIENCE or state.outcome is not None or self._passed is None:
             return True
         rounds = state.draft.tree_rounds
-        self._instruments.asked.add(ALL_GOALS)
-        self._instruments.compare_values()
+        self._look()
         visit = Visit(state.draft.microsteps, {name: each.room for name, each in rounds.items()})
         place = repr((self._place(state), step.move))
         before = self._passed.setdefault(f"{place} {self._counted()}", visit)
@@ -103,18 +142,23 @@ class StepCircles:
 
     def _place(self, state: RunState) -> tuple[Any, ...]:
         """What the next microsteps depend on; of many alike, that there are many."""
+        return self._state(state), len(self._world.choices.trail), self._draft(state)
+
+    def _state(self, state: RunState) -> list[tuple[str, Any]]:
+        return [(name, to_key(getattr(state, name)) if to_key is not None else _ordered(getattr(state, name)))
+                for name, to_key in self._fields]  # fmt: skip
+
+    def _draft(self, state: RunState) -> tuple[Any, ...]:
         draft = state.draft
-        fields = [(name, to_key(getattr(state, name)) if to_key is not None else _ordered(getattr(state, name)))
-                  for name, to_key in self._fields]  # fmt: skip
         return (
-            fields, len(self._world.choices.trail), sorted(self._world.wavering),
+            sorted(self._world.wavering),
             [(name, rounds.spent) for name, rounds in sorted(draft.tree_rounds.items())],
             [
                 (each.name, each.source.name if each.source else "", each.is_late, str(each.data))
                 for each in draft.internal
             ],
             [node.name for node in draft.starting],
-        )  # fmt: skip
+        )
 
     def _reported(self, board: Any) -> list[Any]:
         """What is known but of the mission's own keys."""

@@ -1,0 +1,116 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Lists of any length: rounds that end in the step in which they began are gone as often as they bring anything new."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from rai_missions.engine import macrostep
+from rai_missions.engine.nodes import Node
+from rai_missions.engine.state import RunState
+from rai_missions.mission.mission import Mission
+from rai_missions.prove import prove, step_chains, step_circles
+from rai_missions.prove.environment import Environment
+from rai_missions.prove.step_circles import StepCircles
+from tests.prove.explored import RecordingSpace
+from tests.prove.test_laws import lenient
+
+Json = dict[str, Any]
+ENDS = ["succeeded", "failed", "timed_out", "rejected"]
+MOST, WORK = 3_000, 1_000
+
+
+def patrol(end: list[Json], do: list[Json] = [], **achieved: Any) -> Json:  # noqa: B006 - left as it is
+    """Each place is driven to; what is rejected, because an earlier goal never ended, is passed over at once."""
+    return {
+        "format": 1, "name": "patrol", "initial": "going",
+        "blackboard": {
+            "places": {"type": "list", "source": "argument"}, "place": {"type": "string"},
+            "at": {"type": "string", "source": "robot"}, "n": {"type": "integer", "initial": 0},
+        },
+        "states": {
+            "going": {
+                "each": "places", "as": "place", "initial": "driving", "entry": [{"set": "n", "value": 0}],
+                "states": {
+                    "driving": {"action": "drive", "timeout_s": 60, **achieved,
+                                "transitions": [{"on": [*ENDS, *(["unverified"] if achieved else [])], "to": "next"}]},
+                    "next": {"final": "succeeded", "entry": do},
+                },
+                "transitions": [*end, {"on": "failed", "to": "lost"}],
+            },
+            "over": {"final": "aborted"}, "lost": {"final": "aborted"},
+        },
+    }  # fmt: skip
+
+
+THERE: Json = {"achieved": {"key": "at", "==": {"key": "place"}}, "settle_s": 1}
+COUNT: Json = {"set": "n", "add": 1}
+OVER: Json = {"on": "succeeded", "to": "over"}
+
+
+@pytest.mark.parametrize("achieved", [{}, THERE], ids=["by report", "by fact"])
+def test_a_patrol_that_passes_over_what_is_rejected_is_explored_whole(achieved: Json) -> None:
+    proof = prove(Mission.model_validate(patrol([OVER], [COUNT], **achieved)), most=MOST, work=WORK * MOST)
+    assert {each.verdict for each in proof.claims} == {"proved"}
+
+
+@pytest.mark.drill
+@pytest.mark.parametrize("items", [3])
+def test_a_circle_that_needs_a_long_list_each_time_is_not_taken_for_one_that_ends(
+    items: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for each in (macrostep, step_chains, step_circles):
+        monkeypatch.setattr(each, "MOST_MICROSTEPS", 100)
+    again: Json = {"on": "succeeded", "when": {"key": "n", ">=": items}, "to": "going"}
+    proof = prove(Mission.model_validate(patrol([again, OVER], [COUNT])), most=MOST, work=40_000)
+    assert {each.verdict for each in proof.claims if each.name == "comes to rest"} != {"proved"}
+
+
+def with_lists_of(most: int, document: Json) -> RecordingSpace:
+    """What is explored where every list of up to so many items is tried; 0: of any length."""
+
+    def is_short(circles: StepCircles, state: RunState, node: Node) -> bool:
+        return len(state.rounds[node.name][0]) < most
+
+    with pytest.MonkeyPatch.context() as patch:
+        if most:
+            patch.setattr(StepCircles, "is_new_round", is_short)
+        space = RecordingSpace(Environment(Mission.model_validate(document)), MOST, WORK, by_parts=False)
+        space.explore()
+    return space
+
+
+@st.composite
+def patrols(draw: st.DrawFn) -> Json:
+    """What a round does, and where it leads after so many."""
+    effects = st.sampled_from([COUNT, {"set": "n", "add": 2}, {"set": "n", "value": 1}, {"call": "horn"}])
+    limit = draw(st.integers(1, 3))
+    other: Json = {"on": "succeeded", "when": {"key": "n", draw(st.sampled_from(["==", ">=", "<"])): limit}}
+    end = [{**other, "to": draw(st.sampled_from(["lost", "over"]))}, OVER]
+    return patrol(end, draw(st.lists(effects, max_size=2)), **draw(st.sampled_from([{}, {}, THERE])))
+
+
+def hold_against_long_lists(document: Json, items: int) -> None:
+    """What lists of so many items lead to in one step, those of any length lead to, and to nothing else."""
+    found, expected = with_lists_of(0, document), with_lists_of(items, document)
+    assert not found.meter.ended and not expected.meter.ended
+    for what in ("states", "seen", "taken", "entered", "ends"):
+        assert getattr(found, what) == getattr(expected, what), what
+    assert found.flaws.keys() == expected.flaws.keys()
+
+
+@settings(lenient, max_examples=4)
+@given(patrols())
+def test_a_list_of_any_length_leads_where_long_lists_lead(document: Json) -> None:
+    hold_against_long_lists(document, 5)
+
+
+@pytest.mark.drill
+@settings(lenient, max_examples=200)
+@given(patrols())
+def test_a_list_of_any_length_leads_where_long_lists_lead_however_often_it_is_tried(document: Json) -> None:
+    hold_against_long_lists(document, 6)
