@@ -20,7 +20,7 @@ from rai_missions.check import check, faults_of, load_whole
 from rai_missions.connectors.connector import Connector, SupportsRawMessages
 from rai_missions.connectors.local import LocalConnector
 from rai_missions.connectors.python_robot import PythonRobot, PythonRobotConnector, RobotTime
-from rai_missions.connectors.registry import check_connector
+from rai_missions.connectors.registry import check_connector, open_offered
 from rai_missions.engine.activities.goal_ledger import may_move
 from rai_missions.engine.decision import Answerer
 from rai_missions.errors import DefinitionError, Fault, UsageError
@@ -326,7 +326,7 @@ def _open_connector(
     given = plan.config.clock
     published = PublishedClock() if given is None and options.get("sim_time") is True else None
     clock, package = plan.continued(published or given or WallClock()), offer.load()
-    connector: Connector = package.open_connector(options, now=clock.now)
+    connector = open_offered(offer, options, now=clock.now)
     if hasattr(package, "why_absent"):
         absent = lacking(plan.mission, robot, package.why_absent)
         plan.refuse((*absent, *unknown_fields(plan.mission, robot, package.fields_of)), plan.config.robot)

@@ -6,12 +6,14 @@ Rule: what opens a connector is loaded when one of its kind is opened, never to 
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from typing import Any
 
-from rai_missions.errors import UsageError, suggestion
+from rai_missions.connectors.connector import Connector
+from rai_missions.errors import MissionError, UsageError, in_words, suggestion
 from rai_missions.kinds import PackageOffer, offered
 
-__all__ = ("CONNECTORS", "IN_PROCESS", "check_connector", "connector_offer")
+__all__ = ("CONNECTORS", "IN_PROCESS", "check_connector", "connector_offer", "open_offered")
 
 CONNECTORS: Mapping[str, str] = {"ros2": "rai_missions.connectors.ros2", "mqtt": "rai_missions.connectors.mqtt"}
 """Ours: kind → the module that opens it."""
@@ -41,3 +43,25 @@ def check_connector(kind: str) -> PackageOffer | None:
     if offer is None and kind not in IN_PROCESS:
         raise UsageError(f"no connector of kind '{kind}'{suggestion(kind, ('local', *CONNECTORS))}")
     return offer
+
+
+def open_offered(
+    offer: PackageOffer, options: Mapping[str, Any], *, now: Callable[[], float] | None = None
+) -> Connector:
+    """A connector that a package opens, not started.
+
+    Args:
+        offer: As `connector_offer` has it.
+        options: What a profile gives under `connector`, without `kind`.
+        now: The clock of the run, in seconds; None where its own is used.
+
+    Raises:
+        UsageError: It does not load, or does not open, with its kind and package; an option is not understood.
+    """
+    try:
+        connector: Connector = offer.load().open_connector(options, now=now)
+    except MissionError:
+        raise
+    except Exception as error:
+        raise UsageError(f"{offer} cannot be opened ({type(error).__name__}: {in_words(error)})") from error
+    return connector

@@ -11,7 +11,7 @@ from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
 from rai_missions.connectors.connector import Connector
-from rai_missions.connectors.registry import connector_offer
+from rai_missions.connectors.registry import connector_offer, open_offered
 from rai_missions.errors import UsageError
 from rai_missions.node.names import NodeName, node_name
 from rai_missions.profile import Robot
@@ -73,7 +73,7 @@ def open_carrier(
         options = _of_ros(options, name, ros_arguments)
     elif ros_arguments:
         raise UsageError(f"--ros-args: the profile's connector is of kind '{kind}', which takes none")
-    connector: Connector = offer.load().open_connector(options, now=now if is_robots else None)
+    connector = open_offered(offer, options, now=now if is_robots else None)
     return Carrier(connector, is_robots, kind == "ros2" and importlib.util.find_spec(PACKAGE) is not None)
 
 

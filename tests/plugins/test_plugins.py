@@ -31,7 +31,7 @@ from rai_missions.mission.files import dump, load
 from rai_missions.mission.mission import Mission
 from rai_missions.mission.renaming import Names, renamed
 from rai_missions.model import Path as Path_
-from rai_missions.profile import load_profile
+from rai_missions.profile import load_profile, parse_profile
 from rai_missions.profile import terms as facts_of
 from rai_missions.prove import prove
 from rai_missions.replay.replay import replay
@@ -155,6 +155,25 @@ def test_a_foreign_connector_carries_a_run(tmp_path: Path) -> None:
     path = tmp_path / "run.journal"
     assert run(load(written(tmp_path, data)), robot=file, journal=path).outcome == "succeeded"
     assert replay(path).holds
+
+
+@pytest.mark.parametrize(
+    ("code", "why"),
+    [
+        ("def open_connector(options): ...", "cannot be opened (TypeError: open_connector() got an unexpected keyword"),
+        ("def open_connector(options, *, now=None): 1 / 0", "cannot be opened (ZeroDivisionError: division by zero"),
+        ("", "cannot be opened (AttributeError: module 'radio' has no attribute 'open_connector'"),
+    ],
+)
+def test_a_foreign_connector_that_cannot_be_opened_is_refused_by_name(tmp_path: Path, code: str, why: str) -> None:
+    laid_out(tmp_path, "radio", "1.0", offers="[rai_missions.connectors]\nradio = radio\n", code=code)
+    sys.path.insert(0, str(tmp_path))
+    try:
+        robot = parse_profile(ROBOT.read_text(encoding="utf-8")).model_copy(update={"connector": {"kind": "radio"}})
+        assert fault(lambda: run(MISSION, robot=robot)).startswith(f"the connector 'radio' of radio 1.0 {why}")
+    finally:
+        del sys.path[0]
+        sys.modules.pop("radio", None)
 
 
 def test_a_foreign_exporter_makes_files_of_its_ending(tmp_path: Path) -> None:

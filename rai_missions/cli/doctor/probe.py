@@ -94,12 +94,12 @@ def graph(given: Mapping[str, Any]) -> dict[str, dict[str, dict[str, str]]]:
     What is listed and not offered has only subscribers or clients.
     """
     from rai_missions.connectors.connector import SupportsDiscoveryCount
-    from rai_missions.connectors.registry import connector_offer
+    from rai_missions.connectors.registry import connector_offer, open_offered
 
     options = dict(given["connector"])
     offer = connector_offer(options.pop("kind"))
     assert offer is not None
-    connector = offer.load().open_connector(options)
+    connector = open_offered(offer, options)
     wanted: dict[Any, list[tuple[str, str]]] = {
         mode: names for mode, names in given["wanted"].items() if mode in connector.modes
     }
