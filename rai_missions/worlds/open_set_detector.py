@@ -33,6 +33,7 @@ class Thing(NamedTuple):
 
     kind: str
     colour: str
+    """Empty for a kind that has one colour."""
 
 
 @dataclass(frozen=True)

@@ -62,6 +62,10 @@ class Simulation:
         """What its clock shows, simulated seconds."""
         return round(self._start_s + self._steps * self.period_s, 9)
 
+    def since(self) -> float:
+        """Simulated seconds since the start."""
+        return self.at - self._start_s
+
     def branch(self) -> Self:
         """Another world where this one is, to the bit, on no connector yet; from any thread, between two steps.
 

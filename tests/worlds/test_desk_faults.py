@@ -14,10 +14,11 @@ from rai_missions.connectors.connector import Message, Report
 from rai_missions.connectors.local import LocalConnector
 from rai_missions.errors import UsageError
 from rai_missions.worlds import open_world
-from rai_missions.worlds.desk.detector import ClassifiedBody, ThingClass
+from rai_missions.worlds.desk.detector import ClassifiedBody
 from rai_missions.worlds.desk.finger_contacts import FingerContacts
 from rai_missions.worlds.desk.look import SeenBody
 from rai_missions.worlds.desk.tracks import LEAD, Tracks
+from rai_missions.worlds.open_set_detector import Thing
 
 pytestmark = pytest.mark.sim
 TWO: dict[str, Any] = {
@@ -147,7 +148,7 @@ def test_with_one_look_in_ten_wrong_every_class_is_right() -> None:
 
 
 def sighting(x: float, colour: str = "red", sigma_m: float = 0.0005) -> ClassifiedBody:
-    return ClassifiedBody(ThingClass("cube", colour), SeenBody(1, x, 0.0, 0.022, 0.0, 1.0, sigma_m))
+    return ClassifiedBody(Thing("cube", colour), SeenBody(1, x, 0.0, 0.022, 0.0, 1.0, sigma_m))
 
 
 def test_a_thing_that_is_hidden_later_keeps_the_pose_that_was_measured_better_until_it_moved() -> None:
@@ -230,7 +231,7 @@ def test_a_thing_that_is_gone_lends_its_name_to_no_two_and_to_none_that_was_ther
 
 def test_what_comes_to_lie_in_the_middle_of_a_tray_is_not_taken_for_it() -> None:
     def lying(kind: str, x: float, z: float) -> ClassifiedBody:
-        return ClassifiedBody(ThingClass(kind, ""), SeenBody(1, x, 0.0, z, 0.0, 1.0, 0.0005))
+        return ClassifiedBody(Thing(kind, ""), SeenBody(1, x, 0.0, z, 0.0, 1.0, 0.0005))
 
     tracks = Tracks()
     for _ in range(LEAD):
@@ -395,7 +396,7 @@ def test_a_part_of_a_thing_that_is_taken_for_another_is_forgotten_once_the_thing
     """An arm before a carrot leaves an end of it in sight, which is measured in the desk and taken for corn."""
 
     def lying(kind: str, y: float, z: float) -> ClassifiedBody:
-        return ClassifiedBody(ThingClass(kind, ""), SeenBody(1, 0.3, y, z, math.pi / 2, 1.0, 0.001))
+        return ClassifiedBody(Thing(kind, ""), SeenBody(1, 0.3, y, z, math.pi / 2, 1.0, 0.001))
 
     tracks = Tracks()
     for _ in range(LEAD):

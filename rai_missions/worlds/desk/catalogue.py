@@ -12,6 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from rai_missions.worlds.meshes import Mesh
+from rai_missions.worlds.open_set_detector import Thing
 
 __all__ = (
     "CARROT", "COLOURS", "CORN", "CORN_HUSK", "CUBE_M", "KINDS", "WALL_M", "Kind", "Profile", "assets", "body",
@@ -126,11 +127,11 @@ def class_name(kind: str, colour: str) -> str:
     return f"{colour}_{kind}" if colour else kind
 
 
-def lookalikes(kind: str, colour: str) -> list[tuple[str, str]]:
+def lookalikes(thing: Thing) -> list[Thing]:
     """The classes that a thing may be taken for: another kind, or the same kind in another colour."""
-    if KINDS[kind].has_colours:
-        return [(kind, other) for other in LOOKALIKES[colour]]
-    return [(other, "") for other in LOOKALIKES[kind]]
+    if KINDS[thing.kind].has_colours:
+        return [Thing(thing.kind, other) for other in LOOKALIKES[thing.colour]]
+    return [Thing(other, "") for other in LOOKALIKES[thing.kind]]
 
 
 def body(name: str, kind: str, colour: str) -> str:

@@ -14,26 +14,19 @@ from typing import Any, NamedTuple
 
 from rai_missions.worlds.desk.catalogue import lookalikes
 from rai_missions.worlds.desk.look import SeenBody
+from rai_missions.worlds.open_set_detector import Thing
 from rai_missions.worlds.options import check_detector_options
 
-__all__ = ("MOST_ERRORS", "ClassifiedBody", "LookClassifier", "LookErrors", "ThingClass")
+__all__ = ("MOST_ERRORS", "ClassifiedBody", "LookClassifier", "LookErrors")
 
 MOST_ERRORS = 0.1
 """What a thing's class is taken from holds up to so many errors a look."""
 
 
-class ThingClass(NamedTuple):
-    """What a thing is taken for."""
-
-    kind: str
-    colour: str
-    """Empty for a kind that has one colour."""
-
-
 class ClassifiedBody(NamedTuple):
     """One thing in one look."""
 
-    thing: ThingClass
+    thing: Thing
     seen: SeenBody
 
 
@@ -66,7 +59,7 @@ class LookClassifier:
         seed: Where its errors come from.
     """
 
-    def __init__(self, things: Mapping[int, ThingClass], errors: LookErrors, seed: int) -> None:
+    def __init__(self, things: Mapping[int, Thing], errors: LookErrors, seed: int) -> None:
         self._errors, self._seed = errors, seed
         self._taken_for = {
             body: self._other(thing, random.Random(f"{seed} always {body}"), errors.persistent)
@@ -93,5 +86,5 @@ class LookClassifier:
                 found.append(ClassifiedBody(thing, seen))
         return found
 
-    def _other(self, thing: ThingClass, rng: random.Random, share: float) -> ThingClass:
-        return ThingClass(*rng.choice(lookalikes(*thing))) if rng.random() < share else thing
+    def _other(self, thing: Thing, rng: random.Random, share: float) -> Thing:
+        return rng.choice(lookalikes(thing)) if rng.random() < share else thing

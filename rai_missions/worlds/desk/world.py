@@ -16,7 +16,8 @@ from rai_missions.connectors.connector import Answer, Connector
 from rai_missions.worlds import messages
 from rai_missions.worlds.desk import arm, interface
 from rai_missions.worlds.desk.arm import Arm
-from rai_missions.worlds.desk.detector import LookClassifier, LookErrors, ThingClass
+from rai_missions.worlds.desk.catalogue import COLOURS, lookalikes
+from rai_missions.worlds.desk.detector import LookClassifier, LookErrors
 from rai_missions.worlds.desk.faults import DeskFaults, Mischief
 from rai_missions.worlds.desk.finger_contacts import FingerContacts
 from rai_missions.worlds.desk.harm_judge import DeskJudge
@@ -25,11 +26,13 @@ from rai_missions.worlds.desk.look import Eye
 from rai_missions.worlds.desk.panda.model import fragment
 from rai_missions.worlds.desk.pixel_eye import PixelEye
 from rai_missions.worlds.desk.ray_eye import RayEye
-from rai_missions.worlds.desk.scene import TIMESTEP_S, build, object_name, settle
+from rai_missions.worlds.desk.scene import FRONT_FOVY_DEG, TIMESTEP_S, build, object_name, settle
 from rai_missions.worlds.desk.scene_file import Scene, desk_objects
 from rai_missions.worlds.desk.tracks import Tracks
 from rai_missions.worlds.desk.truth import DeskTruth, truth_of
-from rai_missions.worlds.desk.vision import DeskVision
+from rai_missions.worlds.detector_services import DetectorServices
+from rai_missions.worlds.frame_history import FrameHistory
+from rai_missions.worlds.open_set_detector import DetectorErrors, OpenSetDetector, Thing
 from rai_missions.worlds.publish_queue import Outbox
 from rai_missions.worlds.simulation import Simulation
 
@@ -84,7 +87,15 @@ class Desk(Simulation):
         things = self._things()
         self._kinds = kinds = {body: thing.kind for body, thing in things.items()}
         self._seed = seed
-        self._vision = DeskVision(self.camera, things, errors, seed, self._since) if self.camera is not None else None
+        self._frames: FrameHistory | None = None
+        self._detecting: DetectorServices | None = None
+        if self.camera is not None:
+            self._frames = FrameHistory(
+                self.camera, seed, depth=interface.DEPTH, lens=interface.LENS, fovy_deg=FRONT_FOVY_DEG
+            )
+            boxes = DetectorErrors(miss=errors.miss, misclassify=errors.swap, down=errors.down)
+            seer = OpenSetDetector(things, boxes, seed, lookalikes, COLOURS)
+            self._detecting = DetectorServices(self._frames, seer, self.since)
         self._eye: Eye = RayEye(self.model, kinds, seed) if self.camera is None else PixelEye(self.camera, kinds, seed)
         self._classifier = LookClassifier(things, errors, seed)
         self._tracks = Tracks()
@@ -114,8 +125,8 @@ class Desk(Simulation):
     def open(self, connector: Connector) -> None:
         """Put the robot's topics, services and actions on a connector."""
         services: dict[tuple[str, str], Answer] = {**self.arm.services(self._outbox)}
-        if self._vision is not None:
-            services |= self._vision.services()
+        if self._detecting is not None:
+            services |= self._detecting.services()
         servers = self.arm.actions(self._outbox, self.at)
         actions = [(name, kind, LyingServer(server, self._mischief.lies)) for name, kind, server in servers]
         self._open(connector, pictures=interface.SEEN, actions=actions, services=services)
@@ -123,7 +134,7 @@ class Desk(Simulation):
     def step(self) -> None:
         """Go one period on: let physics happen, look, and publish what happened."""
         with self._outbox.lock:
-            self._mischief.step(self._since(), self.period_s, self._fingers.held(self.data))
+            self._mischief.step(self.since(), self.period_s, self._fingers.held(self.data))
             for part in range(round(self.period_s / CONTROL_S)):
                 self.arm.step(self.at + part * CONTROL_S, CONTROL_S)
                 mujoco.mj_step(self.model, self.data, round(CONTROL_S / TIMESTEP_S))
@@ -133,24 +144,21 @@ class Desk(Simulation):
             self.arm.publish(self._outbox, self.at)
             if self._is_due(LOOK):
                 self._look()
-                if self.camera is not None and self._vision is not None:
-                    self._vision.publish(self._outbox, self.camera.moment(self.data), self.at)
+                if self.camera is not None and self._frames is not None:
+                    self._frames.publish(self._outbox, self.camera.moment(self.data), self.at)
                     self._publish_picture(self.camera, interface.COLOUR, f"/{interface.COLOUR}")
             self.arm.report(self.at)  # after the facts that its results rest on
         self._outbox.send()
 
-    def _since(self) -> float:
-        return self.at - self._start_s
-
-    def _things(self) -> dict[int, ThingClass]:
+    def _things(self) -> dict[int, Thing]:
         """What each body of the model is that may be detected."""
         return {
-            int(self.model.body(object_name(number)).id): ThingClass(one.kind, one.colour)
+            int(self.model.body(object_name(number)).id): Thing(one.kind, one.colour)
             for number, one in enumerate(self.objects)
         }
 
     def _look(self) -> None:
-        if self._classifier.is_down(self._since()):
+        if self._classifier.is_down(self.since()):
             return
         number = self._steps
         look = self._eye.look(self.data, number)

@@ -17,6 +17,8 @@ from rai_missions.connectors.connector import Connector, Message
 from rai_missions.errors import UsageError
 from rai_missions.worlds import messages
 from rai_missions.worlds.battery import Battery
+from rai_missions.worlds.detector_services import DetectorServices
+from rai_missions.worlds.frame_history import FrameHistory
 from rai_missions.worlds.house import interface
 from rai_missions.worlds.house.actions import DOCK, NAVIGATE, WAIT, DockRobot, NavigateToPose, Wait
 from rai_missions.worlds.house.doors import Blocked, Doors
@@ -29,12 +31,12 @@ from rai_missions.worlds.house.navigator import Navigator
 from rai_missions.worlds.house.objects import Objects, place_objects
 from rai_missions.worlds.house.people import People, residents
 from rai_missions.worlds.house.residents import Residents
-from rai_missions.worlds.house.rosbot import RobotPose, Rosbot
+from rai_missions.worlds.house.rosbot import CAMERA_FOVY_DEG, RobotPose, Rosbot
 from rai_missions.worlds.house.scene import TIMESTEP_S, build, object_name, person_name
 from rai_missions.worlds.house.scene_file import read_scene
 from rai_missions.worlds.house.speech import FROM_HUMAN, Speech, sentences
-from rai_missions.worlds.house.vision import Vision
 from rai_missions.worlds.open_set_detector import DetectorErrors, OpenSetDetector, Thing
+from rai_missions.worlds.perception.finder import ObjectFinder
 from rai_missions.worlds.publish_queue import Outbox
 from rai_missions.worlds.simulation import Simulation
 
@@ -103,8 +105,15 @@ class House(Simulation):
         people_here = [int(self.model.body(person_name(number)).id) for number in range(len(here))]
         self.judge = HouseJudge(self.model, self.data, self.rosbot.body_id, people_here)
         errors = DetectorErrors.of(detector)
-        seer = OpenSetDetector(self._things(), errors, seed, lookalikes, COLOURS) if detects else None
-        self.vision = Vision(self.camera, seer, seed, self._since) if self.camera is not None else None
+        seer = OpenSetDetector(self._things(), errors, seed, lookalikes, COLOURS)
+        self._finder = ObjectFinder(interface.FINDER)
+        self._frames: FrameHistory | None = None
+        self._detecting: DetectorServices | None = None
+        if self.camera is not None:
+            self._frames = FrameHistory(
+                self.camera, seed, depth=interface.DEPTH, lens=interface.LENS, fovy_deg=CAMERA_FOVY_DEG
+            )
+            self._detecting = DetectorServices(self._frames, seer, self.since) if detects else None
         self._speech = sentences(speech)
         self._lidar, self._low_scan = Lidar(self.model, self.data, seed), LowScan(self.model, self.data, seed)
         self._servers: dict[tuple[str, str], NavigateToPose | DockRobot | Wait] = {
@@ -117,9 +126,6 @@ class House(Simulation):
     @property
     def pose(self) -> RobotPose:
         return self.rosbot.pose
-
-    def _since(self) -> float:
-        return self.at - self._start_s
 
     def _things(self) -> dict[int, Thing]:
         """What each body of the model is that may be detected."""
@@ -137,22 +143,22 @@ class House(Simulation):
         """Put the robot's topics and actions, and a service for each door, on a connector."""
         actions = [(*name, server) for name, server in self._servers.items()]
         services = {(f"/house/{door}", "std_srvs/srv/SetBool"): self._door(door) for door in DOORS}
-        if self.vision is not None:
-            services |= self.vision.services()
+        if self._detecting is not None:
+            services |= self._detecting.services()
         without = () if self._speech else (FROM_HUMAN,)
         self._open(connector, pictures=interface.SEEN, actions=actions, services=services, without=without)
         self._closes.append(connector.subscribe(*interface.CMD_VEL, self._on_command))
         self._closes.append(connector.subscribe(*interface.ASK_FOR_HELP, self._on_request))
-        if self.vision is not None:
-            self._closes += self.vision.open(connector)
+        if self.camera is not None:
+            self._closes += self._finder.open(connector)
 
     def step(self) -> None:
         """Go one period on: look, drive, let physics happen, and publish what happened."""
         with self._outbox.lock:
-            for person in self.residents.helping(self._since()):
+            for person in self.residents.helping(self.since()):
                 self.doors.clear_near(person)
-            self.doors.step(self._since(), self.pose[:2])
-            self.residents.step(self._since(), self.period_s, self.pose[:2], self.doors.blocked)
+            self.doors.step(self.since(), self.pose[:2])
+            self.residents.step(self.since(), self.period_s, self.pose[:2], self.doors.blocked)
             if self._steps % FAST == 0:
                 self._scan()
             self._drive()
@@ -194,10 +200,10 @@ class House(Simulation):
             self._outbox.publish("odom", interface.odometry(pose, PLACES["dock"], at))
         if self._is_due(SLOW):
             self._publish_battery(charging=self.is_charging)
-        if self.camera is not None and self.vision is not None and self._is_due(MEDIUM):
-            self.vision.publish(self._outbox, self.camera.moment(self.data), at)
+        if self.camera is not None and self._frames is not None and self._is_due(MEDIUM):
+            self._frames.publish(self._outbox, self.camera.moment(self.data), at)
             self._publish_picture(self.camera, interface.CAMERA, f"/{interface.CAMERA}")
-        while self._speech and self._speech[0].at_s <= self._since():
+        while self._speech and self._speech[0].at_s <= self.since():
             self._outbox.publish(FROM_HUMAN, self._speech.pop(0).message(at))
 
     def _on_command(self, message: Message) -> None:
@@ -210,7 +216,7 @@ class House(Simulation):
 
     def _on_request(self, message: Message) -> None:
         with self._outbox.lock:
-            self.residents.ask(self._since(), self.pose[:2])
+            self.residents.ask(self.since(), self.pose[:2])
 
     def _door(self, door: str) -> Callable[[Mapping[str, Any]], dict[str, Any]]:
         def answer(request: Mapping[str, Any]) -> dict[str, Any]:
