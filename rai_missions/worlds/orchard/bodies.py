@@ -13,12 +13,11 @@ import numpy as np
 from rai_missions.worlds.meshes import Mesh
 from rai_missions.worlds.orchard import misleading
 from rai_missions.worlds.orchard.kinds import KINDS
+from rai_missions.worlds.orchard.misleading import GHOST, SOLID
 from rai_missions.worlds.person import person_meshes
 
 __all__ = ("figure", "figure_assets", "meshes")
 
-GHOST = 'contype="0" conaffinity="0" mass="0" group="2"'
-SOLID = 'group="3" condim="6" friction="1.2 .05 .02" solref=".01 1"'
 TWIGGY = 'group="3" condim="6" friction="1.2 .05 .06" solref=".01 1"'
 """Rolling friction: without it a branch is bulldozed for metres instead of being driven over."""
 SKIN, VEST, TROUSERS, BOOTS, HAIR = ".86 .66 .53 1", ".95 .45 .08 1", ".16 .21 .36 1", ".14 .1 .08 1", ".2 .12 .07 1"

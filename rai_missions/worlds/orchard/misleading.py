@@ -13,7 +13,7 @@ import numpy as np
 
 from rai_missions.worlds.meshes import Mesh
 
-__all__ = ("companion", "geoms", "meshes")
+__all__ = ("GHOST", "SOLID", "companion", "geoms", "meshes")
 
 GHOST = 'contype="0" conaffinity="0" mass="0" group="2"'
 SENSED = 'contype="0" conaffinity="0" mass="0" group="3"'
