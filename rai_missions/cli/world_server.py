@@ -19,7 +19,7 @@ from rai_missions.runtime.clock import SimulatedClock
 from rai_missions.runtime.interrupts import on_signals
 from rai_missions.runtime.mailbox import Mailbox
 from rai_missions.worlds import open_world
-from rai_missions.worlds.bridge import Front, Stage, company
+from rai_missions.worlds.bridge import PublishedWorld, TrackedConnector, taken_names
 from rai_missions.worlds.world import World
 
 __all__ = ("serve_world",)
@@ -48,9 +48,9 @@ def serve_world(name: str, options: Mapping[str, Any], *, domain: int | None, sp
         with _ended_by_signal(mailbox):
             connector.start()
             mailbox.wait(LOOK_S)
-            taken = company(connector)
-            front = Front(connector, lambda name, fact: _print(f"{world.at:9.1f} s  {name}: {fact}"), taken)
-            stage = Stage(world, front)
+            taken = taken_names(connector)
+            front = TrackedConnector(connector, lambda name, fact: _print(f"{world.at:9.1f} s  {name}: {fact}"), taken)
+            stage = PublishedWorld(world, front)
             world.open(front)
             _introduce(name, domain, speed, front)
             _go(stage, front, speed, mailbox)
@@ -70,14 +70,14 @@ def _open(name: str, options: Mapping[str, Any]) -> World:
         ) from fault
 
 
-def _go(stage: Stage, front: Front, speed: float, mailbox: Mailbox) -> None:
+def _go(stage: PublishedWorld, front: TrackedConnector, speed: float, mailbox: Mailbox) -> None:
     """Step the world at its pace until the mailbox holds the end."""
     clock = SimulatedClock(stage, speed)
     began = wall = time.monotonic()
     at = stage.at
     while mailbox.empty and time.monotonic() - began < LOOK_S:
         clock.wait(mailbox, stage.at + LOOK_S * min(speed, 1.0), paced=False)
-    front.refuse_company()  # two that came at once did not see each other before
+    front.refuse_rivals()  # two that came at once did not see each other before
     while mailbox.empty:
         clock.wait(mailbox, stage.at + REPORT_S * min(speed, 1.0), paced=False)
         if time.monotonic() - wall >= REPORT_S:
@@ -87,7 +87,7 @@ def _go(stage: Stage, front: Front, speed: float, mailbox: Mailbox) -> None:
     _print(f"{stage.at:9.1f} s  ended")
 
 
-def _introduce(name: str, domain: int | None, speed: float, front: Front) -> None:
+def _introduce(name: str, domain: int | None, speed: float, front: TrackedConnector) -> None:
     where = domain if domain is not None else os.environ.get("ROS_DOMAIN_ID") or "0"
     pace = "as fast as it goes" if speed == math.inf else f"{speed:g} simulated seconds to one of the wall"
     _print(f"{name} on ROS 2, domain {where}: {pace}")

@@ -24,7 +24,7 @@ from rai_missions.errors import ConnectorError, UsageError
 from rai_missions.redaction import cut, logger
 from rai_missions.worlds.world import World
 
-__all__ = ("CLOCK", "Front", "Stage", "company")
+__all__ = ("CLOCK", "PublishedWorld", "TrackedConnector", "taken_names")
 
 log = logger(__name__)
 
@@ -36,14 +36,14 @@ LONGEST = 60
 """Characters of a fact that is reported."""
 
 
-class Front(ConnectorWrapper):
+class TrackedConnector(ConnectorWrapper):
     """What a world has on a connector, remembered by name.
 
     Args:
         connector: Where it is; the front passes everything on to it.
         on_fact: Is notified of each plain fact (a number, a truth, a word on a topic) that is not what it was: name
             and fact.
-        taken: Mode → names that someone else has there, as `company` found them; to open one of them is refused.
+        taken: Mode → names that someone else has there, as `taken_names` found them; to open one of them is refused.
     """
 
     def __init__(
@@ -65,7 +65,7 @@ class Front(ConnectorWrapper):
     def expect(self, mode: Mode, name: str, type_name: str) -> None:
         """Have a topic seen before anything is published on it."""
         if mode == "topics":
-            _refuse(mode, name, self._taken)
+            _refuse_taken(mode, name, self._taken)
         if isinstance(self.inner, SupportsPreconnect):
             try:
                 self.inner.expect(mode, name, type_name)
@@ -75,7 +75,7 @@ class Front(ConnectorWrapper):
                 if mode == "topics":
                     self.topics[name] = type_name
 
-    def refuse_company(self) -> None:
+    def refuse_rivals(self) -> None:
         """See that no one else has by now what is here.
 
         Raises:
@@ -87,14 +87,14 @@ class Front(ConnectorWrapper):
         for mode, counts in _counted(self.inner).items():
             for name, count in counts.items():
                 if count > 1 and name in ours[mode]:
-                    _refuse(mode, name, ours)
+                    _refuse_taken(mode, name, ours)
 
     def serve(self, service: str, type_name: str, answer: Answer) -> Close:
-        _refuse("services", service, self._taken)
+        _refuse_taken("services", service, self._taken)
         return self._add(self.services, service, type_name, lambda: self.inner.serve(service, type_name, answer))
 
     def offer(self, action: str, type_name: str, server: ActionServer) -> Close:
-        _refuse("actions", action, self._taken)
+        _refuse_taken("actions", action, self._taken)
         return self._add(self.actions, action, type_name, lambda: self.inner.offer(action, type_name, server))
 
     def publish(self, topic: str, type_name: str, message: Data) -> None:
@@ -129,7 +129,7 @@ class Front(ConnectorWrapper):
             self._on_fact(topic, fact if not isinstance(fact, str) else cut(fact, LONGEST))
 
 
-def company(connector: Connector) -> Mapping[Mode, Collection[str]]:
+def taken_names(connector: Connector) -> Mapping[Mode, Collection[str]]:
     """What others have on a connector, by mode, as far as it can determine who is there."""
     return {mode: frozenset(counts) for mode, counts in _counted(connector).items()}
 
@@ -142,7 +142,7 @@ def _counted(connector: Connector) -> Mapping[Mode, Mapping[str, int]]:
     )
 
 
-def _refuse(mode: Mode, name: str, taken: Mapping[Mode, Collection[str]]) -> None:
+def _refuse_taken(mode: Mode, name: str, taken: Mapping[Mode, Collection[str]]) -> None:
     if name in taken.get(mode, ()):
         does = "publishes" if mode == "topics" else "serves"
         raise UsageError(
@@ -151,7 +151,7 @@ def _refuse(mode: Mode, name: str, taken: Mapping[Mode, Collection[str]]) -> Non
         )
 
 
-class Stage:
+class PublishedWorld:
     """A world that reports after each step what time it is, so that anyone who reaches it can live by its time.
 
     Args:

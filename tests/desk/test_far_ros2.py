@@ -17,7 +17,7 @@ import pytest
 from rai_missions.connectors.ros2 import open_connector
 from rai_missions.runtime.clock import SimulatedClock
 from rai_missions.runtime.mailbox import Mailbox
-from rai_missions.worlds.bridge import Front, Stage
+from rai_missions.worlds.bridge import PublishedWorld, TrackedConnector
 from rai_missions.worlds.desk.world import Desk
 from tests.desk.episodes import DESK_MISSIONS
 from tests.desk.onlooker import DeskVerdict, Onlooker
@@ -78,8 +78,8 @@ class RosDesk:
         self.onlooker = Onlooker(Desk(**{"camera": False, **case.world}))
         self._connector = open_connector({})
         self._connector.start()
-        front = Front(self._connector)
-        stage = Stage(self.onlooker, front)  # type: ignore[arg-type]
+        front = TrackedConnector(self._connector)
+        stage = PublishedWorld(self.onlooker, front)  # type: ignore[arg-type]
         self.onlooker.world.open(self.onlooker.front(front))
         assert not front.left_out, front.left_out
         self._stage, self._clock, self._mailbox = stage, SimulatedClock(stage, SPEED), Mailbox()

@@ -12,7 +12,7 @@ from rai_missions.connectors.connector import ActionServer, Close, Data, Message
 from rai_missions.connectors.local import LocalConnector
 from rai_missions.errors import ConnectorError, UsageError
 from rai_missions.worlds import open_world
-from rai_missions.worlds.bridge import CLOCK, Front, Stage, company
+from rai_missions.worlds.bridge import CLOCK, PublishedWorld, TrackedConnector, taken_names
 
 
 class Poor(LocalConnector):
@@ -51,12 +51,12 @@ def staged(
     connector: LocalConnector,
     on_result: Callable[[str, Any], None] = lambda _n, _f: None,
     taken: Mapping[Mode, Collection[str]] | None = None,
-) -> tuple[Front, Stage]:
-    front = Front(connector, on_result, taken)
+) -> tuple[TrackedConnector, PublishedWorld]:
+    front = TrackedConnector(connector, on_result, taken)
     world = open_world("orchard", alleys=1, obstacles=["none"], camera=False)
     connector.start()
     world.open(front)
-    return front, Stage(world, front)
+    return front, PublishedWorld(world, front)
 
 
 def test_what_the_machine_has_no_types_for_is_left_out_and_the_rest_is_there() -> None:
@@ -121,20 +121,20 @@ def test_every_topic_is_seen_before_anything_was_published_on_it() -> None:
 def test_a_world_does_not_open_next_to_another_that_has_one_of_its_names(mode: Mode, name: str, does: str) -> None:
     connector = Crowded({mode: {name: 1}})
     with pytest.raises(UsageError, match=f"another world or robot is there and {does} {name}: .* --domain N"):
-        staged(connector, taken=company(connector))
+        staged(connector, taken=taken_names(connector))
 
 
 def test_anyone_who_only_waits_for_the_robot_is_no_company() -> None:
     connector = Crowded({"topics": {"/tractor2/state": 1}, "services": {"/mission/start": 1}})
-    front, _ = staged(connector, taken=company(connector))
-    front.refuse_company()
+    front, _ = staged(connector, taken=taken_names(connector))
+    front.refuse_rivals()
 
 
 def test_two_worlds_that_came_at_once_find_each_other_afterwards() -> None:
     connector = Crowded()
     front, _ = staged(connector)
     connector.others = {"services": {"/tractor1/continue": 1}, "topics": {"/tractor1/state": 1}}
-    front.refuse_company()
+    front.refuse_rivals()
     connector.others = {"services": {"/tractor1/continue": 2}}
     with pytest.raises(UsageError, match="serves /tractor1/continue"):
-        front.refuse_company()
+        front.refuse_rivals()
