@@ -69,10 +69,10 @@ class Life:
         self._calls: dict[int, PendingCall] = {}
         self._dropped: set[int] = set()
         """Questions that were dropped while the model had them; taken out when its thread comes back."""
-        self._unheeded: set[int] = set()
+        self._unconfirmed: set[int] = set()
         """Questions whose drop the process has yet to confirm."""
-        self._heeds = threading.Event()
-        self._heeds.set()
+        self._all_confirmed = threading.Event()
+        self._all_confirmed.set()
         self._is_over = False
         first = {
             "model": model,
@@ -120,13 +120,13 @@ class Life:
         """Questions that were dropped and that the model still has."""
         return len(self._dropped)
 
-    def heeds(self, number: int) -> bool:
+    def has_confirmed(self, number: int) -> bool:
         """Whether the drop of a question was confirmed; where it was not, the interpreter there is held."""
-        return number not in self._unheeded
+        return number not in self._unconfirmed
 
-    def heeds_within(self, seconds: float) -> bool:
+    def confirms_within(self, seconds: float) -> bool:
         """Whether every drop was confirmed, or is in so many seconds; waits."""
-        return self._heeds.wait(seconds)
+        return self._all_confirmed.wait(seconds)
 
     def lingers(self, number: int) -> bool:
         """Whether a question that was dropped is still with the model."""
@@ -176,8 +176,8 @@ class Life:
             if call is not None:
                 self._dropped.add(number)
             if self.able is not None:
-                self._unheeded.add(number)
-                self._heeds.clear()
+                self._unconfirmed.add(number)
+                self._all_confirmed.clear()
         self._process.send({"do": "drop", "id": number})
         if call is None:
             return False
@@ -205,7 +205,7 @@ class Life:
         with self._lock:
             self._is_over = True
             calls, self._calls = list(self._calls.values()), {}
-            self._heeds.set()
+            self._all_confirmed.set()
             waiting, self._waiting = self._waiting, []
         ended = self._ended()
         for call in calls:
@@ -229,11 +229,11 @@ class Life:
                 call.release(None)
         elif "absent" in message and self._able is None:
             self._absent = cut(message["absent"], 400)
-        elif type(number := message.get("dropped")) is int and number in self._unheeded:
+        elif type(number := message.get("dropped")) is int and number in self._unconfirmed:
             with self._lock:
-                self._unheeded.discard(number)
-                if not self._unheeded:
-                    self._heeds.set()
+                self._unconfirmed.discard(number)
+                if not self._unconfirmed:
+                    self._all_confirmed.set()
         elif type(number := message.get("reply")) is int:
             self._reply(number, message)
         else:

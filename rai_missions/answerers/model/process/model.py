@@ -28,11 +28,11 @@ __all__ = ("ModelProcess",)
 log = logger(__name__)
 
 GIB = 2**30
-PROMPT_S, HEED_S = 0.5, 2.0
+PROMPT_S, CONFIRM_S = 0.5, 2.0
 """How long a process may take to confirm that a question was dropped before another question has another process asked,
 and before it is ended; one that holds its interpreter's lock cannot."""
 LINGER_S = 60.0
-"""How long a question that was dropped may stay with the model, where its process heeds otherwise."""
+"""How long a question that was dropped may stay with the model, where its process answers otherwise."""
 MOST_LINGERING = 3
 START_S = 120.0
 """How long a model may take to be opened."""
@@ -78,7 +78,7 @@ class ModelProcess:
 
     def converse(self, mode: Mode, form: AnswerForm, pending: PendingQuestion) -> Exchange:
         life = self._current()
-        if not life.heeds_within(PROMPT_S) or life.lingering >= MOST_LINGERING:
+        if not life.confirms_within(PROMPT_S) or life.lingering >= MOST_LINGERING:
             self._replace(life)
             life = self._current()
         life.wait_able(pending.when_closed)
@@ -147,7 +147,7 @@ class ModelProcess:
 
     def dropped(self, life: Life, number: int) -> None:
         """A question was dropped while the model had it: see to it that its process is still of use."""
-        self._timers.after(HEED_S, lambda: self._look(life, number))
+        self._timers.after(CONFIRM_S, lambda: self._look(life, number))
 
     def answered(self, life: Life) -> None:
         """An answer has come to a process that may have been replaced."""
@@ -159,7 +159,7 @@ class ModelProcess:
     def _look(self, life: Life, number: int) -> None:
         if not life.alive:
             return
-        if not life.heeds(number):
+        if not life.has_confirmed(number):
             log.warning("the model '%s' holds its process: it is ended, and started again", self._spec)
             self._replace(life)
             life.end("it answered no more")
