@@ -14,9 +14,10 @@ from pydantic import BeforeValidator, Field, model_validator
 
 from rai_missions.image import Image
 from rai_missions.model import Bool, Json, MissionModel, Name, Seconds, Text, Value, fault
+from rai_missions.plain_data import is_number
 from rai_missions.redaction import clipped, shown
 
-__all__ = ("Blackboard", "Key", "Source", "Stamped", "TypeName", "is_number", "stale_at", "type_error")
+__all__ = ("Blackboard", "Key", "Source", "Stamped", "TypeName", "stale_at", "type_error")
 
 TypeName = Literal["string", "number", "integer", "boolean", "object", "list", "pose", "image"]
 Source = Literal["robot", "argument", "mission", "answer"]
@@ -104,16 +105,6 @@ class Key(MissionModel):
     def must_recur(self) -> bool:
         """The robot must report it again and again: what it reported goes stale."""
         return self.source == "robot" and self.max_age_s is not None
-
-
-def is_number(value: Any) -> bool:
-    """Whether it is a number that can be reckoned with: finite, and no integer beyond all floating-point numbers."""
-    if not isinstance(value, int | float) or isinstance(value, bool):
-        return False
-    try:
-        return math.isfinite(value)
-    except OverflowError:
-        return False
 
 
 def _is_pose(value: Any) -> bool:

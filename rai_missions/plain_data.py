@@ -11,11 +11,11 @@ import json
 import math
 from collections.abc import Mapping, Sequence
 from collections.abc import Set as AbstractSet
-from typing import Any
+from typing import Any, TypeGuard
 
 from rai_missions.image import Image
 
-__all__ = ("apart", "json_object", "json_value", "listed", "plain", "quoted", "rounded")
+__all__ = ("apart", "is_number", "json_object", "json_value", "listed", "plain", "quoted", "rounded")
 
 LEAVES = frozenset({str, int, float, bool, type(None)})
 DECIMALS = {"m": 3, "s": 2}
@@ -32,6 +32,16 @@ def apart(value: Any) -> Any:
         made = [item if type(item) in LEAVES else apart(item) for item in value]
         return made if isinstance(value, list) else tuple(made)
     return value
+
+
+def is_number(value: Any) -> TypeGuard[int | float]:
+    """Whether it is a number that can be reckoned with: finite, and no integer beyond all floating-point numbers."""
+    if not isinstance(value, int | float) or isinstance(value, bool):
+        return False
+    try:
+        return math.isfinite(value)
+    except OverflowError:
+        return False
 
 
 def plain(value: Any) -> Any:

@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 
 from rai_missions.answerers.terminal_input import printable
 from rai_missions.engine.decision import Offer, Question
-from rai_missions.plain_data import json_value
+from rai_missions.plain_data import is_number, json_value
 from rai_missions.redaction import cut
 
 __all__ = ("Blank", "blanks", "chosen", "question_lines")
@@ -114,10 +114,9 @@ def _converted(typed: str, kind: str) -> Any:
             raise ValueError(f"'{cut(text, 60)}' is neither yes nor no")
         return TRUTHS[text.lower()]
     value = json_value(text, None if kind else text)
-    number = isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)
-    if kind == "integer" and not (number and float(value).is_integer()):
+    if kind == "integer" and not (is_number(value) and float(value).is_integer()):
         raise ValueError(f"'{cut(text, 60)}' is no whole number")
-    if kind == "number" and not number:
+    if kind == "number" and not is_number(value):
         raise ValueError(f"'{cut(text, 60)}' is no number")
     if kind in ("array", "object") and not isinstance(value, list if kind == "array" else dict):
         raise ValueError(f"'{cut(text, 60)}' is no JSON {kind}")

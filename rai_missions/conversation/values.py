@@ -11,8 +11,7 @@ from rai_missions.conversation.language import Language, spoken
 from rai_missions.conversation.named import unit_of
 from rai_missions.conversation.view import KeyView
 from rai_missions.image import Image
-from rai_missions.keys import is_number
-from rai_missions.plain_data import rounded
+from rai_missions.plain_data import is_number, rounded
 from rai_missions.redaction import cut
 
 __all__ = ("about_words", "duration", "is_known", "key_sentence", "result_sentences", "value_sentence", "value_words")
@@ -85,7 +84,7 @@ def _pose(value: Mapping[str, Any], key: KeyView, language: Language) -> str:
     x, y = (_decimals(rounded(float(value.get(axis, 0.0)), "_m"), language) for axis in ("x", "y"))
     yaw = value.get("yaw")
     if is_number(yaw):
-        text = language.text("pose_yaw", x=x, y=y, yaw=round(math.degrees(float(yaw))))  # type: ignore[arg-type]
+        text = language.text("pose_yaw", x=x, y=y, yaw=round(math.degrees(yaw)))
     else:
         text = language.text("pose", x=x, y=y)
     return f"{text}, {language.text('frame', frame=key.frame)}" if key.frame else text

@@ -18,7 +18,8 @@ from rai_missions.engine.state import RunState, Trigger
 from rai_missions.engine.step import CallService, LogLine, PublishMessage, SayAloud
 from rai_missions.engine.timers import drop, next_number, set_timer
 from rai_missions.guards.guard import Operand, Site
-from rai_missions.keys import Key, Stamped, is_number, type_error
+from rai_missions.keys import Key, Stamped, type_error
+from rai_missions.plain_data import is_number
 from rai_missions.redaction import clipped
 from rai_missions.states.effects import Call, Drop, Effect, Log, Publish, Raise, Say, Set, filled
 

@@ -13,7 +13,7 @@ from typing import Any
 
 from rai_missions.errors import ConnectorError
 from rai_missions.image import CHANNELS, Image
-from rai_missions.keys import is_number
+from rai_missions.plain_data import is_number
 from rai_missions.redaction import cut, cut_repr
 
 __all__ = ("at_path", "image_of", "json_of", "plain", "pose_message", "pose_of")

@@ -12,8 +12,8 @@ from typing import Any
 
 from rai_missions.errors import Fault, pointer
 from rai_missions.guards.guard import Guard
-from rai_missions.keys import is_number
 from rai_missions.mission.mission import Mission
+from rai_missions.plain_data import is_number
 from rai_missions.profile.convert import at_path
 from rai_missions.profile.message_types import Kind, listened
 from rai_missions.profile.profile import Robot

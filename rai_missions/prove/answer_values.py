@@ -15,11 +15,12 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from itertools import pairwise
-from typing import Any, TypeGuard
+from typing import Any
 
 from rai_missions.errors import unescaped
 from rai_missions.keys import Key
 from rai_missions.mission.option_parameters import parameter_faults
+from rai_missions.plain_data import is_number
 from rai_missions.prove.nondeterminism import Payload
 from rai_missions.prove.representatives import OTHER, Values
 
@@ -130,15 +131,11 @@ class AnswerValues:
         is_key = name in self._keys and name in values.learned.compared | values.learned.gone_over
         path = name if is_key else f"answer.{name}"
         found = [each for each in values.field(path, kind) if each is not None]
-        if not any(map(_is_number, found)):
+        if not any(map(is_number, found)):
             yield from found
             return
-        marks = [*found, *filter(_is_number, values.learned.operands(path))]
+        marks = [*found, *filter(is_number, values.learned.operands(path))]
         yield from _numbers(part, marks, whole=kind == "integer")
-
-
-def _is_number(value: Any) -> TypeGuard[float]:
-    return isinstance(value, int | float) and not isinstance(value, bool)
 
 
 def _is_opaque(value: Any) -> bool:
@@ -149,12 +146,12 @@ def _is_opaque(value: Any) -> bool:
 def _numbers(part: Schema, found: Iterable[float], *, whole: bool) -> Iterator[float]:
     """These and the bounds of the schema, and what lies between, where it leaves bounds out or asks for multiples."""
     words = ("minimum", "maximum", "exclusiveMinimum", "exclusiveMaximum")
-    bounds = [each for word in words if _is_number(each := part.get(word))]
+    bounds = [each for word in words if is_number(each := part.get(word))]
     made = sorted({*found, *(each + step for each in bounds for step in ((-1, 0, 1) if whole else (0,)))})
     if not whole and bounds:
         made += [(low + high) / 2 for low, high in pairwise(made)]
     many = part.get("multipleOf")
-    if _is_number(many) and many > 0:
+    if is_number(many) and many > 0:
         made += [many * round_(each / many) for each in made for round_ in (math.floor, math.ceil)]
     yield from sorted(set(made))
 

@@ -19,6 +19,7 @@ from rai_missions.guards.near import distance
 from rai_missions.image import Image
 from rai_missions.keys import Key
 from rai_missions.mission.mission import Mission
+from rai_missions.plain_data import is_number
 from rai_missions.planning.examples import GOALS
 from rai_missions.prove.comparisons import NUMBERS, Comparisons
 from rai_missions.prove.goals import NO_GOAL, requests, sights
@@ -245,7 +246,7 @@ class Values:
         """Every constant that it or its kin is compared with, and enough numbers between them to order the kin."""
         learned = self.learned
         kin = learned.kin.get(path, {path})
-        numbers = {e for e in learned.operands(path) if isinstance(e, int | float) and not isinstance(e, bool)}
+        numbers = set(filter(is_number, learned.operands(path)))
         constants, many = sorted(numbers), len(kin)
         if learned.is_sampled(path):
             yield from sorted({*SAMPLES, *_next_to(constants)})

@@ -16,6 +16,8 @@ from collections.abc import Mapping, Sequence
 from difflib import SequenceMatcher
 from typing import Any, NamedTuple
 
+from rai_missions.plain_data import is_number
+
 __all__ = ("LEAST", "LEAST_STOP", "FusedTurn", "evidence_in", "fused")
 
 LEAST, LEAST_ALONE = 5.5, 8.5
@@ -124,8 +126,4 @@ def evidence_in(data: Mapping[str, Any], phrases: Sequence[str]) -> dict[str, fl
     given = data.get("evidence")
     if not isinstance(given, Mapping):
         return {}
-    return {
-        each: max(-MOST, min(MOST, float(value)))
-        for each in phrases
-        if isinstance(value := given.get(each), int | float) and not isinstance(value, bool) and math.isfinite(value)
-    }
+    return {each: max(-MOST, min(MOST, float(value))) for each in phrases if is_number(value := given.get(each))}

@@ -3,11 +3,11 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from typing import Any
 
 from rai_missions.errors import UsageError
+from rai_missions.plain_data import is_number
 from rai_missions.redaction import cut_repr
 from rai_missions.worlds.options import check_names
 
@@ -44,7 +44,7 @@ class Battery:
         """From plain data, which goes before the world's own words; a `UsageError` names what does not exist."""
         check_names("battery", options or {}, ("capacity_wh", "charge"), called="option")
         for name, value in (options or {}).items():
-            if not isinstance(value, int | float) or isinstance(value, bool) or not math.isfinite(value):
+            if not is_number(value):
                 raise UsageError(f"battery: {name} takes a finite number, not {cut_repr(value, 60)}")
         return cls(**{**ours, **(options or {})})
 

@@ -7,6 +7,7 @@ from collections.abc import Collection, Iterable, Mapping
 from typing import Any
 
 from rai_missions.errors import UsageError, suggestion
+from rai_missions.plain_data import is_number
 
 __all__ = ("check_detector_options", "check_names", "check_number", "check_numbers")
 
@@ -34,7 +35,7 @@ def check_number(place: str, value: Any, least: float, most: float) -> None:
     Raises:
         UsageError: It is none.
     """
-    if not isinstance(value, int | float) or isinstance(value, bool) or not least <= value <= most:
+    if not is_number(value) or not least <= value <= most:
         raise UsageError(f"{place} takes a number from {least:.9g} to {most:.9g}, not {value!r}")
 
 

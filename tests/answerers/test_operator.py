@@ -165,7 +165,7 @@ def test_parameters_are_asked_for_one_by_one(desk: Desk) -> None:
     reported = desk.ask(QUESTION._replace(options=(Offer("report", parameters=DEPTH),)))
     for prompt, typed in (
         (PROMPT, "1\n"), ("speed (number, m/s; empty for 1.5): ", "\n"), ("times (integer): ", "two\n"),
-        ("'two' is no whole number.", "2\n"), ("loud (boolean): ", "yes\n"),
+        ("'two' is no whole number.", f"{10**400}\n"), ("0' is no whole number.", "2\n"), ("loud (boolean): ", "yes\n"),
         ("colour (red or green; empty to leave it out): ", "green\n"), ("note (string; empty to leave it out): ", "\n"),
     ):  # fmt: skip
         desk.screen.wait(prompt)

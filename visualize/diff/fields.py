@@ -12,6 +12,7 @@ from typing import Any, Literal, NamedTuple
 from rai_missions.guards.guard import Guard
 from rai_missions.guards.implication import form, implies
 from rai_missions.model import MissionModel, alike
+from rai_missions.plain_data import is_number
 from rai_missions.states.decision import Budget, Option
 from rai_missions.states.effects import template_words
 from rai_missions.states.tree import TreeNode
@@ -214,7 +215,7 @@ def as_words(value: Any) -> str:
         return "nothing"
     if isinstance(value, tuple):
         return ", ".join(map(template_words, value))
-    if isinstance(value, int | float) and not isinstance(value, bool):
+    if is_number(value):
         return f"{value:g}"
     if callable(value):
         return str(getattr(value, "__qualname__", value))

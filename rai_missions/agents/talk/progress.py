@@ -13,6 +13,7 @@ from rai_missions.guards import Compare
 from rai_missions.guards.guard import Guard
 from rai_missions.keys import Blackboard
 from rai_missions.mission.mission import Mission
+from rai_missions.plain_data import is_number
 from rai_missions.states.compound import Each
 from rai_missions.states.state import State
 
@@ -68,4 +69,4 @@ def _listed(state: Each, mission: Mission, board: Blackboard) -> Iterator[Progre
 def _number(board: Blackboard, path: str | None) -> float | None:
     entry = board.get(path or "")
     value = entry.value if entry is not None else None
-    return float(value) if isinstance(value, int | float) and not isinstance(value, bool) else None
+    return float(value) if is_number(value) else None

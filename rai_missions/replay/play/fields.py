@@ -14,8 +14,9 @@ from rai_missions.errors import UsageError, suggestion
 from rai_missions.guards.compare import Compare
 from rai_missions.guards.goal import GoalIs
 from rai_missions.image import Image
-from rai_missions.keys import Key, TypeName, is_number
+from rai_missions.keys import Key, TypeName
 from rai_missions.mission.mission import Mission
+from rai_missions.plain_data import is_number
 from rai_missions.planning.examples import GOALS, REQUESTS, SIGHTS
 from rai_missions.redaction import cut
 

@@ -28,6 +28,7 @@ from rai_missions.errors import UsageError
 from rai_missions.event import Event, EventKind, Tick
 from rai_missions.keys import Key, type_error
 from rai_missions.mission.mission import Mission
+from rai_missions.plain_data import is_number
 from rai_missions.replay.play.choice import ChoiceKind, Input, Passage, PlayChoice, perform
 from rai_missions.replay.play.fields import (
     Field,
@@ -338,7 +339,7 @@ def _pass(chart: Chart, given: Mapping[str, Any], *, until: float, but: tuple[st
 
 def _wait(chart: Chart, given: Mapping[str, Any]) -> list[Input]:
     seconds = given.get("seconds", 1.0)
-    if isinstance(seconds, bool) or not isinstance(seconds, int | float) or not 0 < seconds < 1e9:
+    if not is_number(seconds) or not 0 < seconds < 1e9:
         raise UsageError(f"time passes by a number of seconds above 0, not {seconds!r}")
     return [Passage(chart.at + seconds)]
 

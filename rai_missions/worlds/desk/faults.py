@@ -16,6 +16,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from rai_missions.errors import UsageError, suggestion
+from rai_missions.plain_data import is_number
 from rai_missions.worlds.desk.catalogue import KINDS
 from rai_missions.worlds.desk.scene import object_name, put_free
 from rai_missions.worlds.desk.scene_file import DESK, MIDDLE, DeskObject
@@ -111,7 +112,7 @@ def _event(given: Any, place: str, names: Sequence[str]) -> FaultEvent:
         raise UsageError(f"{place}/thing: no thing {given.get('thing')!r}{suggestion(str(given.get('thing')), names)}")
     for word in ("at_s", "x", "y"):
         value = given.get(word, 0.0)
-        if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
+        if not is_number(value):
             raise UsageError(f"{place}/{word}: {value!r} is no finite number")
     event = FaultEvent(**{"at_s": 0.0, **given})
     if event.event == "move" and not (DESK[0] <= event.x <= DESK[2] and DESK[1] <= event.y <= DESK[3]):

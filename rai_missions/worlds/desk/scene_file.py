@@ -14,6 +14,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from rai_missions.errors import UsageError, suggestion
+from rai_missions.plain_data import is_number
 from rai_missions.worlds.desk.catalogue import COLOURS, KINDS, class_name
 from rai_missions.worlds.scene_files import read_scene_file
 
@@ -130,19 +131,18 @@ def _pose(given: Any, place: str, faults: list[str]) -> dict[str, float]:
         faults.append(f"{place}: {given!r} is no pose; give {{'x': 0.5, 'y': 0.1}}, and z and yaw if you like")
         return {}
     for word, value in given.items():
-        is_number = isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)
         if word not in COORDINATES:
             faults.append(f"{place}/{word}: no such coordinate{suggestion(str(word), COORDINATES)}")
-        elif not is_number:
+        elif not is_number(value):
             faults.append(f"{place}/{word}: {value!r} is no finite number")
     missing = [word for word in ("x", "y") if word not in given]
     faults += [f"{place}/{word}: is missing" for word in missing]
     limits = {"x": (DESK[0], DESK[2]), "y": (DESK[1], DESK[3]), "z": (0.0, HIGHEST_M), "yaw": (-7.0, 7.0)}
     for word, (least, most) in limits.items():
         value = given.get(word)
-        if isinstance(value, int | float) and math.isfinite(value) and not least <= value <= most:
+        if is_number(value) and not least <= value <= most:
             faults.append(f"{place}/{word}: {value:g} is off the desk; give {least:g} to {most:g}")
-    return {word: float(value) for word, value in given.items() if isinstance(value, int | float)}
+    return {word: float(value) for word, value in given.items() if is_number(value)}
 
 
 def _free_name(stem: str, taken: Sequence[str]) -> str:

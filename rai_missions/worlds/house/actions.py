@@ -12,6 +12,7 @@ from collections.abc import Callable, Mapping
 from typing import Any, Literal, NamedTuple
 
 from rai_missions.connectors.connector import Data, Report
+from rai_missions.plain_data import is_number
 from rai_missions.worlds.goal_server import End, GoalServer, Later, RunningGoal
 from rai_missions.worlds.house.layout import PLACES, NamedPose
 from rai_missions.worlds.house.navigator import Navigator
@@ -195,11 +196,10 @@ def _seconds(time: Any) -> float | None:
     """A builtin_interfaces/msg/Duration, or seconds; None where it is neither, or negative."""
     if isinstance(time, Mapping):
         parts = (time.get("sec", 0), time.get("nanosec", 0))
-        if not all(isinstance(part, int | float) and not isinstance(part, bool) for part in parts):
+        if not all(map(is_number, parts)):
             return None
         time = parts[0] + parts[1] / 1e9
-    is_number = isinstance(time, int | float) and not isinstance(time, bool)
-    return float(time) if is_number and math.isfinite(time) and time >= 0 else None
+    return float(time) if is_number(time) and time >= 0 else None
 
 
 def _pose(goal: Data) -> NavigationRequest | str:

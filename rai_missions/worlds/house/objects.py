@@ -6,13 +6,13 @@ Rule: what is not given is drawn from the seed, each in its own place; no two ob
 
 from __future__ import annotations
 
-import math
 import random
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 from rai_missions.errors import UsageError, suggestion
+from rai_missions.plain_data import is_number
 from rai_missions.worlds.house.figures import COLOURS, FIGURES
 from rai_missions.worlds.house.layout import DEPTH_M, SPOTS, WIDTH_M, Spot
 from rai_missions.worlds.options import check_names
@@ -72,8 +72,7 @@ def _fields(given: str | Mapping[str, Any]) -> dict[str, Any]:
 
 def _check_place(at: Any) -> None:
     is_place = isinstance(at, Sequence) and not isinstance(at, str) and len(at) == 3
-    numbers = [n for n in at if isinstance(n, int | float) and not isinstance(n, bool)] if is_place else []
-    if len(numbers) != 3 or not all(map(math.isfinite, numbers)):
+    if not is_place or not all(map(is_number, at)):
         raise UsageError(f"objects: {at!r} is no place; give x, y and the height of what it is on, [2.6, 1.9, 0.74]")
     if not (0 <= at[0] <= WIDTH_M and 0 <= at[1] <= DEPTH_M and 0 <= at[2] <= 2.5):
         raise UsageError(f"objects: {list(at)} is outside of the house, {WIDTH_M} m by {DEPTH_M} m")

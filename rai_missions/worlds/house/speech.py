@@ -10,6 +10,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
 from rai_missions.errors import UsageError
+from rai_missions.plain_data import is_number
 from rai_missions.worlds import messages
 from rai_missions.worlds.options import check_names
 
@@ -57,7 +58,7 @@ def _sentence(number: int, given: Any) -> Sentence:
     one = dict(given) if isinstance(given, Mapping) else {}
     check_names("speech", one, FIELDS)
     at_s, text = one.get("at_s"), one.get("text")
-    if not isinstance(at_s, int | float) or isinstance(at_s, bool) or not 0 <= at_s <= 1e6:
+    if not is_number(at_s) or not 0 <= at_s <= 1e6:
         raise UsageError(f"speech: at_s takes the seconds since the start, not {at_s!r}")
     if not isinstance(text, str) or not 0 < len(text) <= LONGEST:
         raise UsageError(f"speech: text takes a sentence of 1 to {LONGEST} characters")
