@@ -27,7 +27,7 @@ from visualize.live.auth import ASGI, ROLE, Allowance, Receive, Scope, Send
 from visualize.live.hub import Hub, Viewer
 from visualize.live.images import ImageStream
 from visualize.live.page_files import PageFiles
-from visualize.live.posts import PostRefusal, body_within, kind_of, refused
+from visualize.live.posts import PostRefusal, body_of, refused
 from visualize.live.sound import SoundPages
 from visualize.live.talk import TalkDesk, TalkPages
 from visualize.page.as_json import Json
@@ -152,10 +152,7 @@ class Pages:
     async def orders(self, request: Request) -> Response:
         if self._desk is None:
             return refused(403, "this page only looks on; orders go to the page that the run itself serves")
-        kind = kind_of(request)
-        if kind != "application/json":
-            return refused(415, "an order is application/json")
-        body = await body_within(request, LARGEST_ORDER, "an order")
+        body = await body_of(request, LARGEST_ORDER, "an order")
         if isinstance(body, PostRefusal):
             return refused(*body)
         text = body.decode("utf-8", "replace")  # what is no UTF-8 is judged with the rest of the order

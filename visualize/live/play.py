@@ -21,7 +21,7 @@ from rai_missions.states.state import CONTROLLERS
 from visualize.build import picture
 from visualize.live.auth import ASGI, Allowance
 from visualize.live.page_files import PageFiles
-from visualize.live.posts import PostRefusal, body_within, kind_of
+from visualize.live.posts import PostRefusal, body_of
 from visualize.page.chart_data import chart_data
 
 __all__ = ("PlayDesk", "play_application")
@@ -74,10 +74,7 @@ class PlayPages:
         return JSONResponse(await asyncio.to_thread(self._desk.look))
 
     async def act(self, request: Request) -> Response:
-        kind = kind_of(request)
-        if kind != "application/json":
-            return await self._refused(415, "an order is application/json")
-        body = await body_within(request, LARGEST_ORDER, "an order")
+        body = await body_of(request, LARGEST_ORDER, "an order")
         if isinstance(body, PostRefusal):
             return await self._refused(*body)
         if not self._orders.take():

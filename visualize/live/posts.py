@@ -9,15 +9,10 @@ from typing import NamedTuple
 from starlette.requests import Request
 from starlette.responses import JSONResponse, Response
 
-__all__ = ("COMES_WITHIN_S", "PostRefusal", "body_within", "kind_of", "refused")
+__all__ = ("COMES_WITHIN_S", "PostRefusal", "body_of", "refused")
 
 COMES_WITHIN_S = 10.0
 """From the head of a request to the end of its body."""
-
-
-def kind_of(request: Request) -> str:
-    """The media type of what is posted, without its parameters; empty where none is stated."""
-    return request.headers.get("content-type", "").partition(";")[0].strip().lower()
 
 
 class PostRefusal(NamedTuple):
@@ -27,14 +22,19 @@ class PostRefusal(NamedTuple):
     why: str
 
 
-async def body_within(request: Request, most: int, what: str) -> bytes | PostRefusal:
-    """The body; or why it is not taken: it is too long, of which no more is read, or does not come to its end.
+async def body_of(request: Request, most: int, what: str, kind: str = "application/json") -> bytes | PostRefusal:
+    """The body; or why it is not taken.
+
+    It is of another kind, is too long, of which no more is read, or does not come to its end.
 
     Args:
         request: What is posted.
         most: Bytes that it may have.
         what: What it is, for the refusal: `a message`.
+        kind: Its media type.
     """
+    if request.headers.get("content-type", "").partition(";")[0].strip().lower() != kind:
+        return PostRefusal(415, f"{what} is {kind}")
     found = bytearray()
     try:
         async with asyncio.timeout(COMES_WITHIN_S):

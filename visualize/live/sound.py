@@ -14,7 +14,7 @@ from starlette.routing import Route
 
 from rai_missions.event import Role
 from visualize.live.auth import ROLE, Allowance
-from visualize.live.posts import PostRefusal, body_within, kind_of, refused
+from visualize.live.posts import PostRefusal, body_of, refused
 
 __all__ = ("LARGEST_PIECE", "SoundDesk", "SoundPages")
 
@@ -66,10 +66,7 @@ class SoundPages:
         return [Route("/sound", self.sound, methods=["POST"])]
 
     async def sound(self, request: Request) -> Response:
-        kind = kind_of(request)
-        if kind != KIND:
-            return refused(415, f"sound is {KIND}: 16 kHz, mono, 16 bits")
-        body = await body_within(request, LARGEST_PIECE, "a piece")
+        body = await body_of(request, LARGEST_PIECE, "a piece", KIND)
         if isinstance(body, PostRefusal):
             return refused(*body)
         if len(body) % 2:

@@ -15,7 +15,7 @@ from starlette.routing import Route
 from rai_missions.event import Role
 from rai_missions.plain_data import json_object
 from visualize.live.auth import ROLE, Allowance
-from visualize.live.posts import PostRefusal, body_within, kind_of, refused
+from visualize.live.posts import PostRefusal, body_of, refused
 from visualize.live.sound import SoundDesk
 
 __all__ = ("LARGEST_TALK", "TalkDesk", "TalkPages")
@@ -62,10 +62,7 @@ class TalkPages:
         return [Route("/talk", self.talk, methods=["POST"])]
 
     async def talk(self, request: Request) -> Response:
-        kind = kind_of(request)
-        if kind != "application/json":
-            return refused(415, "a message is application/json")
-        body = await body_within(request, LARGEST_TALK, "a message")
+        body = await body_of(request, LARGEST_TALK, "a message")
         if isinstance(body, PostRefusal):
             return refused(*body)
         given = _sentence(body)
