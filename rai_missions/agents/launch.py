@@ -274,6 +274,8 @@ def _read(config: RunConfig, closing: CleanupStack) -> RunPlan:
         resumed = open_run(config.resume, mission=mission, robot=robot, named=config.named)
         closing.closes(resumed.record.close)
         mission, robot = resumed.mission, robot or resumed.robot
+    if robot is not None and "world" in robot.connector and config.seed is not None:  # the journal has it with the rest
+        robot = robot.model_copy(update={"connector": {**robot.connector, "seed": config.seed}})
     if mission is None:
         raise UsageError("no mission was named, and no run to resume")
     plan = RunPlan(config, mission, robot, identity, resumed)
@@ -340,8 +342,6 @@ def _open_connector(
 def _open_world(plan: RunPlan, name: str, options: dict[str, Any], closing: CleanupStack) -> RunEnvironment:
     """A simulated world."""
     config = plan.config
-    if config.seed is not None:
-        options["seed"] = config.seed
     if plan.resumed is not None:  # its clock continues, and all else in it begins again
         options["start_s"] = plan.resumed.resumption.at
     world = open_world(name, **options)

@@ -186,3 +186,13 @@ def test_no_run_follows_one_that_was_stopped_at_once() -> None:
         assert first.runner.run().outcome == "aborted"
         with pytest.raises(UsageError, match="stopped at once, and no one has control since"):
             prepare_next(first, config)
+
+
+@pytest.mark.sim
+def test_a_run_that_continues_has_the_world_of_its_seed(tmp_path: Path) -> None:
+    profile = robot(connector={"kind": "local", "world": "orchard", "seed": 7, "camera": False})
+    path = tmp_path / "run.journal"
+    with prepare(RunConfig(Mission.model_validate(WAITING), profile, journal=path, seed=5)) as killed:
+        kinds = [each.kind for each in killed.world.obstacles]  # type: ignore[union-attr]
+    with prepare(RunConfig(None, resume=path)) as again:
+        assert [each.kind for each in again.world.obstacles] == kinds  # type: ignore[union-attr]
