@@ -157,6 +157,8 @@ class PreparedRun:
             notice += "; it is paused: resume it on the live page (--watch) or through its node (--node)"
         if self.world is not None:
             notice += "; the simulated world starts again, and what was under way in it is begun again"
+        if self.plan.config.model is not None and self.robot and self.robot.identity and self.plan.identity is None:
+            notice += "; the model lacks the robot's identity, whose folder is next to its profile: --robot PROFILE"
         if cut:
             notice += f"; {cut} bytes at the journal's end, after its last whole row, count as not written"
         return notice

@@ -196,3 +196,15 @@ def test_a_run_that_continues_has_the_world_of_its_seed(tmp_path: Path) -> None:
         kinds = [each.kind for each in killed.world.obstacles]  # type: ignore[union-attr]
     with prepare(RunConfig(None, resume=path)) as again:
         assert [each.kind for each in again.world.obstacles] == kinds  # type: ignore[union-attr]
+
+
+def test_a_run_that_continues_without_its_robots_identity_reports_it(tmp_path: Path) -> None:
+    (tmp_path / "identity").mkdir()
+    (tmp_path / "identity" / "description.md").write_text("I am a robot.")
+    profile, path = tmp_path / "robot.json", tmp_path / "run.journal"
+    profile.write_text(json.dumps({"format": 1, "name": "tried", "identity": "identity"}))
+    prepare(RunConfig(Mission.model_validate(ASKING), profile, journal=path)).close()
+    for given, is_there in ((None, False), (profile, True)):
+        with prepare(RunConfig(None, given, resume=path, model=ScriptedModel([]))) as again:
+            assert (again.plan.identity is not None) is is_there
+            assert ("the model lacks the robot's identity" in again.resumption_notice) is not is_there

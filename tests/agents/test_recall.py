@@ -79,8 +79,7 @@ def test_without_an_identity_it_is_not_there_and_the_log_reports_it(
     mission, robot = files(tmp_path, identity=False)
     assert run(mission, robot, model=ScriptedModel(['{"option": "left"}'] * 3)).why == "'l' was reached"
     assert (
-        "/states/asks/decision/tools: the tool 'recall' is not there: the robot's profile has no 'identity'"
-        in caplog.text
+        "/states/asks/decision/tools: the tool 'recall' is not there: the robot has no 'identity' here" in caplog.text
     )
 
 

@@ -74,7 +74,7 @@ def open_recall(mission: Mission, identity: Identity | None) -> tuple[RobotTool,
     if place is None:
         return ()
     if identity is None or identity.library is None:
-        log.warning("%s: the tool 'recall' is not there: the robot's profile has no 'identity'", place)
+        log.warning("%s: the tool 'recall' is not there: the robot has no 'identity' here", place)
         return ()
     from rai_missions.tools import recall_tool
 
