@@ -17,7 +17,7 @@ from rai_missions.engine import Chart
 from rai_missions.engine.step import Step
 from rai_missions.engine.trees import CompiledTrees
 from rai_missions.errors import DefinitionError
-from rai_missions.event import Event
+from rai_missions.event import Event, Tick
 from rai_missions.mission.mission import Mission
 from tests.laws.drawn import EVENTS, KEYS, DrawnEvent, document, happenings, is_far, terms
 from tests.rigs.charts import ScriptedRobot
@@ -89,3 +89,41 @@ def test_a_mission_that_is_included_does_what_it_does_alone(
 @pytest.mark.timeout(3600)
 def test_three_thousand_included_missions_do_what_they_do_alone(tmp_path: Path) -> None:
     assert sum(agree(seed, tmp_path) for seed in range(3_000)) > 2_400
+
+
+@pytest.mark.parametrize(("own", "counts"), [
+    ({}, [1, 2, 3]),
+    ({"with": {"tries": {"from": "tries"}}, "entry": [{"set": "tries", "value": 0}]}, [1, 1, 1]),
+])  # fmt: skip
+def test_the_keys_of_an_inclusion_are_kept_until_it_is_entered_again_unless_they_are_set(
+    tmp_path: Path, own: Json, counts: list[int]
+) -> None:
+    tries = {"type": "integer", "initial": 0}
+    inner: Json = {
+        "name": "inner", "blackboard": {"tries": tries}, "initial": "x",
+        "states": {"x": {"entry": [{"set": "tries", "add": 1}], "transitions": [{"after_s": 1, "to": "y"}]},
+                   "y": {"final": "succeeded"}},
+    }  # fmt: skip
+    part: Json = {"mission": "inner.json", "transitions": [{"on": "succeeded", "to": "round"}], **own}
+    rounds = {
+        "each": "stops",
+        "as": "item",
+        "initial": "part",
+        "states": {"part": part, "round": {"final": "succeeded"}},
+    }
+    outer: Json = {
+        "name": "outer", "initial": "rounds", "states": {"rounds": rounds},
+        "blackboard": {
+            "stops": {"type": "list", "source": "argument", "initial": ["a", "b", "c"]},
+            "item": {"type": "string", "initial": ""}, **({"tries": tries} if own else {}),
+        },
+    }  # fmt: skip
+    for name, made in (("inner", inner), ("outer", outer)):
+        (tmp_path / f"{name}.json").write_text(json.dumps({"format": 1, **made}))
+    chart = Chart(load(tmp_path / "outer.json"))
+    chart.start(0.0)
+    found = []
+    for at in (1.0, 2.0, 3.0):
+        found.append(chart.view.board["tries" if own else "part/tries"].value)
+        chart.send(Tick(at))
+    assert found == counts
