@@ -408,6 +408,7 @@ def test_check_reports_what_it_checked_and_each_fault_in_its_own_file(
         ({"kind": "ros2", "noed": "beacon"}, "no option 'noed'; did you mean 'node'?"),
         ({"kind": "ros2", "parameters": {"a": {"b": 1}}}, 'connector/parameters/a: {"b": 1} is no parameter of ROS'),
         ({"kind": "ros2", "parameters": {"a": [1, 2.5]}}, "connector/parameters/a: [1, 2.5] is no parameter of ROS"),
+        ({"kind": "ros2", "parameters": {"use_sim_time": True}}, 'it, too; give "sim_time" next to "kind"'),
         ({"kind": "ros2", "parameters": {"a": ["x"], "b": 1.5, "c": False}}, ""),
         ({"kind": "ros2", "domain_id": 300}, "connector/domain_id: 300 is no ROS domain; one goes from 0 to 232"),
     ],

@@ -145,6 +145,8 @@ def _parameter(name: str, value: Any) -> Any:
     if not name or len(kinds) > 1 or not kinds <= {str, bool, int, float}:
         words = "give a name, and text, true or false, a number, or a list of one of these"
         raise UsageError(f"connector/parameters/{name}: {shown(value)} is no parameter of ROS; {words}")
+    if name == "use_sim_time":  # it would set the node's clock, and leave the run's timers on the wall's
+        raise UsageError(f'connector/parameters/{name}: the run lives by it, too; give "sim_time" next to "kind"')
     return value
 
 
