@@ -45,6 +45,14 @@ class RecordingSpace(Space):
         self.seen.add(seen(self.environment.chart))
 
 
+class WholeSpace(RecordingSpace):
+    """It ends with the first state for which there is no room: what is not whole is held against nothing."""
+
+    @property
+    def is_over(self) -> bool:
+        return super().is_over or self.meter.is_full
+
+
 def seen(chart: Chart) -> Seen:
     return (frozenset() if chart.outcome is not None else chart.active, chart.outcome, chart.mode)
 
@@ -77,7 +85,8 @@ class Everything(NamedTuple):
 
 
 def explored(mission: Mission, most: int, kind: type[Environment] = Environment) -> RecordingSpace:
-    space = RecordingSpace(kind(mission), most)
+    """A mission's whole space, or that there are more states, or more work, than that."""
+    space = WholeSpace(kind(mission), most)
     space.explore()
     return space
 
