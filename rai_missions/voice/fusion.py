@@ -28,7 +28,9 @@ LEAST_STOP, LEAST_STOP_FIRST = 2.4, 1.0
 """The same for "stop", with no lead: one syllable cannot have much, other speech has less, it must not be missed.
 In loud noise "pause" is often as near to it: where that is not enough and "stop" is next, the first's own counts."""
 SHORTEST_S, LONGEST_S = (0.18, 0.03), (0.5, 0.08)
-"""How long a phrase lasts, in seconds, and so many more for each of its letters. "Stop" may be drawn out."""
+"""How long a phrase lasts, in seconds, and so many more for each of its letters."""
+LONGEST_STOP_S, LEAST_DRAWN_OUT = 0.56, 4.0
+"""How long "stop" lasts. It may be drawn out where the second agrees, or where the first's own comes to so many nats."""
 LEAST_AGREED_S = 0.24
 """So short may "stop" be where the second agrees, and any phrase that is read freely as well."""
 PAUSE = "pause"
@@ -71,7 +73,8 @@ def fused(
     plain = " ".join("".join(each if each.isalnum() or each == "'" else " " for each in text.lower()).split())
     phrase = plain if plain in phrases else _phrase(plain, first, second, phrases)
     if phrase and (
-        spoken_s is None or _can_last(phrase, spoken_s, is_read=phrase == plain, is_agreed=phrase in second)
+        spoken_s is None
+        or _can_last(phrase, spoken_s, first.get(phrase, 0.0), is_read=phrase == plain, is_agreed=phrase in second)
     ):
         return FusedTurn(phrase, (phrase,) * (2 if phrase in second else 1))
     if phrase == plain:
@@ -79,15 +82,17 @@ def fused(
     return FusedTurn(text, (text,)) if plain else FusedTurn("")
 
 
-def _can_last(phrase: str, spoken_s: float, *, is_read: bool, is_agreed: bool) -> bool:
-    """Whether a turn is long enough for a phrase, and no longer unless it was read freely."""
+def _can_last(phrase: str, spoken_s: float, own: float, *, is_read: bool, is_agreed: bool) -> bool:
+    """Whether a turn is long enough for a phrase, and no longer unless it was read freely; `own` is the first's."""
     letters = sum(each.isalpha() for each in phrase)
     least, most = (base + each * letters for base, each in (SHORTEST_S, LONGEST_S))
     if phrase in STOPS and is_read:
         return True
     if is_agreed and (is_read or phrase == STOP):
         least = LEAST_AGREED_S
-    return least <= spoken_s and (spoken_s <= most or is_read or phrase == STOP)
+    if phrase == STOP:
+        most = math.inf if is_agreed or own >= LEAST_DRAWN_OUT else LONGEST_STOP_S
+    return least <= spoken_s and (spoken_s <= most or is_read)
 
 
 def _phrase(plain: str, first: Mapping[str, float], second: Mapping[str, float], phrases: Sequence[str]) -> str:

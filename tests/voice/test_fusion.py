@@ -60,6 +60,14 @@ def test_a_turn_that_is_too_short_or_too_long_for_a_phrase_is_none() -> None:
     assert alone == ["", "stop"], "longer where the second does not agree"
 
 
+def test_a_longer_sound_is_stop_where_the_second_agrees_or_the_first_has_more_evidence() -> None:
+    read = [
+        fused("Just have", {"stop": own}, second, PHRASES, spoken_s).text
+        for spoken_s, own, second in ((0.5, 2.7, {}), (0.6, 2.7, {}), (0.6, 2.7, {"stop": 1.0}), (0.6, 4.2, {}))
+    ]
+    assert read == ["stop", "Just have", "stop", "stop"]
+
+
 def test_two_phrases_that_are_as_probable_are_none() -> None:
     assert fused("", {"yes": 9.1, "cancel the mission": 9.2}, {}, PHRASES).text == ""
     assert fused("", {"yes": 9.1, "cancel the mission": 9.2}, {"yes": 2.0}, PHRASES) == ("yes", ("yes", "yes"))
