@@ -30,7 +30,7 @@ In loud noise "pause" is often as near to it: where that is not enough and "stop
 SHORTEST_S, LONGEST_S = (0.18, 0.03), (0.5, 0.08)
 """How long a phrase lasts, in seconds, and so many more for each of its letters."""
 LONGEST_STOP_S, LEAST_DRAWN_OUT = 0.56, 4.0
-"""How long "stop" lasts. It may be drawn out where the second agrees, or where the first's own comes to so many nats."""
+"""How long "stop" lasts. It may be drawn out where the second agrees, or the first's own comes to so many nats."""
 LEAST_AGREED_S = 0.24
 """So short may "stop" be where the second agrees, and any phrase that is read freely as well."""
 PAUSE = "pause"
