@@ -4,11 +4,14 @@
 from __future__ import annotations
 
 import difflib
-from collections.abc import Iterator
+import inspect
+from collections.abc import Callable, Iterator, Mapping
+from typing import Any
 
 from rai_missions.check.index import MissionIndex, StateRef
 from rai_missions.check.name_table import Lexicon
 from rai_missions.check.pointers import pointer
+from rai_missions.guards.named import Named
 from rai_missions.mission.mission import BUILT_IN_EVENTS
 from rai_missions.states.effects import Drop, Raise
 from rai_missions.states.state import ANY_EVENT, OUTCOMES
@@ -99,14 +102,36 @@ def unknown_ids(survey: MissionIndex) -> Found:
 
 
 def unknown_predicates(survey: MissionIndex) -> Found:
-    """What `named` names is a predicate that was registered, where the registered ones are known."""
+    """What `named` names is a predicate that was registered, where the registered ones are known, and fits its use."""
     if survey.predicates is None:
         return
     known = Lexicon("registered predicate", survey.predicates, "register it with --guards FILE.py")
+    functions = survey.predicates if isinstance(survey.predicates, Mapping) else {}
     for place, part, _ in survey.parts:
         for refers, name, here in part.references(place):
             if refers.sort == "predicate" and name not in known:
                 yield here, known.missing(name)
+        if isinstance(part, Named) and (function := functions.get(part.named)) is not None:
+            yield from ((f"{place}/named", why) for why in _misfits(part, function))
+
+
+def _misfits(guard: Named, function: Callable[..., Any]) -> Iterator[str]:
+    """Why a predicate cannot be called as a guard calls it."""
+    try:
+        signature = inspect.signature(function)
+    except ValueError:  # a builtin without a signature
+        return
+    try:
+        signature.bind({}, **guard.with_)
+    except TypeError:
+        called, wanted = (
+            ", ".join(["board", *(f"{word}=…" for word in guard.with_)]),
+            ", ".join(["board", *guard.with_]),
+        )
+        yield (
+            f"'{guard.named}' takes {signature}, and is called with ({called}): the blackboard and the values of "
+            f"'with'; write def {guard.named}({wanted})"
+        )
 
 
 def colliding_names(survey: MissionIndex) -> Found:

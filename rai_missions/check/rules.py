@@ -103,7 +103,8 @@ def check(mission: Mission, *, named: Collection[str] | None = None) -> tuple[Fi
 
     Args:
         mission: One that is well formed; inclusions are better expanded before, for their outcomes are not known else.
-        named: The names of the registered predicates; left out, `named` guards are taken on trust.
+        named: The names of the registered predicates, or name → function, whose parameters are held against the uses;
+            left out, `named` guards are taken on trust.
     """
     survey, order = MissionIndex(mission, named), document_order(mission)
     found = [

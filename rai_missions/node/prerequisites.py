@@ -73,7 +73,7 @@ def readied(setting: RunConfig) -> tuple[Mission, Robot | None]:
         raise UsageError("a node needs to know its mission; name its file")
     mission = given if isinstance(given, Mission) else load_whole(given)
     source = "" if isinstance(given, Mission) else str(given)
-    if faults := faults_of(check(mission, named=set(setting.named or ()))):
+    if faults := faults_of(check(mission, named=setting.named or {})):
         raise DefinitionError(faults, source)
     robot = robot_of(setting)
     if robot is not None and (lacks := missing(mission, robot)):

@@ -11,6 +11,8 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from benchmarks.bench_check import chart, faulty
 from rai_missions.check import Finding, check
@@ -215,6 +217,30 @@ def test_only_registered_predicates_are_known_where_they_are_given() -> None:
     assert [finding.sentence for finding in found(document, named=["is_wet", "is_dry_2"])] == [
         "no registered predicate 'is_dry'; did you mean 'is_dry_2'?"
     ]
+
+
+WORDS = st.lists(st.sampled_from(["board", "margin_m", "height_m", "kind"]), unique=True, max_size=3)
+
+
+@settings(max_examples=30)
+@given(WORDS, st.integers(0, 3), st.booleans(), WORDS)
+def test_a_predicate_that_cannot_be_called_as_its_guard_calls_it_is_refused(
+    takes: list[str], required: int, more: bool, given_words: list[str]
+) -> None:
+    parameters = [word if at < required else f"{word}=0" for at, word in enumerate(takes)] + ["**more"] * more
+    made: dict[str, Any] = {}
+    exec(f"def is_dry({', '.join(parameters)}): return True", made)
+    document, words = copy.deepcopy(DESIGN), dict.fromkeys(given_words, 1)
+    guard = {"named": "is_dry", "with": words}
+    transitions(document, "crossing").append({"on": "rejected", "when": guard, "to": "assessing"})
+    try:
+        made["is_dry"]({}, **words)
+    except TypeError:
+        called = ", ".join(["board", *(f"{word}=…" for word in given_words)])
+        (finding,) = found(document, named={"is_dry": made["is_dry"]})
+        assert finding.place.endswith("/when/named") and f"is called with ({called})" in finding.sentence
+    else:
+        assert found(document, named={"is_dry": made["is_dry"]}) == []
 
 
 def test_names_that_inclusion_brought_have_their_places_escaped() -> None:

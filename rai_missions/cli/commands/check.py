@@ -55,7 +55,7 @@ def check(
     from rai_missions.mission.json_reader import file_bytes
 
     named = load_guards(guards, python=not no_python)
-    checked = check_file(mission, python=not no_python, named=set(named) if named is not None else None)
+    checked = check_file(mission, python=not no_python, named=named)
     profile, lacking = "", tuple[FileFinding, ...]()
     if is_robot_program(robot) and robot is not None:
         file_bytes(Path(robot))  # it must be there

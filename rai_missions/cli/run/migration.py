@@ -34,7 +34,7 @@ def migrated(options: RunOptions, named: Named | None) -> RunOptions:
     if not (options.migrate and options.resume and options.mission):
         raise UsageError("--migrate MAP goes with --resume JOURNAL and the mission as it is now: MISSION")
     mission = load_whole(options.mission, python=not options.no_python)
-    if faults := faults_of(check(mission, named=set(named or ()))):
+    if faults := faults_of(check(mission, named=named or {})):
         raise DefinitionError(faults, options.mission)
     to = Path(options.journal) if options.journal else _free_name(Path(options.resume))
     if options.robot and is_program(options.robot):  # before anything is written

@@ -56,7 +56,7 @@ def run_mission(options: RunOptions) -> int:
     if options.migrate:
         options = migrated(options, named)
     mission = _mission(options)
-    if faults := faults_of(check(mission, named=set(named or ()))):
+    if faults := faults_of(check(mission, named=named or {})):
         raise DefinitionError(faults, options.mission or options.resume or "")
     needed = mission.needed_facts()
     if needed and not options.robot and not options.resume:
