@@ -52,6 +52,7 @@ __all__ = (
     "reference_word",
     "rewritten",
     "template_paths",
+    "template_words",
     "written_keys",
 )  # fmt: skip
 
@@ -248,6 +249,17 @@ def template_paths(template: Any, place: str = "") -> Iterator[tuple[str, str]]:
 
 
 OPERAND_WORDS = ("key", "from")
+
+
+def template_words(template: Any) -> str:
+    """A goal, request or message: `pose ← target, speed 1.2`."""
+    if reference_word(template) is not None:
+        return f"← {template['from']}"
+    if isinstance(template, Mapping):
+        return ", ".join(f"{name} {template_words(item)}" for name, item in template.items())
+    if isinstance(template, list | tuple):
+        return "[" + ", ".join(map(template_words, template)) + "]"
+    return str(template).lower() if isinstance(template, bool) else str(template)
 
 
 def reference_word(value: Any, words: tuple[str, ...] = ("from",)) -> str | None:

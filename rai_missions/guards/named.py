@@ -9,7 +9,7 @@ from typing import Annotated, Any, ClassVar
 from pydantic import Field
 
 from rai_missions.guards.guard import Distinctions, Guard, Operand, Site, Sources, Test, Truth, View
-from rai_missions.kinds import TEMPLATE, Refers
+from rai_missions.kinds import TEMPLATE, Refers, template_words
 from rai_missions.model import Json, Name, Value
 
 __all__ = ("Named",)
@@ -49,8 +49,7 @@ class Named(Guard, word="named"):
         """A proof takes any value of it that its keys allow, whatever they are."""
 
     def words(self) -> str:
-        arguments: Any = ", ".join(f"{key} {value}" for key, value in self.with_.items())
-        return f"{self.named}({arguments})"
+        return f"{self.named}({template_words(self.with_)})"
 
 
 def _reading(template: Any, site: Site) -> Callable[[View], Any]:

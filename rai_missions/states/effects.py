@@ -12,7 +12,7 @@ from typing import Annotated, Any, ClassVar, Self
 from pydantic import Field, model_validator
 
 from rai_missions.guards.guard import Operand, Site, View
-from rai_missions.kinds import TEMPLATE, KeyValue, Refers, reference_word, template_paths
+from rai_missions.kinds import TEMPLATE, KeyValue, Refers, reference_word, template_paths, template_words
 from rai_missions.model import (
     EventName,
     Json,
@@ -42,7 +42,6 @@ __all__ = (
     "call_lines",
     "filled",
     "references",
-    "template_words",
 )
 
 
@@ -195,17 +194,6 @@ class Log(Effect, word="log"):
 
     def words(self) -> str:
         return f"log “{self.log}”"
-
-
-def template_words(template: Any) -> str:
-    """A goal, request or message: `pose ← target, speed 1.2`."""
-    if reference_word(template) is not None:
-        return f"← {template['from']}"
-    if isinstance(template, Mapping):
-        return ", ".join(f"{name} {template_words(item)}" for name, item in template.items())
-    if isinstance(template, list | tuple):
-        return "[" + ", ".join(map(template_words, template)) + "]"
-    return str(template).lower() if isinstance(template, bool) else str(template)
 
 
 def call_lines(

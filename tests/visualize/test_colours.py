@@ -42,6 +42,26 @@ def test_the_lines_of_the_page_can_be_distinguished_and_read(theme: str, blindne
     assert min(distance(line, colours["paper"], blindness) for line in lines) > 30
 
 
+def luminance(colour: str) -> float:
+    """The relative luminance of WCAG 2.2, from 0 to 1."""
+    parts = [int(colour[at : at + 2], 16) / 255 for at in (1, 3, 5)]
+    red, green, blue = [each / 12.92 if each <= 0.04045 else ((each + 0.055) / 1.055) ** 2.4 for each in parts]
+    return 0.2126 * red + 0.7152 * green + 0.0722 * blue
+
+
+@pytest.mark.parametrize("theme", THEMES, ids=range(len(THEMES)))
+def test_every_colour_of_text_can_be_read_on_the_page(theme: str) -> None:
+    """A contrast of 4.5, which WCAG 2.2 asks of text (1.4.3)."""
+    colours = dict(re.findall(r"--([a-z-]+): (#[0-9a-f]{6})", theme))
+    sheets = "".join(each.read_text(encoding="utf-8") for each in Path(visualize.__file__).parent.rglob("*.css"))
+    texts = set(re.findall(r"(?<![-\w])color: var\(--([a-z-]+)\)", sheets)) - {"paper", "ground"}
+    assert len(texts) >= 5
+    for text in texts:
+        for ground in ("paper", "ground"):
+            one, other = sorted(luminance(colours[name]) for name in (text, ground))
+            assert (other + 0.05) / (one + 0.05) >= 4.5, (text, ground)
+
+
 def test_the_page_has_a_light_and_a_dark_theme() -> None:
     assert len(THEMES) >= 2
 
