@@ -12,6 +12,9 @@ from rai_missions.mission.mission import Mission
 
 __all__ = ("accepted",)
 
+WRITTEN: Mapping[str, str] = {"list": '["a", "b"]', "object": '{"a": 1}', "pose": '{"x": 1.5, "y": 2}'}
+"""Type that a shell takes for text unless it is quoted → a value of it, as JSON."""
+
 
 def accepted(mission: Mission, arguments: Mapping[str, Any], *, whole: bool = True) -> Mapping[str, Any]:
     """The arguments of a run, if the mission takes them.
@@ -36,7 +39,9 @@ def accepted(mission: Mission, arguments: Mapping[str, Any], *, whole: bool = Tr
     for name in takes:
         key = mission.blackboard[name]
         if name in arguments and (why := type_error(key, arguments[name])):
-            faults.append(Fault(f"/blackboard/{name}", f"the argument does not fit: {why}"))
+            example = WRITTEN.get(key.type) if isinstance(arguments[name], str) else None
+            remedy = f"; on a command line, quote JSON: --set '{name}={example}'" if example is not None else ""
+            faults.append(Fault(f"/blackboard/{name}", f"the argument does not fit: {why}{remedy}"))
         if whole and name not in arguments and key.initial is None and not key.optional:
             faults.append(Fault(f"/blackboard/{name}", f"the mission needs the argument '{name}'; give --set {name}=…"))
     if faults:

@@ -4,14 +4,18 @@
 from __future__ import annotations
 
 import math
+import shlex
 from typing import Any
 
 import pytest
 
+from rai_missions.cli.inputs import read_pairs
 from rai_missions.connectors.connector import Message
 from rai_missions.engine.step import CallService, StartGoal
 from rai_missions.errors import DefinitionError, UsageError
 from rai_missions.event import Event
+from rai_missions.mission.mission import Mission
+from rai_missions.runtime.arguments import WRITTEN, accepted
 from tests.rigs.runs import KEYS, Rig, mission, robot
 
 MOVING: dict[str, Any] = {
@@ -255,6 +259,19 @@ def test_an_argument_that_the_mission_does_not_take_is_refused(arguments: dict[s
     with pytest.raises(DefinitionError) as caught:
         Rig(CALLING, arguments=arguments)
     assert sentence in str(caught.value)
+
+
+@pytest.mark.parametrize("sort", WRITTEN)
+def test_an_argument_that_a_shell_made_text_is_refused_with_one_that_the_mission_takes(sort: str) -> None:
+    mission = Mission.model_validate({
+        "name": "taking", "initial": "end", "states": {"end": {"final": "aborted"}},
+        "blackboard": {"given": {"type": sort, "source": "argument"}},
+    })  # fmt: skip
+    with pytest.raises(DefinitionError, match="does not fit") as caught:
+        accepted(mission, {"given": "[a, b]"})
+    option = str(caught.value).rpartition("--set ")[2]
+    taken = read_pairs("--set", [shlex.split(option)[0]])
+    assert accepted(mission, taken) == taken and not isinstance(taken["given"], str)
 
 
 def test_a_profile_that_lacks_a_name_is_refused_before_the_start() -> None:
