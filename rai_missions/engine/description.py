@@ -19,6 +19,7 @@ from rai_missions.states.state import CONTROLLERS
 __all__ = ("Description", "describe", "effect_word", "event_words", "resting_words", "step_json", "way_words")
 
 SHOWN = {control_note(holder): control_note(words) for holder, words in CONTROLLERS.items()}
+SHOWN[control_note("nobody")] += ", until the operator gives it"
 """The notes on who has control, as they are stored → as people read them."""
 TRUTHS = {True: "true", False: "false", None: "unknown"}
 

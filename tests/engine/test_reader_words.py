@@ -19,6 +19,14 @@ MISSION = Mission.model_validate({
 })  # fmt: skip
 
 
+def test_a_step_names_who_gives_control_that_no_one_has() -> None:
+    chart = Chart(MISSION)
+    chart.start(at=0.0)
+    assert describe(chart.send(Event("nobody", 1.0, {}, "control"))).remarks[0] == (
+        "control: no one, until the operator gives it"
+    )
+
+
 def test_a_step_names_who_has_control_and_who_is_asked_as_the_pages_do() -> None:
     chart = Chart(MISSION)
     begun = chart.start(at=0.0)
