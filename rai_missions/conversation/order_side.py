@@ -33,7 +33,7 @@ from rai_missions.conversation.speaking import SpeechSide
 from rai_missions.conversation.start_phrases import StartPhrases
 from rai_missions.conversation.state_answers import Asker, is_alive
 from rai_missions.conversation.talk import Talk
-from rai_missions.conversation.values import is_known
+from rai_missions.conversation.values import capital, is_known
 from rai_missions.conversation.view import StatusView
 from rai_missions.redaction import cut
 
@@ -379,7 +379,7 @@ class OrderSide:
         if not may(utterance.role, pending.sense.name, self._talk.settings):  # type: ignore[arg-type]
             role = self._talk.language.word("roles", utterance.role)
             self._talk.note("refused", number=number, order="confirm", role=utterance.role, by="role")
-            self._speaking.reply("not_yours", utterance, number, role=role[:1].upper() + role[1:])
+            self._speaking.reply("not_yours", utterance, number, role=capital(role))
         elif not is_yes:
             self._end_pending(utterance.speaker)
             self._talk.note("void", order=order_data(pending.sense), by="no", number=number)

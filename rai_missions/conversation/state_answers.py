@@ -14,6 +14,7 @@ from rai_missions.conversation.named import unit_of
 from rai_missions.conversation.senses import Sense
 from rai_missions.conversation.values import (
     about_words,
+    capital,
     duration,
     key_sentence,
     result_sentences,
@@ -163,7 +164,7 @@ class StateAnswers:
         for each in view.progress:
             name = unit_of(each.of, units)[0]
             numbers = {"done": f"{each.done:g}", "total": f"{each.total:g}"}
-            made.append(self.language.text("progress", of=f"{name[:1].upper()}{name[1:]}", **numbers))
+            made.append(self.language.text("progress", of=capital(name), **numbers))
         return made
 
     def _waits_for_answers(self, view: StatusView) -> list[str]:

@@ -14,7 +14,16 @@ from rai_missions.image import Image
 from rai_missions.plain_data import is_number, rounded
 from rai_missions.redaction import cut
 
-__all__ = ("about_words", "duration", "is_known", "key_sentence", "result_sentences", "value_sentence", "value_words")
+__all__ = (
+    "about_words",
+    "capital",
+    "duration",
+    "is_known",
+    "key_sentence",
+    "result_sentences",
+    "value_sentence",
+    "value_words",
+)
 
 AGED_S = 2.0
 """From this age on, the age of a value is spoken as well."""
@@ -117,8 +126,13 @@ def result_sentences(names: Iterable[str], keys: Mapping[str, KeyView], language
     return [_sentence(value_words(key.value, key, language)) for key in given if key.value]
 
 
+def capital(words: str) -> str:
+    """The words with a capital letter at their beginning; the others stay."""
+    return f"{words[:1].upper()}{words[1:]}"
+
+
 def _sentence(words: str) -> str:
-    return f"{words[:1].upper()}{words[1:].rstrip('.')}."
+    return f"{capital(words).rstrip('.')}."
 
 
 def key_sentence(path: str, keys: Mapping[str, KeyView], language: Language) -> str:
@@ -127,7 +141,7 @@ def key_sentence(path: str, keys: Mapping[str, KeyView], language: Language) -> 
     words = unit_of(key.name, language.data["units"])[0]
     if field:
         words = f"{words} {unit_of(field, language.data['units'])[0]}"
-    words = f"{words[:1].upper()}{words[1:]}"
+    words = capital(words)
     if key.age_s is None and key.value is None:
         return language.text("key_never", name=words)
     age = duration(key.age_s or 0.0, language)

@@ -35,8 +35,9 @@ class NoteSink(Protocol):
 
 def waiting_requests(record: Record) -> tuple[str, ...]:
     """The requests that waited when a journal's last word of them was written, each in words."""
-    rows = [row for note in record.notes() if isinstance(note.data, Mapping) for row in note.data.get(TALK) or ()]
-    last = next((row for row in reversed(rows) if isinstance(row, Mapping) and row.get("kind") == "waiting"), {})
+    talks = (note.data.get(TALK) or () for note in reversed(record.notes()) if isinstance(note.data, Mapping))
+    rows = (row for talk in talks for row in reversed(talk) if isinstance(row, Mapping))
+    last = next((row for row in rows if row.get("kind") == "waiting"), {})
     return tuple(map(str, last.get("requests") or ()))
 
 

@@ -51,12 +51,11 @@ def conversation_faults(robot: Robot, mission: Mission | None = None) -> tuple[F
     found = list[Fault]()
     for phrase, arguments in policy.phrases.items():
         place = pointer(("conversation", "phrases", phrase))
-        try:
-            slots = Phrases([phrase], language(policy.language).data["parts"]).slots
-        except UsageError as error:
-            found.append(Fault(place, str(error)))
+        compiled = _compiled(phrase, policy, place)
+        if isinstance(compiled, Fault):
+            found.append(compiled)
             continue
-        gives = arguments_of(slots, arguments)
+        gives = arguments_of(compiled.slots, arguments)
         if takes & gives:
             known = ", ".join(sorted(takes))
             sentence = "the mission takes no argument '{}'; it takes: " + known
@@ -64,14 +63,20 @@ def conversation_faults(robot: Robot, mission: Mission | None = None) -> tuple[F
     return (*found, *_question_faults(policy, mission))
 
 
+def _compiled(phrase: str, policy: ConversationPolicy, place: str) -> Phrases | Fault:
+    """A sentence as the policy's language reads it, or what is wrong with it."""
+    try:
+        return Phrases([phrase], language(policy.language).data["parts"])
+    except UsageError as error:
+        return Fault(place, str(error))
+
+
 def _question_faults(policy: ConversationPolicy, mission: Mission | None) -> Iterator[Fault]:
     """What is wrong with a robot's own questions; a key that the mission lacks is no fault."""
     for question, path in policy.questions.items():
         place = pointer(("conversation", "questions", question))
-        try:
-            Phrases([question], language(policy.language).data["parts"])
-        except UsageError as error:
-            yield Fault(place, str(error))
+        if isinstance(compiled := _compiled(question, policy, place), Fault):
+            yield compiled
         name, _, field = path.partition(".")
         fields = (mission.blackboard[name].fields or {}) if mission and name in mission.blackboard else None
         if field and fields is not None and field not in fields:

@@ -100,6 +100,7 @@ class TalkSession:
             ConnectorError: The robot's connector cannot carry the messages of `/conversation/hri`.
         """
         from rai_missions.agents.conversation import ConversationalAgent
+        from rai_missions.agents.talk.journal import waiting_requests
         from rai_missions.agents.talk.run_status import RobotWords
         from rai_missions.agents.talk.settings import settings_of
 
@@ -117,7 +118,8 @@ class TalkSession:
         self._runs = TalkRuns(config, waits=self._begins_ready, is_reachable=lambda: self._is_reachable)
         self._runs.begin(prepared)
         agent.attach(prepared.runner, prepared.journal)
-        agent.report_lost(_lost(config))
+        if prepared.plan.resumed is not None:
+            agent.report_lost(waiting_requests(prepared.plan.resumed.record))
         agent.run()
         if self._hri is not None:
             try:
@@ -347,17 +349,6 @@ def _profile(config: RunConfig) -> Robot | None:
         return None
     with opened(config.resume) as record:
         return robot_of(record)
-
-
-def _lost(config: RunConfig) -> tuple[str, ...]:
-    """The requests that waited in the program whose run is resumed, in words."""
-    from rai_missions.agents.talk.journal import waiting_requests
-    from rai_missions.journal import opened
-
-    if config.resume is None:
-        return ()
-    with opened(config.resume) as record:
-        return waiting_requests(record)
 
 
 def _is_simulated(profile: Robot | None) -> bool:
