@@ -168,8 +168,9 @@ def false_orders(bench: Bench, scale: int) -> None:
             words = plain_words(text)
             if each.text in PHRASES and not re.search(rf"\b{each.text}\b", words):
                 agree = each.readings.count(each.text)
-                given.update(ordered(each))
-                found.append(f"{text!r} by {speaker} became {each.text!r} ({agree} agree): {ordered(each)}")
+                names = ordered(each)
+                given.update(names)
+                found.append(f"{text!r} by {speaker} became {each.text!r} ({agree} agree): {names}")
                 print(f"    {found[-1]}", flush=True)
         count += 1
         if count % 100 == 0:

@@ -105,7 +105,6 @@ class House(Simulation):
         people_here = [int(self.model.body(person_name(number)).id) for number in range(len(here))]
         self.judge = HouseJudge(self.model, self.data, self.rosbot.body_id, people_here)
         errors = DetectorErrors.of(detector)
-        seer = OpenSetDetector(self._things(), errors, seed, lookalikes, COLOURS)
         self._finder = ObjectFinder(interface.FINDER)
         self._frames: FrameHistory | None = None
         self._detecting: DetectorServices | None = None
@@ -113,7 +112,9 @@ class House(Simulation):
             self._frames = FrameHistory(
                 self.camera, seed, depth=interface.DEPTH, lens=interface.LENS, fovy_deg=CAMERA_FOVY_DEG
             )
-            self._detecting = DetectorServices(self._frames, seer, self.since) if detects else None
+            if detects:
+                seer = OpenSetDetector(self._things(), errors, seed, lookalikes, COLOURS)
+                self._detecting = DetectorServices(self._frames, seer, self.since)
         self._speech = sentences(speech)
         self._lidar, self._low_scan = Lidar(self.model, self.data, seed), LowScan(self.model, self.data, seed)
         self._servers: dict[tuple[str, str], NavigateToPose | DockRobot | Wait] = {
