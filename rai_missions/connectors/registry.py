@@ -13,7 +13,7 @@ from rai_missions.connectors.connector import Connector
 from rai_missions.errors import MissionError, UsageError, in_words, suggestion
 from rai_missions.kinds import PackageOffer, offered
 
-__all__ = ("CONNECTORS", "IN_PROCESS", "check_connector", "connector_offer", "open_offered")
+__all__ = ("CONNECTORS", "IN_PROCESS", "check_connector", "check_options", "connector_offer", "open_offered")
 
 CONNECTORS: Mapping[str, str] = {"ros2": "rai_missions.connectors.ros2", "mqtt": "rai_missions.connectors.mqtt"}
 """Ours: kind → the module that opens it."""
@@ -43,6 +43,18 @@ def check_connector(kind: str) -> PackageOffer | None:
     if offer is None and kind not in IN_PROCESS:
         raise UsageError(f"no connector of kind '{kind}'{suggestion(kind, ('local', *CONNECTORS))}")
     return offer
+
+
+def check_options(offer: PackageOffer, options: Mapping[str, Any]) -> None:
+    """Check what a profile gives a connector: by its package's `check_options`, or by opening it without a start.
+
+    Raises:
+        UsageError: As `open_offered`.
+    """
+    if hasattr(package := offer.load(), "check_options"):
+        package.check_options(options)
+    else:
+        open_offered(offer, options)
 
 
 def open_offered(

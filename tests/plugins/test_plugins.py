@@ -19,6 +19,7 @@ import pytest
 
 from rai_missions.agents import run
 from rai_missions.check import check
+from rai_missions.cli.main import main
 from rai_missions.engine import Chart
 from rai_missions.engine.snapshot_json import packed, unpacked
 from rai_missions.errors import DefinitionError, UsageError
@@ -174,6 +175,17 @@ def test_a_foreign_connector_that_cannot_be_opened_is_refused_by_name(tmp_path: 
     finally:
         del sys.path[0]
         sys.modules.pop("radio", None)
+
+
+@pytest.mark.parametrize("options", [{"humid": 0.2}, {"humidity": "much"}])
+def test_check_finds_the_options_of_a_foreign_connector_that_a_run_refuses(
+    tmp_path: Path, options: dict[str, Any], capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = tmp_path / "robot.json"
+    file.write_text(json.dumps(json.loads(ROBOT.read_text()) | {"connector": {"kind": "tin_can", **options}}))
+    refusal = fault(lambda: run(MISSION, robot=file))
+    assert main(["check", str(MISSION), "--robot", str(file)]) == 2
+    assert f"{file}: /connector: {refusal}" in capsys.readouterr().err
 
 
 def test_a_foreign_exporter_makes_files_of_its_ending(tmp_path: Path) -> None:

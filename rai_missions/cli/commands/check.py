@@ -91,8 +91,8 @@ def _checked_profile(path: str, mission: Mission | None) -> tuple[str, tuple[Fil
 
 
 def _connector_faults(connector: Mapping[str, Any]) -> Iterator[Fault]:
-    """A kind of connector, a simulated world, or an option of one of ours that there is not."""
-    from rai_missions.connectors.registry import CONNECTORS, check_connector
+    """A kind of connector, a simulated world, or an option of one that there is not."""
+    from rai_missions.connectors.registry import check_connector, check_options
     from rai_missions.errors import Fault, UsageError
     from rai_missions.worlds.world import check_local
 
@@ -103,8 +103,8 @@ def _connector_faults(connector: Mapping[str, Any]) -> Iterator[Fault]:
         yield Fault("/connector/kind", str(error))
         return
     try:
-        if offer is not None and kind in CONNECTORS:
-            offer.load().check_options(options)
+        if offer is not None:
+            check_options(offer, options)
         elif kind == "local":
             check_local(options)
     except UsageError as error:

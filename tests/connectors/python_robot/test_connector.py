@@ -457,6 +457,7 @@ def test_a_fact_whose_first_reading_does_not_return_is_named(
         (lambda r: r.fact("x")(lambda a: None), "fact 'x': '<lambda>' is called with ()"),
         (lambda r: r.service("horn")(7), "service 'horn': 7 is no function"),
         (lambda r: r.fact("x", every_s=0), "every_s is a number of seconds above 0, not 0"),
+        (lambda r: r.fact("x", every_s="0.5"), "every_s is a number of seconds above 0, not '0.5'"),
         (lambda r: r.action("drive", uses="base"), "write uses=['base']"),
         (lambda r: r.raise_event("branch", 7), "the payload of event 'branch' is a dict, not 7"),
     ],
