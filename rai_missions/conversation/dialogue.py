@@ -97,8 +97,7 @@ class Dialogue:
     def on_lost_requests(self, requests: Sequence[str], view: StatusView, at: float) -> tuple[Output, ...]:
         """The program before this one was killed, and with it these requests, in words: they are reported."""
         self._begin(at)
-        text = self._talk.language.text("requests_lost", requests=self._talk.language.listed(list(requests)))
-        self._speaking.reports.add(f"{view.run}:lost", text, at)
+        self._orders.lose(requests, view.run)
         self._follow(view)
         return self._end()
 

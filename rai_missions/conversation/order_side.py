@@ -408,8 +408,14 @@ class OrderSide:
         """The run's status is new: what was read back may be void, and a request's turn may have come."""
         view = self._talk.view
         pending = self._pending
-        if pending is not None and self._binding(pending.sense, is_request=pending.is_request) != pending.binding:
-            self._void("changed")
+        if (
+            pending is not None
+            and (now := self._binding(pending.sense, is_request=pending.is_request)) != pending.binding
+        ):
+            if self._has_become_possible(pending.sense):
+                self._ask(pending._replace(binding=now), pending.utterance, 0)
+            else:
+                self._void("changed")
         if is_alive(view) and view.run != before.run:
             self._starting_until = float("-inf")
             if self._requests:
@@ -417,6 +423,11 @@ class OrderSide:
         if view.mode and not is_alive(view) and view.run != self._ended_run:
             self._ended_run = view.run
             self._starting_until = float("-inf")
+
+    def _has_become_possible(self, sense: Sense) -> bool:
+        """Whether it is a start that may begin now: the mission that ran when it was read back is over."""
+        is_next = sense.name == "start" and not self._requests
+        return is_next and not why_not_now(sense, self._talk.view, self._talk.language)
 
     def begin_requests(self) -> None:
         """The next request has its turn where no mission runs or is about to, and no one is asked for another."""
@@ -456,8 +467,13 @@ class OrderSide:
         if why and not judged.is_reported:
             self._speaking.reply("refused", judged.utterance, 0, order=judged.words, why=why.rstrip("."))
 
+    def lose(self, requests: Sequence[str], run: str) -> None:
+        """These waited in a program of this run that was killed, in words: that they are lost is reported."""
+        self._requests.lose(requests, run)
+
     def on_speech_end(self, end: SpeechEnd) -> None:
         """The time to confirm counts from the end of the reading back; what was not spoken cannot be confirmed."""
+        self._requests.on_speech_end()
         pending = self._pending
         if pending is None or pending.key != end.key:
             return

@@ -169,6 +169,11 @@ class Reports:
         ]
         return min(waiting, default=None)
 
+    def is_spoken(self, identity: str) -> bool:
+        """Whether it was spoken whole."""
+        report = self._all.get(identity)
+        return report is not None and report.state == "spoken"
+
     def unspoken(self) -> tuple[str, ...]:
         """The identities of the reports that were not spoken whole."""
         return tuple(each.identity for each in self._all.values() if each.state != "spoken")

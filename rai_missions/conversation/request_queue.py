@@ -45,6 +45,8 @@ class RequestQueue:
     def __init__(self, talk: Talk, speaking: SpeechSide) -> None:
         self._talk, self._speaking = talk, speaking
         self._waiting: deque[JudgedOrder] = deque()
+        self._lost: tuple[str, ...] = ()
+        self._lost_report = ""
 
     def __len__(self) -> int:
         return len(self._waiting)
@@ -64,7 +66,27 @@ class RequestQueue:
 
     def note(self) -> None:
         """Note what waits: a program that resumes the run after a kill reports what was lost."""
-        self._talk.note("waiting", requests=list(self.words))
+        self._talk.note("waiting", requests=[*self._lost, *self.words])
+
+    def lose(self, requests: Sequence[str], run: str) -> None:
+        """Have it reported that these are lost, which waited in a program that was killed.
+
+        Until that is spoken they are noted with what waits: a program that resumes the run again reports them again.
+
+        Args:
+            requests: Each in words.
+            run: Whose program it was.
+        """
+        self._lost, self._lost_report = tuple(requests), f"{run}:lost"
+        language = self._talk.language
+        text = language.text("requests_lost", requests=language.listed(list(requests)))
+        self._speaking.reports.add(self._lost_report, text, self._talk.now)
+
+    def on_speech_end(self) -> None:
+        """A speech has ended; if it reported what was lost, that is known now."""
+        if self._lost and self._speaking.reports.is_spoken(self._lost_report):
+            self._lost = ()
+            self.note()
 
     def take(self) -> JudgedOrder | None:
         """The oldest request, which waits no more; None where there is none."""

@@ -152,6 +152,54 @@ def test_what_was_lost_with_a_program_is_reported_once() -> None:
     assert len(texts) == 1 and all(each in texts[0] for each in lost)
 
 
+ENDS = st.lists(st.sampled_from(["whole", "cut", "failed", "request"]), max_size=6)
+
+
+@given(ENDS)
+@settings(max_examples=40, deadline=None, derandomize=True)
+def test_what_was_lost_is_noted_with_what_waits_until_it_was_spoken_whole(happens: list[str]) -> None:
+    view, at, own, owed, noted = PATROL._replace(is_resumed=True), 0.0, list[str](), ["start the mission 'tour'"], None
+    dialogue = Dialogue(Settings(requests="queue"), view)
+    outputs = dialogue.on_lost_requests(owed, view, at)
+    for happening in (*happens, "whole"):
+        keys = [each.key for each in outputs if isinstance(each, Speech) and each.report == "r:lost"]
+        at += 6.0
+        if happening == "request":
+            for text in ("start the patrol", "yes"):
+                outputs += dialogue.on_utterance(Utterance(text, "operator", "terminal", at=at), view)
+            own = [*own, "start the mission 'patrol'"][:3]
+        elif keys:
+            outputs = (*dialogue.on_speech_end(SpeechEnd(keys[-1], happening, at)), *dialogue.on_time(at + 6.0))
+            owed = [] if happening == "whole" else owed
+        notes = [each for each in outputs if isinstance(each, TalkNote) and each.kind == "waiting"]
+        noted = list(notes[-1].data["requests"]) if notes else noted
+        assert noted == (None if noted is None else [*owed, *own])
+    assert noted is not None or owed
+
+
+@pytest.mark.parametrize("mode", ["succeeded", "failed"])
+@pytest.mark.parametrize("waits", [0, 1])
+def test_a_start_that_was_read_back_is_read_back_again_once_the_mission_is_over(mode: str, waits: int) -> None:
+    over, dialogue = PATROL._replace(mode=mode, outcome=mode), Dialogue(Settings(requests="queue"), PATROL)
+
+    def say(text: str, at: float, view: StatusView) -> tuple[Any, ...]:
+        return dialogue.on_utterance(Utterance(text, "operator", "terminal", at=at), view)
+
+    for text in ["start the tour", "yes"] * waits:
+        say(text, 1.0, PATROL)
+    say("start the patrol", 2.0, PATROL)
+    at_end = [each for each in dialogue.on_status(over, 3.0) if isinstance(each, Speech | Order)]
+    if waits:
+        asked = {"succeeded": [], "failed": ["tour"]}[mode]
+        assert [each.mission for each in at_end if isinstance(each, Order)] == ["tour"] * (mode == "succeeded")
+    else:
+        asked = ["patrol"]
+        assert [each.mission for each in say("yes", 4.0, over) if isinstance(each, Order)] == ["patrol"]
+    read_back = [each.text for each in at_end if isinstance(each, Speech) and "yes or no" in each.text]
+    assert [name for name in asked if not any(name in text for text in read_back)] == []
+    assert len(read_back) == len(asked)
+
+
 def test_what_a_process_before_may_have_reported_is_marked_as_repeated_and_nothing_later() -> None:
     question = Question(1, "asking", "operator", "Which way?", (Offer("left"),))
     resumed = RUNNING._replace(is_resumed=True, questions=(question,))
