@@ -6,6 +6,7 @@ from __future__ import annotations
 import json
 import sys
 import threading
+from contextlib import suppress
 
 from rai_missions.connectors.sound.connector import FRAME_BYTES, FRAME_S, SoundConnector
 from rai_missions.connectors.sound.devices import DeviceSound
@@ -66,9 +67,9 @@ def listen_to(file: str | None, device: str | None, names: ListenNames, *, as_js
             _to_the_end(sound, recognition.listener)
         else:
             print("listening; Ctrl-C ends it", file=sys.stderr)
-            threading.Event().wait()
-    except KeyboardInterrupt:
-        return 0
+            with suppress(KeyboardInterrupt):
+                threading.Event().wait()
+            return 0
     finally:
         sound.stop()
         recognition.close()

@@ -33,7 +33,8 @@ def listen(
         json: One JSON object a line, with times and the readings of each recogniser.
 
     Exit status:
-        0 something was understood or Ctrl-C ended it, 1 nothing was, 2 the input is at fault
+        0 something was understood, or the microphone was listened to until the end (Ctrl-C, SIGTERM); 1 nothing was
+        understood, 2 the input is at fault
 
     Example:
         rai-missions listen question.wav
