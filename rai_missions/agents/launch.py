@@ -273,7 +273,7 @@ def _read(config: RunConfig, closing: CleanupStack) -> RunPlan:
     if config.resume is not None:
         from rai_missions.replay.open_run import open_run
 
-        resumed = open_run(config.resume, mission=mission, robot=robot, named=config.named)
+        resumed = open_run(config.resume, mission=mission, robot=robot, named=config.named, programs=config.programs)
         closing.closes(resumed.record.close)
         mission, robot = resumed.mission, robot or resumed.robot
     if robot is not None and "world" in robot.connector and config.seed is not None:  # the journal has it with the rest
@@ -367,7 +367,8 @@ def _header(plan: RunPlan, packages: Mapping[str, str]) -> Header:
     if plan.resumed is not None:
         return plan.resumed.record.header
     profile = dump_profile(plan.robot) if plan.robot is not None else ""
-    header = Header("", profile, dict(plan.config.arguments), versions={**packages, **plan.mission.packages()})
+    found = {**packages, **plan.mission.packages()}
+    header = Header("", profile, dict(plan.config.arguments), versions=found, programs=dict(plan.config.programs))
     if plan.config.journal_path is None:
         return header
     if not plan.mission.behaviours():  # one with behaviours in Python has no JSON; a replay needs its file

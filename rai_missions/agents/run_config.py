@@ -54,6 +54,9 @@ class RunConfig:
     resume: str | Path | None = None
     """The journal of a run that was cut short, which continues there. Its arguments are in it."""
     named: Named | None = None
+    programs: Mapping[str, str] = field(default_factory=dict)
+    """Files in Python that a person named, as `guards` or `mission` → the SHA-256 of each: a resume demands the same.
+    """
     waits: bool = False
     """Whether the run waits, ready, for the command to start; arguments that are missing come with it."""
     speed: float | None = None

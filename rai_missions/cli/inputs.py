@@ -16,7 +16,7 @@ from rai_missions.mission.mission import Mission
 if TYPE_CHECKING:
     from rai_missions.journal.reader import Record
 
-__all__ = ("distinct", "is_robot_program", "journal_steps", "load_guards", "read_pairs", "warn")
+__all__ = ("distinct", "is_robot_program", "journal_steps", "load_guards", "program_hashes", "read_pairs", "warn")
 
 
 def warn(sentence: str) -> None:
@@ -65,6 +65,16 @@ def load_guards(path: str | None, *, python: bool = True) -> dict[str, Callable[
         raise DefinitionError([Fault("", f"{type(error).__name__}: {error}")], path) from error
     own = {name: each for name, each in found.items() if callable(each) and not name.startswith("_")}
     return {name: each for name, each in own.items() if getattr(each, "__module__", None) == "<run_path>"}
+
+
+def program_hashes(**files: str | None) -> dict[str, str]:
+    """Those of the files that are in Python, by what they are of → the SHA-256 of their bytes, in hex."""
+    import hashlib
+
+    from rai_missions.mission.json_reader import file_bytes
+
+    named = {name: Path(path) for name, path in files.items() if path is not None and Path(path).suffix == ".py"}
+    return {name: hashlib.sha256(file_bytes(path)).hexdigest() for name, path in named.items()}
 
 
 def is_robot_program(path: str | None, *, python: bool = True) -> bool:

@@ -39,6 +39,8 @@ GENESIS = "0" * 64
 """What row 0 follows."""
 MIGRATED = "the run continues in another mission"
 """The text of the note that is a journal's last row from then on; its data names the other journal."""
+LEFT_OUT = ("migrated", "programs", "played")
+"""Fields of row 0 that are written only where they hold something."""
 Raw = tuple[int, Any, Any, Any]
 """A row as it is in the file: number, kind, content and hash."""
 Blob = tuple[str, str, bytes]
@@ -62,6 +64,8 @@ class Header(NamedTuple):
     """`rai_missions`, `python` and each package that offers a kind, connector or world; the first two are added."""
     migrated: Mapping[str, str] = {}
     """Of a run that another mission began: the `journal` of that one, its `seal` then, and the `map`."""
+    programs: Mapping[str, str] = {}
+    """Files in Python that a person named, as `guards` or `mission` → the SHA-256 of each, in hex."""
     played: bool = False
     """A person played the robot (`rai-missions try`): it is evidence of nothing that a robot did."""
 
@@ -130,7 +134,7 @@ def text_of(content: Any) -> str:
 
 def written_header(header: Header, keep: Keep = keep_nothing) -> str:
     """The content of row 0."""
-    fields = {name: value for name, value in header._asdict().items() if value or name not in ("migrated", "played")}
+    fields = {name: value for name, value in header._asdict().items() if value or name not in LEFT_OUT}
     return text_of({**fields, "format": 1, "arguments": to_json(header.arguments, keep)})
 
 
@@ -146,8 +150,9 @@ def read_header(kind: str, content: str, fetch: Fetch) -> Header:
     if fields.pop("format", None) != 1:
         raise ValueError("its 'format' is not 1")
     header: Header = form_of(Header).read(fields, fetch)
-    if not all(isinstance(text, str) for text in header.migrated.values()):
-        raise ValueError("its 'migrated' is no object of texts")
+    for name in ("migrated", "programs"):
+        if not all(isinstance(text, str) for text in getattr(header, name).values()):
+            raise ValueError(f"its '{name}' is no object of texts")
     return header
 
 

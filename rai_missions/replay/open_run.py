@@ -7,11 +7,12 @@ Rule: what has changed meanwhile is reported, never guessed.
 from __future__ import annotations
 
 import json
+from collections.abc import Mapping
 from pathlib import Path
 from typing import NamedTuple
 
 from rai_missions.errors import DefinitionError, Fault
-from rai_missions.journal import Record, opened
+from rai_missions.journal import Header, Record, opened
 from rai_missions.mission.mission import Mission
 from rai_missions.profile import Robot, dump_profile
 from rai_missions.replay.migrate import follow
@@ -22,6 +23,8 @@ __all__ = ("OpenedRun", "open_run")
 
 MAY_CHANGE = frozenset({"$schema", "name", "about", "connector", "identity", "rules"})
 """Of a profile: how the robot is reached and who answers, not what it receives and does."""
+
+NO_PROGRAMS: Mapping[str, str] = {}
 
 
 class OpenedRun(NamedTuple):
@@ -35,7 +38,7 @@ class OpenedRun(NamedTuple):
 
 def open_run(
     journal: str | Path, *, mission: Mission | None = None, robot: Robot | None = None,
-    named: Predicates | None = None,
+    named: Predicates | None = None, programs: Mapping[str, str] = NO_PROGRAMS,
 ) -> OpenedRun:  # fmt: skip
     """Read a run that was cut short.
 
@@ -44,9 +47,10 @@ def open_run(
         mission: The mission as it is now, if it is to be compared; needed for one with behaviours in Python.
         robot: The profile as it is now, if not the journal's is used.
         named: The predicates that guards name.
+        programs: The files in Python that were named, as `Header.programs` has them.
 
     Raises:
-        DefinitionError: The journal is damaged, or the mission or the profile has changed.
+        DefinitionError: The journal is damaged, or the mission, the profile or a file in Python has changed.
         UsageError: There is no such journal, or its run has ended or continues elsewhere.
     """
     record = opened(journal)
@@ -56,6 +60,11 @@ def open_run(
             sentence = f"the mission has changed since the run began ({was.version} then, {mission.version} now)"
             raise DefinitionError(
                 [Fault("", f"{sentence}; continue with the one that the journal holds, or migrate")], str(journal)
+            )
+        if other := _others(record.header, programs):
+            sentence = f"the file of the {' and that of the '.join(other)} has changed since the run began"
+            raise DefinitionError(
+                [Fault("", f"{sentence}; continue with the file as it was, or migrate")], str(journal)
             )
         before = robot_of(record)
         if robot is not None and before is not None and (changed := _changes(before, robot)):
@@ -69,6 +78,14 @@ def open_run(
     except BaseException:
         record.close()
         raise
+
+
+def _others(header: Header, programs: Mapping[str, str]) -> list[str]:
+    """Which files in Python have other bytes now; a mission that is in the journal is compared as what it means."""
+    return [
+        name for name, now in programs.items()
+        if header.programs.get(name, now) != now and not (name == "mission" and header.mission)
+    ]  # fmt: skip
 
 
 def _changes(before: Robot, now: Robot) -> list[str]:

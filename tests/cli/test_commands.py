@@ -241,6 +241,42 @@ def test_guards_of_a_file_can_be_named_and_are_replayed_without_it(folder: Path)
     assert main(["replay", "a.journal"]) == 0
 
 
+def test_a_run_resumes_with_the_files_in_python_that_it_began_with(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    named = {"when": {"named": "is_late", "with": {"than": 3}}, "to": "off"}
+    states = {"on": {"transitions": [named]}, "off": {"final": "aborted"}}
+    (folder / "m.json").write_text(json.dumps({"name": "m", "initial": "on", "states": states}))
+    (folder / "guards.py").write_text("def is_late(board, than):\n    return than == 3\n")
+    (folder / "counting.py").write_text(COUNTING)
+    began = {"guards": ["m.json", "--guards", "guards.py"], "mission": ["counting.py"]}
+    for name, words in began.items():
+        assert main(["run", *words, "--journal", f"{name}.journal"]) == 1
+        resume, changed = ["run", "--resume", f"{name}.journal", *words], f"the file of the {name} has changed since"
+        capsys.readouterr()
+        assert main(resume) == 2
+        assert "has ended, aborted" in capsys.readouterr().err, "the files are those with which it began"
+        with open(words[-1], "a") as file:
+            file.write("# another\n")
+        assert main(resume) == 2
+        assert changed in capsys.readouterr().err
+    (folder / "lamp.py").write_text(LAMP_IN_PYTHON)
+    assert main(["run", "lamp.py", "--journal", "lamp.journal"]) == 1
+    with open("lamp.py", "a") as file:
+        file.write("# the same mission\n")
+    assert main(["run", "--resume", "lamp.journal", "lamp.py"]) == 2
+    assert "has ended, aborted" in capsys.readouterr().err
+
+
+LAMP_IN_PYTHON = """
+from rai_missions import After, Mission
+from rai_missions.states import Final, State
+
+
+def mission():
+    states = {"on": State(transitions=[After(0.01, to="off")]), "off": Final("aborted")}
+    return Mission("lamp", initial="on", states=states)
+"""
 COUNTING = """
 import py_trees
 

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from rai_missions.check import check, faults_of, load_whole
-from rai_missions.cli.inputs import warn
+from rai_missions.cli.inputs import program_hashes, warn
 from rai_missions.engine import Named
 from rai_missions.errors import DefinitionError, UsageError
 from rai_missions.journal import opened
@@ -42,8 +42,9 @@ def migrated(options: RunOptions, named: Named | None) -> RunOptions:
             same_file(Path(options.robot), _hash_of(record.header.profile))
     robot = load_profile(options.robot) if options.robot and not is_program(options.robot) else None
     done = migrate(
-        options.resume, mission, load_map(options.migrate), to=to, robot=robot, named=named, source=options.migrate
-    )
+        options.resume, mission, load_map(options.migrate), to=to, robot=robot, named=named,
+        programs=program_hashes(mission=options.mission, guards=options.guards), source=options.migrate,
+    )  # fmt: skip
     warn(f"the run of {options.resume} resumes in {to}, as '{mission.name}' {mission.version}")
     for note in done.notes:
         warn(f"migrated: {note}")

@@ -15,7 +15,15 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from rai_missions.agents.mission import PreparedRun, RunConfig, prepare
 from rai_missions.check import check, faults_of, load_whole
-from rai_missions.cli.inputs import distinct, is_robot_program, journal_steps, load_guards, read_pairs, warn
+from rai_missions.cli.inputs import (
+    distinct,
+    is_robot_program,
+    journal_steps,
+    load_guards,
+    program_hashes,
+    read_pairs,
+    warn,
+)
 from rai_missions.cli.output import wait_for_output
 from rai_missions.cli.progress import Lines
 from rai_missions.cli.run.live_page import normalise_watch_args, page_of
@@ -65,7 +73,8 @@ def run_mission(options: RunOptions) -> int:
             "give its profile, or its program in Python: --robot FILE"
         )
     lines = _lines(mission, options)
-    config = replace(_config(options, mission, lines), named=named)
+    programs = program_hashes(mission=options.mission, guards=options.guards)
+    config = replace(_config(options, mission, lines), named=named, programs=programs)
     warn(_without_effect(options, is_python=is_python))
     with ExitStack() as signals:
         try:
@@ -201,6 +210,7 @@ def _run_managed(options: RunOptions, *, is_python: bool) -> int:
         _arguments(options, mission), model=options.model,
         model_memory_gib=options.model_memory, seed=options.seed,
         named=load_guards(options.guards, python=not options.no_python), speed=options.speed,
+        programs=program_hashes(mission=options.mission, guards=options.guards),
         journal=base,
     )  # fmt: skip
     return serve_managed(options, config, lambda: base.with_stem(f"{base.stem}-{next(numbers)}"))

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import json
 import os
+from collections.abc import Mapping
 from contextlib import suppress
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -33,6 +34,9 @@ from rai_missions.replay.resume import Resumption, resumption
 __all__ = ("MigratedRun", "follow", "migrate")
 
 
+NO_PROGRAMS: Mapping[str, str] = {}
+
+
 class MigratedRun(NamedTuple):
     """A run that has another mission now."""
 
@@ -44,7 +48,7 @@ class MigratedRun(NamedTuple):
 
 def migrate(
     journal: str | Path, mission: Mission, map_: Map, *, to: str | Path, robot: Robot | None = None,
-    named: Predicates | None = None, source: str = "",
+    named: Predicates | None = None, programs: Mapping[str, str] = NO_PROGRAMS, source: str = "",
 ) -> MigratedRun:  # fmt: skip
     """Move a run that was cut short into a mission that has changed; nothing is started by this.
 
@@ -55,6 +59,7 @@ def migrate(
         to: The new journal, which must not be there; `run --resume` continues with it.
         robot: The profile as it is now; by default the journal's.
         named: The predicates that guards name.
+        programs: The files in Python as they are now, as `Header.programs` has them.
         source: Where the map comes from, for its faults.
 
     Raises:
@@ -83,7 +88,7 @@ def migrate(
         if faults := _broken(chart):
             raise DefinitionError(faults, source or mission.name)
         with Journal.open(journal, seal=record.seal) as old:
-            _write(Path(to), _header(record, naming, profile, Path(to)), step)
+            _write(Path(to), _header(record, naming, profile, Path(to))._replace(programs=dict(programs)), step)
             with read(to) as new:
                 _leave(old, new)
     return MigratedRun(Path(to), mission, tuple(data["notes"]))
