@@ -14,7 +14,8 @@ from tests.visualize.colours import BLINDNESSES, distance
 from visualize.style import LOOKS, MARKS, OUTCOMES
 
 CSS = (Path(visualize.__file__).parent / "page/assets/page.css").read_text(encoding="utf-8")
-THEMES = re.findall(r"\{([^{}]*--paper: #[^{}]*--blue: [^{}]*)\}", CSS)
+COLOURS = re.findall(r"--([a-z-]+): light-dark\((#[0-9a-f]{6}), (#[0-9a-f]{6})\);", CSS)
+THEMES = {"light": {name: light for name, light, _ in COLOURS}, "dark": {name: dark for name, _, dark in COLOURS}}
 
 
 def nearest(colours: set[str], blindness: str) -> float:
@@ -32,10 +33,10 @@ def test_the_kinds_of_states_can_be_distinguished(blindness: str) -> None:
 
 
 @pytest.mark.parametrize("blindness", BLINDNESSES)
-@pytest.mark.parametrize("theme", THEMES, ids=range(len(THEMES)))
+@pytest.mark.parametrize("theme", THEMES)
 def test_the_lines_of_the_page_can_be_distinguished_and_read(theme: str, blindness: str) -> None:
     """Twice what an eye can just report; which kind it is is in words on each."""
-    colours = dict(re.findall(r"--([a-z-]+): (#[0-9a-f]{6})", theme))
+    colours = THEMES[theme]
     lines = {colours[name] for name in ("blue", "sky", "orange", "green", "purple", "red", "group-line")}
     assert len(lines) == 7
     assert nearest(lines, blindness) > 4.6
@@ -49,10 +50,10 @@ def luminance(colour: str) -> float:
     return 0.2126 * red + 0.7152 * green + 0.0722 * blue
 
 
-@pytest.mark.parametrize("theme", THEMES, ids=range(len(THEMES)))
+@pytest.mark.parametrize("theme", THEMES)
 def test_every_colour_of_text_can_be_read_on_the_page(theme: str) -> None:
     """A contrast of 4.5, which WCAG 2.2 asks of text (1.4.3)."""
-    colours = dict(re.findall(r"--([a-z-]+): (#[0-9a-f]{6})", theme))
+    colours = THEMES[theme]
     sheets = "".join(each.read_text(encoding="utf-8") for each in Path(visualize.__file__).parent.rglob("*.css"))
     texts = set(re.findall(r"(?<![-\w])color: var\(--([a-z-]+)\)", sheets)) - {"paper", "ground"}
     assert len(texts) >= 5
@@ -63,7 +64,9 @@ def test_every_colour_of_text_can_be_read_on_the_page(theme: str) -> None:
 
 
 def test_the_page_has_a_light_and_a_dark_theme() -> None:
-    assert len(THEMES) >= 2
+    assert luminance(THEMES["light"]["paper"]) > 0.9
+    assert luminance(THEMES["dark"]["paper"]) < 0.1
+    assert CSS.count("light-dark(") == len(COLOURS)
 
 
 def test_nothing_is_reported_by_colour_alone() -> None:

@@ -30,8 +30,3 @@ function tokenHere() {
   }
   return given || sessionStorage.getItem("token") || "";
 }
-
-function theme() {
-  const dark = getComputedStyle(document.documentElement).getPropertyValue("--dark").trim() === "1";
-  document.documentElement.dataset.theme = dark ? "light" : "dark";
-}

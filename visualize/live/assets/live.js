@@ -64,7 +64,7 @@ class Live {
     click("fit", () => keys.zoom(0));
     click("nearer", () => keys.zoom(1.25));
     click("farther", () => keys.zoom(0.8));
-    click("theme", () => theme());
+    click("theme", theme);
     click("help", () => byId("keys").showModal());
     click("keys-close", () => byId("keys").close());
     click("menu", () => keys.menu());

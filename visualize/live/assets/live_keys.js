@@ -24,7 +24,7 @@ class LiveKeys {
     const acts = {
       q: () => this.question(), c: () => this.live.chat && !byId("tab-talk").hidden && this.live.chat.focus(), l: () => byId("follow").click(), n: () => this.walk(1), p: () => this.walk(-1),
       f: () => this.zoom(0), "+": () => this.zoom(1.25), "=": () => this.zoom(1.25), "-": () => this.zoom(0.8),
-      t: () => theme(), "?": () => byId("keys").showModal(), Escape: () => this.clear(),
+      t: theme, "?": () => byId("keys").showModal(), Escape: () => this.clear(),
       Enter: () => this.live.selected && this.chart.toggle(this.live.selected),
     };
     if (pan && event.target.closest("#asked, #panel")) return; // there they scroll

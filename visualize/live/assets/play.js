@@ -37,7 +37,7 @@ class PlayPage {
     click("fit", () => this.chart.fit());
     click("nearer", () => this.chart.zoom(1.25));
     click("farther", () => this.chart.zoom(0.8));
-    click("theme", () => theme());
+    click("theme", theme);
     click("undo", () => this.undo(1));
     click("save", () => this.order({ save: true }));
     for (const name of TABS) click(`tab-${name}`, () => tab(name));

@@ -38,6 +38,12 @@ function byId(id) {
   return document.getElementById(id);
 }
 
+/** From light to dark, or back; until then the page is as the reader's system is. */
+function theme() {
+  const root = document.documentElement, systemIsDark = matchMedia("(prefers-color-scheme: dark)").matches;
+  root.dataset.theme = (root.dataset.theme || (systemIsDark ? "dark" : "light")) === "dark" ? "light" : "dark";
+}
+
 /** A picture that the page holds; anything but a PNG or JPEG is replaced by words. */
 function pictured(entry, words) {
   if (!entry || !PICTURE.test(entry.uri || "")) return make("p", { class: "muted" }, "no picture: ", (entry || {}).why || "it is not in the page");

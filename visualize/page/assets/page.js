@@ -46,7 +46,7 @@ class Page {
     click("farther", () => this.chart.zoom(0.8));
     click("open-all", () => this.chart.openAll());
     click("close-all", () => this.chart.closeAll());
-    click("theme", () => this.theme());
+    click("theme", theme);
     click("help", () => byId("keys").showModal());
     click("keys-close", () => byId("keys").close());
     click("menu", () => this.menu(byId("menu").getAttribute("aria-expanded") !== "true"));
@@ -67,7 +67,7 @@ class Page {
     const pan = { ArrowLeft: [60, 0], ArrowRight: [-60, 0], ArrowUp: [0, 60], ArrowDown: [0, -60] }[event.key];
     const acts = {
       "/": () => byId("search").focus(), f: () => this.chart.fit(), "+": () => this.chart.zoom(1.25), "=": () => this.chart.zoom(1.25), "-": () => this.chart.zoom(0.8),
-      a: () => this.chart.openAll(), c: () => this.chart.closeAll(), t: () => this.theme(), "?": () => byId("keys").showModal(), Escape: () => this.clear(),
+      a: () => this.chart.openAll(), c: () => this.chart.closeAll(), t: theme, "?": () => byId("keys").showModal(), Escape: () => this.clear(),
       ",": () => this.play((player) => player.seek(player.index - 1)), ".": () => this.play((player) => player.seek(player.index + 1)),
       "<": () => this.play((player) => player.jump(-1)), ">": () => this.play((player) => player.jump(1)),
       n: () => this.walk(1), p: () => this.walk(-1), Enter: () => this.at.state && this.chart.toggle(this.at.state),
@@ -102,11 +102,6 @@ class Page {
     this.search("");
     if (this.lenses.on) this.lenses.turn(this.lenses.on);
     else this.select("", "");
-  }
-
-  theme() {
-    const dark = getComputedStyle(document.documentElement).getPropertyValue("--dark").trim() === "1";
-    document.documentElement.dataset.theme = dark ? "light" : "dark";
   }
 
   tab(name) {
