@@ -249,7 +249,7 @@ class Live {
   put(question) {
     const made = new Asked(question, Boolean(this.acts) && this.data.answers, {
       answer: (to, option, parameters) => this.acts.order({ command: "answer", question: to.number, option, parameters }),
-      notify: (words) => this.notify(words, "bad"), go: (name) => this.go("state", name),
+      notify: (words) => this.notify(words, "bad"), go: (kind, name) => this.go(kind, name),
     });
     made.evidence = new Evidence(question, { picture: (canvas, query) => this.cameras.picture(canvas, query), now: () => this.present() });
     this.asked.set(question.number, made);

@@ -87,7 +87,7 @@ class Cameras {
 class Tail {
   /** @param host element  @param listener {go(kind, name)} */
   constructor(host, listener) {
-    Object.assign(this, { host, listener });
+    Object.assign(this, { host, link: linksTo(listener.go) });
   }
 
   begin(steps) {
@@ -110,11 +110,7 @@ class Tail {
     const left = (step.exited || []).filter((name) => !(step.entered || []).includes(name));
     const into = step.entered || [];
     if (!left.length && !into.length) return [""];
-    return [" ", left.reverse().join(", "), " → ", ...into.flatMap((name, index) => [index ? ", " : "", this.link(name)])];
-  }
-
-  link(name) {
-    return make("a", { href: hashOf({ state: name }), on: { click: (event) => { event.preventDefault(); this.listener.go("state", name); } } }, name);
+    return [" ", left.reverse().join(", "), " → ", ...into.flatMap((name, index) => [index ? ", " : "", this.link("state", name)])];
   }
 }
 

@@ -6,7 +6,7 @@
 const SETTLES_MS = 500;
 
 class Asked {
-  /** @param question data  @param can whether it may be answered here  @param listener {answer(question, option, parameters), notify(words), go(name)} */
+  /** @param question data  @param can whether it may be answered here  @param listener {answer(question, option, parameters), notify(words), go(kind, name)} */
   constructor(question, can, listener) {
     Object.assign(this, { question, listener, since: performance.now() });
     this.left = make("b", { class: "left", role: "timer", "aria-live": "off" });
@@ -17,7 +17,7 @@ class Asked {
     this.buttons = [];
     this.element = make("section", { class: `question${mine ? " mine" : ""}`, "data-question": String(question.number), "aria-labelledby": title, tabindex: "-1" },
       make("p", { class: "head" }, this.left, make("span", {}, make("b", {}, mine ? "You are asked" : `${capital(question.who)} is asked`),
-        make("small", {}, make("span", { class: "which" }, ` question ${question.number}${question.attempt > 1 ? `, attempt ${question.attempt}` : ""},`), " ", this.state()))),
+        make("small", {}, make("span", { class: "which" }, ` question ${question.number}${question.attempt > 1 ? `, attempt ${question.attempt}` : ""},`), " ", linksTo(listener.go)("state", question.state)))),
       this.bar, make("h2", { class: "text", id: title, tabindex: "0" }, question.text || `question ${question.number}`), this.offers);
     this.offerAll();
   }
@@ -34,10 +34,6 @@ class Asked {
     this.buttons = [];
     this.offers.classList.toggle("many", options.length > 6);
     this.offers.replaceChildren(...(this.mine ? options.map((option) => this.offer(option)) : [make("p", { class: "muted" }, "offered: ", options.map((option) => option.name).join(", "))]));
-  }
-
-  state() {
-    return make("a", { href: hashOf({ state: this.question.state }), on: { click: (event) => { event.preventDefault(); this.listener.go(this.question.state); } } }, this.question.state);
   }
 
   /** There was so much time that a reminder near its end is none right after the question. */

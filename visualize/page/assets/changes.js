@@ -59,7 +59,7 @@ class Changes {
   item(change) {
     const [kind, name] = change.transition ? ["transition", change.transition] : ["state", change.state];
     const words = [make("b", { class: "mark", title: MARKED[change.mark] }, change.mark === "-" ? "−" : change.mark, make("span", { class: "away" }, ` ${MARKED[change.mark]} `)), change.sentence];
-    const lead = name ? make("a", { href: hashOf({ [kind]: name }), on: { click: (event) => { event.preventDefault(); this.page.go(kind, name); } } }, words) : make("span", {}, words);
+    const lead = name ? this.page.details.link(kind, name, words) : make("span", {}, words);
     return make("li", { class: change.severity, "data-place": change.place }, lead,
       change.before ? make("div", { class: "was" }, make("b", {}, "was "), change.before) : "",
       change.after ? make("div", { class: "now" }, make("b", {}, change.mark === "~" ? "now " : ""), change.after) : "",

@@ -4,7 +4,7 @@
 class Coverage {
   /** @param host element  @param data the page's data  @param model Model  @param listener {go(kind, name)} */
   constructor(host, data, model, listener) {
-    Object.assign(this, { host, data, model, listener, by: "order", down: false, seen: false });
+    Object.assign(this, { host, data, model, link: linksTo(listener.go), by: "order", down: false, seen: false });
     this.transitions = [...model.transitions.values()].map(([transition, ...more], order) => {
       const counts = data.coverage.transitions[transition.place] || [];
       return { order, transition, from: transition.source || "every state", words: transitionWords({ ...transition, do: [] }), to: [transition, ...more].map((each) => each.target || "(stays)").join(", "), taken: sum(counts), runs: counts.filter(Boolean).length };
@@ -23,7 +23,7 @@ class Coverage {
       make("table", { class: "sorted" }, make("thead", {}, make("tr", {}, head.map(([by, words]) => make("th", { "aria-sort": this.by === by ? (this.down ? "descending" : "ascending") : "none" },
         make("button", { type: "button", "data-sort": by, on: { click: () => this.sort(by) } }, words, this.by === by ? (this.down ? " ▾" : " ▴") : ""))))),
       make("tbody", {}, sorted.map((each) => make("tr", { class: !runs || each.taken ? "" : "never" }, make("td", {}, String(each.order + 1)), make("td", {}, each.from),
-        make("td", {}, make("a", { href: hashOf({ transition: each.transition.place }), on: { click: (event) => { event.preventDefault(); this.listener.go("transition", each.transition.place); } } }, each.words)),
+        make("td", {}, this.link("transition", each.transition.place, each.words)),
         make("td", {}, each.to), runs ? [make("td", { class: "number" }, each.taken ? String(each.taken) : "never"), runs > 1 ? make("td", { class: "number" }, String(each.runs)) : ""] : "")))));
     if (runs && unseen.length) this.host.append(listed("States never entered", unseen.map((state) => make("li", {}, state.name))));
     this.seen = true;

@@ -4,11 +4,7 @@
 class Details {
   /** @param host element  @param model Model  @param more {findings, coverage, runs, go(kind, name)} */
   constructor(host, model, more) {
-    Object.assign(this, { host, model }, more);
-  }
-
-  link(kind, name, words) {
-    return make("a", { href: hashOf({ [kind]: name }), on: { click: (event) => { event.preventDefault(); this.go(kind, name); } } }, words || name);
+    Object.assign(this, { host, model, link: linksTo(more.go) }, more);
   }
 
   nothing() {
@@ -166,8 +162,4 @@ function counted(number, word) {
 
 function defined(written) {
   return written ? make("details", { open: true }, make("summary", {}, "Definition"), make("pre", { tabindex: "0" }, JSON.stringify(written, null, 2))) : "";
-}
-
-function hashOf(parts) {
-  return "#" + Object.entries(parts).filter(([, value]) => value !== "" && value !== null && value !== undefined).map(([name, value]) => `${name}=${encodeURIComponent(value)}`).join("&");
 }

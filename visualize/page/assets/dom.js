@@ -38,6 +38,20 @@ function byId(id) {
   return document.getElementById(id);
 }
 
+/** The address of what is chosen in a page. */
+function hashOf(parts) {
+  return "#" + Object.entries(parts).filter(([, value]) => value !== "" && value !== null && value !== undefined).map(([name, value]) => `${name}=${encodeURIComponent(value)}`).join("&");
+}
+
+function link(parts, act, words) {
+  return make("a", { href: hashOf(parts), on: { click: (event) => { event.preventDefault(); act(); } } }, words);
+}
+
+/** What makes links to states and transitions: they call `go(kind, name)`, and have an address for a window of its own. */
+function linksTo(go) {
+  return (kind, name, words) => link({ [kind]: name }, () => go(kind, name), words || name);
+}
+
 /** From light to dark, or back; until then the page is as the reader's system is. */
 function theme() {
   const root = document.documentElement, systemIsDark = matchMedia("(prefers-color-scheme: dark)").matches;

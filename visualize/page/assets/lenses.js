@@ -4,7 +4,7 @@
 class Lenses {
   /** @param bar element  @param host element  @param lenses data  @param listener {show(lens), go(kind, name)} */
   constructor(bar, host, lenses, listener) {
-    Object.assign(this, { bar, host, lenses, listener, on: "" });
+    Object.assign(this, { bar, host, lenses, listener, link: linksTo(listener.go), on: "" });
     this.buttons = new Map(lenses.map((lens) => [lens.name, make("button", {
       type: "button", "aria-pressed": "false", title: `${lens.title} (${lens.key})`, "data-lens": lens.name, on: { click: () => this.turn(lens.name) },
     }, lens.label)]));
@@ -30,9 +30,5 @@ class Lenses {
   words(lens) {
     return [make("h2", {}, lens.title), ...lens.sections.map((section) => listed(section.heading, section.items.map((item) => make("li", {},
       item.transition ? this.link("transition", item.transition, item.text) : item.state ? this.link("state", item.state, item.text) : item.text))))];
-  }
-
-  link(kind, name, words) {
-    return make("a", { href: hashOf({ [kind]: name }), on: { click: (event) => { event.preventDefault(); this.listener.go(kind, name); } } }, words);
   }
 }

@@ -7,7 +7,7 @@ const TRUTH = [["✗", "false", "no"], ["✓", "true", "yes"], ["?", "unknown", 
 class Player {
   /** @param bar element  @param host element  @param data the page's data  @param model Model  @param listener {step(frame), go(kind, name)} */
   constructor(bar, host, data, model, listener) {
-    Object.assign(this, { bar, host, data, model, listener, index: 0, number: 0, due: false });
+    Object.assign(this, { bar, host, data, model, listener, link: linksTo(listener.go), index: 0, number: 0, due: false });
     this.replays = new Map();
     this.choice = make("select", { "aria-label": "run", on: { change: () => this.use(() => this.turn(Number(this.choice.value), null)) } },
       data.runs.map((run, index) => make("option", { value: String(index) }, `${run.name}${run.head.played ? " – played" : ""}${run.outcome ? ` – ${run.outcome}` : ""}`)));
@@ -166,11 +166,6 @@ class Player {
   questions(run) {
     if (!run.questions.length) return "";
     return make("details", {}, make("summary", {}, `All ${run.questions.length} questions of this run`), make("ol", {}, run.questions.map((each) => make("li", {},
-      make("a", { href: hashOf({ run: this.number, step: each.answered ?? each.step }), on: { click: (event) => { event.preventDefault(); this.seek(each.answered ?? each.step); } } },
-        `${each.number} to ${each.whom}: ${each.verdict ? each.verdict[0] : "not answered"}`)))));
-  }
-
-  link(kind, name, words) {
-    return make("a", { href: hashOf({ [kind]: name }), on: { click: (event) => { event.preventDefault(); this.listener.go(kind, name); } } }, words || name);
+      link({ run: this.number, step: each.answered ?? each.step }, () => this.seek(each.answered ?? each.step), `${each.number} to ${each.whom}: ${each.verdict ? each.verdict[0] : "not answered"}`)))));
   }
 }
