@@ -92,8 +92,7 @@ class Chat {
 
   /** Opens the conversation and moves the keyboard to where a sentence is written. */
   focus() {
-    tab("talk");
-    this.read();
+    this.tab.click();
     if (!this.form.hidden) this.input.focus();
     else this.host.focus();
   }

@@ -40,6 +40,7 @@ class Live {
     const go = (kind, name) => this.go(kind, name);
     this.details = new Details(byId("details"), this.chart.model, { findings: [], coverage: {}, runs: [], go });
     this.details.nothing();
+    this.tabs = new Tabs(TABS);
     this.board = new Board(byId("board"), chart.keys);
     this.cameras = new Cameras(byId("cameras"), chart.keys, this.line);
     this.tail = new Tail(byId("steps"), { go });
@@ -68,7 +69,6 @@ class Live {
     click("help", () => byId("keys").showModal());
     click("keys-close", () => byId("keys").close());
     click("menu", () => keys.menu());
-    for (const name of TABS) click(`tab-${name}`, () => tab(name));
   }
 
   // -- what comes -------------------------------------------------------------------------------------------------
@@ -272,7 +272,7 @@ class Live {
 
   /** What the cameras see now. */
   present() {
-    tab("now");
+    this.tabs.show("now");
     byId("cameras").scrollIntoView({ block: "start" });
   }
 
@@ -302,30 +302,18 @@ class Live {
   }
 
   select(kind, name, places) {
-    if (kind === "state") this.details.state(name);
-    else if (kind === "transition") this.details.transitions(places || [name]);
-    else this.details.nothing();
+    this.details.show(kind, name, places);
     this.selected = kind === "state" ? name : "";
-    this.chart.show({ selected: kind === "state" || kind === "transition" ? `${kind} ${name}` : null });
-    if (kind) tab("details");
+    this.chart.select(kind, name);
+    if (kind) this.tabs.show("details");
   }
 
   go(kind, name) {
-    const transition = kind === "transition" ? (this.chart.model.transitions.get(name) || [])[0] : null;
-    const state = kind === "state" ? name : transition ? transition.source || transition.target : "";
-    if (!this.chart.model.states.has(state)) return;
+    const state = this.chart.model.stateOf(kind, name);
+    if (!state) return;
     if (!this.state.active.includes(state)) this.follower.turn(false);
-    this.chart.reveal(state);
-    this.chart.center(state);
+    this.chart.goTo(state);
     this.select(kind, name);
-  }
-}
-
-function tab(name) {
-  for (const each of TABS) {
-    byId(each).hidden = each !== name;
-    byId(`tab-${each}`).setAttribute("aria-selected", String(each === name));
-    byId(`tab-${each}`).tabIndex = each === name ? 0 : -1;
   }
 }
 

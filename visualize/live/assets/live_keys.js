@@ -9,7 +9,6 @@ class LiveKeys {
       const button = event.target.closest("button");
       if (button && !button.dataset.sure) this.menu(false); // one that is asked twice keeps it open
     });
-    document.querySelector(".tabs").addEventListener("keydown", alongTabs);
   }
 
   get chart() {
@@ -20,7 +19,7 @@ class LiveKeys {
     if (event.key === "Escape" && event.target.id === "talk-text") return event.target.blur();
     if ((event.target.closest("input, select, textarea") && event.key !== "Escape") || event.target.closest("dialog") || event.ctrlKey || event.metaKey || event.altKey || event.defaultPrevented) return;
     if (event.key === "Enter" && event.target.closest("button, a, summary")) return;
-    const pan = { ArrowLeft: [60, 0], ArrowRight: [-60, 0], ArrowUp: [0, 60], ArrowDown: [0, -60] }[event.key];
+    const pan = PANS[event.key];
     const acts = {
       q: () => this.question(), c: () => this.live.chat && !byId("tab-talk").hidden && this.live.chat.focus(), l: () => byId("follow").click(), n: () => this.walk(1), p: () => this.walk(-1),
       f: () => this.zoom(0), "+": () => this.zoom(1.25), "=": () => this.zoom(1.25), "-": () => this.zoom(0.8),

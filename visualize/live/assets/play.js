@@ -22,6 +22,7 @@ class PlayPage {
     this.chart.svg.addEventListener("click", () => this.select("", ""));
     this.details = new Details(byId("details"), this.chart.model, { findings: [], coverage: {}, runs: [], go: (kind, name) => this.go(kind, name) });
     this.details.nothing();
+    this.tabs = new Tabs(TABS);
     this.choices = new Choices(byId("choices"), { choose: (name, values) => this.order({ do: name, values }), notify: (words, kind) => this.notify(words, kind) });
     this.legend = new Legend(byId("legend"), { chart, runs: [{}] });
     byId("name").textContent = shown(chart.name);
@@ -40,7 +41,6 @@ class PlayPage {
     click("theme", theme);
     click("undo", () => this.undo(1));
     click("save", () => this.order({ save: true }));
-    for (const name of TABS) click(`tab-${name}`, () => tab(name));
     document.addEventListener("keydown", (event) => this.key(event));
   }
 
@@ -146,21 +146,17 @@ class PlayPage {
   }
 
   select(kind, name, places) {
-    if (kind === "state") this.details.state(name);
-    else if (kind === "transition") this.details.transitions(places || [name]);
-    else this.details.nothing();
-    this.chart.show({ selected: kind === "state" || kind === "transition" ? `${kind} ${name}` : null });
+    this.details.show(kind, name, places);
+    this.chart.select(kind, name);
     if (!kind) return;
-    tab("details");
+    this.tabs.show("details");
     document.querySelector("aside").scrollTop = 0;
   }
 
   go(kind, name) {
-    const transition = kind === "transition" ? (this.chart.model.transitions.get(name) || [])[0] : null;
-    const state = kind === "state" ? name : transition ? transition.source || transition.target : "";
-    if (!this.chart.model.states.has(state)) return;
-    this.chart.reveal(state);
-    this.chart.center(state);
+    const state = this.chart.model.stateOf(kind, name);
+    if (!state) return;
+    this.chart.goTo(state);
     this.select(kind, name);
   }
 }
@@ -169,13 +165,6 @@ class PlayPage {
 function way({ exited = [], entered = [] }) {
   const left = exited.filter((name) => !entered.includes(name)).reverse();
   return entered.length || left.length ? [make("div", {}, `${left.join(", ")} → ${entered.join(", ")}`)] : [];
-}
-
-function tab(name) {
-  for (const each of TABS) {
-    byId(each).hidden = each !== name;
-    byId(`tab-${each}`).setAttribute("aria-selected", String(each === name));
-  }
 }
 
 function open(token) {

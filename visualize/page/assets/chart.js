@@ -12,7 +12,7 @@ class Chart {
     this.model = new Model(data);
     this.open = new Set();
     this.faults = this.faulty(findings);
-    this.state = { lens: null, active: new Set(), taken: new Set(), options: new Set(), counts: null, selected: null, found: new Set() };
+    this.state = { lens: null, active: new Set(), taken: new Set(), counts: null, selected: null, found: new Set() };
     this.layer = draw("g", {});
     this.svg = draw("svg", { class: "chart", tabindex: "0", role: "application", "aria-label": `chart of ${data.name}` }, markers(), this.layer);
     this.crumb = make("div", { class: "crumb", "aria-hidden": "true" });
@@ -302,6 +302,17 @@ class Chart {
   center(name) {
     const place = this.place(name);
     if (place) this.gestures.center(place.x, place.y + Math.min(place.h, 200) / 2);
+  }
+
+  /** To a state, wherever it is. */
+  goTo(name) {
+    this.reveal(name);
+    this.center(name);
+  }
+
+  /** Marks what is chosen: a state, a transition, or neither. */
+  select(kind, name) {
+    this.show({ selected: kind === "state" || kind === "transition" ? `${kind} ${name}` : null });
   }
 
   /** The part of the chart that holds these states, in as much detail as can be read; else the first of them that can. */

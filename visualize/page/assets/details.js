@@ -7,6 +7,13 @@ class Details {
     Object.assign(this, { host, model, link: linksTo(more.go) }, more);
   }
 
+  /** What is chosen: a state, the transitions of an arrow, or neither. */
+  show(kind, name, places) {
+    if (kind === "state") this.state(name);
+    else if (kind === "transition") this.transitions(places || [name]);
+    else this.nothing();
+  }
+
   nothing() {
     const { data } = this.model;
     const kinds = ["decision", "final"].map((kind) => counted(data.states.filter((state) => state.kind === kind).length, kind));

@@ -76,14 +76,32 @@ function valueText(value, places = 3) {
   return Object.entries(value).map(([name, each]) => `${name} ${valueText(each, places) || "none"}`).join(", ");
 }
 
-/** The arrows move along the tabs. */
-function alongTabs(event) {
-  const way = { ArrowLeft: -1, ArrowRight: 1 }[event.key];
-  if (!way) return;
-  const all = [...event.currentTarget.querySelectorAll("[role=tab]:not([hidden])")];
-  const next = all[(all.indexOf(event.target) + way + all.length) % all.length];
-  next.click();
-  next.focus();
-  event.preventDefault();
-  event.stopPropagation();
+/** Parts of a page of which one is shown, each by the tab that is called as it is. */
+class Tabs {
+  /** @param names of the parts  @param chosen what is done where a tab is pressed */
+  constructor(names, chosen = (name) => this.show(name)) {
+    this.names = names;
+    for (const name of names) byId(`tab-${name}`).addEventListener("click", () => chosen(name));
+    byId(`tab-${names[0]}`).parentElement.addEventListener("keydown", (event) => this.key(event));
+  }
+
+  show(name) {
+    for (const each of this.names) {
+      byId(each).hidden = each !== name;
+      byId(`tab-${each}`).setAttribute("aria-selected", String(each === name));
+      byId(`tab-${each}`).tabIndex = each === name ? 0 : -1;
+    }
+  }
+
+  /** The arrows move along the tabs. */
+  key(event) {
+    const way = { ArrowLeft: -1, ArrowRight: 1 }[event.key];
+    if (!way) return;
+    const all = [...event.currentTarget.querySelectorAll("[role=tab]:not([hidden])")];
+    const next = all[(all.indexOf(event.target) + way + all.length) % all.length];
+    next.click();
+    next.focus();
+    event.preventDefault();
+    event.stopPropagation();
+  }
 }

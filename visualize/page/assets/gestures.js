@@ -2,6 +2,7 @@
 // Moving about: pan by drag, zoom by wheel or pinch, fit.
 
 const LEAST = 0.05, MOST = 4;
+const PANS = { ArrowLeft: [60, 0], ArrowRight: [-60, 0], ArrowUp: [0, 60], ArrowDown: [0, -60] };
 
 class Gestures {
   constructor(svg, layer, { size, zoomed, moved }) {

@@ -47,6 +47,13 @@ class Model {
     };
   }
 
+  /** The state that is meant, or that a transition leaves, else enters; "" for what the chart lacks. */
+  stateOf(kind, name) {
+    const [transition] = (kind === "transition" && this.transitions.get(name)) || [];
+    const state = kind === "state" ? name : transition && (transition.source || transition.target);
+    return this.states.has(state) ? state : "";
+  }
+
   holds(name) {
     return this.children.get(name).length > 0;
   }

@@ -17,6 +17,7 @@ class Page {
     this.legend = new Legend(byId("legend"), data);
     this.coverage = new Coverage(byId("transitions"), data, this.model, { go });
     this.lenses = new Lenses(byId("lenses"), byId("lens"), data.lenses, { show: (lens) => this.lit(lens), go });
+    this.tabs = new Tabs(TABS, (name) => this.tab(name));
     this.dress();
     this.listen();
     this.chart.fit();
@@ -52,8 +53,6 @@ class Page {
     click("menu", () => this.menu(byId("menu").getAttribute("aria-expanded") !== "true"));
     document.addEventListener("click", (event) => event.target.closest("#menu, #more") || this.menu(false), true);
     byId("more").addEventListener("click", (event) => event.target.closest("button") && !event.target.closest(".tools") && this.menu(false));
-    for (const name of TABS) click(`tab-${name}`, () => this.tab(name));
-    byId("tab-details").parentElement.addEventListener("keydown", alongTabs);
     this.chart.svg.addEventListener("click", () => this.select("", ""));
     byId("search").addEventListener("input", () => this.search(byId("search").value));
     byId("search").addEventListener("keydown", (event) => this.searched(event));
@@ -64,7 +63,7 @@ class Page {
 
   key(event) {
     if (event.target.closest("input[type=search], select, dialog") || event.ctrlKey || event.metaKey || event.altKey) return;
-    const pan = { ArrowLeft: [60, 0], ArrowRight: [-60, 0], ArrowUp: [0, 60], ArrowDown: [0, -60] }[event.key];
+    const pan = PANS[event.key];
     const acts = {
       "/": () => byId("search").focus(), f: () => this.chart.fit(), "+": () => this.chart.zoom(1.25), "=": () => this.chart.zoom(1.25), "-": () => this.chart.zoom(0.8),
       a: () => this.chart.openAll(), c: () => this.chart.closeAll(), t: theme, "?": () => byId("keys").showModal(), Escape: () => this.clear(),
@@ -106,11 +105,7 @@ class Page {
 
   tab(name) {
     if (byId(name).hidden) document.querySelector("aside").scrollTop = 0;
-    for (const each of TABS) {
-      byId(each).hidden = each !== name;
-      byId(`tab-${each}`).setAttribute("aria-selected", String(each === name));
-      byId(`tab-${each}`).tabIndex = each === name ? 0 : -1;
-    }
+    this.tabs.show(name);
     if (name === "transitions" && !this.coverage.seen) this.coverage.draw();
   }
 
@@ -139,10 +134,8 @@ class Page {
 
   /** What was chosen in the chart. */
   select(kind, name, places) {
-    if (kind === "state") this.details.state(name);
-    else if (kind === "transition") this.details.transitions(places || [name]);
-    else this.details.nothing();
-    this.chart.show({ selected: kind === "state" || kind === "transition" ? `${kind} ${name}` : null });
+    this.details.show(kind, name, places);
+    this.chart.select(kind, name);
     this.write({ state: kind === "state" ? name : "", transition: kind === "transition" ? name : "" });
     if (!kind) return;
     this.tab("details");
@@ -151,11 +144,9 @@ class Page {
 
   /** To a state or transition that is named: it is opened, shown and chosen. */
   go(kind, name) {
-    const transition = kind === "transition" ? (this.model.transitions.get(name) || [])[0] : null;
-    const state = kind === "state" ? name : transition ? transition.source || transition.target : "";
-    if (!this.model.states.has(state)) return;
-    this.chart.reveal(state);
-    this.chart.center(state);
+    const state = this.model.stateOf(kind, name);
+    if (!state) return;
+    this.chart.goTo(state);
     this.select(kind, name);
   }
 
