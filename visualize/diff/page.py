@@ -17,7 +17,7 @@ from visualize.diff.change import Change, heading
 from visualize.diff.difference import Difference
 from visualize.page.as_json import Json
 from visualize.page.chart_data import chart_data
-from visualize.page.html import SCRIPTS, document
+from visualize.page.html import document
 from visualize.page.lenses import lens, lenses
 
 __all__ = ("difference_data", "page")
@@ -31,7 +31,7 @@ GONE = "was:"
 def page(given: Difference) -> bytes:
     """The file."""
     title = f"{given.new.name}: {given.versions[0]} → {given.versions[1]}"
-    return document(difference_data(given), title=title, scripts=(*SCRIPTS, "changes.js"))
+    return document(difference_data(given), title=title)
 
 
 def difference_data(given: Difference) -> Json:
@@ -51,7 +51,6 @@ def difference_data(given: Difference) -> Json:
         "images": {},
         "changes": changes,
         "headline": headline(given),
-        "versions": list(given.versions),
     }
 
 

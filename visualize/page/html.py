@@ -25,7 +25,7 @@ ASSETS = Path(__file__).parent / "assets"
 SCRIPTS = (
     "dom.js", "text.js", "detail.js", "boxes.js", "tree.js", "graph.js", "order.js", "layout.js", "shapes.js", "pen.js",
     "chart.js", "gestures.js", "replay.js", "plan.js", "details.js", "lenses.js", "player.js", "coverage.js",
-    "summary.js", "legend.js", "page.js",
+    "summary.js", "changes.js", "legend.js", "page.js",
 )  # fmt: skip
 """In the order in which they need each other."""
 PLACE = re.compile(r"\{\{(policy|title|style|script|data|body)\}\}")
@@ -33,23 +33,17 @@ ESCAPED = str.maketrans({"<": "\\u003c", ">": "\\u003e", "&": "\\u0026", "\u2028
 """What could end a script element, begin a comment in it, or a line of JavaScript."""
 
 
-def document(data: Json, *, title: str, scripts: tuple[str, ...] = SCRIPTS, connect: str = "'none'") -> bytes:
+def document(data: Json, *, title: str) -> bytes:
     """The page.
 
     Args:
         data: What it shows; `kind` names the page.
         title: Of the window.
-        scripts: The files of `assets` that run, in order.
-        connect: Where the page may connect to, as its policy has it: a live one to `'self'`.
     """
-    return assembled(
-        asset("page.html"), data, title=title, style=asset("page.css"), script=_script(scripts), connect=connect
-    )
+    return assembled(asset("page.html"), data, title=title, style=asset("page.css"), script=_script())
 
 
-def assembled(
-    template: str, data: Json, *, title: str, style: str, script: str, body: str = "", connect: str = "'none'"
-) -> bytes:
+def assembled(template: str, data: Json, *, title: str, style: str, script: str, body: str = "") -> bytes:
     """A page of a template of the package's own, whose places `{{policy}}` and the like are filled.
 
     Args:
@@ -59,11 +53,10 @@ def assembled(
         style: The only style sheet.
         script: The only script.
         body: Markup that was made from escaped texts.
-        connect: As `document` has it.
     """
     policy = (
         "default-src 'none'; img-src data:; base-uri 'none'; form-action 'none'; "
-        f"connect-src {connect}; script-src '{_hash(script)}'; style-src '{_hash(style)}'; "
+        f"connect-src 'none'; script-src '{_hash(script)}'; style-src '{_hash(style)}'; "
         "require-trusted-types-for 'script'; trusted-types 'none'"
     )
     text = json.dumps(data, separators=(",", ":"), ensure_ascii=True, allow_nan=False).translate(ESCAPED)
@@ -86,8 +79,8 @@ def bundle(names: Iterable[str], more: Iterable[str] = ()) -> str:
 
 
 @cache
-def _script(names: tuple[str, ...]) -> str:
-    return bundle(names)
+def _script() -> str:
+    return bundle(SCRIPTS)
 
 
 def _hash(text: str) -> str:

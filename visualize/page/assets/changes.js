@@ -5,47 +5,19 @@
 const MARKED = { "+": "added", "-": "removed", "~": "changed" };
 
 class Changes {
-  /** @param page Page whose data has `changes`, `headline` and `versions` */
-  constructor(page) {
-    this.page = page;
-    this.changes = page.data.changes;
-    this.host = make("div", { id: "changes", role: "tabpanel", "aria-labelledby": "tab-changes" });
-    this.button = make("button", { id: "tab-changes", type: "button", role: "tab", "aria-controls": "changes", on: { click: () => page.tab("changes") } }, "Changes");
-    byId("tab-details").before(this.button);
-    byId("details").before(this.host);
-    this.dress();
-    this.follow();
-    this.draw();
-    const chosen = page.at.transition ? ["transition", page.at.transition] : page.at.state ? ["state", page.at.state] : null;
-    if (chosen) this.annotate(...chosen);
-    page.tab(chosen ? "details" : "changes");
+  /** @param host element  @param data the page's data  @param details Details, above which they are put */
+  constructor(host, data, details) {
+    Object.assign(this, { host, details, headline: data.headline, changes: data.changes });
   }
 
-  dress() {
-    const { versions, headline, changes } = this.page.data;
-    byId("version").textContent = shown(`${versions[0]} → ${versions[1]}`);
-    byId("banner").hidden = !changes.some((each) => each.severity === "safety");
-    byId("banner").replaceChildren(`⚠ ${headline}`);
-    byId("keys").querySelector("dl").append(make("dt", {}, "s, d"), make("dd", {}, "what is safety-relevant, what changed"));
-  }
-
-  /** Adds to what the page does when something is chosen. */
-  follow() {
-    const { page } = this, tab = page.tab.bind(page), select = page.select.bind(page);
-    page.tab = (name) => {
-      this.host.hidden = name !== "changes";
-      this.button.setAttribute("aria-selected", String(name === "changes"));
-      tab(name);
-    };
-    page.select = (kind, name, places) => {
-      select(kind, name, places);
-      if (kind === "state" || kind === "transition") this.annotate(kind, name, places);
-    };
+  /** What a reviewer must not miss, for the page's banner. */
+  get alarms() {
+    return this.changes.some((each) => each.severity === "safety") ? [this.headline] : [];
   }
 
   draw() {
     const parts = [["safety", "Safety-relevant"], ["other", "Others"]].map(([severity, title]) => this.part(title, severity, this.changes.filter((each) => each.severity === severity)));
-    this.host.replaceChildren(make("h2", {}, this.page.data.headline), ...parts);
+    this.host.replaceChildren(make("h2", {}, this.headline), ...parts);
   }
 
   part(title, severity, changes) {
@@ -59,7 +31,7 @@ class Changes {
   item(change) {
     const [kind, name] = change.transition ? ["transition", change.transition] : ["state", change.state];
     const words = [make("b", { class: "mark", title: MARKED[change.mark] }, change.mark === "-" ? "−" : change.mark, make("span", { class: "away" }, ` ${MARKED[change.mark]} `)), change.sentence];
-    const lead = name ? this.page.details.link(kind, name, words) : make("span", {}, words);
+    const lead = name ? this.details.link(kind, name, words) : make("span", {}, words);
     return make("li", { class: change.severity, "data-place": change.place }, lead,
       change.before ? make("div", { class: "was" }, make("b", {}, "was "), change.before) : "",
       change.after ? make("div", { class: "now" }, make("b", {}, change.mark === "~" ? "now " : ""), change.after) : "",
@@ -68,10 +40,9 @@ class Changes {
 
   /** What changed in what is chosen, above its other details. */
   annotate(kind, name, places) {
+    if (kind !== "state" && kind !== "transition") return;
     const wanted = new Set(places || [name]);
     const found = this.changes.filter((each) => (kind === "state" ? each.state === name : wanted.has(each.transition)));
-    if (found.length) byId("details").prepend(make("section", { class: "part" }, make("h3", {}, "What changed here"), make("ul", { class: "changes" }, found.map((change) => this.item(change)))));
+    if (found.length) this.details.host.prepend(make("section", { class: "part" }, make("h3", {}, "What changed here"), make("ul", { class: "changes" }, found.map((change) => this.item(change)))));
   }
 }
-
-window.review.changes = new Changes(page);

@@ -18,7 +18,7 @@ class Details {
     const { data } = this.model;
     const kinds = ["decision", "final"].map((kind) => counted(data.states.filter((state) => state.kind === kind).length, kind));
     this.host.replaceChildren(
-      make("h2", {}, data.name, " ", make("small", {}, data.compared ? `${data.compared} → ${data.version}` : data.version)),
+      make("h2", {}, data.name, " ", make("small", {}, versionOf(data))),
       make("p", {}, data.about || ""),
       data.notes.length ? listed("Note", data.notes.map((note) => make("li", {}, note))) : "",
       make("p", { class: "muted" }, `${counted(data.states.length, "state")}, ${counted(new Set(data.transitions.map((transition) => transition.place)).size, "transition")}, ${kinds.join(", ")}, ${counted(data.invariants.length, "invariant")}. Choose a state or a transition.`),
@@ -157,6 +157,11 @@ class Details {
     const transitions = places.map((place) => this.model.transitions.get(place)[0]);
     this.host.replaceChildren(make("h2", {}, `${transitions.length} transitions `, make("small", {}, "one arrow")), this.transitionList("Leads here by", transitions));
   }
+}
+
+/** Of two missions that are compared, both. */
+function versionOf(chart) {
+  return chart.compared ? `${chart.compared} → ${chart.version}` : chart.version;
 }
 
 function listed(title, items) {

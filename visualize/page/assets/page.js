@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The review page put together: what the keys, the search and the address ask for, and which part shows it.
 
-const TABS = ["summary", "step", "details", "transitions"];
+const TABS = ["summary", "step", "changes", "details", "transitions"];
 
 class Page {
   constructor(data) {
@@ -14,6 +14,7 @@ class Page {
     this.details = new Details(byId("details"), this.model, { findings: this.findings, coverage: data.coverage, runs: data.runs, go });
     this.player = data.runs.length ? new Player(byId("player"), byId("step"), data, this.model, { step: (frame) => this.played(frame), used: () => this.tab("step"), go }) : null;
     this.summary = data.summary ? new Summary(byId("summary"), data, this.details, { go }) : null;
+    this.changes = data.changes ? new Changes(byId("changes"), data, this.details) : null;
     this.legend = new Legend(byId("legend"), data);
     this.coverage = new Coverage(byId("transitions"), data, this.model, { go });
     this.lenses = new Lenses(byId("lenses"), byId("lens"), data.lenses, { show: (lens) => this.lit(lens), go });
@@ -22,20 +23,24 @@ class Page {
     this.listen();
     this.chart.fit();
     this.details.nothing();
+    if (this.changes) this.tab("changes");
     this.follow();
   }
 
   dress() {
-    const { chart, runs } = this.data;
+    const { chart, runs, lenses } = this.data;
     byId("name").textContent = shown(chart.name);
-    byId("version").textContent = shown(chart.version);
+    byId("version").textContent = shown(versionOf(chart));
     byId("player").hidden = !this.player;
     byId("tab-step").hidden = !this.player;
     byId("tab-summary").hidden = !this.summary;
+    byId("tab-changes").hidden = !this.changes;
+    if (this.changes) this.changes.draw();
+    byId("keys").querySelector("dl").append(...lenses.flatMap(({ key, title }) => [make("dt", {}, key), make("dd", {}, title)]));
     if (this.summary) this.summary.draw();
     byId("tab-transitions").textContent = runs.length ? "Coverage" : "Transitions";
     if (runs.length) this.chart.show({ counts: this.data.coverage });
-    const faults = [...this.findings.filter((each) => each.severity === "error").map((each) => each.sentence), ...runs.flatMap((run) => run.faults.map((fault) => `${run.name}: ${fault}`))];
+    const faults = [...(this.changes ? this.changes.alarms : []), ...this.findings.filter((each) => each.severity === "error").map((each) => each.sentence), ...runs.flatMap((run) => run.faults.map((fault) => `${run.name}: ${fault}`))];
     byId("banner").hidden = !faults.length;
     byId("banner").replaceChildren(...faults.slice(0, 3).map((fault) => make("div", {}, "⚠ ", fault)), faults.length > 3 ? make("div", {}, `and ${faults.length - 3} more; see the details`) : "");
   }
@@ -135,6 +140,7 @@ class Page {
   /** What was chosen in the chart. */
   select(kind, name, places) {
     this.details.show(kind, name, places);
+    if (this.changes) this.changes.annotate(kind, name, places);
     this.chart.select(kind, name);
     this.write({ state: kind === "state" ? name : "", transition: kind === "transition" ? name : "" });
     if (!kind) return;
