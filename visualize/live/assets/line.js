@@ -24,6 +24,12 @@ class Line {
     }
   }
 
+  /** Posts a body, JSON where no header names another type: the status, and what the server reports. */
+  async post(path, body, { signal = null, headers = {} } = {}) {
+    const answer = await fetch(path, { method: "POST", headers: this.headers({ "Content-Type": "application/json", ...headers }), body, signal, cache: "no-store", redirect: "error" });
+    return [answer.status, await answer.json()];
+  }
+
   /** When an order is given, by the server's clock as of its last message. */
   sent() {
     return this.clock ? { "X-Mission-Sent": String(this.clock.sent + (performance.now() - this.clock.received) / 1000) } : {};
@@ -40,10 +46,8 @@ class Line {
       if (!LASTING.includes(order.command)) cut.abort();
     }, ANSWERS_MS);
     try {
-      const headers = this.headers({ "Content-Type": "application/json", ...this.sent() });
-      const answer = await fetch("/orders", { method: "POST", headers, body: JSON.stringify(order), redirect: "error", cache: "no-store", signal: cut.signal });
-      const { success, why } = await answer.json();
-      return { fate: success ? "done" : answer.status === 202 ? "waiting" : "refused", why };
+      const [status, { success, why }] = await this.post("/orders", JSON.stringify(order), { signal: cut.signal, headers: this.sent() });
+      return { fate: success ? "done" : status === 202 ? "waiting" : "refused", why };
     } catch {
       return { fate: isLate ? "unanswered" : "undelivered", why: "" };
     } finally {
@@ -52,23 +56,18 @@ class Line {
   }
 
   /** Writes a sentence to the robot: whether it was taken, and why not. */
-  async talk(text, by) {
-    try {
-      const headers = this.headers({ "Content-Type": "application/json" });
-      const answer = await fetch("/talk", { method: "POST", headers, body: JSON.stringify({ text, by }), redirect: "error", cache: "no-store", signal: AbortSignal.timeout(OPENS_MS) });
-      const { success, why } = await answer.json();
-      return { sent: success, why };
-    } catch {
-      return { sent: false, why: "the run cannot be reached; use the robot's own stop" };
-    }
+  talk(text, by) {
+    return this.give("/talk", JSON.stringify({ text, by }));
   }
 
   /** A piece of sound for the run's recognisers: whether it was taken, and why not. */
-  async sound(piece, key, by, last) {
+  sound(piece, key, by, last) {
+    return this.give(`/sound?${new URLSearchParams({ key, by, ...(last ? { last: "1" } : {}) })}`, piece, { "Content-Type": "audio/l16" });
+  }
+
+  async give(path, body, headers = {}) {
     try {
-      const query = new URLSearchParams({ key, by, ...(last ? { last: "1" } : {}) });
-      const answer = await fetch(`/sound?${query}`, { method: "POST", headers: this.headers({ "Content-Type": "audio/l16" }), body: piece, redirect: "error", cache: "no-store", signal: AbortSignal.timeout(OPENS_MS) });
-      const { success, why } = await answer.json();
+      const [, { success, why }] = await this.post(path, body, { signal: AbortSignal.timeout(OPENS_MS), headers });
       return { sent: success, why };
     } catch {
       return { sent: false, why: "the run cannot be reached; use the robot's own stop" };

@@ -62,11 +62,9 @@ class PlayPage {
     if (this.isBusy) return;
     this.isBusy = true;
     try {
-      const headers = this.line.headers({ "Content-Type": "application/json" });
-      const answer = await fetch("/play", { method: "POST", headers, body: JSON.stringify({ ...order, revision: this.state.revision }), redirect: "error", cache: "no-store" });
-      const state = await answer.json();
+      const [status, state] = await this.line.post("/play", JSON.stringify({ ...order, revision: this.state.revision }));
       if (state.revision !== undefined) this.show(state);
-      const why = state.why_not || (answer.ok ? "" : state.why);
+      const why = state.why_not || (status === 200 ? "" : state.why);
       if (why) this.notify(why, "bad");
       else if ((state.saved || []).length) this.notify(state.saved.join("; "), "good");
       else byId("notice").hidden = true;
