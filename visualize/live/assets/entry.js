@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// What every page behind a token begins with: the token of the address, and what is shown without one.
+// What every page behind a token has: the token of the address, what is shown without one, and notices.
+
+const NOTICE_MS = { good: 5000, bad: 15000 };
 
 /** Without the token there is nothing to see. */
 function needed(why, who = "The run") {
@@ -29,4 +31,15 @@ function tokenHere() {
     history.replaceState(null, "", location.pathname);
   }
   return given || sessionStorage.getItem("token") || "";
+}
+
+/** Puts a notice over the page; one that is good or bad leaves by itself, any other stays until the next. */
+function notify(words, kind) {
+  const element = byId("notice");
+  element.hidden = false;
+  element.className = kind;
+  element.textContent = shown(words);
+  clearTimeout(notify.leaves);
+  const stays = NOTICE_MS[kind];
+  if (stays) notify.leaves = setTimeout(() => { element.hidden = true; }, stays);
 }

@@ -44,10 +44,10 @@ class Live {
     this.board = new Board(byId("board"), chart.keys);
     this.cameras = new Cameras(byId("cameras"), chart.keys, this.line);
     this.tail = new Tail(byId("steps"), { go });
-    this.chat = new Chat(this.line, { notify: (words, kind) => this.notify(words, kind), who: () => byId("acts").querySelector("#who")?.value.trim() || "" }, Boolean(this.data.talks));
+    this.chat = new Chat(this.line, { notify, who: () => byId("acts").querySelector("#who")?.value.trim() || "" }, Boolean(this.data.talks));
     byId("tab-talk").hidden = !this.data.talks;
     if (this.data.talks && this.data.listens) this.speak = new Speak(this.line, this.chat.listener, this.data.deaf);
-    if (acts) this.acts = new Acts(byId("acts"), byId("stop"), this.line, { notify: (words, kind) => this.notify(words, kind) });
+    if (acts) this.acts = new Acts(byId("acts"), byId("stop"), this.line, { notify });
     this.strip = new StateStrip(byId("state"), this.announcer, acts ? () => this.acts.order({ command: "resume" }) : null);
     this.follower = new Follower(this.chart, byId("follow"));
     this.legend = new Legend(byId("legend"), { chart, runs: [{}] });
@@ -249,7 +249,7 @@ class Live {
   put(question) {
     const made = new Asked(question, Boolean(this.acts) && this.data.answers, {
       answer: (to, option, parameters) => this.acts.order({ command: "answer", question: to.number, option, parameters }),
-      notify: (words) => this.notify(words, "bad"), go: (kind, name) => this.go(kind, name),
+      notify, go: (kind, name) => this.go(kind, name),
     });
     made.evidence = new Evidence(question, { picture: (canvas, query) => this.cameras.picture(canvas, query), now: () => this.present() });
     this.asked.set(question.number, made);
@@ -288,17 +288,6 @@ class Live {
       if (each.mine && !paused && each.seconds < LATE_S && each.long) this.announcer.once(`late ${each.question.number}`, `${LATE_S} s left to answer question ${each.question.number}.`, { urgent: true });
     }
     if (this.reached) this.cameras.look(this.state.board);
-  }
-
-  /** Puts a notice over the page. */
-  notify(words, kind) {
-    const element = byId("notice");
-    element.hidden = false;
-    element.className = kind;
-    element.textContent = shown(words);
-    clearTimeout(this.quiet);
-    const stays = { good: 4000, bad: 15000 }[kind]; // an alarm stays until the next notice
-    if (stays) this.quiet = setTimeout(() => { element.hidden = true; }, stays);
   }
 
   select(kind, name, places) {

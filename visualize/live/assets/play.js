@@ -23,7 +23,7 @@ class PlayPage {
     this.details = new Details(byId("details"), this.chart.model, { findings: [], coverage: {}, runs: [], go: (kind, name) => this.go(kind, name) });
     this.details.nothing();
     this.tabs = new Tabs(TABS);
-    this.choices = new Choices(byId("choices"), { choose: (name, values) => this.order({ do: name, values }), notify: (words, kind) => this.notify(words, kind) });
+    this.choices = new Choices(byId("choices"), { choose: (name, values) => this.order({ do: name, values }), notify });
     this.legend = new Legend(byId("legend"), { chart, runs: [{}] });
     byId("name").textContent = shown(chart.name);
     byId("version").textContent = shown(chart.version);
@@ -65,11 +65,11 @@ class PlayPage {
       const [status, state] = await this.line.post("/play", JSON.stringify({ ...order, revision: this.state.revision }));
       if (state.revision !== undefined) this.show(state);
       const why = state.why_not || (status === 200 ? "" : state.why);
-      if (why) this.notify(why, "bad");
-      else if ((state.saved || []).length) this.notify(state.saved.join("; "), "good");
+      if (why) notify(why, "bad");
+      else if ((state.saved || []).length) notify(state.saved.join("; "), "good");
       else byId("notice").hidden = true;
     } catch {
-      this.notify("the play does not answer; was its command ended?", "bad");
+      notify("the play does not answer; was its command ended?", "bad");
     } finally {
       this.isBusy = false;
     }
@@ -132,15 +132,6 @@ class PlayPage {
     const news = `${questions.map((each) => each.number)} ${outcome}`;
     if (news !== this.news && news.trim()) document.querySelector("aside").scrollTop = 0;
     this.news = news;
-  }
-
-  notify(words, kind) {
-    const element = byId("notice");
-    element.hidden = false;
-    element.className = kind;
-    element.textContent = shown(words);
-    clearTimeout(this.quiet);
-    this.quiet = setTimeout(() => { element.hidden = true; }, kind === "good" ? 6000 : 15000);
   }
 
   select(kind, name, places) {

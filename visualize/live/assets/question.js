@@ -6,7 +6,7 @@
 const SETTLES_MS = 500;
 
 class Asked {
-  /** @param question data  @param can whether it may be answered here  @param listener {answer(question, option, parameters), notify(words), go(kind, name)} */
+  /** @param question data  @param can whether it may be answered here  @param listener {answer(question, option, parameters), notify(words, kind), go(kind, name)} */
   constructor(question, can, listener) {
     Object.assign(this, { question, listener, since: performance.now() });
     this.left = make("b", { class: "left", role: "timer", "aria-live": "off" });
@@ -70,7 +70,7 @@ class Asked {
       try {
         for (const field of fields) field.read(parameters);
       } catch (error) {
-        this.listener.notify(error.message);
+        this.listener.notify(error.message, "bad");
         return;
       }
       answer(parameters);

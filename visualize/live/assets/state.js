@@ -15,7 +15,7 @@ function lasting({ mode, outcome, why, cut, played, paused_at: since, paused_by:
 class StateStrip {
   /** @param host element  @param announcer Announcer  @param resume function that resumes the run; null where it may not be resumed here */
   constructor(host, announcer, resume) {
-    Object.assign(this, { host, announcer, resume, text: "" });
+    Object.assign(this, { host, announcer, resume, text: "", count: 0 });
   }
 
   show(state) {
@@ -37,4 +37,3 @@ class StateStrip {
     return state === "paused" && this.resume ? make("button", { type: "button", "data-act": "resume-here", on: { click: this.resume } }, "resume") : make("span", {});
   }
 }
-StateStrip.prototype.count = 0;

@@ -262,20 +262,14 @@ class Chart {
       group.classList.toggle("active", active.has(name));
       group.classList.toggle("found", found.has(name) || inside.some((each) => found.has(each)));
       group.classList.toggle("selected", state.selected === `state ${name}`);
-      const times = counts ? sum(counts.states[name]) : 0;
-      group.classList.toggle("visited", times > 0);
-      const count = group.querySelector(":scope > .count");
-      if (count) count.textContent = times ? `${times}×` : "";
+      visit(group, counts ? sum(counts.states[name]) : 0);
     }
     for (const cell of this.layer.querySelectorAll("[data-option]")) cell.classList.toggle("lit", Boolean(lens && lens.options.has(cell.dataset.option)));
     for (const { group, transitions } of this.arrows) {
       group.classList.toggle("lit", Boolean(lens && transitions.some((transition) => lens.transitions.has(transition))));
       group.classList.toggle("taken", transitions.some((transition) => taken.has(transition)));
       group.classList.toggle("selected", transitions.some((transition) => state.selected === `transition ${transition}`));
-      const times = counts ? transitions.reduce((all, transition) => all + sum(counts.transitions[transition]), 0) : 0;
-      group.classList.toggle("visited", times > 0);
-      const count = group.querySelector(":scope > .count");
-      if (count) count.textContent = times ? `${times}×` : "";
+      visit(group, counts ? transitions.reduce((all, transition) => all + sum(counts.transitions[transition]), 0) : 0);
     }
     if (this.anyGroup) this.anyGroup.classList.toggle("lit", Boolean(lens && (this.model.away.get("") || []).some((transition) => lens.transitions.has(transition.place))));
   }
@@ -370,6 +364,13 @@ class Chart {
     for (let deep = 0; begins.has(name) && deep < 100; deep += 1) name = begins.get(name);
     return name;
   }
+}
+
+/** How often a state or an arrow was passed, next to it. */
+function visit(group, times) {
+  group.classList.toggle("visited", times > 0);
+  const count = group.querySelector(":scope > .count");
+  if (count) count.textContent = times ? `${times}×` : "";
 }
 
 function boxOf([left, top, right, bottom]) {

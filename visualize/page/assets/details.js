@@ -23,8 +23,7 @@ class Details {
       data.notes.length ? listed("Note", data.notes.map((note) => make("li", {}, note))) : "",
       make("p", { class: "muted" }, `${counted(data.states.length, "state")}, ${counted(new Set(data.transitions.map((transition) => transition.place)).size, "transition")}, ${kinds.join(", ")}, ${counted(data.invariants.length, "invariant")}. Choose a state or a transition.`),
       this.faults(this.findings),
-      this.runs.length ? listed("Runs", this.runs.map((run) => make("li", {}, make("b", {}, run.name), `: ${run.count} steps, ${run.outcome || "not ended"}`, run.why ? ` – ${run.why}` : "",
-        run.faults.map((fault) => make("div", { class: "fault" }, "⚠ ", fault))))) : "",
+      runList(this.runs),
       this.own(),
       this.keyTable(Object.keys(data.keys), "Blackboard"),
     );
@@ -157,6 +156,13 @@ class Details {
     const transitions = places.map((place) => this.model.transitions.get(place)[0]);
     this.host.replaceChildren(make("h2", {}, `${transitions.length} transitions `, make("small", {}, "one arrow")), this.transitionList("Leads here by", transitions));
   }
+}
+
+/** Each run given, how it ended, and what is wrong with its journal. */
+function runList(runs) {
+  if (!runs.length) return "";
+  return listed("Runs", runs.map((run) => make("li", {}, make("b", {}, run.name), `: ${run.outcome || "not ended"}, ${counted(run.count, "step")}`, run.why ? ` – ${run.why}` : "",
+    run.faults.map((fault) => make("div", { class: "fault" }, "⚠ ", fault)))));
 }
 
 /** Of two missions that are compared, both. */

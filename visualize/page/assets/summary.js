@@ -5,7 +5,7 @@
 const CAUSES = 6; // as many as a reader takes in; the others are folded
 
 class Summary {
-  /** @param host element  @param data the page's data  @param details Details, for what both show  @param listener {go(kind, name), tab(name)} */
+  /** @param host element  @param data the page's data  @param details Details, for what both show  @param listener {go(kind, name)} */
   constructor(host, data, details, listener) {
     Object.assign(this, { host, data, details, listener, given: data.summary });
   }
@@ -21,7 +21,7 @@ class Summary {
       make("section", {}, make("h3", {}, "How it may end"), make("ul", {}, given.outcomes.map((each) => make("li", {}, each))), given.ends.length ? given.ends.map((each) => this.end(each)) : make("p", { class: "muted" }, "no final: it runs until it is canceled or stopped")),
       listed("What ends it from any state", given.interruptions.map((each) => make("li", {}, each))),
       given.controllers.length ? listed("Who commands the actuators", given.controllers.map((each) => make("li", {}, this.fact(each)))) : "",
-      this.runs(),
+      runList(data.runs),
       this.words(),
     );
   }
@@ -62,13 +62,6 @@ class Summary {
 
   folded(title, given) {
     return make("details", {}, make("summary", {}, title), this.facts(given));
-  }
-
-  runs() {
-    const { runs } = this.data;
-    if (!runs.length) return "";
-    return listed("Runs", runs.map((run) => make("li", {}, make("b", {}, run.name), `: ${run.outcome || "not ended"}, ${counted(run.count, "step")}`, run.why ? ` – ${run.why}` : "",
-      run.faults.map((fault) => make("div", { class: "fault" }, "⚠ ", fault)))));
   }
 
   words() {
