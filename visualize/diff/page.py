@@ -42,7 +42,6 @@ def difference_data(given: Difference) -> Json:
     changes = [_change(change, transitions, names) for change in given.changes]
     own = lenses(given.new, picture(given.new))
     return {
-        "kind": "difference",
         "chart": chart,
         "lenses": [*_lenses(given, chart, changes), *own],
         "findings": [],

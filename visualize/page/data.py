@@ -74,7 +74,6 @@ def review_data(
     drawn = picture(mission)
     played = [run_data(run, gallery, None if run.faults else mission) for run in runs]
     return {
-        "kind": "review",
         "chart": chart_data(drawn, mission),
         "summary": named(summary(mission)),
         "lenses": lenses(mission, drawn),

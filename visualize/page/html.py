@@ -37,7 +37,7 @@ def document(data: Json, *, title: str) -> bytes:
     """The page.
 
     Args:
-        data: What it shows; `kind` names the page.
+        data: What it shows.
         title: Of the window.
     """
     return assembled(asset("page.html"), data, title=title, style=asset("page.css"), script=_script())

@@ -2,6 +2,7 @@
 // What every page behind a token has: the token of the address, what is shown without one, and notices.
 
 const NOTICE_MS = { good: 5000, bad: 15000 };
+let noticeTimer = 0;
 
 /** Without the token there is nothing to see. */
 function needed(why, who = "The run") {
@@ -39,7 +40,7 @@ function notify(words, kind) {
   element.hidden = false;
   element.className = kind;
   element.textContent = shown(words);
-  clearTimeout(notify.leaves);
+  clearTimeout(noticeTimer);
   const stays = NOTICE_MS[kind];
-  if (stays) notify.leaves = setTimeout(() => { element.hidden = true; }, stays);
+  if (stays) noticeTimer = setTimeout(() => { element.hidden = true; }, stays);
 }

@@ -147,7 +147,7 @@ class Chart {
     if (plan === this.plan) return;
     const groups = new Map(), arrows = [], borders = [], boxes = [], lines = [];
     const made = { groups, arrows, faults: this.faults, anyGroup: null };
-    const pen = new Pen(this, view, LEVELS[plan.level], made);
+    const pen = new Pen(this, LEVELS[plan.level], made);
     let count = 0;
     for (const item of allItems(view.root)) {
       const drawn = pen.drawn(item);

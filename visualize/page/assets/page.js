@@ -13,7 +13,7 @@ class Page {
     const go = (kind, name) => this.go(kind, name);
     this.details = new Details(byId("details"), this.model, { findings: this.findings, coverage: data.coverage, runs: data.runs, go });
     this.player = data.runs.length ? new Player(byId("player"), byId("step"), data, this.model, { step: (frame) => this.played(frame), used: () => this.tab("step"), go }) : null;
-    this.summary = data.summary ? new Summary(byId("summary"), data, this.details, { go }) : null;
+    this.summary = data.summary ? new Summary(byId("summary"), data, this.details) : null;
     this.changes = data.changes ? new Changes(byId("changes"), data, this.details) : null;
     this.legend = new Legend(byId("legend"), data);
     this.coverage = new Coverage(byId("transitions"), data, this.model, { go });

@@ -3,8 +3,8 @@
 
 /** Draws a view at a level of detail; what it makes is also in `made`: groups by state, arrows, the sign of every state. */
 class Pen {
-  constructor(chart, view, detail, made) {
-    Object.assign(this, { chart, view, detail, made, model: chart.model, listener: chart.listener });
+  constructor(chart, detail, made) {
+    Object.assign(this, { chart, detail, made, model: chart.model, listener: chart.listener });
   }
 
   drawn(item) {

@@ -5,9 +5,9 @@
 const CAUSES = 6; // as many as a reader takes in; the others are folded
 
 class Summary {
-  /** @param host element  @param data the page's data  @param details Details, for what both show  @param listener {go(kind, name)} */
-  constructor(host, data, details, listener) {
-    Object.assign(this, { host, data, details, listener, given: data.summary });
+  /** @param host element  @param data the page's data  @param details Details, for what both show */
+  constructor(host, data, details) {
+    Object.assign(this, { host, data, details, given: data.summary });
   }
 
   draw() {
