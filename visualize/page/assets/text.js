@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // How wide a text is, and where it is broken so that it stays in its box in every script.
 
-const FONTS = 'Helvetica, Arial, "Liberation Sans", "DejaVu Sans", "Noto Sans", sans-serif';
+const FONTS = getComputedStyle(document.documentElement).getPropertyValue("--sans"); // those that the chart is drawn in
 const PEN = document.createElement("canvas").getContext("2d");
 const WIDTHS = new Map();
 const LETTERS = typeof Intl.Segmenter === "function" ? new Intl.Segmenter(undefined, { granularity: "grapheme" }) : null;
