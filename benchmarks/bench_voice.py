@@ -13,7 +13,7 @@ import re
 import statistics
 import sys
 import time
-from collections import Counter
+from collections import Counter, defaultdict
 from collections.abc import Callable, Iterator
 from functools import lru_cache
 from pathlib import Path
@@ -24,7 +24,7 @@ import numpy as np
 from rai_missions.connectors.sound.connector import FRAME_BYTES, FRAME_S, RATE_HZ, SoundFrame
 from rai_missions.connectors.sound.files import FileSound
 from rai_missions.connectors.sound.room import RoomSound
-from rai_missions.conversation import Dialogue, MissionView, Order, StatusView, Utterance
+from rai_missions.conversation import Dialogue, MissionView, Order, StatusView, TalkNote, Utterance
 from rai_missions.voice.listener import PHRASES, WAKE_CUTOFF, ListenSettings, SpeechListener, Transcript
 from rai_missions.voice.process import SpeechProcess
 from rai_missions.voice.recognisers.whisper import plain_words
@@ -33,8 +33,8 @@ from rai_missions.voice.voices.flite import Flite
 
 SPEAKERS = ("slt", "rms", "awb", "kal")
 ORDERS = ("pause the mission", "resume the mission", "continue", "cancel the mission", "start the mission", "yes", "no")
-ONE_SUFFICES = ("stop", "pause the mission", "no")
-"""The others count only where both recognisers agree."""
+SPOKEN = PHRASES if os.environ.get("PHRASES") == "all" else ("stop", *ORDERS)
+"""The orders that are spoken."""
 SEED = int(os.environ.get("SEED", "1"))
 """Of the noise: thresholds were chosen with 101 and 201."""
 LEVELS = tuple(int(each) for each in os.environ.get("DB", "40 20 10").split())
@@ -119,23 +119,66 @@ def mixed(sound: np.ndarray, db: float, kind: str, random: np.random.Generator, 
     return bytes(np.clip(whole, -32768, 32767).astype("<i2").tobytes())
 
 
+RUNNING = StatusView(run="r", mode="running", mission="patrol", missions=(MissionView("patrol"),))
+PAUSED = RUNNING._replace(mode="paused")
+
+
+def effect(transcript: Transcript, view: StatusView, *, answers: bool = False) -> str:
+    """What a transcript does, of one who may give each order: the order that counts or is read back, `yes` or `no`.
+
+    Args:
+        transcript: Of a turn.
+        view: The run.
+        answers: Whether an order was read back before, and waits for a yes or a no.
+
+    Returns:
+        With `?` where the robot asks for it again, or which of two orders is meant; empty for other talk.
+    """
+    dialogue = Dialogue(view=view)
+    if answers:
+        dialogue.on_utterance(Utterance("cancel the mission", "operator", "voice", readings=("cancel",) * 2), view)
+    sentence = Utterance(transcript.text, "operator", "voice", readings=transcript.readings)
+    for each in dialogue.on_utterance(sentence, view):
+        if isinstance(each, Order):
+            return "yes" if answers and each.confirmed else each.name
+        if isinstance(each, TalkNote) and each.kind == "read_back":
+            return str(each.data["order"]["order"])
+        if isinstance(each, TalkNote) and each.kind == "void" and each.data["by"] == "no":
+            return "no"
+        if isinstance(each, TalkNote) and each.kind == "refused":
+            return f"?{each.data['order']}"
+    return "?" if transcript.text in PHRASES else ""
+
+
+def order_of(phrase: str) -> str:
+    """The order that a phrase is, or `yes` or `no`."""
+    return {"wait": "pause", "continue": "resume"}.get(phrase, phrase.split()[0])
+
+
 def orders(bench: Bench, scale: int) -> None:
     random, hits, counts, missed = np.random.default_rng(SEED), Counter[Any](), Counter[Any](), Counter[Any]()
+    matrix = defaultdict[str, Counter[str]](Counter)
     for db, kind in ((db, kind) for db in LEVELS for kind in ("white", "pink")):
         bench.new_ear()  # as in a room whose noise lasts: the ear has had time to know it
-        for phrase, speaker in ((phrase, speaker) for phrase in ("stop", *ORDERS) for speaker in SPEAKERS):
+        for phrase, speaker in ((phrase, speaker) for phrase in SPOKEN for speaker in SPEAKERS):
             for _ in range(scale):
-                sound = speech(f"{phrase.capitalize()}.", speaker)
-                found = bench.of(FileSound(mixed(sound, db, kind, random)))
-                needed = 1 if phrase in ONE_SUFFICES else 2
-                hit = any(each.text == phrase and each.readings.count(phrase) >= needed for each in found)
+                found = bench.of(FileSound(mixed(speech(f"{phrase.capitalize()}.", speaker), db, kind, random)))
+                name, view = order_of(phrase), PAUSED if order_of(phrase) == "resume" else RUNNING
+                effects = [effect(each, view, answers=phrase in ("yes", "no")) for each in found]
+                done = name if name in effects else next(filter(None, effects), "-")
+                matrix[name][done] += 1
                 key = ("stop" if phrase == "stop" else "other", db, kind)
                 counts[key] += 1
-                hits[key] += hit
-                if not hit:
+                hits[key] += done == name
+                if done != name:
                     missed[f"{phrase}/{speaker}"] += 1
+                    print(f"    {phrase!r} by {speaker}, {db} dB {kind}: {done}", flush=True)
         for key in (("stop", db, kind), ("other", db, kind)):
             print(f"  {key[0]:6}{db} dB {kind:6} {hits[key]}/{counts[key]} = {hits[key] / counts[key]:.0%}", flush=True)
+    for name, done_as in matrix.items():
+        print(
+            f"  {name:6} of {done_as.total()}:", ", ".join(f"{each} {count}" for each, count in done_as.most_common())
+        )
     print("  missed most:", ", ".join(f"{name} {count}" for name, count in missed.most_common(12)))
 
 
@@ -146,9 +189,6 @@ def text_windows(count: int, random: np.random.Generator) -> Iterator[tuple[str,
         size = int(random.integers(1, 14))
         start = int(random.integers(0, len(words) - size))
         yield " ".join(words[start : start + size]), SPEAKERS[number % 4]
-
-
-RUNNING = StatusView(run="r", mode="running", mission="patrol", missions=(MissionView("patrol"),))
 
 
 def ordered(transcript: Transcript) -> list[str]:

@@ -7,7 +7,7 @@ Rule: this is the only place that gives out an `Order`; whatever leads to one pa
 from __future__ import annotations
 
 from collections import defaultdict, deque
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import Literal
 
 from rai_missions.conversation.confirmation import Confirmable
@@ -93,8 +93,8 @@ class OrderSide:
         senses = each[0]
         if any(sense.kind in ("yes", "no") for sense in senses) and self._pending is not None:
             meant = next(sense.kind for sense in senses if sense.kind in ("yes", "no"))
-            agreeing = sum(any(sense.kind == meant for sense in others) for others in each)
-            self._decide(utterance, number, is_yes=meant == "yes", agreeing=agreeing)
+            is_agreed = len(each) > 1 and all(any(sense.kind == meant for sense in others) for others in each)
+            self._decide(utterance, number, is_yes=meant == "yes", is_agreed=is_agreed)
             return "handled"
         self._distract(utterance)
         senses = tuple(sense for sense in senses if sense.kind not in ("yes", "no")) or senses
@@ -102,13 +102,20 @@ class OrderSide:
             return "unknown"
         if senses[0].kind in ("yes", "no"):
             return self._answer_nothing(utterance, number)
-        sense = self._chosen(senses, utterance, number)
+        sense = self._chosen((*senses, *self._others(senses[0], *each)), utterance, number)
         if sense is not None and self._is_for_model(sense):
             return "unknown"
         if sense is not None:
             agreeing = sum(any(sense.identity == other.identity for other in others) for others in each)
             self._handle(sense, utterance, number, agreeing if utterance.is_spoken else None)
         return "handled"
+
+    def _others(self, meant: Sense, senses: Sequence[Sense], *others: Sequence[Sense]) -> Iterator[Sense]:
+        """The orders that other readings are instead, to be read back; none where what is meant is, in any case."""
+        if meant.kind == "order" and not must_confirm(meant, self._talk.view, mapper="grammar", agreeing=None):
+            found = {sense.identity: sense for each in others for sense in each if sense.kind == "order"}
+            known = {sense.identity for sense in senses}
+            yield from (sense._replace(is_partial=True) for key, sense in found.items() if key not in known)
 
     def _answer_nothing(self, utterance: Utterance, number: int) -> Handling:
         if self._talk.settings.has_model:
@@ -371,8 +378,8 @@ class OrderSide:
         if by in ("time", "unspoken") and pending.is_request:
             self._requests.drop("requests_unanswered")
 
-    def _decide(self, utterance: Utterance, number: int, *, is_yes: bool, agreeing: int) -> None:
-        """A yes or a no to what was read back."""
+    def _decide(self, utterance: Utterance, number: int, *, is_yes: bool, is_agreed: bool) -> None:
+        """A yes or a no to what was read back; of a spoken one, whether all readings are, of two or more."""
         pending = self._pending
         if pending is None:
             return
@@ -384,7 +391,7 @@ class OrderSide:
             self._end_pending(utterance.speaker)
             self._talk.note("void", order=order_data(pending.sense), by="no", number=number)
             self._speaking.reply("dropped", utterance, number)
-        elif utterance.is_spoken and agreeing < 2:
+        elif utterance.is_spoken and not is_agreed:
             self._talk.note("refused", number=number, order="confirm", by="recognisers")
             self._speaking.reply("two_needed", utterance, number, order=pending.words)
         elif pending.is_unclear_from(utterance.speaker):

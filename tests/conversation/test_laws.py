@@ -264,6 +264,38 @@ def hold(script: list[tuple[Any, ...]]) -> None:
     referee.finish()
 
 
+SPOKEN = {
+    "pause the mission": "pause", "wait": "pause", "resume the mission": "resume", "continue": "resume",
+    "cancel the mission": "cancel", "start the mission": "start",
+}  # fmt: skip
+POSSIBLE = {
+    "ready": {"start", "cancel"}, "running": {"pause", "cancel", "start"}, "paused": {"resume", "cancel", "start"},
+    "canceling": {"start"}, "succeeded": {"start"},
+}  # fmt: skip
+"""In a mode; a start during a mission is a request for later."""
+
+
+@given(
+    st.sampled_from(sorted(SPOKEN)), st.sampled_from(sorted(SPOKEN)), st.sampled_from(sorted(POSSIBLE)),
+    st.integers(1, 2),
+)  # fmt: skip
+@settings(max_examples=150, deadline=None, derandomize=True)
+def test_an_order_is_given_at_once_where_no_other_reading_is_possible_now(
+    first: str, other: str, mode: str, agreeing: int
+) -> None:
+    view = BEGIN._replace(mode=mode, outcome=None if mode in ALIVE else mode)
+    dialogue = Dialogue(Settings(may=permissions({"person": sorted(MAY["operator"])})), view)
+    read = Utterance(first, "person", "voice", "", 1.0, (first,) * agreeing + (other,) * 2)
+    outputs = dialogue.on_utterance(read, view)
+    one, two = SPOKEN[first], SPOKEN[other]
+    at_once = one in POSSIBLE[mode] and (one == two or two not in POSSIBLE[mode])
+    at_once = at_once and (one == "pause" or (one == "resume" and (agreeing == 2 or one == two)))
+    assert [each.name for each in outputs if isinstance(each, Order)] == [one] * at_once
+    texts = " ".join(each.text for each in outputs if isinstance(each, Speech))
+    is_open = one in ("pause", "resume") and {one, two} <= POSSIBLE[mode] and one != two
+    assert ("in other words" in texts) == is_open, texts
+
+
 @given(scripts)
 @QUICK
 def test_no_talk_orders_what_was_not_permitted_possible_and_confirmed(script: list[tuple[Any, ...]]) -> None:

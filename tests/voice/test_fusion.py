@@ -23,8 +23,21 @@ def test_a_phrase_is_read_freely_or_has_evidence_and_the_second_alone_makes_none
         assert first[found.text] >= (1.0 if found.text == "stop" else 2.4)
         least = LEAST_STOP if found.text == "stop" else LEAST
         assert first[found.text] + second.get(found.text, 0.0) >= least - 3.0, "letters give three nats at most"
-    assert len(found.readings) == (0 if not found.text else 2 if found.text in second else 1)
+    same = found.readings.count(found.text)
+    assert same == (0 if not found.text else 2 if found.text in second else 1)
+    assert found.readings == (found.text,) * same + found.readings[same:]
     assert fused(text, {}, second, PHRASES).text in (text, "yes")
+
+
+@given(evidence, votes)
+def test_another_phrase_for_which_both_have_evidence_is_read_as_well(
+    first: dict[str, float], second: dict[str, float]
+) -> None:
+    found = fused("", first, second, PHRASES)
+    others = {each for each in second if first.get(each, 0.0) > 0.0} - {found.text} if found.text else set()
+    assert {each: found.readings.count(each) for each in found.readings if each != found.text} == dict.fromkeys(
+        others, 2
+    )
 
 
 @given(evidence, votes, st.sampled_from(PHRASES))

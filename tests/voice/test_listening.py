@@ -67,7 +67,7 @@ def test_a_sentence_is_transcribed_with_the_times_at_which_it_was_spoken(collect
 
 def test_two_recognisers_agree_on_an_order(collector: TranscriptCollector) -> None:
     (found,) = collector.of(FileSound(quiet(0.5) + spoken("Cancel the mission.", "rms")))
-    assert (found.text, found.readings) == ("cancel the mission", ("cancel the mission",) * 2)
+    assert (found.text, found.readings[:2]) == ("cancel the mission", ("cancel the mission",) * 2)
 
 
 def test_stop_is_given_as_soon_as_its_turn_is_settled(collector: TranscriptCollector) -> None:
