@@ -70,7 +70,7 @@ def view_from(data: Mapping[str, Any], before: StatusView = StatusView()) -> Sta
         fields["confirm"] = frozenset(
             (each.get("number", 1), name) for each in asked for name in each.get("confirm", ())
         )
-    for name in ("active", "open_goals"):
+    for name in ("active", "open_goals", "wanted"):
         if name in data:
             fields[name] = tuple(data[name])
     return before._replace(**fields)

@@ -12,7 +12,7 @@ from typing import Any, Literal, NamedTuple
 
 from rai_missions.conversation.language import Language, spoken
 from rai_missions.conversation.outputs import Priority
-from rai_missions.conversation.state_answers import is_alive, question_text
+from rai_missions.conversation.state_answers import control_text, is_alive, question_text
 from rai_missions.conversation.values import about_words, result_sentences
 from rai_missions.conversation.view import StatusView
 
@@ -23,6 +23,8 @@ AGAIN_S = 2.0
 RETRY_S = 5.0
 MOST_TRIES = 5
 """Attempts with a speaker that fails without being known as dead."""
+HANDOVER_S = 2.0
+"""A handover takes a moment: that the mission waits for control is reported where it lasts longer."""
 KEPT = 200
 """Reports that are remembered; the oldest of those that were spoken are forgotten."""
 
@@ -54,7 +56,8 @@ class Reports:
     def __init__(self, language: Language, results: Sequence[str] = ()) -> None:
         self._language, self._results = language, results
         self._all: dict[str, MissionReport] = {}
-        self._run = self._waits = ""
+        self._run = ""
+        self._waiting: MissionReport | None = None
         self.last_end = ""
         self.is_speaker_alive = True
 
@@ -66,7 +69,20 @@ class Reports:
                 self.last_end = text
             if identity not in self._all:
                 self._all[identity] = MissionReport(identity, text, priority, due=at, repeated=repeated)
+        self._follow_control(view, at)
         self._forget(view.run or "run")
+
+    def _follow_control(self, view: StatusView, at: float) -> None:
+        """The mission waits for control, or no more: a report of that which has not begun is no news then."""
+        text, run, before = control_text(view, self._language), view.run or "run", self._waiting
+        if before is not None and before.text == text and before.identity.startswith(f"{run}:"):
+            return
+        if before is not None and self._all.get(before.identity) == before:
+            del self._all[before.identity]
+        self._waiting = None
+        if text:
+            self._waiting = MissionReport(f"{run}:waits:{view.revision}", text, "question", due=at + HANDOVER_S)
+            self._all.setdefault(self._waiting.identity, self._waiting)
 
     def add(self, identity: str, text: str, at: float) -> None:
         """Another report of a run, due at once; known already, nothing happens."""
@@ -94,10 +110,6 @@ class Reports:
         for question in view.questions if is_alive(view) else ():
             text = language.text("report_question", question=question_text(question, language))
             yield f"{run}:question:{question.number}", text, "question"
-        waits = about_words(view.waits) if is_alive(view) else ""
-        if waits and f"{run}:{waits}" != self._waits:
-            yield f"{run}:waits:{view.revision}", language.text("report_waits", waits=waits), "question"
-        self._waits = f"{run}:{waits}" if waits else ""
         if view.mode and not is_alive(view):
             yield f"{run}:end", self._end(view), "end"
 

@@ -25,8 +25,10 @@ from rai_missions.conversation.view import RunEvent, StatusView
 from rai_missions.engine.decision import Question
 from rai_missions.engine.modes import ALIVE
 
-__all__ = ("Asker", "StateAnswers", "is_alive", "options_text", "question_text", "state_of_run")
+__all__ = ("Asker", "StateAnswers", "control_text", "is_alive", "options_text", "question_text", "state_of_run")
 
+MOST_CAUSES = 2
+"""Lines of what came last, where it is asked why a mission stopped that runs."""
 MOST_DECIDED = 2
 """Lines of an answer to "what was decided"."""
 MOST_HAPPENINGS = 5
@@ -67,6 +69,17 @@ def state_of_run(view: StatusView, language: Language) -> str:
 def _is_before(view: StatusView) -> bool:
     """Whether there is no run, or one that has not begun."""
     return not view.mode or (is_alive(view) and (view.mode == "ready" or view.awaits_start))
+
+
+def control_text(view: StatusView, language: Language) -> str:
+    """Who has control, where the mission waits for another to have it; empty where it waits for no one's."""
+    holder = language.word("holders", view.control)
+    if not is_alive(view):
+        return ""
+    if view.held_by:
+        return language.text("held", holder=holder)
+    wanted = [language.word("holders", each) for each in view.wanted if each != view.control]
+    return language.text("waits_control", holder=holder, wanted=language.listed(wanted)) if wanted else ""
 
 
 def question_text(question: Question, language: Language) -> str:
@@ -126,11 +139,9 @@ class StateAnswers:
             return language.text("no_run_offer", missions=missions) if missions else language.text("no_run")
         if view.mode not in ALIVE:
             return self._ended(view)
-        parts = [self._in_state(view, "mode_state"), *([] if _is_before(view) else self._steps(view))]
-        if view.held_by:
-            parts.append(language.text("held", holder=language.word("holders", view.held_by)))
-        parts += self._waits_for_answers(view)
-        return " ".join(parts)
+        parts = [self._in_state(view), *([] if _is_before(view) else self._steps(view))]
+        parts += [control_text(view, language), *self._waits_for_answers(view)]
+        return " ".join(filter(None, parts))
 
     def _doing(self, view: StatusView, asker: Asker) -> str:
         return self._after(self.status(view), view, asker)
@@ -140,14 +151,14 @@ class StateAnswers:
         before = asker.last_end if _is_before(view) else ""
         return f"{text} {self.language.text('before', text=before)}" if before else text
 
-    def _in_state(self, view: StatusView, form: str) -> str:
+    def _in_state(self, view: StatusView) -> str:
         mode = self.language.word("modes", view.mode)
         if not view.active:
             return self.language.text("mode", mission=_mission(view), mode=mode)
         state = next((name for name in reversed(view.active) if view.states.get(name)), "")
         about = about_words(view.states.get(state, ""))
         values = {"mission": _mission(view), "mode": mode, "state": spoken(view.active[-1])}
-        return self.language.text(f"{form}_about" if about else form, **values, about=about)
+        return self.language.text("mode_state_about" if about else "mode_state", **values, about=about)
 
     def _ended(self, view: StatusView) -> str:
         why = about_words(view.why)
@@ -173,9 +184,7 @@ class StateAnswers:
     def _progress(self, view: StatusView, _: Asker) -> str:
         if not is_alive(view):
             return self.status(view)
-        return (
-            " ".join(self._steps(view)) or f"{self.language.text('no_progress')} {self._in_state(view, 'mode_state')}"
-        )
+        return " ".join(self._steps(view)) or f"{self.language.text('no_progress')} {self._in_state(view)}"
 
     def _time_left(self, view: StatusView, asker: Asker) -> str:
         text = self._progress(view, asker)
@@ -184,7 +193,7 @@ class StateAnswers:
     def _where(self, view: StatusView, _: Asker) -> str:
         poses = [key for key in view.keys.values() if key.type == "pose" and key.source == "robot"]
         if not poses:
-            where = self._in_state(view, "mode_state") if is_alive(view) else ""
+            where = self._in_state(view) if is_alive(view) else ""
             return f"{self.language.text('no_position')} {where}".strip()
         key = poses[0]
         if not key.is_fresh or key.value is None:
@@ -201,9 +210,10 @@ class StateAnswers:
             return self.language.text("canceling_by", by=view.mode_by)
         if is_alive(view) and asker.stopping_by:
             return self.language.text("stopping_by", by=asker.stopping_by)
-        if not is_alive(view) or view.held_by or view.questions or view.waits:
-            return self.status(view) if not view.waits or view.held_by else self._waits(view, asker)
-        return self._in_state(view, "not_stopped")
+        if not is_alive(view) or view.questions or control_text(view, self.language):
+            return self.status(view)
+        causes = [each for each in view.happened if each.kind != "entered"][-MOST_CAUSES:]
+        return f"{self._in_state(view)} {self._lines(causes, view)}".rstrip()
 
     def _mode_by(self, view: StatusView, name: str) -> str:
         if not view.mode_by:
@@ -215,10 +225,8 @@ class StateAnswers:
         language = self.language
         if view.questions and is_alive(view):
             return " ".join(self._waits_for_answers(view))
-        if view.waits or view.held_by:
-            return language.text(
-                "waits_control", waits=about_words(view.waits) or language.word("holders", view.held_by)
-            )
+        if text := control_text(view, language):
+            return text
         if view.mode == "ready":
             return language.text("waits_start")
         if view.mode == "paused":
@@ -242,10 +250,8 @@ class StateAnswers:
         return self.language.text("queued", requests=self.language.listed(list(requests)))
 
     def _control(self, view: StatusView, _: Asker) -> str:
-        text = self.language.text("control", holder=self.language.word("holders", view.control))
-        if view.held_by:
-            text += " " + self.language.text("held", holder=self.language.word("holders", view.held_by))
-        return text
+        plain = self.language.text("control", holder=self.language.word("holders", view.control))
+        return control_text(view, self.language) or plain
 
     def _capabilities(self, view: StatusView, asker: Asker) -> str:
         language = self.language
@@ -275,16 +281,17 @@ class StateAnswers:
         return " ".join(results or [self.language.text("no_result"), self.status(view)])
 
     def _happened(self, view: StatusView, asker: Asker) -> str:
-        lines = [self._line(each, view) for each in view.happened[-MOST_HAPPENINGS:]]
-        text = (
-            self.language.text("happened", lines="; ".join(lines)) if lines else self.language.text("happened_nothing")
-        )
+        text = self._lines(view.happened[-MOST_HAPPENINGS:], view) or self.language.text("happened_nothing")
         text = self._after(text, view, asker)
         return f"{text} {self._ended(view)}" if view.mode and not is_alive(view) else text
 
     def _decided(self, view: StatusView, _: Asker) -> str:
-        lines = [self._line(each, view) for each in view.happened if each.kind == "answered"][-MOST_DECIDED:]
-        return self.language.text("happened", lines="; ".join(lines)) if lines else self.language.text("decided_none")
+        answers = [each for each in view.happened if each.kind == "answered"][-MOST_DECIDED:]
+        return self._lines(answers, view) or self.language.text("decided_none")
+
+    def _lines(self, events: Sequence[RunEvent], view: StatusView) -> str:
+        lines = "; ".join(self._line(each, view) for each in events)
+        return self.language.text("happened", lines=lines) if lines else ""
 
     def _line(self, happening: RunEvent, view: StatusView) -> str:
         template: str = self.language.data["happenings"][happening.kind]

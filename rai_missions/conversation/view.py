@@ -89,8 +89,8 @@ class StatusView(NamedTuple):
     outcome: str | None = None
     why: str = ""
     """Why it ended so, in words."""
-    waits: str = ""
-    """Which states wait for someone to have control, in words."""
+    wanted: tuple[str, ...] = ()
+    """Who must have control before what waits can begin; empty where nothing waits for control."""
     held_by: str = ""
     held_since: float | None = None
     open_goals: tuple[str, ...] = ()

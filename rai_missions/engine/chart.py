@@ -337,7 +337,7 @@ class Chart:
     @property
     def wanted(self) -> frozenset[str]:
         """Who must have control for what waits to begin."""
-        wanted = (self.program.graph.nodes[name].control for name in self.state.pending)
+        wanted = (self.program.graph.nodes[name].control for name in tuple(self.state.pending))
         return frozenset(holder for holder in wanted if holder is not None)
 
     @property

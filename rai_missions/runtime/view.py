@@ -128,6 +128,11 @@ class RunView:
         return self._chart.holder
 
     @property
+    def wanted(self) -> frozenset[str]:
+        """Who must have control for what waits to begin."""
+        return self._chart.wanted
+
+    @property
     def held_by(self) -> str:
         """Who holds the mission up; empty while it is not held."""
         return self._chart.held_by

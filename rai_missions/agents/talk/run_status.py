@@ -98,7 +98,7 @@ class RunStatus:
             revision=status.revision if status is not None else 0,
             mode=run.outcome or run.mode, awaits_start=self._runner.waits, control=run.holder, active=active,
             outcome=run.outcome, why=run.why,
-            waits=status.waits if status is not None else "", held_by=run.held_by, held_since=run.held_since,
+            wanted=tuple(sorted(run.wanted)), held_by=run.held_by, held_since=run.held_since,
             open_goals=tuple(dict.fromkeys(goal.action for goal in run.loose_goals)),
             questions=questions, confirm=frozenset(one for each in questions for one in _confirmed(mission, each)),
             keys={name: key_view(name, key, board, now) for name, key in mission.blackboard.items()},
