@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     from rai_missions.engine.contract import check_activity
     from rai_missions.guards.contract import check_guard
     from rai_missions.replay.play.passage import let_time_pass
+    from rai_missions.voice.contract import check_recogniser, check_voice
     from rai_missions.worlds.contract import check_world
 
 __all__ = (
@@ -64,7 +65,9 @@ __all__ = (
     "check_conversation",
     "check_guard",
     "check_hri_connector",
+    "check_recogniser",
     "check_sound_connector",
+    "check_voice",
     "check_world",
     "let_time_pass",
     "play_conversation",
@@ -91,6 +94,7 @@ if not TYPE_CHECKING:
             "engine.contract": ("check_activity",),
             "guards.contract": ("check_guard",),
             "replay.play.passage": ("let_time_pass",),
+            "voice.contract": ("check_recogniser", "check_voice"),
             "worlds.contract": ("check_world",),
         },
     )  # fmt: skip
