@@ -8,14 +8,16 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Iterable, Mapping
+from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, cast
+from typing import TYPE_CHECKING
 
 from rai_missions.engine.step import Step
 from rai_missions.errors import UsageError
-from rai_missions.kinds import offered
+from rai_missions.kinds import PackageOffer, offered
 from rai_missions.mission.files import write_atomically
 from rai_missions.mission.mission import Mission
+from rai_missions.redaction import shown
 from visualize.build import picture
 from visualize.diff import Difference
 from visualize.dot_text import dot_text
@@ -67,7 +69,23 @@ def _writer(form: str) -> Callable[[Picture], bytes] | None:
     if form in FORMATS:
         return FORMATS[form]
     offer = offered("rai_missions.exporters", form, {}) if form and form not in (PAGE, *COMPARED) else None
-    return None if offer is None else cast("Callable[[Picture], bytes]", offer.load())
+    return None if offer is None else partial(_exported, offer)
+
+
+def _exported(offer: PackageOffer, given: Picture) -> bytes:
+    """What a package's exporter makes of a picture.
+
+    Raises:
+        UsageError: It does not load, raises, or makes something else than bytes.
+    """
+    export = offer.load()
+    try:
+        made: object = export(given)
+    except Exception as error:
+        raise UsageError(f"{offer} failed ({type(error).__name__}: {error})") from error
+    if not isinstance(made, bytes):
+        raise UsageError(f"{offer} makes {shown(made)} of a picture; an exporter makes bytes")
+    return made
 
 
 def draw(mission: Mission, path: str | os.PathLike[str], steps: Iterable[Step] = ()) -> Path:

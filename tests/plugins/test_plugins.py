@@ -194,6 +194,28 @@ def test_a_foreign_exporter_makes_files_of_its_ending(tmp_path: Path) -> None:
     assert "the endings are .svg" in fault(lambda: draw(load(MISSION), tmp_path / "mission.nothing"))
 
 
+@pytest.mark.parametrize(
+    ("code", "why"),
+    [
+        ("def lines(picture): return 'text'", "makes 'text' of a picture; an exporter makes bytes"),
+        ("def lines(picture): return picture.nodes[99]", "failed (IndexError: tuple index out of range)"),
+        ("", "does not load (AttributeError: module 'liner' has no attribute 'lines')"),
+    ],
+)
+def test_a_foreign_exporter_that_makes_no_bytes_is_refused_by_name_and_leaves_no_file(
+    tmp_path: Path, code: str, why: str
+) -> None:
+    laid_out(tmp_path, "liner", "1.0", offers="[rai_missions.exporters]\nlines = liner:lines\n", code=code)
+    sys.path.insert(0, str(tmp_path))
+    try:
+        text = fault(lambda: draw(load(MISSION), tmp_path / "mission.lines"))
+        assert text == f"the exporter 'lines' of liner 1.0 {why}"
+        assert not (tmp_path / "mission.lines").exists()
+    finally:
+        del sys.path[0]
+        sys.modules.pop("liner", None)
+
+
 # -- contracts ---------------------------------------------------------------------------------------------------------
 
 
