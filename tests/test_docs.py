@@ -70,7 +70,7 @@ def blocks(document: str) -> Iterator[Block]:
 
 def run_python(block: Block, where: str, names: dict[str, Any]) -> None:
     """Run a block so that a traceback names the document's own line."""
-    exec(compile("\n" * (block.line - 1) + block.text, where, "exec"), names)
+    exec(compile("\n" * (block.line - 1) + block.text, where, "exec", dont_inherit=True), names)
 
 
 def run_as_process(arguments: list[str]) -> tuple[int | str | None, str]:
