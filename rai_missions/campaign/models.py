@@ -7,7 +7,7 @@ Rule: an answerer is asked as a run asks it. What a model's provider raised is k
 from __future__ import annotations
 
 import queue
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -155,7 +155,7 @@ class CampaignModels:
         if model == "rules":
             return RulesAnswerer(self._rules, keys=self._keys, view=view)
         if model == "oracle":
-            return ScriptAnswerer({question.state: _best(question, labels)})
+            return ScriptAnswerer({question.state: [_best(question, labels)]})
         if model.startswith(CONSTANT):
             return ScriptAnswerer({question.state: [model.removeprefix(CONSTANT)]})
         script = self._file.scripts[model]
@@ -187,10 +187,11 @@ def _at_once(answerer: Answerer, question: Question) -> Mapping[str, Any]:
     return answers[0] if answers else {"failed": "no answer"}
 
 
-def _best(question: Question, labels: Mapping[str, str]) -> Sequence[str]:
+def _best(question: Question, labels: Mapping[str, str]) -> str | Mapping[str, str]:
     """An offered option that is best by its label; of several, the first by name, in whatever order they are shown."""
     known = sorted(each.name for each in question.options if each.name in labels)
-    return sorted(known, key=lambda option: BEST_FIRST.index(labels[option]))[:1]
+    lacking = {"absent": "no option that is offered has a label, by which the oracle chooses"}
+    return min(known, key=lambda option: BEST_FIRST.index(labels[option])) if known else lacking
 
 
 def _chat_process(model: str) -> Chat:

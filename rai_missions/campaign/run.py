@@ -7,6 +7,7 @@ Rule: one process writes. A record counts once it is committed; whatever ends a 
 from __future__ import annotations
 
 import time
+from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import closing
 from datetime import timedelta
@@ -24,6 +25,7 @@ from rai_missions.campaign.store import (
     LostParts,
     ResultStore,
     SceneRecord,
+    UnlabelledScene,
     graded,
     is_tried,
     parameters_in,
@@ -71,6 +73,8 @@ class CampaignResult(NamedTuple):
     seconds: float
     failures: Mapping[str, int]
     """Why cells failed → how many did, the most first."""
+    unlabelled: Mapping[str, int] = {}
+    """Why scenes could not be labelled → how many, the most first."""
 
 
 class CampaignPlan(NamedTuple):
@@ -186,7 +190,8 @@ def run_campaign(
     else:
         missing = len(plan.cells.keys() - store.keys().keys())
     seconds = time.monotonic() - began
-    return CampaignResult(store.counts(), missing, stopped if missing else "", seconds, store.failures())
+    unlabelled = dict(Counter(intake.unlabelled.values()).most_common())
+    return CampaignResult(store.counts(), missing, stopped if missing else "", seconds, store.failures(), unlabelled)
 
 
 class Intake:
@@ -210,6 +215,8 @@ class Intake:
         self._new = set[str]()
         self.labelled = set[str]()
         """Scenes whose labels came."""
+        self.unlabelled = dict[str, str]()
+        """Scene → why it could not be labelled."""
         self._began = self._committed = time.monotonic()
         self._failed = {each.cell: each._replace(raw="") for each in store.cells() if each.status == "failed"}
         self._held: list[TaskRecord] = []
@@ -220,6 +227,8 @@ class Intake:
             self._new.add(record[0])
         if isinstance(record, LabelRecord):
             self.labelled.add(record.scene)
+        if isinstance(record, UnlabelledScene):
+            self.unlabelled[record.scene], record = record.why, None
         if isinstance(record, CellRecord):
             self._spending.add(record)
             earlier = self._failed.get(record.cell)

@@ -20,7 +20,7 @@ from rai_missions.errors import UsageError, irregular
 
 __all__ = (
     "BEST_FIRST", "CellRecord", "CellStatus", "DroppedUse", "LabelRecord", "PictureRecord", "QuestionRecord",
-    "ResultStore", "SceneRecord", "graded",
+    "ResultStore", "SceneRecord", "UnlabelledScene", "graded",
 )  # fmt: skip
 
 CellStatus = Literal["answered", "no_answer", "failed"]
@@ -60,6 +60,13 @@ class LabelRecord(NamedTuple):
     """One of `BEST_FIRST`."""
     details: str
     """JSON: forces, contacts, and where the robot came to."""
+
+
+class UnlabelledScene(NamedTuple):
+    """A scene whose options could not be tried; no store has it."""
+
+    scene: str
+    why: str
 
 
 class QuestionRecord(NamedTuple):

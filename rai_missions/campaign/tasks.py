@@ -22,13 +22,21 @@ from rai_missions.campaign.models import CampaignModels
 from rai_missions.campaign.questions import AskedScene, NoQuestion, ask_in
 from rai_missions.campaign.rollout import answers_of, rollouts
 from rai_missions.campaign.scene_spec import later_of
-from rai_missions.campaign.store import CellRecord, LabelRecord, PictureRecord, QuestionRecord, ResultStore, SceneRecord
+from rai_missions.campaign.store import (
+    CellRecord,
+    LabelRecord,
+    PictureRecord,
+    QuestionRecord,
+    ResultStore,
+    SceneRecord,
+    UnlabelledScene,
+)
 from rai_missions.errors import MissionError, UsageError
 from rai_missions.redaction import cut, first_line
 
 __all__ = ("SceneTask", "TaskRecord", "WorkSettings", "Workplace")
 
-TaskRecord = QuestionRecord | PictureRecord | LabelRecord | CellRecord
+TaskRecord = QuestionRecord | PictureRecord | LabelRecord | UnlabelledScene | CellRecord
 SMALL = 9
 """zlib's level for pictures in the store: each is written once."""
 
@@ -100,7 +108,7 @@ class Workplace:
         labels = dict(task.labels)
         if task.rates and self._asking.file.labels == "trials":
             tried = _tried(task.scene)
-            labels.update({label.option: label.verdict for label in tried})
+            labels.update({each.option: each.verdict for each in tried if isinstance(each, LabelRecord)})
             yield from tried
         if task.cells or self._asking.file.labels == "rollouts":
             yield from self._in_scene(task, labels)
@@ -119,7 +127,8 @@ class Workplace:
         if task.shows:
             yield from self._shown(asked, task)
         for label in self._rolled_out(asked) if task.rates else ():
-            labels[label.option] = label.verdict
+            if isinstance(label, LabelRecord):
+                labels[label.option] = label.verdict
             yield label
         if asked.decision is not None:
             asked.decision.world.close()
@@ -129,9 +138,15 @@ class Workplace:
                 return
             yield record
 
-    def _rolled_out(self, asked: AskedScene) -> Iterator[LabelRecord]:
-        """The labels of a scene's options, where the campaign wants them; none where an option cannot be tried."""
-        if self._asking.file.labels != "rollouts" or asked.decision is None:
+    def _rolled_out(self, asked: AskedScene) -> Iterator[LabelRecord | UnlabelledScene]:
+        """The labels of a scene's options, where the campaign wants them; why they lack where one cannot be tried."""
+        if self._asking.file.labels != "rollouts":
+            return
+        if asked.decision is None:
+            needs = "branch, harm, measures and work_done"
+            yield UnlabelledScene(
+                asked.scene.scene, f"nothing is rolled out in the world '{asked.scene.world}': that needs {needs}"
+            )
             return
         wanted = self._asking.file.rollouts
         later = {**wanted.later, **later_of(asked.scene.spec)}
@@ -140,8 +155,9 @@ class Workplace:
                 asked.decision, self._subject.options, later=answers_of(later, self._subject.mission),
                 parameters=wanted.parameters, longest_s=wanted.longest_s,
             )  # fmt: skip
-        except UsageError:
-            return  # an option cannot be tried here, so none has a label
+        except UsageError as error:  # an option cannot be tried here, so none has a label
+            yield UnlabelledScene(asked.scene.scene, str(error))
+            return
         for option, each in found.items():
             yield LabelRecord(asked.scene.scene, option, each.verdict, json.dumps(each.data(), default=str))
 
@@ -154,8 +170,8 @@ class Workplace:
                 yield PictureRecord(task.scene.scene, name, file.data)
 
 
-def _tried(scene: SceneRecord) -> list[LabelRecord]:
-    """The labels that physics alone gives, without the mission; none where nothing in the scene asks for a decision."""
+def _tried(scene: SceneRecord) -> list[LabelRecord] | list[UnlabelledScene]:
+    """The labels that physics alone gives, without the mission; why there is none where nothing asks for a decision."""
     from rai_missions.campaign.labels import label  # loads the world
     from rai_missions.campaign.scenes import CampaignScene
 
@@ -163,17 +179,19 @@ def _tried(scene: SceneRecord) -> list[LabelRecord]:
     given = CampaignScene(scene.scene, scene.world, scene.kind, scene.seed, split, json.loads(scene.spec))
     try:
         found = label(given)
-    except UsageError:
-        return []  # the mission, run in the scene, reports why it asked nothing
+    except UsageError as error:
+        return [UnlabelledScene(scene.scene, str(error))]
     return [
         LabelRecord(scene.scene, option, each.verdict, json.dumps(each.details, default=str))
         for option, each in found.items()
     ]
 
 
-def _failed(task: SceneTask, error: str) -> Iterator[CellRecord]:
+def _failed(task: SceneTask, error: str) -> Iterator[CellRecord | UnlabelledScene]:
     for key, cell in task.cells:
         yield CellRecord(key, *cell, status="failed", error=cut(error, 1000))
+    if task.rates:
+        yield UnlabelledScene(task.scene.scene, cut(error, 1000))
 
 
 def _recorded(path: Path) -> Mapping[Cell, str]:

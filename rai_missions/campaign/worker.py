@@ -12,15 +12,25 @@ import queue
 import sys
 import threading
 from collections.abc import Iterator, Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from rai_missions.campaign.cells import Cell
-from rai_missions.campaign.store import CellRecord, LabelRecord, PictureRecord, QuestionRecord, SceneRecord
+from rai_missions.campaign.store import (
+    CellRecord,
+    LabelRecord,
+    PictureRecord,
+    QuestionRecord,
+    SceneRecord,
+    UnlabelledScene,
+)
 from rai_missions.connectors.process.frames import outward, read_frame, write_all
+
+if TYPE_CHECKING:
+    from rai_missions.campaign.tasks import TaskRecord
 
 __all__ = ("RECORDS", "record_words", "task_in", "task_words", "work")
 
-RECORDS = {each.__name__: each for each in (CellRecord, LabelRecord, PictureRecord, QuestionRecord)}
+RECORDS = {each.__name__: each for each in (CellRecord, LabelRecord, PictureRecord, QuestionRecord, UnlabelledScene)}
 PIECE = 192 * 1024
 """Bytes of a picture in one message: a reply has a bound."""
 
@@ -77,7 +87,7 @@ def _send(fd: int, message: Mapping[str, Any]) -> None:
     write_all(fd, outward(message))
 
 
-def record_words(record: CellRecord | LabelRecord | PictureRecord | QuestionRecord) -> Iterator[dict[str, Any]]:
+def record_words(record: TaskRecord) -> Iterator[dict[str, Any]]:
     """A record as messages of JSON; a picture in pieces, of which the last is marked."""
     kind = type(record).__name__
     if not isinstance(record, PictureRecord):

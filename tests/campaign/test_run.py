@@ -109,7 +109,8 @@ def test_what_the_rules_do_not_offer_is_refused_and_a_silent_script_gives_no_ans
     assert found["deep"].error == "'right' was not offered; offered: left, wait"
     assert (found["liar"].permitted, found["liar"].reason) == (0, "I can")
     assert (found["mute"].status, found["mute"].permitted) == ("no_answer", None)
-    assert found["oracle"].status == "failed"  # the scene has no labels
+    assert found["oracle"].status == "failed"
+    assert found["oracle"].error == "no option that is offered has a label, by which the oracle chooses"
 
 
 def test_scenes_are_labelled_by_rolling_out_each_option_unless_the_store_has_labels(tmp_path: Path) -> None:
@@ -140,7 +141,29 @@ def test_a_scene_in_which_nothing_stops_the_tractor_ends_no_campaign(tmp_path: P
     assert (result.counts, result.missing) == ({"failed": 1}, 0)
     with ResultStore(tmp_path / "results.db") as opened:
         assert opened.labels() == {} and "asked nothing" in next(iter(opened.cells())).error
-    assert ran(tmp_path / "campaign.json", tmp_path / "labels.db", labels_alone=True).missing == 1
+    alone = ran(tmp_path / "campaign.json", tmp_path / "labels.db", labels_alone=True)
+    assert alone.missing == 1 and sum(alone.unlabelled.values()) == 1
+    assert "asked nothing" in next(iter(result.unlabelled))
+
+
+def test_why_no_option_can_be_tried_in_a_scene_is_reported(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    path = write_campaign(tmp_path, campaign_data(2, labels="rollouts", orders=["written"]))
+    mission = json.loads((tmp_path / "mission.json").read_text())
+    seconds = {"type": "object", "properties": {"s": {"type": "number"}}, "required": ["s"]}
+    mission["states"]["choosing"]["decision"]["options"]["left"]["parameters"] = seconds
+    (tmp_path / "mission.json").write_text(json.dumps(mission))
+    why = "'left' cannot be tried in 'choosing': "
+    for words in ({}, {"labels_alone": True}):
+        found = ran(path, tmp_path / f"{len(words)}.db", **words).unlabelled
+        assert list(found.values()) == [2] and next(iter(found)).startswith(why)
+
+    monkeypatch.syspath_prepend(str(Path(__file__).parents[1] / "plugins" / "installed"))
+    path = write_campaign(tmp_path, campaign_data(2, labels="rollouts"))
+    data = json.loads(path.read_text())
+    path.write_text(json.dumps(data | {"scenes": data["scenes"] | {"world": "greenhouse", "options": {}}}))
+    found = ran(path, tmp_path / "greenhouse.db").unlabelled
+    needs = "branch, harm, measures and work_done"
+    assert found == {f"nothing is rolled out in the world 'greenhouse': that needs {needs}": 2}
 
 
 def test_labels_alone_are_made_once_and_a_part_of_them_is_made_again(tmp_path: Path) -> None:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Literal, NamedTuple
 from rai_missions.cli.command import Argument, command
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Mapping
 
     from rai_missions.campaign.file import LoadedCampaign
     from rai_missions.campaign.pool import TaskPool
@@ -139,9 +139,10 @@ def _run(options: CampaignOptions) -> int:
         )
         labelled = len(store.labels())
     if options.subcommand == "label":
-        print(f"{labelled} scenes have labels, in {result.seconds:.1f} s; results: {path}")
-        if result.missing:
-            print(f"  {result.missing} have none: 'campaign run' reports why, with the cells of such a scene")
+        print(
+            f"{labelled} scenes have labels, {result.missing} have none, in {result.seconds:.1f} s; results: {path}"
+            + _reasons("scenes without labels", result.unlabelled)
+        )
         return 1 if result.missing else 0
     print(_words(result, path))
     if options.report is not None:
@@ -187,10 +188,14 @@ def _words(result: CampaignResult, path: object) -> str:
     parts += [f"{failed} failed"] if (failed := counts.get("failed", 0)) else []
     parts += [f"{result.missing} not asked"] if result.missing else []
     why = f"; {result.stopped}" if result.stopped else ""
-    reasons = [
-        f"\n  {count} failed: {_printed(error)}" for error, count in list(result.failures.items())[:MOST_REASONS]
-    ]
-    return f"{', '.join(parts)}, in {result.seconds:.1f} s{why}; results: {path}{''.join(reasons)}"
+    reasons = _reasons("failed", result.failures) + _reasons("scenes without labels", result.unlabelled)
+    return f"{', '.join(parts)}, in {result.seconds:.1f} s{why}; results: {path}{reasons}"
+
+
+def _reasons(what: str, counts: Mapping[str, int]) -> str:
+    """The most frequent reasons, each in a line with how often it was."""
+    most = list(counts.items())[:MOST_REASONS]
+    return "".join(f"\n  {count} {what}: {_printed(why)}" for why, count in most)
 
 
 def _printed(error: str) -> str:
