@@ -11,8 +11,10 @@ from rai_missions.check.pointers import pointer
 from rai_missions.errors import UsageError
 from rai_missions.kinds import Interface, PackageOffer, named
 from rai_missions.mission.option_parameters import schema_fault
+from rai_missions.states import State
 from rai_missions.states.decision import ANSWERERS, answerer_offer
 from rai_missions.states.effects import Effect
+from rai_missions.states.tree import TreeNode
 
 __all__ = (
     "misspelled_answerers", "unbounded_actions", "unbounded_calls", "unbounded_decisions", "unlisted_answerers",
@@ -35,12 +37,16 @@ def unbounded_calls(survey: MissionIndex) -> Found:
 
 
 def _unbounded(survey: MissionIndex, sort: Interface) -> Iterator[RobotUse]:
-    """What waits for the robot without an end; an effect waits for nothing."""
+    """What waits for the robot without an end: no effect, and of a state that makes a tree its leaves alone."""
     for use in survey.uses:
-        if use.sort == sort and not isinstance(use.user, Effect) and use.user.timeout_s is None:
+        if use.sort == sort and not _waits_elsewhere(use.user) and use.user.timeout_s is None:
             around = use.scope.owner.upward() if use.scope.owner is not None else ()
             if not use.scope.timed and not any(map(_timed, around)):
                 yield use
+
+
+def _waits_elsewhere(user: Effect | State | TreeNode) -> bool:
+    return isinstance(user, Effect) or (isinstance(user, State) and user.made() is not None)
 
 
 def _timed(spot: StateRef) -> bool:

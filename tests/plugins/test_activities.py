@@ -42,13 +42,17 @@ def _installed(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def ringing(**changes: Any) -> Mission:
-    states = {**DOCUMENT["states"], "inspecting": {**DOCUMENT["states"]["inspecting"], **changes}}
+    inspecting = {word: given for word, given in {**DOCUMENT["states"]["inspecting"], **changes}.items() if given}
+    if "timeout_s" not in inspecting:
+        inspecting["transitions"] = [{"on": "succeeded", "to": "done"}, {"on": "failed", "to": "given_up"}]
+    states = {**DOCUMENT["states"], "inspecting": inspecting}
     return Mission.model_validate({**DOCUMENT, "states": states})
 
 
 def test_a_tree_that_a_kind_makes_is_checked_covered_drawn_compared_and_proved() -> None:
     mission = ringing()
     assert check(mission) == ()
+    assert check(ringing(timeout_s=None)) == (), "the calls of its tree have an end"
     other = ringing(inspect="gong")
     lacks = [fault.place for fault in missing(other, ROBOT)]
     assert lacks == ["/services/gong"], "the profile is held to what a field of the kind names"
