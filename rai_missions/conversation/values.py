@@ -121,9 +121,16 @@ def value_sentence(path: str, keys: Mapping[str, KeyView], language: Language) -
 
 
 def result_sentences(names: Iterable[str], keys: Mapping[str, KeyView], language: Language) -> list[str]:
-    """The values of a mission's results, each as a sentence; those without a value are left out."""
+    """A mission's results, each as a sentence: a text alone, any other value by its name; none without a value."""
     given = [keys[name] for name in names if name in keys]
-    return [_sentence(value_words(key.value, key, language)) for key in given if key.value]
+    return [_result(key, language) for key in given if key.value is not None and key.value != ""]
+
+
+def _result(key: KeyView, language: Language) -> str:
+    if isinstance(key.value, str):
+        return _sentence(key.value)
+    name, value = capital(unit_of(key.name, language.data["units"])[0]), value_words(key.value, key, language)
+    return language.text("key", name=name, value=value)
 
 
 def capital(words: str) -> str:
