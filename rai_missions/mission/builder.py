@@ -68,7 +68,7 @@ class Keys:
 
 
 def _transition(function: Callable[P, Transition]) -> Callable[P, Transition]:
-    """A constructor of transitions, which refuses a word that it does not have as the models do: with the nearest."""
+    """A constructor of transitions, named in what it refuses; for a word that it does not have, with the nearest."""
     known = function.__code__.co_varnames[: function.__code__.co_argcount + function.__code__.co_kwonlyargcount]
 
     @wraps(function)
@@ -78,7 +78,10 @@ def _transition(function: Callable[P, Transition]) -> Callable[P, Transition]:
             what = f"'{function.__name__}' has no"
             faults = [Fault(f"/{escaped(word)}", f"{what} {shown(word)}{suggestion(word, known)}") for word in unknown]
             raise DefinitionError(faults, f"{function.__name__}(…)")
-        return function(*given, **words)
+        try:
+            return function(*given, **words)
+        except DefinitionError as error:
+            raise DefinitionError(error.faults, f"{function.__name__}(…)") from None
 
     return made
 

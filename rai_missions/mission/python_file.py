@@ -89,8 +89,8 @@ def _from(error: BaseException, path: Path, name: str, hint: str = "") -> Defini
     lines = [frame.lineno for frame in traceback.extract_tb(error.__traceback__) if frame.filename == str(path)]
     where = f"line {lines[-1]}: " if lines else ""
     if isinstance(error, DefinitionError):
-        inside = f" in {error.source}" if error.source else ""
-        return DefinitionError((Fault(fault.place, f"{where}{fault.sentence}{inside}") for fault in error.faults), name)
+        where = f"{where}in {error.source}: " if error.source else where
+        return DefinitionError((Fault(fault.place, f"{where}{fault.sentence}") for fault in error.faults), name)
     text = str(error).strip()
     return DefinitionError([Fault("", f"{where}{type(error).__name__}" + (f": {text}" if text else "") + hint)], name)
 

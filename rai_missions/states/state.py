@@ -110,7 +110,8 @@ class Transition(MissionModel):
             raise fault("trigger", "a transition has 'on' or 'after_s', not both; write two transitions")
         if not self.on and self.after_s is None and self.when is None:
             raise fault(
-                "trigger", "a transition without 'on', 'after_s' and 'when' would fire at once, always; give one"
+                "trigger",
+                "a transition without 'on', 'after_s' and 'when' would fire at once, always; give one of them",
             )
         if self.of is not None and not self.on:
             raise fault("of", "'of' names the state whose outcome 'on' means; give 'on' too")

@@ -67,7 +67,7 @@ def test_python_is_refused_unexecuted_where_it_is_not_wanted(tmp_path: Path) -> 
         ("def mission():\n    return mission()", "/: line 2: RecursionError"),
         (
             GOOD.replace('"a": State()', '"a": State(timout_s=1)'),
-            "/timout_s: line 6: a state has no 'timout_s'; did you mean 'timeout_s'? in State(…)",
+            "/timout_s: line 6: in State(…): a state has no 'timout_s'; did you mean 'timeout_s'?",
         ),
         (
             "from rai_missions import Key, Keys\nk = Keys(battery=Key(float))\nlow = k.batery < 1",
