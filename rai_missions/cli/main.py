@@ -15,7 +15,7 @@ from contextlib import suppress
 from rai_missions.cli.command import Command
 from rai_missions.cli.commands import load_command, names, root_parser
 from rai_missions.cli.streams import standard_streams
-from rai_missions.runtime.interrupts import raised_signals
+from rai_missions.runtime.interrupts import RaisedSignals, on_signals
 
 __all__ = ("main", "run")
 
@@ -23,16 +23,24 @@ __all__ = ("main", "run")
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run a command; returns its exit status."""
     words = list(sys.argv[1:] if arguments is None else arguments)
+    raised, status = RaisedSignals(), 2
     with standard_streams():
         try:
-            with raised_signals():
+            with on_signals(raised):
                 if words and words[0] in names():
-                    return _run(load_command(words[0]), words[1:])
-                return _without_command(words)
+                    status = _run(load_command(words[0]), words[1:], raised)
+                else:
+                    status = _without_command(words)
         except KeyboardInterrupt as interrupt:  # also while a command is still being imported
+            raised.number = raised.number or (interrupt.args[0] if interrupt.args else signal.SIGINT)
+        except BaseException:
+            if not raised.number:  # else it is what became of the interrupt
+                raise
+        if raised.number:
             with suppress(OSError):  # the terminal may be gone
                 print("interrupted", file=sys.stderr, flush=True)
-            return 128 + (interrupt.args[0] if interrupt.args else signal.SIGINT)
+            return 128 + raised.number
+    return status
 
 
 def run() -> int:
@@ -56,7 +64,7 @@ def _without_command(words: Sequence[str]) -> int:
     return 2
 
 
-def _run(command: Command, words: Sequence[str]) -> int:
+def _run(command: Command, words: Sequence[str], raised: RaisedSignals) -> int:
     given = command.read(words)
     from rai_missions.cli.output import redacted_output
     from rai_missions.errors import DefinitionError, MissionError
@@ -66,12 +74,12 @@ def _run(command: Command, words: Sequence[str]) -> int:
             status = command(**given)
             sys.stdout.flush()
             return status
-        except DefinitionError as error:
-            print(error, file=sys.stderr)
         except BrokenPipeError:
             return 1
         except (MissionError, OSError) as error:
-            print(f"rai-missions {command.name}: {error}", file=sys.stderr)
+            if not raised.number:
+                who = "" if isinstance(error, DefinitionError) else f"rai-missions {command.name}: "
+                print(f"{who}{error}", file=sys.stderr)
     return 2
 
 

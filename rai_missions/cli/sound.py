@@ -6,11 +6,11 @@ from __future__ import annotations
 import json
 import sys
 import threading
-from contextlib import suppress
 
 from rai_missions.connectors.sound.connector import FRAME_BYTES, FRAME_S, SoundConnector
 from rai_missions.connectors.sound.devices import DeviceSound
 from rai_missions.connectors.sound.files import FileSound
+from rai_missions.runtime.interrupts import until_signals
 from rai_missions.voice.listener import ListenSettings, SpeechListener, Transcript
 from rai_missions.voice.setup import ListenNames, open_recognition
 
@@ -67,7 +67,7 @@ def listen_to(file: str | None, device: str | None, names: ListenNames, *, as_js
             _to_the_end(sound, recognition.listener)
         else:
             print("listening; Ctrl-C ends it", file=sys.stderr)
-            with suppress(KeyboardInterrupt):
+            with until_signals():
                 threading.Event().wait()
             return 0
     finally:

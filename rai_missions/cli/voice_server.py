@@ -53,8 +53,6 @@ def serve_voice(sound: SoundConnector, names: ListenNames, *, voice: str, domain
         sound.start()
         print("ready; Ctrl-C ends it", flush=True)
         return agents.serve()
-    except KeyboardInterrupt:
-        return 0
     finally:
         hri.close()
         agents.stop()

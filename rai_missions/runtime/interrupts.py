@@ -14,7 +14,7 @@ from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager, suppress
 from typing import Any, Protocol
 
-__all__ = ("BY", "end_signals", "interruptible", "on_interrupts", "on_signals", "raised_signals")
+__all__ = ("BY", "RaisedSignals", "end_signals", "interruptible", "on_interrupts", "on_signals", "until_signals")
 
 BY = "operator (interrupt)"
 """Who cancels and stops a run by Ctrl-C, as its journal has it."""
@@ -43,24 +43,45 @@ def end_signals() -> tuple[signal.Signals, ...]:
 def on_signals(do: Callable[[int, Any], object]) -> Iterator[None]:
     """A signal that asks the program to end does this, where this is the thread that receives them.
 
-    Afterwards each does again what it did before.
+    So does one that was raised before and is lost. Afterwards each does again what it did before.
     """
     is_main = threading.current_thread() is threading.main_thread()
     before = {each: signal.signal(each, do) for each in end_signals()} if is_main else {}
     try:
+        for handler in before.values():
+            if isinstance(handler, RaisedSignals) and (lost := handler.take()):
+                do(lost, None)
         yield
     finally:
         for each, handler in before.items():
             signal.signal(each, handler)
 
 
-def raised_signals() -> AbstractContextManager[None]:
-    """A signal that asks the program to end raises `KeyboardInterrupt` with its number, where that is this thread's."""
+class RaisedSignals:
+    """Has a signal raise `KeyboardInterrupt`, and remembers it: it may be raised where nothing that is raised counts.
 
-    def receive(number: int, frame: Any) -> None:
+    Loading an extension drops it, a finaliser does, and what compiles or validates may make another error of it.
+    """
+
+    def __init__(self) -> None:
+        self.number = 0
+        """Of the first that was raised; 0 where none was, or another handler has taken it."""
+
+    def __call__(self, number: int, frame: Any) -> None:
+        self.number = self.number or number
         raise KeyboardInterrupt(number)
 
-    return on_signals(receive)
+    def take(self) -> int:
+        """The number; from now on none was raised."""
+        number, self.number = self.number, 0
+        return number
+
+
+@contextmanager
+def until_signals() -> Iterator[None]:
+    """A signal that asks the program to end ends what is done here, wherever that is."""
+    with suppress(KeyboardInterrupt), on_signals(RaisedSignals()):
+        yield
 
 
 def on_interrupts(

@@ -124,7 +124,8 @@ TRANSITION, ENTRY = "/states/a/transitions/0", "/states/a/entry/0"
         (transition(on="e", too="a"), f"{TRANSITION}/too: a transition has no 'too'; did you mean 'to'?"),
         (
             transition(to="a"),
-            f"{TRANSITION}: a transition without 'on', 'after_s' and 'when' would fire at once, always; give one of them",
+            f"{TRANSITION}: a transition without 'on', 'after_s' and 'when' would fire at once, always; "
+            "give one of them",
         ),
         (
             transition(on="e", after_s=1),

@@ -6,11 +6,13 @@ the program ends.
 from __future__ import annotations
 
 import signal
+from pathlib import Path
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from rai_missions.cli.main import main
 from rai_missions.engine.step import CancelGoal, StartGoal
 from rai_missions.runtime.interrupts import DEFAULTS, end_signals, interruptible
 from tests.rigs.runs import Rig, mission
@@ -58,6 +60,36 @@ def test_the_journal_of_an_interrupted_run_has_the_end_or_the_cancel_of_every_go
     assert started <= ended | canceled
     assert rig.runner.view.outcome in ("canceled", "aborted")
     assert {goal.number for goal in rig.runner.view.loose_goals} == started - ended
+
+
+RAISED = "try:\n    signal.raise_signal(signal.SIGTERM)\nexcept BaseException:\n"
+SWALLOWS = (
+    "class Swallows:\n    def __del__(self):\n        signal.raise_signal(signal.SIGTERM)\nSwallows()",
+    f"{RAISED}    pass",
+    f"{RAISED}    raise ValueError('no name')",
+)
+
+
+@pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")
+@pytest.mark.parametrize("code", SWALLOWS)
+@pytest.mark.parametrize("words", ["check {file}", "run {file} --journal a.journal"])
+def test_a_command_that_is_asked_to_end_does_whatever_becomes_of_what_the_signal_raises(
+    code: str, words: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    states = {"on": "State(transitions=[After(60, to='off')])", "off": "Final('aborted')"}
+    text = ", ".join(f"'{name}': {state}" for name, state in states.items())
+    Path("m.py").write_text(
+        "import signal\nfrom rai_missions import After, Mission\nfrom rai_missions.states import Final, State\n"
+        f"mission = Mission('m', initial='on', states={{{text}}})\n{code}\n"
+    )
+    begins = words.startswith("run") and "ValueError" not in code
+    with in_terminal():
+        assert main(words.format(file="m.py").split()) == (1 if begins else 128 + signal.SIGTERM)
+        assert [signal.getsignal(each) for each in DEFAULTS] == list(DEFAULTS.values())
+    printed = capsys.readouterr()
+    assert "no name" not in printed.err or words.startswith("check"), "check prints what it found"
+    assert begins == ("canceled by SIGTERM" in printed.out)
 
 
 def test_an_interrupted_run_cancels_its_goal_and_its_journal_has_the_end_of_it() -> None:

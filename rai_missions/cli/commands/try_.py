@@ -46,12 +46,12 @@ def try_(
         rai-missions try mission.json --as-test test_play.py
     """
     import sys
-    from contextlib import suppress
 
     from rai_missions.check import load_whole
     from rai_missions.cli.inputs import distinct, load_guards
     from rai_missions.cli.play.session import PlayFiles, PlaySession
     from rai_missions.replay.play import PlaySource
+    from rai_missions.runtime.interrupts import until_signals
 
     distinct({"MISSION": mission, "--guards": guards, "--journal": journal, "--as-test": as_test})
     loaded = load_whole(mission, python=not no_python)
@@ -60,7 +60,7 @@ def try_(
     if terminal or (port is None and not no_browser and not sys.stdin.isatty()):
         from rai_missions.cli.play.terminal import TerminalPlay
 
-        with suppress(KeyboardInterrupt):
+        with until_signals():
             TerminalPlay(session, sys.stdin, sys.stdout, is_person=sys.stdin.isatty()).run()
     else:
         from rai_missions.cli.play.page import serve
