@@ -67,6 +67,8 @@ class Command(NamedTuple):
     arguments: Mapping[str, Any] = NOTHING
     to: str = ""
     question: int = 0
+    run: str = ""
+    """Whose question it is, where the client gives it: another run asks questions of the same numbers."""
     option: str = ""
     parameters: Mapping[str, Any] = NOTHING
     event: str = ""
@@ -79,7 +81,7 @@ WORDS: Mapping[str, Mapping[str, tuple[type, bool]]] = {
     "start": {"arguments": (dict, False)},
     "pause": {}, "resume": {}, "cancel": {}, "e_stop": {},
     "control": {"to": (str, True)},
-    "answer": {"question": (int, True), "option": (str, True), "parameters": (dict, False)},
+    "answer": {"question": (int, True), "run": (str, False), "option": (str, True), "parameters": (dict, False)},
     "post": {"event": (str, True), "data": (dict, False)},
 }  # fmt: skip
 """Command → its words, the type of each, and whether it must be there."""

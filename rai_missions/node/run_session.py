@@ -199,10 +199,12 @@ class RunSession:
                 near = suggestion(order.event, posted)
                 return f"the robot profile lists no posted event '{cut(order.event, 60)}'{near}"
         if order.command == "answer":
-            return self._refuses_answer(order.question)
+            return self._refuses_answer(order.question, order.run)
         return ""
 
-    def _refuses_answer(self, number: int) -> str:
+    def _refuses_answer(self, number: int, run: str) -> str:
+        if run and run != self.runner.run_id:
+            return f"question {number} was asked in another run, {cut(run, 60)}; this is run {self.runner.run_id}"
         with self._lock:
             question, still = self._asked.get(number), ", ".join(map(str, self._asked))
         if question is None:

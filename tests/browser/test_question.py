@@ -275,3 +275,23 @@ def test_every_part_of_the_page_is_reached_by_keys(asked: Run, look: Look) -> No
     window.keyboard.press("Escape")
     assert window.is_hidden("#keys")
     assert asked.desk.orders == [], "no key orders anything"
+
+
+def test_a_run_that_follows_asks_another_question_under_the_same_number(asked: Run, look: Look) -> None:
+    asked.run_id, second = "first", Run(asked.mission)
+    second.write("battery", 0.8)
+    second.start()
+    ask(asked)
+    ask(second)
+    window = look(asked.page)
+    window.wait_for_selector(".question [data-option]")
+    number = window.evaluate("(({ dataset }) => { dataset.first = 'yes'; return dataset.question; })($('.question'))"
+                             .replace("$(", "document.querySelector("))  # fmt: skip
+    asked.chart, asked.run_id = second.chart, "second"
+    asked.feed.renew()
+    until(window, "!document.querySelector('[data-first]') && document.querySelector('.question')")
+    until(window, "!document.querySelector('[data-option=replan]').matches('[aria-disabled=true]')")
+    window.click("[data-option=replan]")
+    until(window, "document.body.textContent.includes('done')")
+    order = json.loads(asked.desk.orders[-1])
+    assert (str(order["question"]), order["run"], order["option"]) == (number, "second", "replan")

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import json
 from typing import Any
 
 import pytest
@@ -13,8 +14,9 @@ from rai_missions.engine import Chart
 from rai_missions.engine.trees import CompiledTrees
 from rai_missions.errors import ConnectorError
 from rai_missions.event import Event
-from rai_missions.node.command import Command, CommandReply
+from rai_missions.node.command import Command, CommandReply, read_order
 from rai_missions.node.run_session import RunSession
+from rai_missions.node.web_operator import WebCommands
 from tests.node.scenes import mission, robot
 from tests.rigs.runs import ManualClock, Rig, by_hand
 
@@ -105,3 +107,23 @@ def test_anyone_who_cannot_be_reported_what_became_of_an_order_ends_no_run() -> 
     })  # fmt: skip
     assert course.run().outcome == "aborted"
     assert asked[0].success
+
+
+@given(st.booleans(), st.sampled_from(["", "its own", "another"]))
+def test_an_answer_to_a_question_of_another_run_is_refused_and_changes_nothing(by_page: bool, of: str) -> None:
+    run = AskingRun()
+    run.send("ask")
+    (asked,) = run.session.questions()
+    posted, replies = list[Event](), list[tuple[bool, str]]()
+    run.runner.post = posted.append  # type: ignore[method-assign]
+    name = {"its own": run.runner.run_id, "another": "0123456789ab"}.get(of, "")
+    order = {"command": "answer", "question": asked.question.number, "option": "yes", **({"run": name} if of else {})}
+    if by_page:
+        page = WebCommands(run.session, answers=True, note=print)
+        page.submit(json.dumps(order), lambda success, why: replies.append((success, why)))
+    else:
+        read = read_order(json.dumps(order))
+        assert isinstance(read, Command)
+        run.session.submit(read, lambda reply: replies.append((reply.success, reply.why)))
+    assert len(posted) == (of != "another")
+    assert not replies or "was asked in another run, 0123456789ab" in replies[0][1]

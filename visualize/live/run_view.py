@@ -53,6 +53,8 @@ class RunScene:
         self.paused_at: float | None = at if mode == "paused" else None
         self.paused_by = ""
         """Who paused it; empty while it is not paused, and where that is not known."""
+        self.run = ""
+        """The run's id; empty where the page has but one."""
         self.where = ""
         """Which run it is, and where it is written down; empty where the page has but one."""
         self.e_stop_by = ""
@@ -257,7 +259,8 @@ class RunScene:
     def whole(self) -> Json:
         """All of it."""
         names = ("mode", "control", "active", "questions", "outcome", "why", "closed", "paused_at", "cut", "faults",
-                 "open_goals", "held_by", "held_since", "paused_by", "e_stop_by", "ended_at", "where")  # fmt: skip
+                 "open_goals", "held_by", "held_since", "paused_by", "e_stop_by", "ended_at", "where",
+                 "run")  # fmt: skip
         board = {key: self._entry(key) for key in sorted(self.board)}
         return {name: self._field(name) for name in names} | {
             "board": board, "steps": list(self.tail), "talk": list(self.talk.values()),

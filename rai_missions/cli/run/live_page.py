@@ -262,7 +262,7 @@ class RunPage:
             seq=seq, at=chart.now(), mode=mode, control=chart.holder, active=chart.active, board=board,
             questions=questions, outcome=chart.outcome or "", why=chart.why if chart.outcome else "",
         )  # fmt: skip
-        scene.where = self._shown.where
+        scene.run, scene.where = course.runner.run_id, self._shown.where
         if mode == "paused" and chart.paused_at is not None:
             scene.paused_at = chart.paused_at
         scene.held_by, scene.held_since = chart.held_by, chart.held_since

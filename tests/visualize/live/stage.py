@@ -36,7 +36,7 @@ class Run:
 
     def __init__(self, mission: Mission, desk: Any = None, about: Mapping[str, Any] | None = None) -> None:
         self.chart, self.life, self.steps = Chart(mission, ticker=CompiledTrees()), Lifecycle(), list[Step]()
-        self.mode, self.control = "ready", "autonomy"
+        self.mode, self.control, self.run_id = "ready", "autonomy", ""
         self.closed: dict[int, dict[str, str]] = {}
         self.feed = RunFeed(self.look, lambda: self.chart.at, lambda: self.closed)
         self.mission, self.desk, self.about = mission, desk, dict[str, Any](about or {})
@@ -53,10 +53,12 @@ class Run:
         chart = self.chart
         seq = chart.seq
         board = {key: (entry.value, entry.at) for key, entry in dict(chart.view.board).items()}
-        return RunScene(
+        scene = RunScene(
             seq=seq, at=chart.at, mode=self.mode, control=chart.holder, active=chart.active, board=board,
             outcome=chart.outcome or "", why=chart.why if chart.outcome else "", questions=chart.questions,
         )  # fmt: skip
+        scene.run = self.run_id
+        return scene
 
     def start(self) -> Step:
         return self._made(self.chart.start(at=self.chart.at))

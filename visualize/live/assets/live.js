@@ -234,11 +234,13 @@ class Live {
   }
 
   ask() {
-    const open = new Set(this.state.questions.map((each) => each.number));
+    const { run } = this.state, asked = run === this.askedIn ? this.state.questions : []; // another run has the same numbers
+    const open = new Set(asked.map((each) => each.number));
     for (const [number, each] of this.asked) {
       if (open.has(number)) continue;
       this.close(each, number);
     }
+    this.askedIn = run;
     for (const question of this.state.questions) {
       const known = this.asked.get(question.number);
       if (known) known.update(question);
@@ -247,8 +249,8 @@ class Live {
   }
 
   put(question) {
-    const made = new Asked(question, Boolean(this.acts) && this.data.answers, {
-      answer: (to, option, parameters) => this.acts.order({ command: "answer", question: to.number, option, parameters }),
+    const run = this.state.run || "", made = new Asked(question, Boolean(this.acts) && this.data.answers, {
+      answer: (to, option, parameters) => this.acts.order({ command: "answer", question: to.number, run, option, parameters }),
       notify, go: (kind, name) => this.go(kind, name),
     });
     made.evidence = new Evidence(question, { picture: (canvas, query) => this.cameras.picture(canvas, query), now: () => this.present() });
@@ -257,7 +259,7 @@ class Live {
     byId("evidence").append(made.evidence.element);
     const { number, text, options, who } = question, answers = options.map((option) => option.name).join(", ");
     const words = made.mine ? `You are asked: ${text} Answers: ${answers}. Press q to answer.` : `${capital(who)} is asked: ${text}`;
-    this.announcer.once(`asked ${number}`, words, { urgent: made.mine });
+    this.announcer.once(`asked ${run} ${number}`, words, { urgent: made.mine });
   }
 
   /** A question is not open any more; the keyboard does not fall out of the page with it. */
@@ -266,7 +268,7 @@ class Live {
     asked.element.remove();
     asked.evidence.element.remove();
     this.asked.delete(number);
-    this.announcer.once(`closed ${number}`, `Question ${number} is closed.`);
+    this.announcer.once(`closed ${this.askedIn || ""} ${number}`, `Question ${number} is closed.`);
     if (had) byId("asked").focus();
   }
 
