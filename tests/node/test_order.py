@@ -20,7 +20,9 @@ JSON = st.recursive(
     max_leaves=10,
 )
 NEAR_ORDERS = st.dictionaries(
-    st.sampled_from(["id", "by", "command", "to", "question", "option", "parameters", "event", "data", "arguments"]),
+    st.sampled_from(
+        ["id", "by", "command", "to", "question", "run", "option", "parameters", "event", "data", "arguments"]
+    ),
     JSON | st.sampled_from(list(WORDS)),
 )
 
@@ -41,7 +43,7 @@ def test_whatever_comes_in_is_an_order_or_learns_why_not(text: Any) -> None:
     ),
 )  # fmt: skip
 def test_an_order_reports_what_was_written(command: str, name: str, by: str, number: int, data: dict[str, Any]) -> None:
-    given_words = {"arguments": data, "to": "agent", "question": number, "option": "a", "parameters": data}
+    given_words = {"arguments": data, "to": "agent", "question": number, "run": "r", "option": "a", "parameters": data}
     given_words |= {"event": "go", "data": data}
     words = {word: given_words[word] for word in WORDS[command]}
     text = json.dumps({"id": name, "by": by, "command": command, **words})
