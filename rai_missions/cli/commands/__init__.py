@@ -4,7 +4,7 @@
 Rule: a file here is a command, and a command is a file here; a word of Python ends in `_` there, as in `try_`.
 
 Imports `agents`, `campaign`, `check`, `connectors`, `embodiment`, `engine`, `journal`, `mission`, `profile`, `prove`,
-`recording`, `replay`, `visualize`, `voice` and `worlds`, and the modules of the root.
+`recording`, `replay`, `runtime`, `visualize`, `voice` and `worlds`, and the modules of the root.
 """
 
 from __future__ import annotations
