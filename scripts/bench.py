@@ -62,10 +62,23 @@ def main() -> int:
     return 1 if failed else 0
 
 
+def benchmarks() -> dict[str, bool]:
+    """Each benchmark by name, and whether it hands figures over for the page; the others print theirs."""
+    files = sorted((ROOT / "benchmarks").glob("bench_*.py"))
+    return {path.stem.removeprefix("bench_"): "import figure" in path.read_text(encoding="utf-8") for path in files}
+
+
 def arguments() -> argparse.Namespace:
-    known = sorted(path.stem.removeprefix("bench_") for path in (ROOT / "benchmarks").glob("bench_*.py"))
+    known = benchmarks()
+    on_page = [name for name, has_figures in known.items() if has_figures]
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("names", nargs="*", default=known, metavar="NAME", help=f"of {', '.join(known)}; default: all")
+    parser.add_argument(
+        "names",
+        nargs="*",
+        default=on_page,
+        metavar="NAME",
+        help=f"of {', '.join(known)}; default: {', '.join(on_page)}",
+    )
     parser.add_argument("--base", default="", metavar="COMMIT", help="measure this commit too, in turn with the tree")
     parser.add_argument("--rounds", type=int, default=3, help="how often each is run (default: 3)")
     parser.add_argument("--page", type=Path, default=PAGE, help="where the figures are written")
@@ -133,7 +146,7 @@ def written(own: Measured, base: Measured | None, given: argparse.Namespace, fai
 
 
 def command_of(given: argparse.Namespace) -> str:
-    everything = len(given.names) == len(list((ROOT / "benchmarks").glob("bench_*.py")))
+    everything = sorted(given.names) == [name for name, has_figures in benchmarks().items() if has_figures]
     words = ["make bench", *([] if everything else [f'ONLY="{" ".join(given.names)}"'])]
     words += [f"BASE={given.base}"] if given.base else []
     words += [f"ROUNDS={given.rounds}"] if given.rounds != 3 else []

@@ -63,7 +63,15 @@ def test_a_base_takes_turns_with_the_tree(tmp_path: Path) -> None:
 
 def test_a_benchmark_that_breaks_off_is_named_and_the_others_are_kept(tmp_path: Path) -> None:
     tree = project(tmp_path)
-    (tree / "benchmarks" / "bench_broken.py").write_text("raise SystemExit(3)\n", encoding="utf-8")
+    broken = "from benchmarks.figures import figure\nraise SystemExit(3)\n"
+    (tree / "benchmarks" / "bench_broken.py").write_text(broken, encoding="utf-8")
     text = page(tree, "--rounds", "1", status=1)
     assert "Did not come to their end: broken." in text
     assert "| an event | 3 µs |" in text
+
+
+def test_one_that_hands_no_figures_over_runs_where_it_is_named_alone(tmp_path: Path) -> None:
+    tree = project(tmp_path)
+    (tree / "benchmarks" / "bench_printed.py").write_text("raise SystemExit(3)\n", encoding="utf-8")
+    assert "Written by `make bench ROUNDS=1`." in page(tree, "--rounds", "1")
+    assert "Did not come to their end: printed." in page(tree, "printed", "--rounds", "1", status=1)
