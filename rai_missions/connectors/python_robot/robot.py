@@ -15,6 +15,7 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple, Protocol, TypeVar
 
 from rai_missions.errors import UsageError
+from rai_missions.plain_data import is_number
 from rai_missions.redaction import cut_repr, logger
 
 __all__ = (
@@ -117,7 +118,7 @@ class PythonRobot:
             UsageError: The name is none, or is taken.
         """
         _check_name("fact", name, self.fact_functions)
-        if every_s is not None and not (isinstance(every_s, int | float) and every_s > 0):
+        if every_s is not None and not (is_number(every_s) and every_s > 0):
             raise UsageError(f"fact '{name}': every_s is a number of seconds above 0, not {cut_repr(every_s, 40)}")
         fact = self.fact_functions[name] = FactFunction(every_s=EVERY_S if every_s is None else float(every_s))
 

