@@ -7,10 +7,12 @@ import base64
 import hashlib
 import html
 import re
+from pathlib import Path
 
 from hypothesis import given
 from hypothesis import strategies as st
 
+import visualize
 from tests.visualize.page.reading import DATA, HOSTILE, data_of
 from visualize.page import document
 from visualize.page.html import ASSETS, SCRIPTS
@@ -64,3 +66,10 @@ def test_every_script_is_in_a_page_and_names_its_licence() -> None:
     for path in ASSETS.iterdir():
         if path.suffix != ".html":
             assert "SPDX-License-Identifier: Apache-2.0" in path.read_text(encoding="utf-8").splitlines()[0]
+
+
+def test_no_line_of_a_script_or_a_style_is_longer_than_one_of_python() -> None:
+    folder = Path(visualize.__file__).parent
+    for path in (*folder.rglob("*.js"), *folder.rglob("*.css")):
+        lines = path.read_text(encoding="utf-8").splitlines()
+        assert [number for number, line in enumerate(lines, 1) if len(line) > 120] == [], path

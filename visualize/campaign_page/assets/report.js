@@ -69,7 +69,8 @@ function card(each) {
   const summary = make("summary", {}, make("span", { class: "short" },
     make("strong", {}, each.kind), make("span", {}, each.model), make("span", {}, each.embodiment),
     make("span", {}, "named ", make("strong", {}, each.option || NO_ANSWER)),
-    make("span", { class: harm ? "harm" : "muted" }, outcome(each)), make("span", {}, `best: ${each.best.join(", ")}`)));
+    make("span", { class: harm ? "harm" : "muted" }, outcome(each)),
+    make("span", {}, `best: ${each.best.join(", ")}`)));
   const made = make("details", { class: "answer" }, summary);
   made.addEventListener("toggle", () => {
     if (made.open && made.childNodes.length === 1) made.append(opened(each));
@@ -85,8 +86,10 @@ function opened(each) {
   return make("div", { class: "body" },
     make("div", {}, pictures.length ? pictures : make("p", { class: "muted" }, "no picture of this scene is stored"),
       make("p", { class: "muted" }, `scene ${each.scene}, seed ${scene.seed}, cell ${each.cell}`),
-      make("p", { class: "muted" }, `options in the order ${each.order}; ${valueText(each.latency_s || 0)} s, ${each.tokens || 0} tokens`)),
-    make("div", {}, answerOf(each), rollouts(each, scene, question), facts(question), prompt(question), more(each, scene)));
+      make("p", { class: "muted" },
+        `options in the order ${each.order}; ${valueText(each.latency_s || 0)} s, ${each.tokens || 0} tokens`)),
+    make("div", {}, answerOf(each), rollouts(each, scene, question), facts(question), prompt(question),
+      more(each, scene)));
 }
 
 function answerOf(each) {
@@ -119,13 +122,15 @@ function facts(question) {
 
 function prompt(question) {
   if (!question) return null;
-  const text = Array.isArray(question.prompt) ? question.prompt.map((number) => DATA.pool[number]).join("\n\n") : question.prompt;
+  const text = Array.isArray(question.prompt) ? question.prompt.map((number) => DATA.pool[number]).join("\n\n")
+    : question.prompt;
   return make("details", {}, make("summary", {}, "Prompt"), make("pre", { tabindex: "0" }, text));
 }
 
 function more(each, scene) {
   return make("details", {}, make("summary", {}, "Scene and answer as they are stored"),
-    make("pre", { tabindex: "0" }, JSON.stringify(scene.spec, null, 1)), each.raw ? make("pre", { tabindex: "0" }, each.raw) : null);
+    make("pre", { tabindex: "0" }, JSON.stringify(scene.spec, null, 1)),
+    each.raw ? make("pre", { tabindex: "0" }, each.raw) : null);
 }
 
 function begin() {
@@ -135,8 +140,10 @@ function begin() {
     return make("label", {}, name, make("select", { id: `filter-${name}`, on: { change: again } },
       make("option", { value: "" }, "all"), options));
   });
-  const sort = make("select", { id: "sort", on: { change: again } }, Object.keys(SORTS).map((name) => make("option", { value: name }, name)));
-  const text = make("input", { id: "filter-text", type: "search", placeholder: "scene, reason, …", on: { input: again } });
+  const sort = make("select", { id: "sort", on: { change: again } },
+    Object.keys(SORTS).map((name) => make("option", { value: name }, name)));
+  const text = make("input",
+    { id: "filter-text", type: "search", placeholder: "scene, reason, …", on: { input: again } });
   byId("filters").append(...choices, make("label", {}, "text", text), make("label", {}, "sorted by", sort));
   byId("filters").addEventListener("submit", (event) => event.preventDefault());
   byId("more").addEventListener("click", () => { limit += AT_ONCE; show(); });

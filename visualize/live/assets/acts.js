@@ -5,21 +5,33 @@ const UNFINISHED = ["ready", "running", "paused", "canceling"];
 const SURE_MS = 4000;
 
 class Acts {
-  /** @param host element  @param stop element for the e-stop, which is never in a menu  @param line Line  @param listener {notify(words, kind)} */
+  /** @param host element
+   *  @param stop element for the e-stop, which is never in a menu
+   *  @param line Line
+   *  @param listener {notify(words, kind)} */
   constructor(host, stop, line, listener) {
     Object.assign(this, { host, line, listener });
-    const button = (id, words, title, order) => make("button", { type: "button", "data-act": id, title, on: { click: () => order() } }, words);
-    this.who = make("input", { id: "who", placeholder: "your name", "aria-label": "your name", title: "recorded in the journal with what you do", maxlength: "40", autocomplete: "off" });
+    const button = (id, words, title, order) =>
+      make("button", { type: "button", "data-act": id, title, on: { click: () => order() } }, words);
+    this.who = make("input",
+      { id: "who", placeholder: "your name", "aria-label": "your name",
+        title: "recorded in the journal with what you do", maxlength: "40", autocomplete: "off" });
     this.who.value = remembered("operator");
     this.who.addEventListener("input", () => remember("operator", this.who.value));
     this.buttons = {
-      pause: button("pause", "pause", "timers keep the time left, goals are canceled and begun again", () => this.order({ command: "pause" })),
+      pause: button("pause", "pause", "timers keep the time left, goals are canceled and begun again",
+        () => this.order({ command: "pause" })),
       resume: button("resume", "resume", "continue the mission", () => this.order({ command: "resume" })),
-      cancel: button("cancel", "cancel", "leave everything in good order and end the mission", () => this.sure("cancel", "really cancel?", { command: "cancel" })),
-      take: button("take", "take control", "commands of all others are refused until you give it back", () => this.order({ command: "control", to: "operator" })),
-      autonomy: button("autonomy", "give to autonomy", "give control to the autonomy stack", () => this.order({ command: "control", to: "autonomy" })),
-      agent: button("agent", "give to mission", "give control to the mission itself", () => this.order({ command: "control", to: "agent" })),
-      stop: button("e_stop", "E-STOP", "e-stop: everything stops now, before it is even written down", () => this.order({ command: "e_stop" })),
+      cancel: button("cancel", "cancel", "leave everything in good order and end the mission",
+        () => this.sure("cancel", "really cancel?", { command: "cancel" })),
+      take: button("take", "take control", "commands of all others are refused until you give it back",
+        () => this.order({ command: "control", to: "operator" })),
+      autonomy: button("autonomy", "give to autonomy", "give control to the autonomy stack",
+        () => this.order({ command: "control", to: "autonomy" })),
+      agent: button("agent", "give to mission", "give control to the mission itself",
+        () => this.order({ command: "control", to: "agent" })),
+      stop: button("e_stop", "E-STOP", "e-stop: everything stops now, before it is even written down",
+        () => this.order({ command: "e_stop" })),
     };
     const { stop: last, ...others } = this.buttons;
     host.replaceChildren(this.who, ...Object.values(others));
@@ -68,15 +80,18 @@ class Acts {
 
   async order(order) {
     const name = this.who.value.trim();
-    const what = order.option ? `answer '${order.option}'` : order.command.replace("_", "-") + (order.to ? ` to ${holderWords(order.to)}` : "");
+    const what = order.option ? `answer '${order.option}'`
+      : order.command.replace("_", "-") + (order.to ? ` to ${holderWords(order.to)}` : "");
     this.listener.notify(`${what}: sent …`, "sent");
-    const late = () => this.listener.notify(`${what}: NO ANSWER – it may or may not have arrived; use the robot's own stop`, "alarm");
+    const late = () => this.listener.notify(
+      `${what}: NO ANSWER – it may or may not have arrived; use the robot's own stop`, "alarm");
     const given = { ...order, by: name ? `operator ${name} (page)` : "operator (page)" };
     const { fate, why } = await this.line.order(given, late);
     if (fate === "done") this.listener.notify(`${what}: done${why ? `, ${why}` : ""}`, "good");
     else if (fate === "refused") this.listener.notify(`${what}: refused. ${why}`, "bad");
     else if (fate === "waiting") this.listener.notify(`${what}: NOT TAKEN YET – ${why}`, "alarm");
-    else if (fate === "undelivered") this.listener.notify(`${what}: not delivered; the run cannot be reached. Use the robot's own stop`, "alarm");
+    else if (fate === "undelivered") this.listener.notify(
+      `${what}: not delivered; the run cannot be reached. Use the robot's own stop`, "alarm");
   }
 }
 

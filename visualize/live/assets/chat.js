@@ -58,9 +58,12 @@ class Chat {
 
   item({ by, text, author, channel, way, priority, spoken, repeated }) {
     const robot = by === "robot", name = robot ? "robot" : [by, author].filter(Boolean).join(" ");
-    const about = [robot ? WAYS[way] || way : channel, repeated && "repeated", UNHEARD[spoken]].filter(Boolean).join(", ");
-    return make("div", { class: `line ${robot ? "robot" : "person"}`, "data-way": way, "data-spoken": spoken, "data-priority": priority },
-      make("p", { class: "who" }, make("b", {}, name), about ? make("small", {}, ` ${about}`) : ""), make("p", { class: "text" }, text));
+    const about = [robot ? WAYS[way] || way : channel, repeated && "repeated", UNHEARD[spoken]].filter(Boolean)
+      .join(", ");
+    return make("div", { class: `line ${robot ? "robot" : "person"}`, "data-way": way, "data-spoken": spoken,
+      "data-priority": priority },
+      make("p", { class: "who" }, make("b", {}, name), about ? make("small", {}, ` ${about}`) : ""),
+      make("p", { class: "text" }, text));
   }
 
   async send() {

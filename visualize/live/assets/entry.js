@@ -7,7 +7,8 @@ let noticeTimer = 0;
 /** Without the token there is nothing to see. */
 function needed(why, who = "The run") {
   byId("entry").hidden = false;
-  byId("entry-why").textContent = shown(`${why}. ${who} prints an address with a token in it; open that, or give the token here.`);
+  byId("entry-why").textContent =
+    shown(`${why}. ${who} prints an address with a token in it; open that, or give the token here.`);
   document.documentElement.dataset.ready = "refused";
 }
 

@@ -7,41 +7,55 @@ class Evidence {
   constructor(question, listener) {
     Object.assign(this, { question, listener, lines: [] });
     this.ago = make("small", {});
-    const pictures = question.evidence.filter((each) => each.picture), values = question.evidence.filter((each) => !each.picture);
-    this.element = make("section", { class: "evidence", "data-question-evidence": String(question.number), "aria-label": `evidence of question ${question.number}` },
+    const pictures = question.evidence.filter((each) => each.picture),
+      values = question.evidence.filter((each) => !each.picture);
+    this.element = make("section",
+      { class: "evidence", "data-question-evidence": String(question.number),
+        "aria-label": `evidence of question ${question.number}` },
       make("h2", {}, "As it was when asked ", this.ago),
       pictures.map((each) => this.picture(each)),
-      values.length ? make("table", { class: "facts" }, make("thead", {}, make("tr", {}, ["what", "as asked", "now"].map((words) => make("th", { scope: "col" }, words)))),
+      values.length ? make("table", { class: "facts" },
+        make("thead", {}, make("tr", {},
+          ["what", "as asked", "now"].map((words) => make("th", { scope: "col" }, words)))),
         make("tbody", {}, values.flatMap((each) => this.values(each)))) : "",
-      (question.refused || []).length ? listed("Refused before", question.refused.map((each) => make("li", {}, each))) : "",
+      (question.refused || []).length ? listed("Refused before", question.refused.map((each) => make("li", {}, each)))
+        : "",
       this.meanings(question.options));
   }
 
   /** What each answer means, in full: a narrow button has room for its beginning. */
   meanings(options) {
     const found = options.filter((option) => option.about);
-    return found.length ? make("details", { class: "meanings" }, make("summary", {}, "The answers in full"), make("dl", {}, found.flatMap((option) => [make("dt", {}, option.name), make("dd", {}, option.about)]))) : "";
+    return found.length ? make("details", { class: "meanings" }, make("summary", {}, "The answers in full"),
+      make("dl", {}, found.flatMap((option) => [make("dt", {}, option.name), make("dd", {}, option.about)]))) : "";
   }
 
   picture(each) {
-    const canvas = make("canvas", { class: "shot", width: "0", height: "0", role: "img", "aria-label": `${each.key} as it was when asked` });
+    const canvas = make("canvas",
+      { class: "shot", width: "0", height: "0", role: "img", "aria-label": `${each.key} as it was when asked` });
     const now = make("span", { class: "present" });
     this.listener.picture(canvas, { key: each.key, question: String(this.question.number) });
     this.lines.push({ each, then: "", now, read: () => "", picture: true });
-    return make("figure", { "data-evidence": each.key }, canvas, make("figcaption", {}, make("code", {}, each.key), ` ${oldness(each)} `, now));
+    return make("figure", { "data-evidence": each.key }, canvas,
+      make("figcaption", {}, make("code", {}, each.key), ` ${oldness(each)} `, now));
   }
 
   /** A line, or one for each field of an object. */
   values(each) {
     const { value } = each;
-    const known = each.fresh && value !== null && typeof value === "object" && !Array.isArray(value) && Object.keys(value).length > 0 && movesOf(value) === null;
+    const known = each.fresh && value !== null && typeof value === "object" && !Array.isArray(value)
+      && Object.keys(value).length > 0 && movesOf(value) === null;
     const fields = known ? Object.keys(value) : [""];
     return fields.map((field, index) => {
-      const read = (given) => (field ? (given === null || given === undefined ? "unknown" : valueText(given[field])) : valueWords(given));
+      const read = (given) => (field ? (given === null || given === undefined ? "unknown" : valueText(given[field]))
+        : valueWords(given));
       const then = each.fresh ? read(value) : "unknown", now = make("td", { class: "present" });
       this.lines.push({ each, then, now, read });
-      return make("tr", { class: each.fresh ? "fresh" : "stale", "data-evidence": index ? null : each.key, "data-field": `${each.key}${field ? `.${field}` : ""}` },
-        make("td", {}, make("code", {}, `${each.key}${field ? `.${field}` : ""}`), index ? "" : make("small", {}, ` ${oldness(each)}`)), make("td", {}, each.fresh && !field ? valueView(value) : then), now);
+      return make("tr", { class: each.fresh ? "fresh" : "stale", "data-evidence": index ? null : each.key,
+        "data-field": `${each.key}${field ? `.${field}` : ""}` },
+        make("td", {}, make("code", {}, `${each.key}${field ? `.${field}` : ""}`),
+          index ? "" : make("small", {}, ` ${oldness(each)}`)), make("td", {},
+          each.fresh && !field ? valueView(value) : then), now);
     });
   }
 
@@ -64,7 +78,8 @@ class Evidence {
   }
 
   newer() {
-    return make("button", { type: "button", class: "link", on: { click: () => this.listener.now() } }, "show the present picture");
+    return make("button", { type: "button", class: "link", on: { click: () => this.listener.now() } },
+      "show the present picture");
   }
 }
 

@@ -25,7 +25,8 @@ class Follower {
   go(active) {
     this.active = active;
     const { children } = this.chart.model;
-    const inner = active.filter((name) => children.has(name) && !children.get(name).some((child) => active.includes(child)));
+    const inner = active.filter((name) => children.has(name)
+      && !children.get(name).some((child) => active.includes(child)));
     const at = inner.join(" ");
     if (!this.on || !inner.length || at === this.at) return;
     this.at = at;

@@ -18,7 +18,8 @@ class Line {
 
   async get(path) {
     try {
-      return await fetch(path, { headers: this.headers(), cache: "no-store", redirect: "error", signal: AbortSignal.timeout(OPENS_MS) });
+      return await fetch(path,
+        { headers: this.headers(), cache: "no-store", redirect: "error", signal: AbortSignal.timeout(OPENS_MS) });
     } catch {
       throw new Error(UNREACHED);
     }
@@ -26,17 +27,22 @@ class Line {
 
   /** Posts a body, JSON where no header names another type: the status, and what the server reports. */
   async post(path, body, { signal = null, headers = {} } = {}) {
-    const answer = await fetch(path, { method: "POST", headers: this.headers({ "Content-Type": "application/json", ...headers }), body, signal, cache: "no-store", redirect: "error" });
+    const answer = await fetch(path,
+      { method: "POST", headers: this.headers({ "Content-Type": "application/json", ...headers }), body, signal,
+        cache: "no-store", redirect: "error" });
     return [answer.status, await answer.json()];
   }
 
   /** When an order is given, by the server's clock as of its last message. */
   sent() {
-    return this.clock ? { "X-Mission-Sent": String(this.clock.sent + (performance.now() - this.clock.received) / 1000) } : {};
+    return this.clock ? { "X-Mission-Sent": String(this.clock.sent + (performance.now() - this.clock.received) / 1000) }
+      : {};
   }
 
-  /** Gives an order; its fate is done, refused, waiting, unanswered or undelivered. `late` is called once where no answer has
-   *  come in time: a stop and a cancel then keep trying to get through, and any other order is taken back if it can be. */
+  /** Gives an order; its fate is done, refused, waiting, unanswered or undelivered. `late` is called once where no
+   *  answer has
+   *  come in time: a stop and a cancel then keep trying to get through,
+   and any other order is taken back if it can be. */
   async order(order, late) {
     const cut = new AbortController();
     let isLate = false;
@@ -46,7 +52,8 @@ class Line {
       if (!LASTING.includes(order.command)) cut.abort();
     }, ANSWERS_MS);
     try {
-      const [status, { success, why }] = await this.post("/orders", JSON.stringify(order), { signal: cut.signal, headers: this.sent() });
+      const [status, { success, why }] =
+        await this.post("/orders", JSON.stringify(order), { signal: cut.signal, headers: this.sent() });
       return { fate: success ? "done" : status === 202 ? "waiting" : "refused", why };
     } catch {
       return { fate: isLate ? "unanswered" : "undelivered", why: "" };
@@ -62,7 +69,8 @@ class Line {
 
   /** A piece of sound for the run's recognisers: whether it was taken, and why not. */
   sound(piece, key, by, last) {
-    return this.give(`/sound?${new URLSearchParams({ key, by, ...(last ? { last: "1" } : {}) })}`, piece, { "Content-Type": "audio/l16" });
+    return this.give(`/sound?${new URLSearchParams({ key, by, ...(last ? { last: "1" } : {}) })}`, piece,
+      { "Content-Type": "audio/l16" });
   }
 
   async give(path, body, headers = {}) {
@@ -98,7 +106,9 @@ class Line {
     };
     expectWithin(OPENS_MS);
     try {
-      const answer = await fetch("/events", { headers: this.headers(this.last ? { "Last-Event-ID": this.last } : {}), cache: "no-store", signal: cut.signal, redirect: "error" });
+      const answer = await fetch("/events",
+        { headers: this.headers(this.last ? { "Last-Event-ID": this.last } : {}), cache: "no-store", signal: cut.signal,
+          redirect: "error" });
       if (!answer.ok) return await this.refused(answer);
       expectWithin();
       this.listener.line("live", "");
@@ -131,7 +141,8 @@ class Line {
   }
 
   message(block) {
-    const fields = Object.fromEntries(block.split("\n").map((each) => [each.slice(0, each.indexOf(": ")), each.slice(each.indexOf(": ") + 2)]));
+    const fields = Object.fromEntries(
+      block.split("\n").map((each) => [each.slice(0, each.indexOf(": ")), each.slice(each.indexOf(": ") + 2)]));
     const kind = fields.event, data = JSON.parse(fields.data);
     if (typeof data.sent === "number") this.clock = { sent: data.sent, received: performance.now() };
     this.listener.message(kind, data);

@@ -4,14 +4,17 @@
 const FADES_MS = 4000, TICK_MS = 200;
 const HANDOVER_MS = 1000; // one that is acknowledged sooner is no news
 const LATE_S = 10; // a person who listens is reminded when so little is left
-const LOOSE = { orphaned: "its end was not confirmed", refused: "its server refuses to cancel it", lost: "its server is gone" };
+const LOOSE = { orphaned: "its end was not confirmed", refused: "its server refuses to cancel it",
+  lost: "its server is gone" };
 const TABS = ["now", "talk", "journal", "details"];
 const ACTIVE = new Set(["action", "call", "tree", "decision"]);
 
 class Live {
   constructor(token) {
-    this.line = new Line(token, { message: (kind, data) => this.message(kind, data), line: (word, why) => this.lineIs(word, why) });
-    this.state = { mode: "ready", control: "", active: [], questions: [], closed: {}, board: {}, outcome: "", why: "", cut: "", paused_at: null, paused_by: "", e_stop_by: "", ended_at: null, faults: [] };
+    this.line = new Line(token,
+      { message: (kind, data) => this.message(kind, data), line: (word, why) => this.lineIs(word, why) });
+    this.state = { mode: "ready", control: "", active: [], questions: [], closed: {}, board: {}, outcome: "", why: "",
+      cut: "", paused_at: null, paused_by: "", e_stop_by: "", ended_at: null, faults: [] };
     this.announcer = new Announcer(byId("polite"), byId("urgent"));
     this.taken = new Map();
     this.dirty = new Set();
@@ -23,7 +26,8 @@ class Live {
 
   async begin() {
     const answer = await this.line.get("/mission");
-    if (!answer.ok) return needed((await answer.json().catch(() => ({}))).why || `the server answered ${answer.status}`);
+    if (!answer.ok) return needed((await answer.json().catch(() => ({}))).why
+      || `the server answered ${answer.status}`);
     this.data = await answer.json();
     byId("entry").hidden = true;
     this.build();
@@ -44,16 +48,19 @@ class Live {
     this.board = new Board(byId("board"), chart.keys);
     this.cameras = new Cameras(byId("cameras"), chart.keys, this.line);
     this.tail = new Tail(byId("steps"), { go });
-    this.chat = new Chat(this.line, { notify, who: () => byId("acts").querySelector("#who")?.value.trim() || "" }, Boolean(this.data.talks));
+    this.chat = new Chat(this.line, { notify, who: () => byId("acts").querySelector("#who")?.value.trim() || "" },
+      Boolean(this.data.talks));
     byId("tab-talk").hidden = !this.data.talks;
     if (this.data.talks && this.data.listens) this.speak = new Speak(this.line, this.chat.listener, this.data.deaf);
     if (acts) this.acts = new Acts(byId("acts"), byId("stop"), this.line, { notify });
-    this.strip = new StateStrip(byId("state"), this.announcer, acts ? () => this.acts.order({ command: "resume" }) : null);
+    this.strip = new StateStrip(byId("state"), this.announcer,
+      acts ? () => this.acts.order({ command: "resume" }) : null);
     this.follower = new Follower(this.chart, byId("follow"));
     this.legend = new Legend(byId("legend"), { chart, runs: [{}] });
     byId("name").textContent = shown(chart.name);
     byId("version").textContent = shown(chart.version);
-    byId("where").textContent = shown([this.data.run && `run ${this.data.run}`, this.data.journal].filter(Boolean).join(" · "));
+    byId("where").textContent =
+      shown([this.data.run && `run ${this.data.run}`, this.data.journal].filter(Boolean).join(" · "));
     document.title = shown(chart.name);
     this.listen();
     this.chart.fit();
@@ -106,7 +113,7 @@ class Live {
       this.state.board = { ...this.state.board, ...board };
       this.mark("board");
     }
-    for (const step of steps || []) for (const transition of step.taken || []) this.taken.set(transition, performance.now());
+    for (const each of (steps || []).flatMap((step) => step.taken || [])) this.taken.set(each, performance.now());
     if (steps) {
       this.tail.add(steps);
       this.mark("active");
@@ -179,19 +186,23 @@ class Live {
     const { mode, control, outcome, cut, faults, open_goals: loose } = this.state;
     const away = !this.reached && !this.isOver;
     this.lineWord();
-    byId("mode").textContent = cut ? (this.state.played ? "played" : "cut short") : away && UNFINISHED.includes(mode) ? `${mode}?` : mode;
+    byId("mode").textContent = cut ? (this.state.played ? "played" : "cut short")
+      : away && UNFINISHED.includes(mode) ? `${mode}?`
+      : mode;
     byId("mode").dataset.mode = cut ? "cut" : mode;
     byId("control").textContent = holderWords(control).replace(/^the /, "");
     byId("control").dataset.control = control;
     byId("control-here").textContent = `control is with ${holderWords(control)}`;
     this.strip.show(this.state);
-    const moving = (loose || []).map(({ number, action, reason }) => `goal ${number} of '${action}' (${LOOSE[reason] || reason})`);
+    const moving = (loose || [])
+      .map(({ number, action, reason }) => `goal ${number} of '${action}' (${LOOSE[reason] || reason})`);
     const warnings = [...(moving.length ? [`the robot may still move: ${moving.join(", ")}`] : []), ...faults];
     this.warn(warnings.slice(0, 4));
     document.body.classList.toggle("disconnected", away);
     document.body.classList.toggle("over", this.isOver);
     const asked = !this.isOver && [...this.asked.values()].some((each) => each.mine);
-    document.title = shown(`${asked ? "you are asked" : outcome || byId("mode").textContent} – ${this.data ? this.data.chart.name : ""}`);
+    const news = asked ? "you are asked" : outcome || byId("mode").textContent;
+    document.title = shown(`${news} – ${this.data ? this.data.chart.name : ""}`);
     const waiting = this.waiting();
     this.waits(waiting);
     if (this.acts) this.acts.show(this.state, this.reached, new Set(waiting.map(([, wanted]) => wanted)));
@@ -210,15 +221,21 @@ class Live {
   waiting() {
     if (this.state.mode !== "running" || this.isOver) return [];
     const { states } = this.chart.model;
-    return this.state.active.filter((name) => ACTIVE.has((states.get(name) || {}).kind)).map((name) => [name, this.chart.model.wanted(name)])
+    return this.state.active.filter((name) => ACTIVE.has((states.get(name) || {}).kind))
+      .map((name) => [name, this.chart.model.wanted(name)])
       .filter(([, wanted]) => wanted && wanted !== this.state.control);
   }
 
   waits(waiting) {
-    const words = waiting.map(([name, wanted]) => `${name} waits until control is with ${holderWords(wanted)}`).join(", ");
+    const words = waiting.map(([name, wanted]) => `${name} waits until control is with ${holderWords(wanted)}`)
+      .join(", ");
     const { held_by: by, held_since: since, control } = this.state;
-    const held = by && !this.isOver ? `held by ${by} since ${Number(since || 0).toFixed(1)} s, until the operator gives control back with the buttons above` : "";
-    const text = held ? `${held}${words ? `: ${words}` : ""}.` : words ? `${words}; ${holderWords(control)} has it. The mission does not ask for it back: give it with the buttons above.` : "";
+    const seconds = Number(since || 0).toFixed(1);
+    const held = `held by ${by} since ${seconds} s, until the operator gives control back with the buttons above`;
+    const waits = `${words}; ${holderWords(control)} has it. The mission does not ask for it back:`;
+    const text = by && !this.isOver ? `${held}${words ? `: ${words}` : ""}.`
+      : words ? `${waits} give it with the buttons above.`
+      : "";
     if (text === this.waitText) return;
     this.waitText = text;
     clearTimeout(this.waitTimer);
@@ -234,7 +251,8 @@ class Live {
   }
 
   ask() {
-    const { run } = this.state, asked = run === this.askedIn ? this.state.questions : []; // another run has the same numbers
+    const { run } = this.state,
+      asked = run === this.askedIn ? this.state.questions : []; // another run has the same numbers
     const open = new Set(asked.map((each) => each.number));
     for (const [number, each] of this.asked) {
       if (open.has(number)) continue;
@@ -250,21 +268,25 @@ class Live {
 
   put(question) {
     const run = this.state.run || "", made = new Asked(question, Boolean(this.acts) && this.data.answers, {
-      answer: (to, option, parameters) => this.acts.order({ command: "answer", question: to.number, run, option, parameters }),
+      answer: (to, option, parameters) =>
+        this.acts.order({ command: "answer", question: to.number, run, option, parameters }),
       notify, go: (kind, name) => this.go(kind, name),
     });
-    made.evidence = new Evidence(question, { picture: (canvas, query) => this.cameras.picture(canvas, query), now: () => this.present() });
+    made.evidence = new Evidence(question,
+      { picture: (canvas, query) => this.cameras.picture(canvas, query), now: () => this.present() });
     this.asked.set(question.number, made);
     byId("asked").append(made.element);
     byId("evidence").append(made.evidence.element);
     const { number, text, options, who } = question, answers = options.map((option) => option.name).join(", ");
-    const words = made.mine ? `You are asked: ${text} Answers: ${answers}. Press q to answer.` : `${capital(who)} is asked: ${text}`;
+    const words = made.mine ? `You are asked: ${text} Answers: ${answers}. Press q to answer.`
+      : `${capital(who)} is asked: ${text}`;
     this.announcer.once(`asked ${run} ${number}`, words, { urgent: made.mine });
   }
 
   /** A question is not open any more; the keyboard does not fall out of the page with it. */
   close(asked, number) {
-    const had = asked.element.contains(document.activeElement) || asked.evidence.element.contains(document.activeElement);
+    const had = asked.element.contains(document.activeElement)
+      || asked.evidence.element.contains(document.activeElement);
     asked.element.remove();
     asked.evidence.element.remove();
     this.asked.delete(number);
@@ -281,13 +303,17 @@ class Live {
   tick() {
     if (!this.board) return;
     this.board.tick(this.now);
-    const silence = this.reached || this.isOver || this.clock.received === null ? "" : `last message ${this.silent.toFixed(0)} s ago`;
+    const silence = this.reached || this.isOver || this.clock.received === null ? ""
+      : `last message ${this.silent.toFixed(0)} s ago`;
     if (byId("silence").textContent !== silence) byId("silence").textContent = silence;
-    const paused = this.state.mode === "paused" && this.state.paused_at !== null, now = paused ? this.state.paused_at : this.now;
+    const paused = this.state.mode === "paused" && this.state.paused_at !== null,
+      now = paused ? this.state.paused_at : this.now;
     for (const each of this.asked.values()) {
       each.tick(now, this.reached && !this.isOver, paused, this.state.closed[each.question.number] || {});
       each.evidence.tick(this.now, this.state.board);
-      if (each.mine && !paused && each.seconds < LATE_S && each.long) this.announcer.once(`late ${each.question.number}`, `${LATE_S} s left to answer question ${each.question.number}.`, { urgent: true });
+      if (each.mine && !paused && each.seconds < LATE_S && each.long) this.announcer.once(
+        `late ${each.question.number}`, `${LATE_S} s left to answer question ${each.question.number}.`,
+        { urgent: true });
     }
     if (this.reached) this.cameras.look(this.state.board);
   }

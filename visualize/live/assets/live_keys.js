@@ -17,11 +17,13 @@ class LiveKeys {
 
   key(event) {
     if (event.key === "Escape" && event.target.id === "talk-text") return event.target.blur();
-    if ((event.target.closest("input, select, textarea") && event.key !== "Escape") || event.target.closest("dialog") || event.ctrlKey || event.metaKey || event.altKey || event.defaultPrevented) return;
+    if ((event.target.closest("input, select, textarea") && event.key !== "Escape") || event.target.closest("dialog")
+      || event.ctrlKey || event.metaKey || event.altKey || event.defaultPrevented) return;
     if (event.key === "Enter" && event.target.closest("button, a, summary")) return;
     const pan = PANS[event.key];
     const acts = {
-      q: () => this.question(), c: () => this.live.chat && !byId("tab-talk").hidden && this.live.chat.focus(), l: () => byId("follow").click(), n: () => this.walk(1), p: () => this.walk(-1),
+      q: () => this.question(), c: () => this.live.chat && !byId("tab-talk").hidden && this.live.chat.focus(),
+      l: () => byId("follow").click(), n: () => this.walk(1), p: () => this.walk(-1),
       f: () => this.zoom(0), "+": () => this.zoom(1.25), "=": () => this.zoom(1.25), "-": () => this.zoom(0.8),
       t: theme, "?": () => byId("keys").showModal(), Escape: () => this.clear(),
       Enter: () => this.live.selected && this.chart.toggle(this.live.selected),

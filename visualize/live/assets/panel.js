@@ -9,7 +9,8 @@ class Board {
     this.cells = new Map();
     host.replaceChildren(...Object.entries(keys).map(([name, key]) => {
       const cells = { value: make("td", {}, "unknown"), age: make("td", {}, "never received") };
-      cells.row = make("tr", { class: "unknown", "data-key": name, title: key.about || "" }, make("td", {}, make("code", {}, name)), cells.value, cells.age);
+      cells.row = make("tr", { class: "unknown", "data-key": name, title: key.about || "" },
+        make("td", {}, make("code", {}, name)), cells.value, cells.age);
       this.cells.set(name, cells);
       return cells.row;
     }));
@@ -20,7 +21,8 @@ class Board {
       const entry = board[name];
       if (cells.entry === entry) continue;
       cells.entry = entry;
-      cells.value.replaceChildren(...[entry ? valueView(entry[0]) : "unknown"].map((each) => (each instanceof Node ? each : shown(each))));
+      cells.value.replaceChildren(
+        ...[entry ? valueView(entry[0]) : "unknown"].map((each) => (each instanceof Node ? each : shown(each))));
     }
   }
 
@@ -45,7 +47,8 @@ class Cameras {
     this.seen = new Map();
     const names = Object.keys(keys).filter((name) => keys[name].type === "image");
     host.replaceChildren(...names.map((name) => {
-      const canvas = make("canvas", { class: "shot", "data-camera": name, width: "0", height: "0", role: "img", "aria-label": name });
+      const canvas = make("canvas",
+        { class: "shot", "data-camera": name, width: "0", height: "0", role: "img", "aria-label": name });
       const words = make("figcaption", {}, name, ": nothing seen yet");
       this.seen.set(name, { canvas, words, ref: "", busy: false });
       return make("figure", {}, canvas, words);
@@ -100,9 +103,11 @@ class Tail {
   }
 
   item(step) {
-    return make("li", { value: String(step.seq), class: step.outcome ? "outcome" : "" }, make("small", {}, `${step.at.toFixed(2)} s `), make("b", {}, happened(step.event)), ...this.way(step),
+    return make("li", { value: String(step.seq), class: step.outcome ? "outcome" : "" },
+      make("small", {}, `${step.at.toFixed(2)} s `), make("b", {}, happened(step.event)), ...this.way(step),
       [...(step.verdicts || []), ...(step.notes || [])].map((note) => make("div", { class: "note" }, note)),
-      step.why ? make("div", { class: step.outcome ? "" : "fault" }, step.outcome ? `${step.outcome}: ${step.why}` : `refused: ${step.why}`) : "",
+      step.why ? make("div", { class: step.outcome ? "" : "fault" },
+        step.outcome ? `${step.outcome}: ${step.why}` : `refused: ${step.why}`) : "",
       (step.effects || []).map((each) => make("div", { class: "muted" }, each.about)));
   }
 
@@ -110,7 +115,8 @@ class Tail {
     const left = (step.exited || []).filter((name) => !(step.entered || []).includes(name));
     const into = step.entered || [];
     if (!left.length && !into.length) return [""];
-    return [" ", left.reverse().join(", "), " → ", ...into.flatMap((name, index) => [index ? ", " : "", this.link("state", name)])];
+    return [" ", left.reverse().join(", "), " → ",
+      ...into.flatMap((name, index) => [index ? ", " : "", this.link("state", name)])];
   }
 }
 
@@ -129,7 +135,10 @@ function capital(words) {
 function happened({ kind, name, number, who, data = {} }) {
   const by = data.by ? ` by ${valueText(data.by)}` : "";
   if (kind === "command") return name === "start" ? "start" : `${name === "kill" ? "e-stop" : name}${by}`;
-  if (kind === "proposal") return `${data.by && data.by !== name ? valueText(data.by) : who || name} answers question ${number}${data.option ? `: ${valueText(data.option)}` : data.absent ? " not: absent" : ""}`;
+  if (kind === "proposal") {
+    const answer = data.option ? `: ${valueText(data.option)}` : data.absent ? " not: absent" : "";
+    return `${data.by && data.by !== name ? valueText(data.by) : who || name} answers question ${number}${answer}`;
+  }
   if (kind === "control") return `control to ${holderWords(name)}${by}`;
   if (kind === "accepted" || kind === "result" || kind === "feedback") return `${name} (number ${number})`;
   if (kind === "tick") return "time";

@@ -13,14 +13,17 @@ class PlayPage {
   async begin() {
     const answers = await Promise.all(["/mission", "/play"].map((path) => this.line.get(path)));
     const refused = answers.find((answer) => !answer.ok);
-    if (refused) return needed((await refused.json().catch(() => ({}))).why || `the server answered ${refused.status}`, ENTRY);
+    if (refused) return needed((await refused.json().catch(() => ({}))).why || `the server answered ${refused.status}`,
+      ENTRY);
     const [{ chart, holders }, state] = await Promise.all(answers.map((answer) => answer.json()));
     byId("entry").hidden = true;
     this.keys = chart.keys;
     this.holders = holders;
-    this.chart = new Chart(byId("chart"), chart, { select: (kind, name, more) => this.select(kind, name, more), moved: () => {} });
+    this.chart = new Chart(byId("chart"), chart,
+      { select: (kind, name, more) => this.select(kind, name, more), moved: () => {} });
     this.chart.svg.addEventListener("click", () => this.select("", ""));
-    this.details = new Details(byId("details"), this.chart.model, { findings: [], coverage: {}, runs: [], go: (kind, name) => this.go(kind, name) });
+    this.details = new Details(byId("details"), this.chart.model,
+      { findings: [], coverage: {}, runs: [], go: (kind, name) => this.go(kind, name) });
     this.details.nothing();
     this.tabs = new Tabs(TABS);
     this.choices = new Choices(byId("choices"), { choose: (name, values) => this.order({ do: name, values }), notify });
@@ -62,7 +65,8 @@ class PlayPage {
     if (this.isBusy) return;
     this.isBusy = true;
     try {
-      const [status, state] = await this.line.post("/play", JSON.stringify({ ...order, revision: this.state.revision }));
+      const [status, state] = await this.line.post("/play",
+        JSON.stringify({ ...order, revision: this.state.revision }));
       if (state.revision !== undefined) this.show(state);
       const why = state.why_not || (status === 200 ? "" : state.why);
       if (why) notify(why, "bad");
@@ -80,12 +84,14 @@ class PlayPage {
     const { mode, control, active, taken, at, held_by: held, outcome, why, length } = state;
     byId("mode").textContent = mode;
     byId("mode").dataset.mode = mode;
-    byId("control").textContent = held ? `${this.holders[control]}, the mission is held` : this.holders[control] || control;
+    byId("control").textContent = held ? `${this.holders[control]}, the mission is held`
+      : this.holders[control] || control;
     byId("control").dataset.control = control;
     byId("clock").textContent = `${valueText(at)} s`;
     byId("undo").disabled = !length;
     byId("save").disabled = !length;
-    byId("ended").replaceChildren(outcome ? make("p", { class: "outcome" }, make("b", {}, `the mission ended ${outcome}: `), why) : "");
+    byId("ended").replaceChildren(
+      outcome ? make("p", { class: "outcome" }, make("b", {}, `the mission ended ${outcome}: `), why) : "");
     this.happened(state.path[state.path.length - 1]);
     this.chart.show({ active: new Set(active), taken: new Set(taken) });
     this.follow(new Set(active));
@@ -104,8 +110,10 @@ class PlayPage {
   came({ steps }) {
     if (!steps.length) return ["nothing else changed"];
     return steps.flatMap((step) => [
-      ...way(step), ...[...(step.verdicts || []), ...(step.notes || [])].map((note) => make("div", { class: "note" }, note)),
-      ...(step.effects || []).map((each) => make("div", { class: "muted" }, `→ ${each.about}`)), step.outcome ? make("div", {}, `${step.outcome}: ${step.why}`) : "",
+      ...way(step), ...[...(step.verdicts || []), ...(step.notes || [])]
+        .map((note) => make("div", { class: "note" }, note)),
+      ...(step.effects || []).map((each) => make("div", { class: "muted" }, `→ ${each.about}`)),
+      step.outcome ? make("div", {}, `${step.outcome}: ${step.why}`) : "",
     ]);
   }
 
@@ -114,13 +122,16 @@ class PlayPage {
     byId("where").textContent = shown(saved ? `saved in ${file}` : `save writes ${file}`);
     byId("clicks").start = length - path.length + 1;
     byId("clicks").replaceChildren(...path.map((click, index) => make("li", {},
-      make("button", { type: "button", title: "go back to before this", on: { click: () => this.undo(path.length - index) } }, "back to before"),
-      make("small", {}, `${valueText(click.at)} s `), make("b", {}, click.words), Object.keys(click.values).length ? ` (${valueText(click.values)})` : "", make("div", {}, this.came(click)))));
+      make("button", { type: "button", title: "go back to before this",
+        on: { click: () => this.undo(path.length - index) } }, "back to before"),
+      make("small", {}, `${valueText(click.at)} s `), make("b", {}, click.words),
+      Object.keys(click.values).length ? ` (${valueText(click.values)})` : "", make("div", {}, this.came(click)))));
   }
 
   /** Brings into view what is active, where it has changed. */
   follow(active) {
-    const inner = [...active].filter((name) => !(this.chart.model.children.get(name) || []).some((child) => active.has(child)));
+    const inner = [...active]
+      .filter((name) => !(this.chart.model.children.get(name) || []).some((child) => active.has(child)));
     if (!inner[0] || inner[0] === this.followed) return;
     this.followed = inner[0];
     this.chart.reveal(inner[0]);

@@ -9,18 +9,24 @@ const TYPED = new Map();
 function inputOf(choice, field) {
   const key = `${choice.name}|${field.name}`;
   const suggested = field.suggested === null ? "" : textOf(field.suggested);
-  const more = { name: field.name, "data-type": field.type, "data-field": field.name, title: [field.about, `type ${field.type}`].filter(Boolean).join(", ") };
+  const more = { name: field.name, "data-type": field.type, "data-field": field.name,
+    title: [field.about, `type ${field.type}`].filter(Boolean).join(", ") };
   const input = field.among.length
-    ? make("select", more, field.is_required ? "" : make("option", { value: "" }, "–"), field.among.map((each) => make("option", { value: textOf(each) }, valueText(each))))
-    : make("input", { ...more, type: "text", autocomplete: "off", inputmode: NUMBERS.includes(field.type) ? "decimal" : null, placeholder: field.is_required ? "" : "none" });
+    ? make("select", more, field.is_required ? "" : make("option", { value: "" }, "–"),
+      field.among.map((each) => make("option", { value: textOf(each) }, valueText(each))))
+    : make("input", { ...more, type: "text", autocomplete: "off",
+      inputmode: NUMBERS.includes(field.type) ? "decimal" : null, placeholder: field.is_required ? "" : "none" });
   input.value = TYPED.has(key) ? TYPED.get(key) : suggested;
   input.addEventListener("input", () => TYPED.set(key, input.value));
   const examples = field.examples.map((each) => make("option", { value: textOf(each) }));
-  const list = examples.length && !field.among.length ? make("datalist", { id: `examples ${key}`.replace(/[^a-z0-9_]/g, "-") }, examples) : "";
+  const list = examples.length && !field.among.length
+    ? make("datalist", { id: `examples ${key}`.replace(/[^a-z0-9_]/g, "-") }, examples) : "";
   if (list) input.setAttribute("list", list.id);
   const label = choice.name === `key ${field.name}` ? "" : field.name.slice(field.name.lastIndexOf(".") + 1);
   if (!label) input.setAttribute("aria-label", field.name);
-  return { element: make("label", {}, field.type === "image" ? make("span", {}, `${label} a test picture`) : [label, input], list), read: () => read(field, input), forget: () => TYPED.delete(key) };
+  return { element: make("label", {},
+    field.type === "image" ? make("span", {}, `${label} a test picture`) : [label, input],
+    list), read: () => read(field, input), forget: () => TYPED.delete(key) };
 }
 
 /** A value as it is typed. */
@@ -37,13 +43,14 @@ function read(field, input) {
   if (field.type === "string") return text;
   if (NUMBERS.includes(field.type)) {
     const number = Number(text);
-    if (text.trim() === "" || !Number.isFinite(number)) throw new Error(`'${field.name}' is a number, and '${text}' is none`);
+    if (text.trim() === "" || !Number.isFinite(number)) throw new Error(
+      `'${field.name}' is a number, and '${text}' is none`);
     return number;
   }
   try {
     return JSON.parse(text);
   } catch {
     if (field.type === "json") return text;
-    throw new Error(`'${field.name}' is JSON of type ${field.type}, such as ${JSON.stringify(field.type === "list" ? [] : {})}`);
+    throw new Error(`'${field.name}' is JSON of type ${field.type}, such as ${field.type === "list" ? "[]" : "{}"}`);
   }
 }

@@ -6,7 +6,9 @@
 const SETTLES_MS = 500;
 
 class Asked {
-  /** @param question data  @param can whether it may be answered here  @param listener {answer(question, option, parameters), notify(words, kind), go(kind, name)} */
+  /** @param question data
+   *  @param can whether it may be answered here
+   *  @param listener {answer(question, option, parameters), notify(words, kind), go(kind, name)} */
   constructor(question, can, listener) {
     Object.assign(this, { question, listener, since: performance.now() });
     this.left = make("b", { class: "left", role: "timer", "aria-live": "off" });
@@ -15,14 +17,21 @@ class Asked {
     const mine = this.mine, title = `asked-${question.number}`;
     this.bar = make("progress", { max: "1", value: "1", "aria-label": "time left" });
     this.buttons = [];
-    this.element = make("section", { class: `question${mine ? " mine" : ""}`, "data-question": String(question.number), "aria-labelledby": title, tabindex: "-1" },
-      make("p", { class: "head" }, this.left, make("span", {}, make("b", {}, mine ? "You are asked" : `${capital(question.who)} is asked`),
-        make("small", {}, make("span", { class: "which" }, ` question ${question.number}${question.attempt > 1 ? `, attempt ${question.attempt}` : ""},`), " ", linksTo(listener.go)("state", question.state)))),
-      this.bar, make("h2", { class: "text", id: title, tabindex: "0" }, question.text || `question ${question.number}`), this.offers);
+    this.element = make("section",
+      { class: `question${mine ? " mine" : ""}`, "data-question": String(question.number), "aria-labelledby": title,
+        tabindex: "-1" },
+      make("p", { class: "head" }, this.left,
+        make("span", {}, make("b", {}, mine ? "You are asked" : `${capital(question.who)} is asked`),
+        make("small", {}, make("span", { class: "which" },
+          ` question ${question.number}${question.attempt > 1 ? `, attempt ${question.attempt}` : ""},`), " ",
+          linksTo(listener.go)("state", question.state)))),
+      this.bar, make("h2", { class: "text", id: title, tabindex: "0" }, question.text || `question ${question.number}`),
+      this.offers);
     this.offerAll();
   }
 
-  /** What the run reports of it now; fields that a person is filling in stay as they are unless the options have changed. */
+  /** What the run reports of it now; fields that a person is filling in stay as they are unless the options have
+   *  changed. */
   update(question) {
     const same = JSON.stringify(question.options) === JSON.stringify(this.question.options);
     this.question = question;
@@ -33,7 +42,9 @@ class Asked {
     const { options } = this.question;
     this.buttons = [];
     this.offers.classList.toggle("many", options.length > 6);
-    this.offers.replaceChildren(...(this.mine ? options.map((option) => this.offer(option)) : [make("p", { class: "muted" }, "offered: ", options.map((option) => option.name).join(", "))]));
+    this.offers.replaceChildren(
+      ...(this.mine ? options.map((option) => this.offer(option))
+        : [make("p", { class: "muted" }, "offered: ", options.map((option) => option.name).join(", "))]));
   }
 
   /** There was so much time that a reminder near its end is none right after the question. */
@@ -49,11 +60,13 @@ class Asked {
 
   offer(option) {
     const fields = fieldsOf(option.parameters), named = `why-${this.question.number}-${option.name}`;
-    const button = make("button", { type: "button", "data-option": option.name, "aria-describedby": named, title: option.about || null },
-      make("b", {}, option.name, fields.length ? " …" : ""), option.about ? make("span", { class: "about" }, option.about) : "");
+    const button = make("button",
+      { type: "button", "data-option": option.name, "aria-describedby": named, title: option.about || null },
+      make("b", {}, option.name, fields.length ? " …" : ""),
+      option.about ? make("span", { class: "about" }, option.about) : "");
     const reason = make("div", { class: "reason", id: named }), offer = make("div", { class: "offer" }, button, reason);
     this.buttons.push({ button, reason, name: option.name });
-    const answer = (parameters) => { if (!isOff(button)) this.listener.answer(this.question, option.name, parameters); };
+    const answer = (parameters) => isOff(button) || this.listener.answer(this.question, option.name, parameters);
     if (!fields.length) {
       button.addEventListener("click", () => answer({}));
       return offer;
@@ -75,7 +88,8 @@ class Asked {
       }
       answer(parameters);
     };
-    const form = make("form", { hidden: true, on: { submit: send } }, fields.map((field) => field.element), make("button", { type: "submit", "data-send": option.name }, "answer ", make("b", {}, option.name)));
+    const form = make("form", { hidden: true, on: { submit: send } }, fields.map((field) => field.element),
+      make("button", { type: "submit", "data-send": option.name }, "answer ", make("b", {}, option.name)));
     button.setAttribute("aria-expanded", "false");
     button.addEventListener("click", () => {
       form.hidden = !form.hidden;
@@ -127,8 +141,10 @@ function fieldsOf(schema) {
 function fieldOf(name, of, needed) {
   const choices = Array.isArray(of.enum) ? of.enum : of.type === "boolean" ? [true, false] : null;
   const input = choices
-    ? make("select", { name }, needed ? "" : make("option", { value: "" }, "–"), choices.map((each, index) => make("option", { value: String(index) }, valueText(each))))
-    : make("input", { name, type: "text", autocomplete: "off", placeholder: of.default !== undefined ? valueText(of.default) : "" });
+    ? make("select", { name }, needed ? "" : make("option", { value: "" }, "–"),
+      choices.map((each, index) => make("option", { value: String(index) }, valueText(each))))
+    : make("input", { name, type: "text", autocomplete: "off",
+      placeholder: of.default !== undefined ? valueText(of.default) : "" });
   const read = (parameters) => {
     if (input.value === "") {
       if (needed && of.default === undefined) throw new Error(`'${name}' is needed`);
@@ -137,7 +153,8 @@ function fieldOf(name, of, needed) {
     }
     parameters[name] = choices ? choices[Number(input.value)] : valueOf(name, of, input.value);
   };
-  return { element: make("label", {}, `${name}${of.description ? ` (${valueText(of.description)})` : ""} `, input), read };
+  return { element: make("label", {}, `${name}${of.description ? ` (${valueText(of.description)})` : ""} `, input),
+    read };
 }
 
 function valueOf(name, of, text) {

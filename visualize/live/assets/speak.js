@@ -6,7 +6,9 @@ const RATE_HZ = 16000;
 const MOST_BEHIND = 12; // pieces of 128 ms that may be under way; more are dropped
 
 class Speak {
-  /** @param line Line  @param listener {notify(words, kind), who()}  @param deaf why the run recognises nothing, or "" */
+  /** @param line Line
+   *  @param listener {notify(words, kind), who()}
+   *  @param deaf why the run recognises nothing, or "" */
   constructor(line, listener, deaf) {
     Object.assign(this, { line, listener, behind: 0, key: "" });
     this.button = byId("talk-speak");
@@ -30,7 +32,8 @@ class Speak {
     const key = (this.key = String(Math.random()).slice(2));
     this.show();
     try {
-      const stream = await navigator.mediaDevices.getUserMedia({ audio: { channelCount: 1, echoCancellation: true, noiseSuppression: false, autoGainControl: true } });
+      const stream = await navigator.mediaDevices.getUserMedia(
+        { audio: { channelCount: 1, echoCancellation: true, noiseSuppression: false, autoGainControl: true } });
       if (key !== this.key) return Speak.end(stream); // shut before it was allowed
       this.stream = stream;
       this.sound = new AudioContext({ sampleRate: RATE_HZ });

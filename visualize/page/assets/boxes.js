@@ -22,7 +22,8 @@ class Column {
     const found = wrapped(text, size, { bold, limit: this.limit - indent, most });
     for (const line of found.lines) {
       this.h += size * LEAD;
-      this.texts.push({ x: indent, y: this.h - size * 0.3, text: line, size, bold, tone, whole: found.cut ? text : "" });
+      this.texts.push({ x: indent, y: this.h - size * 0.3, text: line, size, bold, tone,
+        whole: found.cut ? text : "" });
     }
     this.w = Math.max(this.w, found.width + indent);
   }
@@ -40,7 +41,8 @@ function marked(mark, text) {
 function transitionWords(transition) {
   const on = transition.trigger && !transition.trigger.startsWith("after ") ? "on " : "";
   const guard = transition.guard ? (transition.trigger ? ` [${transition.guard}]` : ` ${transition.guard}`) : "";
-  return marked(transition.mark, `${on}${transition.when}${guard}`) + ((transition.do || []).length ? ` / ${transition.do.join("; ")}` : "");
+  return marked(transition.mark,
+    `${on}${transition.when}${guard}`) + ((transition.do || []).length ? ` / ${transition.do.join("; ")}` : "");
 }
 
 function lookOf(state) {
@@ -63,9 +65,14 @@ function nameBox(state, detail, more = 0) {
   const whole = marked(state.mark, name);
   const column = new Column(limitOf(name, detail) + (state.mark ? width(`${state.mark} `, NAME, true) : 0));
   column.add(whole, NAME, { bold: true, most: detail.lines });
-  if (column.texts.some((line) => line.whole)) column.texts.forEach((line, index) => Object.assign(line, { whole, text: index === column.texts.length - 1 && detail.isShared(line.text) ? tailOf(whole, detail.limit) : line.text }));
-  const pad = (detail.lines > 1 && !detail.whole ? 8 : 5) + (state.kind === "final" ? SECOND / 2 : 0), w = column.w + 2 * pad + more;
-  return { w: Math.max(w, 36 + more), h: column.h + 9, texts: column.texts, cells: [], tree: null, at: [pad, 3], words: w };
+  if (column.texts.some((line) => line.whole)) column.texts.forEach((line, index) =>
+    Object.assign(line, { whole,
+      text: index === column.texts.length - 1 && detail.isShared(line.text) ? tailOf(whole, detail.limit)
+        : line.text }));
+  const pad = (detail.lines > 1 && !detail.whole ? 8 : 5) + (state.kind === "final" ? SECOND / 2 : 0),
+    w = column.w + 2 * pad + more;
+  return { w: Math.max(w, 36 + more), h: column.h + 9, texts: column.texts, cells: [], tree: null, at: [pad, 3],
+    words: w };
 }
 
 /** How wide a name may be: as wide as its widest part that is not broken, where the level leaves parts whole. */
@@ -83,8 +90,10 @@ function tailOf(name, limit) {
 
 function footed(column, state, staying) {
   column.add(state.controlled, 10, { tone: "muted" });
-  const lost = (transition) => (transition.target && transition.target !== state.name ? ` → ${transition.target}, which is not there` : "");
-  staying.slice(0, 3).forEach((transition) => column.add(`↻ ${transitionWords(transition)}${lost(transition)}`, 10, { most: 2 }));
+  const lost = (transition) =>
+    (transition.target && transition.target !== state.name ? ` → ${transition.target}, which is not there` : "");
+  staying.slice(0, 3).forEach((transition) =>
+    column.add(`↻ ${transitionWords(transition)}${lost(transition)}`, 10, { most: 2 }));
   if (staying.length > 3) column.add(`↻ ${staying.length - 3} more that stay`, 10);
 }
 
@@ -95,7 +104,8 @@ function leafBox(state, staying, detail) {
   const column = new Column(Math.max(detail.limit, across * (CELL + 14)));
   headed(column, state, detail);
   if (detail.all) described(column, state, staying);
-  const box = { w: Math.max(column.w, 60) + 2 * PAD, h: column.h + 2 * PAD - 4, texts: column.texts, cells: [], tree: null };
+  const box = { w: Math.max(column.w, 60) + 2 * PAD, h: column.h + 2 * PAD - 4, texts: column.texts, cells: [],
+    tree: null };
   if (state.choices) withCells(box, state.choices, across, detail);
   return box;
 }
@@ -167,7 +177,8 @@ function closedBox(state, staying, inside, detail) {
   column.add(inside, 10, { tone: "muted", most: 3 });
   if (detail.all) (state.lines || []).slice(0, 3).forEach((line) => column.add(line, 10, { tone: "muted" }));
   if (detail.all) footed(column, state, staying);
-  return { w: Math.max(column.w, 60) + 2 * PAD + KNOB, h: column.h + 2 * PAD - 4, texts: column.texts, cells: [], tree: null };
+  return { w: Math.max(column.w, 60) + 2 * PAD + KNOB, h: column.h + 2 * PAD - 4, texts: column.texts, cells: [],
+    tree: null };
 }
 
 /** The head of an open one. */
@@ -190,10 +201,14 @@ function arrowBox(transitions, quiet, detail) {
   for (const transition of transitions) push(same, transitionWords(transition), transition);
   [...same.values()].slice(0, 3).forEach(([transition, ...more], index) => {
     if (index) column.space(3);
-    const trigger = transition.trigger && !transition.trigger.startsWith("after ") ? `on ${transition.trigger}` : transition.when;
-    column.add(marked(transition.mark, quiet ? "" : trigger) + (more.length ? ` (${more.length + 1} transitions)` : ""), 10, { bold: true, most: 2 });
-    if (detail.all && transition.guard) column.add(transition.trigger ? `[${transition.guard}]` : transition.guard, 10, { most: 3 });
-    if (detail.all && (transition.do || []).length) column.add(`/ ${transition.do.join("; ")}`, 10, { tone: "muted", most: 2 });
+    const trigger = transition.trigger && !transition.trigger.startsWith("after ") ? `on ${transition.trigger}`
+      : transition.when;
+    column.add(marked(transition.mark, quiet ? "" : trigger) + (more.length ? ` (${more.length + 1} transitions)` : ""),
+      10, { bold: true, most: 2 });
+    if (detail.all && transition.guard) column.add(transition.trigger ? `[${transition.guard}]` : transition.guard, 10,
+      { most: 3 });
+    if (detail.all && (transition.do || []).length) column.add(`/ ${transition.do.join("; ")}`, 10,
+      { tone: "muted", most: 2 });
   });
   if (same.size > 3) column.add(`and ${same.size - 3} more kinds of transition`, 10, { bold: true });
   const counted = detail.counted ? column.w + 4 : 0, w = column.w + (detail.counted ? COUNT : 0);
@@ -204,9 +219,13 @@ function arrowBox(transitions, quiet, detail) {
 function anywhereBox(transitions, detail) {
   const column = new Column(detail.triggers ? 250 : detail.limit);
   column.add("From every state", NAME, { bold: true, most: 3 });
-  const words = (transition) => (detail.all ? transitionWords(transition) : transition.trigger && !transition.trigger.startsWith("after ") ? `on ${transition.trigger}` : transition.when);
+  const words = (transition) =>
+    (detail.all ? transitionWords(transition)
+      : transition.trigger && !transition.trigger.startsWith("after ") ? `on ${transition.trigger}`
+      : transition.when);
   if (!detail.triggers) return { w: column.w + 16, h: column.h + 9, texts: column.texts, cells: [], tree: null };
-  transitions.forEach((transition) => column.add(`• ${words(transition)}${transition.target ? ` → ${transition.target}` : " (stays)"}`, 10, { most: 3 }));
+  transitions.forEach((transition) =>
+    column.add(`• ${words(transition)}${transition.target ? ` → ${transition.target}` : " (stays)"}`, 10, { most: 3 }));
   return { w: column.w + 2 * PAD, h: column.h + 2 * PAD - 4, texts: column.texts, cells: [], tree: null };
 }
 

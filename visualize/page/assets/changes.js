@@ -16,7 +16,9 @@ class Changes {
   }
 
   draw() {
-    const parts = [["safety", "Safety-relevant"], ["other", "Others"]].map(([severity, title]) => this.part(title, severity, this.changes.filter((each) => each.severity === severity)));
+    const parts = [["safety", "Safety-relevant"], ["other", "Others"]]
+      .map(([severity, title]) =>
+        this.part(title, severity, this.changes.filter((each) => each.severity === severity)));
     this.host.replaceChildren(make("h2", {}, this.headline), ...parts);
   }
 
@@ -24,13 +26,17 @@ class Changes {
     if (!changes.length) return "";
     const topics = new Map();
     for (const change of changes) push(topics, change.heading, change);
-    return make("section", { class: `part ${severity}` }, make("h2", {}, `${severity === "safety" ? "⚠ " : ""}${title} (${changes.length})`),
-      [...topics].map(([heading, found]) => make("section", {}, make("h3", {}, heading), make("ul", { class: "changes" }, found.map((change) => this.item(change))))));
+    return make("section", { class: `part ${severity}` },
+      make("h2", {}, `${severity === "safety" ? "⚠ " : ""}${title} (${changes.length})`),
+      [...topics].map(([heading, found]) =>
+        make("section", {}, make("h3", {}, heading),
+          make("ul", { class: "changes" }, found.map((change) => this.item(change))))));
   }
 
   item(change) {
     const [kind, name] = change.transition ? ["transition", change.transition] : ["state", change.state];
-    const words = [make("b", { class: "mark", title: MARKED[change.mark] }, change.mark === "-" ? "−" : change.mark, make("span", { class: "away" }, ` ${MARKED[change.mark]} `)), change.sentence];
+    const words = [make("b", { class: "mark", title: MARKED[change.mark] }, change.mark === "-" ? "−" : change.mark,
+      make("span", { class: "away" }, ` ${MARKED[change.mark]} `)), change.sentence];
     const lead = name ? this.details.link(kind, name, words) : make("span", {}, words);
     return make("li", { class: change.severity, "data-place": change.place }, lead,
       change.before ? make("div", { class: "was" }, make("b", {}, "was "), change.before) : "",
@@ -43,6 +49,8 @@ class Changes {
     if (kind !== "state" && kind !== "transition") return;
     const wanted = new Set(places || [name]);
     const found = this.changes.filter((each) => (kind === "state" ? each.state === name : wanted.has(each.transition)));
-    if (found.length) this.details.host.prepend(make("section", { class: "part" }, make("h3", {}, "What changed here"), make("ul", { class: "changes" }, found.map((change) => this.item(change)))));
+    if (found.length) this.details.host.prepend(
+      make("section", { class: "part" }, make("h3", {}, "What changed here"),
+        make("ul", { class: "changes" }, found.map((change) => this.item(change)))));
   }
 }

@@ -5,7 +5,10 @@
 const OPEN_AT_FIRST = [45, 20, 0], READABLE = LEAST_NAME / NAME, LARGE = 700, MARGIN = 40, MARGIN_NARROW = 16;
 
 class Chart {
-  /** @param host element  @param data chart data  @param listener {select(kind, name, places)}  @param findings [{place, sentence}] */
+  /** @param host element
+   *  @param data chart data
+   *  @param listener {select(kind, name, places)}
+   *  @param findings [{place, sentence}] */
   constructor(host, data, listener, findings = []) {
     this.host = host;
     this.listener = listener;
@@ -14,11 +17,14 @@ class Chart {
     this.faults = this.faulty(findings);
     this.state = { lens: null, active: new Set(), taken: new Set(), counts: null, selected: null, found: new Set() };
     this.layer = draw("g", {});
-    this.svg = draw("svg", { class: "chart", tabindex: "0", role: "application", "aria-label": `chart of ${data.name}` }, markers(), this.layer);
+    this.svg = draw("svg", { class: "chart", tabindex: "0", role: "application",
+      "aria-label": `chart of ${data.name}` }, markers(), this.layer);
     this.crumb = make("div", { class: "crumb", "aria-hidden": "true" });
     host.append(this.svg, this.crumb);
-    this.gestures = new Gestures(this.svg, this.layer, { size: () => this.size, zoomed: (x, y) => this.refine(x, y), moved: () => this.within() });
-    Object.assign(this, { view: null, size: { w: 1, h: 1 }, groups: new Map(), arrows: [], level: 0, turned: false, plans: null, plan: null, work: null });
+    this.gestures = new Gestures(this.svg, this.layer,
+      { size: () => this.size, zoomed: (x, y) => this.refine(x, y), moved: () => this.within() });
+    Object.assign(this, { view: null, size: { w: 1, h: 1 }, groups: new Map(), arrows: [], level: 0, turned: false,
+      plans: null, plan: null, work: null });
     this.openFirst();
   }
 
@@ -26,7 +32,8 @@ class Chart {
   faulty(findings) {
     const found = new Map();
     for (const { place, sentence } of findings) {
-      const around = this.model.data.states.filter((state) => place === state.place || place.startsWith(`${state.place}/`));
+      const around = this.model.data.states.filter((state) => place === state.place
+        || place.startsWith(`${state.place}/`));
       if (around.length) push(found, around[around.length - 1].name, sentence);
     }
     return found;
@@ -69,11 +76,15 @@ class Chart {
   /** What the window has room for, on the screen's measure. */
   room() {
     const box = this.svg.getBoundingClientRect(), margin = this.isNarrow() ? MARGIN_NARROW : MARGIN;
-    return { w: Math.max(box.width - margin, 200), h: Math.max(box.height - margin, 100), margin, narrow: this.isNarrow() };
+    return { w: Math.max(box.width - margin, 200), h: Math.max(box.height - margin, 100), margin,
+      narrow: this.isNarrow() };
   }
 
   planned() {
-    return new Plans(this.model, this.open, (level, turned) => this.content({ ...level, turned, counted: Boolean(this.state.counts), isShared: this.model.sharing(level.limit, level.lines) }));
+    return new Plans(this.model, this.open,
+      (level, turned) => this.content(
+        { ...level, turned, counted: Boolean(this.state.counts),
+          isShared: this.model.sharing(level.limit, level.lines) }));
   }
 
   /** Opens or closes states; what `still` names stays where it is on the screen. */
@@ -160,7 +171,8 @@ class Chart {
     }
     Object.assign(this, made, { plan, view, size: plan.size, level: plan.level, turned: plan.turned });
     this.svg.dataset.detail = LEVELS[plan.level].word;
-    this.svg.toggleAttribute("data-dots", !LEVELS[plan.level].triggers && [...allItems(view.root)].some((item) => item.kind === "stub"));
+    this.svg.toggleAttribute("data-dots",
+      !LEVELS[plan.level].triggers && [...allItems(view.root)].some((item) => item.kind === "stub"));
     this.layer.replaceChildren(...borders, ...lines, ...boxes);
     this.show({});
   }
@@ -169,15 +181,20 @@ class Chart {
   refine(x, y) {
     if (!this.view || this.work) return;
     const { scale } = this.gestures;
-    const finer = this.level < FINEST && this.plans.seen <= LARGE && (scale >= LARGEST || this.scaleAt(this.level + 1) >= LEVELS[this.level + 1].readable * HYSTERESIS);
-    const coarser = this.level > 0 && scale < LEVELS[this.level].readable / HYSTERESIS && this.scaleAt(this.level - 1) > scale;
+    const finer = this.level < FINEST && this.plans.seen <= LARGE
+      && (scale >= LARGEST || this.scaleAt(this.level + 1) >= LEVELS[this.level + 1].readable * HYSTERESIS);
+    const coarser = this.level > 0 && scale < LEVELS[this.level].readable / HYSTERESIS
+      && this.scaleAt(this.level - 1) > scale;
     const level = finer ? this.level + 1 : coarser ? this.level - 1 : this.level;
     if (level === this.level) return;
-    const to = Math.max(this.scaleAt(level), finer ? LEVELS[level].readable : 0), near = this.nearest(x, y), point = this.gestures.outside(this.place(near));
-    this.draw((plans, room) => plans.making(level, this.turned, room), () => this.gestures.hold(to, this.place(near), point));
+    const to = Math.max(this.scaleAt(level), finer ? LEVELS[level].readable : 0), near = this.nearest(x, y),
+      point = this.gestures.outside(this.place(near));
+    this.draw((plans, room) => plans.making(level, this.turned, room),
+      () => this.gestures.hold(to, this.place(near), point));
   }
 
-  /** Larger or smaller by a button or key: the chosen state stays where it is, else the active one, and neither is pushed out. */
+  /** Larger or smaller by a button or key: the chosen state stays where it is, else the active one, and neither is
+   *  pushed out. */
   zoom(by) {
     const name = this.kept(), place = name && this.place(name);
     if (!place) return this.gestures.zoom(by);
@@ -188,12 +205,14 @@ class Chart {
 
   /** The chosen state, or the innermost active one, where it is seen in the window. */
   kept() {
-    const [kind, name] = (this.state.selected || "").split(" "), source = ((this.model.transitions.get(name) || [])[0] || {}).source;
+    const [kind, name] = (this.state.selected || "").split(" "),
+      source = ((this.model.transitions.get(name) || [])[0] || {}).source;
     const wanted = [kind === "state" ? name : kind === "transition" ? source : "", ...[...this.state.active].reverse()];
     return wanted.find((each) => each && this.isSeen(each)) || "";
   }
 
-  /** Whether a state is in the window: all of it, or a part of one; that which is folded away is seen as what it is folded into. */
+  /** Whether a state is in the window: all of it, or a part of one; that which is folded away is seen as what it is
+   *  folded into. */
   isSeen(name, whole = false) {
     const place = this.place(name);
     return Boolean(place) && this.gestures.isSeen(place, whole);
@@ -203,8 +222,10 @@ class Chart {
   within() {
     if (!this.view) return;
     const { width, height } = this.svg.getBoundingClientRect(), at = this.gestures.inside(width / 2, height / 2);
-    const around = [...this.view.items].filter(([, { inner, X, Y, w, h }]) => inner && Math.abs(at.x - X) < w / 2 && at.y > Y && at.y < Y + h);
-    const last = around.findLastIndex(([, { X, Y, w, box }]) => !this.gestures.isSeen({ x: X - w / 2 + (box.words || w) / 2, y: Y, w: box.words || w, h: NAME }, true));
+    const around = [...this.view.items]
+      .filter(([, { inner, X, Y, w, h }]) => inner && Math.abs(at.x - X) < w / 2 && at.y > Y && at.y < Y + h);
+    const last = around.findLastIndex(([, { X, Y, w, box }]) =>
+      !this.gestures.isSeen({ x: X - w / 2 + (box.words || w) / 2, y: Y, w: box.words || w, h: NAME }, true));
     this.crumb.textContent = shown(around.slice(0, last + 1).map(([name]) => name).join(" › "));
   }
 
@@ -227,7 +248,9 @@ class Chart {
   }
 
   staying(name) {
-    return (this.model.away.get(name) || []).filter((transition) => !transition.target || transition.target === name || !this.model.states.has(transition.target));
+    return (this.model.away.get(name) || [])
+      .filter((transition) => !transition.target || transition.target === name
+        || !this.model.states.has(transition.target));
   }
 
   /** What the layout asks for: the boxes of what is seen. */
@@ -264,14 +287,19 @@ class Chart {
       group.classList.toggle("selected", state.selected === `state ${name}`);
       visit(group, counts ? sum(counts.states[name]) : 0);
     }
-    for (const cell of this.layer.querySelectorAll("[data-option]")) cell.classList.toggle("lit", Boolean(lens && lens.options.has(cell.dataset.option)));
+    for (const cell of this.layer.querySelectorAll("[data-option]")) {
+      cell.classList.toggle("lit", Boolean(lens && lens.options.has(cell.dataset.option)));
+    }
     for (const { group, transitions } of this.arrows) {
-      group.classList.toggle("lit", Boolean(lens && transitions.some((transition) => lens.transitions.has(transition))));
+      group.classList.toggle("lit",
+        Boolean(lens && transitions.some((transition) => lens.transitions.has(transition))));
       group.classList.toggle("taken", transitions.some((transition) => taken.has(transition)));
-      group.classList.toggle("selected", transitions.some((transition) => state.selected === `transition ${transition}`));
+      group.classList.toggle("selected",
+        transitions.some((transition) => state.selected === `transition ${transition}`));
       visit(group, counts ? transitions.reduce((all, transition) => all + sum(counts.transitions[transition]), 0) : 0);
     }
-    if (this.anyGroup) this.anyGroup.classList.toggle("lit", Boolean(lens && (this.model.away.get("") || []).some((transition) => lens.transitions.has(transition.place))));
+    if (this.anyGroup) this.anyGroup.classList.toggle("lit",
+      Boolean(lens && (this.model.away.get("") || []).some((transition) => lens.transitions.has(transition.place))));
   }
 
   /** Makes room for numbers, where there is a run to count. */
@@ -287,7 +315,8 @@ class Chart {
     return found;
   }
 
-  /** Where a state is seen, on the screen's measure; of the empty name, the sign of what leads away from every state. */
+  /** Where a state is seen, on the screen's measure; of the empty name, the sign of what leads away from every
+   *  state. */
   place(name) {
     const item = this.view && (name ? this.view.seen(name) : this.view.anywhere);
     return item ? { x: item.X, y: item.Y, w: item.w, h: item.h, item } : null;
@@ -309,13 +338,16 @@ class Chart {
     this.show({ selected: kind === "state" || kind === "transition" ? `${kind} ${name}` : null });
   }
 
-  /** The part of the chart that holds these states, in as much detail as can be read; else the first of them that can. */
+  /** The part of the chart that holds these states, in as much detail as can be read; else the first of them that
+   *  can. */
   frame(names) {
     if (!this.view || this.work) return;
     const room = this.room(), levels = this.plans.seen > BOTH_WAYS ? [this.level] : [...LEVELS.keys()].reverse();
     const ways = levels.map((level) => this.around(names, level, room));
-    const way = ways.find((each) => each && each.whole) || ways.find((each) => each && each.level === WHOLE_NAMES) || ways[0];
-    if (way) this.draw((plans) => plans.making(way.level, this.turned, room), () => this.gestures.frame(way, room, LEVELS[way.level].most));
+    const way = ways.find((each) => each && each.whole) || ways.find((each) => each && each.level === WHOLE_NAMES)
+      || ways[0];
+    if (way) this.draw((plans) => plans.making(way.level, this.turned, room),
+      () => this.gestures.frame(way, room, LEVELS[way.level].most));
   }
 
   /** Where states are at a level: as many of a list, from its beginning, as can be read together. */
@@ -326,7 +358,8 @@ class Chart {
     for (const { X, Y, w, h } of places) {
       const [l, t, r, b] = found || [X, Y, X, Y];
       const more = [Math.min(l, X - w / 2), Math.min(t, Y), Math.max(r, X + w / 2), Math.max(b, Y + h)];
-      if (found && Math.min(room.w / (more[2] - more[0]), room.h / (more[3] - more[1])) < readable) return { ...boxOf(found), level, whole: false };
+      const scale = Math.min(room.w / (more[2] - more[0]), room.h / (more[3] - more[1]));
+      if (found && scale < readable) return { ...boxOf(found), level, whole: false };
       found = more;
     }
     if (!found) return null;
@@ -348,12 +381,15 @@ class Chart {
     this.draw((plans, room) => plans.making(level, turned, room), () => this.gestures.set(x, y, scale));
   }
 
-  /** All of it, in as much detail as can be read; with a least scale, and on a phone, what is active where all cannot be read. */
+  /** All of it, in as much detail as can be read; with a least scale, and on a phone, what is active where all cannot
+   *  be read. */
   fit(least = this.isNarrow()) {
     this.draw((plans, room) => plans.fitting(room), () => {
       const { most } = LEVELS[this.level], room = this.room(), [active] = [...this.state.active].reverse();
-      const readable = scaleOf(this.plan, room) >= readableIn(this.level, room) ? readableIn(this.level, room) : readableCut(this.level, room);
-      this.gestures.fit(least ? readable : 0, least ? this.place(active || this.first()) : null, { most, margin: room.margin });
+      const readable = scaleOf(this.plan, room) >= readableIn(this.level, room) ? readableIn(this.level, room)
+        : readableCut(this.level, room);
+      this.gestures.fit(least ? readable : 0, least ? this.place(active || this.first()) : null,
+        { most, margin: room.margin });
     });
   }
 

@@ -16,12 +16,15 @@ class Details {
 
   nothing() {
     const { data } = this.model;
-    const kinds = ["decision", "final"].map((kind) => counted(data.states.filter((state) => state.kind === kind).length, kind));
+    const places = new Set(data.transitions.map((transition) => transition.place));
+    const count = (kind) => counted(data.states.filter((state) => state.kind === kind).length, kind);
+    const parts = [counted(data.states.length, "state"), counted(places.size, "transition"), count("decision"),
+      count("final"), counted(data.invariants.length, "invariant")];
     this.host.replaceChildren(
       make("h2", {}, data.name, " ", make("small", {}, versionOf(data))),
       make("p", {}, data.about || ""),
       data.notes.length ? listed("Note", data.notes.map((note) => make("li", {}, note))) : "",
-      make("p", { class: "muted" }, `${counted(data.states.length, "state")}, ${counted(new Set(data.transitions.map((transition) => transition.place)).size, "transition")}, ${kinds.join(", ")}, ${counted(data.invariants.length, "invariant")}. Choose a state or a transition.`),
+      make("p", { class: "muted" }, `${parts.join(", ")}. Choose a state or a transition.`),
       this.faults(this.findings),
       runList(this.runs),
       this.own(),
@@ -30,8 +33,10 @@ class Details {
   }
 
   faults(found) {
-    return found.length ? listed("Found by the check", found.map((each) => make("li", { class: each.severity === "error" ? "fault" : "warning" },
-      make("b", {}, each.severity === "error" ? "⚠ error " : "△ warning "), make("code", {}, each.place || "/"), " ", each.sentence))) : "";
+    return found.length ? listed("Found by the check",
+      found.map((each) => make("li", { class: each.severity === "error" ? "fault" : "warning" },
+      make("b", {}, each.severity === "error" ? "⚠ error " : "△ warning "), make("code", {}, each.place || "/"), " ",
+      each.sentence))) : "";
   }
 
   own() {
@@ -46,27 +51,35 @@ class Details {
     const times = sum((this.coverage.states || {})[name]);
     this.host.replaceChildren(
       make("h2", {}, marked(state.mark, state.name), " ", make("small", {}, lookOf(state)[0])),
-      make("p", { class: "crumbs" }, this.model.chain(name).slice(0, -1).map((each) => [this.link("state", each), " › "]), name),
+      make("p", { class: "crumbs" },
+        this.model.chain(name).slice(0, -1).map((each) => [this.link("state", each), " › "]), name),
       make("p", { class: "muted" }, make("code", {}, state.place)),
       state.about ? make("p", {}, state.about) : "",
       state.title ? make("p", {}, make("b", {}, state.title)) : "",
-      this.faults(this.findings.filter((each) => each.place === state.place || (each.place.startsWith(`${state.place}/`) && !this.inside(name, each.place)))),
-      state.lines || state.controlled ? listed("What holds here", [...(state.lines || []), state.controlled].filter(Boolean).map((line) => make("li", {}, line))) : "",
+      this.faults(this.findings.filter((each) => each.place === state.place
+        || (each.place.startsWith(`${state.place}/`) && !this.inside(name, each.place)))),
+      state.lines || state.controlled
+        ? listed("What holds here",
+          [...(state.lines || []), state.controlled].filter(Boolean).map((line) => make("li", {}, line))) : "",
       state.choices ? this.choices("Options", state.choices) : "",
       ...(state.twigs || []).filter((twig) => twig.choices).map((twig) => this.choices(twig.text, twig.choices)),
       this.transitionList("Leads away, tried in this order", away),
       this.above(name),
       this.transitionList("Leads here", here),
-      begins.length ? listed("Begins here", begins.map((parent) => make("li", {}, parent ? this.link("state", parent) : "the mission"))) : "",
+      begins.length ? listed("Begins here",
+        begins.map((parent) => make("li", {}, parent ? this.link("state", parent) : "the mission"))) : "",
       this.times(state),
       this.keyTable([...new Set([...(state.reads || []), ...(state.writes || [])])], "Keys", state),
-      this.runs.length ? make("p", {}, times ? `entered ${times}× in the runs given` : "never entered in the runs given") : "",
+      this.runs.length ? make("p", {},
+        times ? `entered ${times}× in the runs given` : "never entered in the runs given") : "",
       defined(state.definition),
     );
   }
 
   inside(name, place) {
-    return this.model.children.get(name).some((child) => place.startsWith(`${this.model.states.get(child).place}/`) || place === this.model.states.get(child).place);
+    return this.model.children.get(name)
+      .some((child) => place.startsWith(`${this.model.states.get(child).place}/`)
+        || place === this.model.states.get(child).place);
   }
 
   begins(name) {
@@ -75,16 +88,19 @@ class Details {
 
   /** Transitions of the states around, which are tried after its own. */
   above(name) {
-    const transitions = [...this.model.chain(name).slice(0, -1).reverse(), ""].flatMap((each) => this.model.away.get(each) || []);
+    const transitions = [...this.model.chain(name).slice(0, -1).reverse(), ""]
+      .flatMap((each) => this.model.away.get(each) || []);
     return this.transitionList("Tried after those, from the states around", transitions);
   }
 
   transitionList(title, transitions) {
     if (!transitions.length) return "";
     return listed(title, transitions.map((transition) => make("li", {},
-      this.link("transition", transition.place, transitionWords(transition)), transition.target ? [" → ", this.link("state", transition.target)] : " (stays)",
+      this.link("transition", transition.place, transitionWords(transition)),
+      transition.target ? [" → ", this.link("state", transition.target)] : " (stays)",
       transition.source ? "" : make("span", { class: "muted" }, " from every state"),
-      transition.source && title.startsWith("Leads here") ? [" from ", this.link("state", transition.source)] : "", this.taken(transition.place))));
+      transition.source && title.startsWith("Leads here") ? [" from ", this.link("state", transition.source)] : "",
+      this.taken(transition.place))));
   }
 
   taken(place) {
@@ -94,10 +110,14 @@ class Details {
   }
 
   choices(title, choices) {
-    return make("section", {}, make("h3", {}, title), make("table", {}, make("thead", {}, make("tr", {}, ["option", "offered when", "means"].map((each) => make("th", {}, each)))),
-      make("tbody", {}, choices.map((choice) => make("tr", {}, make("td", {}, make("b", {}, marked(choice.mark, choice.name))),
+    return make("section", {}, make("h3", {}, title),
+      make("table", {}, make("thead", {},
+        make("tr", {}, ["option", "offered when", "means"].map((each) => make("th", {}, each)))),
+      make("tbody", {}, choices.map((choice) =>
+        make("tr", {}, make("td", {}, make("b", {}, marked(choice.mark, choice.name))),
         make("td", {}, choice.guard || "always", choice.fallback ? make("b", {}, " (fallback)") : ""),
-        make("td", {}, choice.about || "", (choice.parameters || []).length ? ` with ${choice.parameters.join(", ")}` : ""))))));
+        make("td", {}, choice.about || "",
+          (choice.parameters || []).length ? ` with ${choice.parameters.join(", ")}` : ""))))));
   }
 
   times(state) {
@@ -110,17 +130,24 @@ class Details {
       }
     };
     look(state.definition || {}, "");
-    return found.length ? listed("Times and limits", found.map(([word, value]) => make("li", {}, make("code", {}, word), ` ${value}${word.endsWith("_s") ? " s" : ""}`))) : "";
+    return found.length ? listed("Times and limits",
+      found.map(([word, value]) =>
+        make("li", {}, make("code", {}, word), ` ${value}${word.endsWith("_s") ? " s" : ""}`))) : "";
   }
 
   keyTable(names, title, state) {
     if (!names.length) return "";
     const keys = this.model.data.keys;
-    return make("section", {}, make("h3", {}, title), make("table", {}, make("thead", {}, make("tr", {}, ["key", "type", "source", "believed for", state ? "here" : "about"].map((each) => make("th", {}, each)))),
+    return make("section", {}, make("h3", {}, title),
+      make("table", {}, make("thead", {},
+        make("tr", {}, ["key", "type", "source", "believed for", state ? "here" : "about"]
+          .map((each) => make("th", {}, each)))),
       make("tbody", {}, names.map((name) => {
         const key = keys[name] || {};
-        const use = state ? [(state.reads || []).includes(name) ? "read" : "", (state.writes || []).includes(name) ? "written" : ""].filter(Boolean).join(", ") : key.about || "";
-        return make("tr", {}, make("td", {}, make("code", {}, name)), make("td", { class: "short" }, key.type || ""), make("td", { class: "short" }, key.source || "mission", key.optional ? make("div", {}, "optional") : ""),
+        const use = state ? [(state.reads || []).includes(name) ? "read" : "",
+          (state.writes || []).includes(name) ? "written" : ""].filter(Boolean).join(", ") : key.about || "";
+        return make("tr", {}, make("td", {}, make("code", {}, name)), make("td", { class: "short" }, key.type || ""),
+          make("td", { class: "short" }, key.source || "mission", key.optional ? make("div", {}, "optional") : ""),
           make("td", { class: "short" }, key.max_age_s ? `${key.max_age_s} s` : "ever"), make("td", {}, use));
       }))));
   }
@@ -131,16 +158,22 @@ class Details {
     const [transition] = transitions, source = transition.source ? this.model.states.get(transition.source) : null;
     const number = Number(place.split("/").pop());
     const written = transition.source ? ((source || {}).definition || {}).transitions : this.model.data.own;
-    const option = (transition.options || []).map((name) => ((source || {}).choices || []).find((choice) => choice.name === name)).filter(Boolean);
+    const option = (transition.options || [])
+      .map((name) => ((source || {}).choices || []).find((choice) => choice.name === name)).filter(Boolean);
     this.host.replaceChildren(
       make("h2", {}, transitionWords({ ...transition, do: [] }), " ", make("small", {}, "transition")),
       make("p", { class: "muted" }, make("code", {}, place)),
-      make("p", {}, transition.source ? ["from ", this.link("state", transition.source)] : "from every state", transitions.some((each) => each.target) ? [" to ", transitions.map((each, index) => [index ? ", " : "", this.link("state", each.target)])] : ", which is not left"),
+      make("p", {}, transition.source ? ["from ", this.link("state", transition.source)] : "from every state",
+        transitions.some((each) => each.target)
+          ? [" to ", transitions.map((each, index) => [index ? ", " : "", this.link("state", each.target)])]
+            : ", which is not left"),
       transition.about ? make("p", {}, transition.about) : "",
       listed("What must hold", [
         make("li", {}, make("b", {}, "trigger: "), transition.trigger || "none: as soon as its guard holds"),
         make("li", {}, make("b", {}, "guard: "), transition.guard || "none"),
-        ...option.map((choice) => make("li", {}, make("b", {}, `option ${choice.name}: `), choice.guard ? `offered when ${choice.guard}` : "always open")),
+        ...option.map((choice) =>
+          make("li", {}, make("b", {}, `option ${choice.name}: `),
+            choice.guard ? `offered when ${choice.guard}` : "always open")),
         transition.internal ? make("li", {}, "internal: the state is neither left nor entered") : "",
       ]),
       (transition.do || []).length ? listed("On the way", transition.do.map((each) => make("li", {}, each))) : "",
@@ -154,14 +187,17 @@ class Details {
   transitions(places) {
     if (places.length === 1) return this.transition(places[0]);
     const transitions = places.map((place) => this.model.transitions.get(place)[0]);
-    this.host.replaceChildren(make("h2", {}, `${transitions.length} transitions `, make("small", {}, "one arrow")), this.transitionList("Leads here by", transitions));
+    this.host.replaceChildren(make("h2", {}, `${transitions.length} transitions `, make("small", {}, "one arrow")),
+      this.transitionList("Leads here by", transitions));
   }
 }
 
 /** Each run given, how it ended, and what is wrong with its journal. */
 function runList(runs) {
   if (!runs.length) return "";
-  return listed("Runs", runs.map((run) => make("li", {}, make("b", {}, run.name), `: ${run.outcome || "not ended"}, ${counted(run.count, "step")}`, run.why ? ` – ${run.why}` : "",
+  return listed("Runs", runs.map((run) =>
+    make("li", {}, make("b", {}, run.name), `: ${run.outcome || "not ended"}, ${counted(run.count, "step")}`,
+      run.why ? ` – ${run.why}` : "",
     run.faults.map((fault) => make("div", { class: "fault" }, "⚠ ", fault)))));
 }
 
@@ -179,5 +215,6 @@ function counted(number, word) {
 }
 
 function defined(written) {
-  return written ? make("details", { open: true }, make("summary", {}, "Definition"), make("pre", { tabindex: "0" }, JSON.stringify(written, null, 2))) : "";
+  return written ? make("details", { open: true }, make("summary", {}, "Definition"),
+    make("pre", { tabindex: "0" }, JSON.stringify(written, null, 2))) : "";
 }

@@ -40,14 +40,16 @@ function byId(id) {
 
 /** The address of what is chosen in a page. */
 function hashOf(parts) {
-  return "#" + Object.entries(parts).filter(([, value]) => value !== "" && value !== null && value !== undefined).map(([name, value]) => `${name}=${encodeURIComponent(value)}`).join("&");
+  return "#" + Object.entries(parts).filter(([, value]) => value !== "" && value !== null && value !== undefined)
+    .map(([name, value]) => `${name}=${encodeURIComponent(value)}`).join("&");
 }
 
 function link(parts, act, words) {
   return make("a", { href: hashOf(parts), on: { click: (event) => { event.preventDefault(); act(); } } }, words);
 }
 
-/** What makes links to states and transitions: they call `go(kind, name)`, and have an address for a window of its own. */
+/** What makes links to states and transitions: they call `go(kind, name)`, and have an address for a window of its
+ *  own. */
 function linksTo(go) {
   return (kind, name, words) => link({ [kind]: name }, () => go(kind, name), words || name);
 }
@@ -60,7 +62,8 @@ function theme() {
 
 /** A picture that the page holds; anything but a PNG or JPEG is replaced by words. */
 function pictured(entry, words) {
-  if (!entry || !PICTURE.test(entry.uri || "")) return make("p", { class: "muted" }, "no picture: ", (entry || {}).why || "it is not in the page");
+  if (!entry || !PICTURE.test(entry.uri || "")) return make("p", { class: "muted" }, "no picture: ",
+    (entry || {}).why || "it is not in the page");
   const image = make("img", { alt: words, title: words });
   image.src = entry.uri;
   return image;

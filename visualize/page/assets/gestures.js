@@ -10,12 +10,14 @@ class Gestures {
     svg.addEventListener("wheel", (event) => this.wheel(event), { passive: false });
     svg.addEventListener("pointerdown", (event) => this.down(event));
     svg.addEventListener("pointermove", (event) => this.move(event));
-    for (const end of ["pointerup", "pointercancel", "pointerleave"]) svg.addEventListener(end, (event) => this.pointers.delete(event.pointerId));
+    for (const end of ["pointerup", "pointercancel", "pointerleave"]) svg.addEventListener(end,
+      (event) => this.pointers.delete(event.pointerId));
     svg.addEventListener("click", (event) => { if (this.dragged) event.stopPropagation(); }, true);
   }
 
   apply() {
-    this.layer.setAttribute("transform", `translate(${this.x.toFixed(2)},${this.y.toFixed(2)}) scale(${this.scale.toFixed(4)})`);
+    this.layer.setAttribute("transform",
+      `translate(${this.x.toFixed(2)},${this.y.toFixed(2)}) scale(${this.scale.toFixed(4)})`);
     this.moved();
   }
 
@@ -41,7 +43,8 @@ class Gestures {
     this.dragged = true;
     const other = [...this.pointers.entries()].find(([id]) => id !== event.pointerId);
     if (other) {
-      const box = this.svg.getBoundingClientRect(), away = (point) => Math.hypot(point[0] - other[1][0], point[1] - other[1][1]);
+      const box = this.svg.getBoundingClientRect(),
+        away = (point) => Math.hypot(point[0] - other[1][0], point[1] - other[1][1]);
       this.zoom(away(now) / Math.max(1, away(before)), other[1][0] - box.left, other[1][1] - box.top);
     } else {
       this.x += now[0] - before[0];
@@ -77,19 +80,22 @@ class Gestures {
 
   /** The edges of a place of the chart in the window. */
   edges({ x, y, w, h }) {
-    return { left: this.x + (x - w / 2) * this.scale, right: this.x + (x + w / 2) * this.scale, top: this.y + y * this.scale, bottom: this.y + (y + h) * this.scale };
+    return { left: this.x + (x - w / 2) * this.scale, right: this.x + (x + w / 2) * this.scale,
+      top: this.y + y * this.scale, bottom: this.y + (y + h) * this.scale };
   }
 
   /** Whether a place of the chart is in the window, all of it or a part. */
   isSeen(place, whole) {
     const { left, right, top, bottom } = this.edges(place), { width, height } = this.svg.getBoundingClientRect();
-    return whole ? left >= 0 && top >= 0 && right <= width && bottom <= height : left < width && top < height && right > 0 && bottom > 0;
+    return whole ? left >= 0 && top >= 0 && right <= width && bottom <= height
+      : left < width && top < height && right > 0 && bottom > 0;
   }
 
   /** Moves as little as brings a place of the chart into the window; of one that is larger, its upper left part. */
   bring(place, margin) {
     const { left, right, top, bottom } = this.edges(place), { width, height } = this.svg.getBoundingClientRect();
-    const by = (from, to, room) => (from < margin || to - from > room - 2 * margin ? margin - from : to > room - margin ? room - margin - to : 0);
+    const by = (from, to, room) =>
+      (from < margin || to - from > room - 2 * margin ? margin - from : to > room - margin ? room - margin - to : 0);
     const [x, y] = [by(left, right, width), by(top, bottom, height)];
     if (x || y) this.pan(x, y);
   }
@@ -121,7 +127,8 @@ class Gestures {
 
   /** A part of the chart, as large as it can be seen whole. */
   frame({ x, y, w, h }, room, most) {
-    const box = this.svg.getBoundingClientRect(), scale = Math.min(room.w / Math.max(w, 1), room.h / Math.max(h, 1), most);
+    const box = this.svg.getBoundingClientRect(),
+      scale = Math.min(room.w / Math.max(w, 1), room.h / Math.max(h, 1), most);
     this.set(box.width / 2 - (x + w / 2) * scale, box.height / 2 - (y + h / 2) * scale, scale);
   }
 
@@ -140,7 +147,8 @@ class Gestures {
     this.apply();
   }
 
-  /** Where the chart begins on one axis: in the middle, or such that what is to be seen is, and no more is left out than must be. */
+  /** Where the chart begins on one axis: in the middle, or such that what is to be seen is, and no more is left out
+   *  than must be. */
   edge(room, size, margin, first) {
     const full = size * this.scale;
     if (full + 2 * margin <= room + 0.5 || !first) return Math.max(margin, (room - full) / 2);

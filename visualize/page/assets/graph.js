@@ -133,7 +133,8 @@ class View {
       const from = transition.source ? this.seen(transition.source) : this.anywhere;
       const to = this.seen(transition.target);
       if (!from || !to || from === to) continue;
-      const option = from.name === transition.source && (transition.options || []).length === 1 ? transition.options[0] : "";
+      const option = from.name === transition.source && (transition.options || []).length === 1 ? transition.options[0]
+        : "";
       const key = `${from.kind}${from.name}>${to.name}>${option}`;
       if (!found.has(key)) found.set(key, { key, from, to, option, transitions: [], quiet: false });
       found.get(key).transitions.push(transition);
@@ -150,7 +151,8 @@ class View {
     for (const [parent, target] of this.model.data.initials) {
       const scope = parent ? (this.items.get(parent) || {}).inner : this.root;
       const to = this.seen(target);
-      if (scope && to) found.set(`start ${parent}>${target}`, { key: "", from: this.start(scope, parent), to, option: "", transitions: [], quiet: true, start: true });
+      if (scope && to) found.set(`start ${parent}>${target}`,
+        { key: "", from: this.start(scope, parent), to, option: "", transitions: [], quiet: true, start: true });
     }
     this.bundles = [...found.values()];
     this.bundles.forEach((bundle) => this.cut(bundle));
@@ -159,7 +161,9 @@ class View {
   /** The longest arrows, as many as must not be drawn for the others to stay readable. */
   far() {
     const found = new Set(this.farAway);
-    const spans = this.bundles.filter((bundle) => bundle.key && !bundle.target).map((bundle) => [bundle.segments.reduce((sum_, { a, b }) => sum_ + Math.abs(a.rank - b.rank) - 1, 0), bundle.key]);
+    const spans = this.bundles.filter((bundle) => bundle.key && !bundle.target)
+      .map((bundle) => [bundle.segments.reduce((sum_, { a, b }) => sum_ + Math.abs(a.rank - b.rank) - 1, 0),
+        bundle.key]);
     let bends = spans.reduce((all, [span]) => all + span, 0);
     for (const [span, key] of spans.sort((a, b) => b[0] - a[0])) {
       if (bends <= BENDS || span < NEAR) break;

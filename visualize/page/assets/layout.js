@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // A view laid out: every box with its place and size, every arrow with its way, in the chart's own measure.
 
-// Rule: it is computed downwards; a chart that goes to the right is computed with its boxes turned, and turned at the end.
+// Rule: it is computed downwards; a chart that goes to the right is computed with its boxes turned, and turned at the
+// end.
 
 const STRIPS = 24, CUT = 3, TIP = 7;
 
@@ -20,7 +21,8 @@ function* viewing(model, open, signs) {
   return view;
 }
 
-/** Lays a view out, in parts; yields how far it is, returns its size. `way`: a level of detail, turned or not, in a window of an aspect. */
+/** Lays a view out, in parts; yields how far it is, returns its size. `way`: a level of detail, turned or not, in a
+ *  window of an aspect. */
 function* layingOut(view, content, way) {
   for (const bundle of view.bundles) {
     const first = bundle.segments[0];
@@ -47,7 +49,8 @@ function turn(item) {
 function settleLabel(bundle, turned) {
   const label = bundle.segments[0].way.find((bend) => bend.kind === "label");
   bundle.turned = turned;
-  bundle.label = label ? { texts: label.texts, counted: label.counted, x: turned ? label.Y + 4 : label.X - label.w / 2 + 9, y: turned ? label.X - label.w / 2 + 6 : label.Y } : null;
+  bundle.label = label ? { texts: label.texts, counted: label.counted,
+    x: turned ? label.Y + 4 : label.X - label.w / 2 + 9, y: turned ? label.X - label.w / 2 + 6 : label.Y } : null;
 }
 
 function* allItems(scope) {
@@ -100,7 +103,8 @@ function* placeScope(scope, content, way) {
   return { w: scope.w, h: scope.h };
 }
 
-/** What is longer than its window is set in strips side by side, as many as make it largest there; returns the height. */
+/** What is longer than its window is set in strips side by side, as many as make it largest there; returns the
+ *  height. */
 function inStrips(layers, all, height, way) {
   for (const item of all) Object.assign(item, { strip: 0, gutterAt: 0 });
   if (layers.length < 16) return height;
@@ -117,7 +121,8 @@ function inStrips(layers, all, height, way) {
   best.strips.forEach(({ items, top }, strip) => {
     const shift = right - leftOf(items), down = way.gutter / 3 - top;
     for (const item of items) {
-      Object.assign(item, { strip, gutterAt: right - way.gutter / 2, x: item.x + shift, y: item.y + down, band: item.band.map((each) => each + down) });
+      Object.assign(item, { strip, gutterAt: right - way.gutter / 2, x: item.x + shift, y: item.y + down,
+        band: item.band.map((each) => each + down) });
     }
     right = rightOf(items) + way.gutter;
   });
@@ -131,7 +136,8 @@ function cutInto(layers, length) {
     if (!layer.length) return;
     const [begin, end] = layer[0].band, last = strips[strips.length - 1];
     const few = layer.reduce((sum_, item) => sum_ + item.ups.length, 0) <= CUT;
-    if (!last || (rank % 2 === 0 && few && end - last.top > length)) strips.push({ items: [...layer], top: begin, bottom: end });
+    if (!last || (rank % 2 === 0 && few && end - last.top > length)) strips.push(
+      { items: [...layer], top: begin, bottom: end });
     else {
       last.items.push(...layer);
       last.bottom = end;
@@ -146,7 +152,9 @@ function* measure(item, content, way) {
   else if (item.kind === "tab") Object.assign(item, { w: 18, h: 8 });
   else if (item.inner) yield* measureOpen(item, content, way);
   else {
-    item.box = item.kind === "any" ? content.anywhere() : item.kind === "stub" ? content.stub(item.name) : content.leaf(item.name);
+    item.box = item.kind === "any" ? content.anywhere()
+      : item.kind === "stub" ? content.stub(item.name)
+      : content.leaf(item.name);
     [item.w, item.h] = way.turned ? [item.box.h, item.box.w] : [item.box.w, item.box.h];
   }
 }
@@ -170,10 +178,13 @@ function* measureOpen(item, content, way) {
 /** Ends that have a place of their own: an option's cell, or where an arrow comes through a border. */
 function fix(segment, turned) {
   const { a, b, bundle } = segment;
-  const cell = a === bundle.from && bundle.option && a.box ? (a.box.cells || []).find((each) => each.choice.name === bundle.option) : null;
+  const cell = a === bundle.from && bundle.option && a.box
+    ? (a.box.cells || []).find((each) => each.choice.name === bundle.option) : null;
   segment.fixedA = Boolean(cell || segment.portA);
   segment.fixedB = Boolean(segment.portB);
-  segment.offA = cell ? (turned ? cell.y + cell.h / 2 : cell.x + cell.w / 2) - a.w / 2 : segment.portA ? segment.portA.x + a.inner.left - a.w / 2 : 0;
+  segment.offA = cell ? (turned ? cell.y + cell.h / 2 : cell.x + cell.w / 2) - a.w / 2
+    : segment.portA ? segment.portA.x + a.inner.left - a.w / 2
+    : 0;
   segment.offB = segment.portB ? segment.portB.x + b.inner.left - b.w / 2 : 0;
 }
 
@@ -213,7 +224,8 @@ function moveTo(scope, x, y) {
 function wayOf(bundle) {
   return bundle.segments.flatMap((segment) => {
     const { high, low } = ends(segment);
-    const offHigh = high === segment.a ? segment.offA : segment.offB, offLow = low === segment.a ? segment.offA : segment.offB;
+    const offHigh = high === segment.a ? segment.offA : segment.offB,
+      offLow = low === segment.a ? segment.offA : segment.offB;
     const points = [[high.X + offHigh, high.Y + high.h], [high.X + offHigh, high.bottom + (segment.up ? TIP : 0)]];
     let strip = high.strip;
     for (const next of [...segment.way, low]) {
@@ -231,7 +243,8 @@ function across([x0, y0], [x1, y1], gutter) {
   return [[x0, y0 + 8], [gutter, y0 + 8], [gutter, y1 - 8], [x1, y1 - 8]];
 }
 
-/** Points as the path of an SVG: straight where they are above one another, else a curve that begins and ends upright. */
+/** Points as the path of an SVG: straight where they are above one another, else a curve that begins and ends
+ *  upright. */
 function pathOf(points, turned = false) {
   const round = turned ? ([x, y]) => `${y.toFixed(1)},${x.toFixed(1)}` : ([x, y]) => `${x.toFixed(1)},${y.toFixed(1)}`;
   const parts = [`M${round(points[0])}`];

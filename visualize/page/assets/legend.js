@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the chart's forms and colours mean, below it: those that this mission has, in the forms and colours of the chart.
+// What the chart's forms and colours mean, below it: those that this mission has, in the forms and colours of the
+// chart.
 
 const LEGEND = [
   [(state) => state.kind === "decision", { kind: "decision" }, "decision"],
@@ -11,7 +12,8 @@ const LEGEND = [
   [(state) => ["states", "parallel", "each"].includes(state.kind), { kind: "states" }, "group of states"],
   [(state) => state.region, { kind: "states", region: true }, "region, side by side"],
   [(state) => state.outcome === "succeeded", { kind: "final", outcome: "succeeded" }, "end: succeeded"],
-  [(state) => ["failed", "aborted"].includes(state.outcome), { kind: "final", outcome: "failed" }, "end: failed, aborted"],
+  [(state) => ["failed", "aborted"].includes(state.outcome), { kind: "final", outcome: "failed" },
+    "end: failed, aborted"],
   [(state) => state.outcome === "canceled", { kind: "final", outcome: "canceled" }, "end: canceled"],
 ];
 
@@ -23,7 +25,9 @@ class Legend {
     if (data.changes) items.unshift(this.mark("+", "added"), this.mark("−", "removed"), this.mark("~", "changed"));
     if (data.runs.length) items.push(this.item({ kind: "", active: true }, "active"), this.line("taken"));
     const dot = draw("rect", { x: 16, y: 6, width: 8, height: 8, rx: 4 });
-    items.push(make("li", { class: "dots" }, draw("svg", { class: "key", width: 26, height: 20, "aria-hidden": "true" }, draw("path", { d: "M2,10H16" }), dot), "leads elsewhere; its name: zoom in"));
+    items.push(make("li", { class: "dots" },
+      draw("svg", { class: "key", width: 26, height: 20, "aria-hidden": "true" }, draw("path", { d: "M2,10H16" }), dot),
+      "leads elsewhere; its name: zoom in"));
     host.replaceChildren(make("ul", {}, items));
   }
 
@@ -33,11 +37,14 @@ class Legend {
 
   item(state, words) {
     const w = 22, h = 14, look = state.look || lookOf(state)[1];
-    const group = draw("g", { class: `swatch ${look}${state.region ? " region" : ""}${state.active ? " active" : ""}`, transform: `translate(2,4) scale(0.5)` }, outline(state, { w: 2 * w, h: 2 * h, inner: true }));
-    return make("li", {}, draw("svg", { class: "key", width: w + 4, height: h + 6, "aria-hidden": "true" }, group), words);
+    const group = draw("g", { class: `swatch ${look}${state.region ? " region" : ""}${state.active ? " active" : ""}`,
+      transform: `translate(2,4) scale(0.5)` }, outline(state, { w: 2 * w, h: 2 * h, inner: true }));
+    return make("li", {}, draw("svg", { class: "key", width: w + 4, height: h + 6, "aria-hidden": "true" }, group),
+      words);
   }
 
   line(words) {
-    return make("li", {}, draw("svg", { class: "key playing", width: 26, height: 20, "aria-hidden": "true" }, draw("g", { class: "arrow taken" }, draw("path", { class: "line", d: "M2,10H24" }))), words);
+    return make("li", {}, draw("svg", { class: "key playing", width: 26, height: 20, "aria-hidden": "true" },
+      draw("g", { class: "arrow taken" }, draw("path", { class: "line", d: "M2,10H24" }))), words);
   }
 }

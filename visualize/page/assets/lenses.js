@@ -6,7 +6,8 @@ class Lenses {
   constructor(bar, host, lenses, listener) {
     Object.assign(this, { bar, host, lenses, listener, link: linksTo(listener.go), on: "" });
     this.buttons = new Map(lenses.map((lens) => [lens.name, make("button", {
-      type: "button", "aria-pressed": "false", title: `${lens.title} (${lens.key})`, "data-lens": lens.name, on: { click: () => this.turn(lens.name) },
+      type: "button", "aria-pressed": "false", title: `${lens.title} (${lens.key})`, "data-lens": lens.name,
+      on: { click: () => this.turn(lens.name) },
     }, lens.label)]));
     bar.append(make("span", { class: "muted" }, "Show"), ...this.buttons.values());
   }
@@ -18,7 +19,8 @@ class Lenses {
     const lens = this.lenses.find((each) => each.name === this.on);
     this.host.hidden = !lens || !lens.sections.length;
     this.host.replaceChildren(...(lens ? this.words(lens) : []));
-    this.listener.show(lens ? { states: new Set(lens.states), transitions: new Set(lens.transitions), options: new Set(lens.options), focus: lens.focus } : null);
+    this.listener.show(lens ? { states: new Set(lens.states), transitions: new Set(lens.transitions),
+      options: new Set(lens.options), focus: lens.focus } : null);
   }
 
   byKey(key) {
@@ -28,7 +30,10 @@ class Lenses {
   }
 
   words(lens) {
-    return [make("h2", {}, lens.title), ...lens.sections.map((section) => listed(section.heading, section.items.map((item) => make("li", {},
-      item.transition ? this.link("transition", item.transition, item.text) : item.state ? this.link("state", item.state, item.text) : item.text))))];
+    return [make("h2", {}, lens.title),
+      ...lens.sections.map((section) => listed(section.heading, section.items.map((item) => make("li", {},
+      item.transition ? this.link("transition", item.transition, item.text)
+        : item.state ? this.link("state", item.state, item.text)
+        : item.text))))];
   }
 }

@@ -16,11 +16,13 @@ function rankScope(scope) {
   const order = orient(inner, out);
   for (const item of inner) item.rank = 0;
   for (const item of order) {
-    for (const { low, high } of out.get(item).map(ends)) if (high === item) low.rank = Math.max(low.rank, high.rank + 2);
+    for (const { low, high } of out.get(item).map(ends)) if (high === item) low.rank =
+      Math.max(low.rank, high.rank + 2);
   }
   settle(inner, scope.segments);
   const joined = inner.some((item) => out.get(item).length); // regions are not, whatever enters and leaves them
-  const loose = joined ? inner.filter((item) => !touched.has(item)) : inner, last = Math.max(0, ...inner.map((item) => item.rank));
+  const loose = joined ? inner.filter((item) => !touched.has(item)) : inner,
+    last = Math.max(0, ...inner.map((item) => item.rank));
   shelve(loose.filter((item) => !item.final), joined);
   for (const item of loose) if (item.final) item.rank = joined ? last + 2 : item.rank;
   const ranks = inner.map((item) => item.rank);
@@ -38,7 +40,8 @@ function orient(items, out) {
   const first = { start: 0, tab: 1, any: 3 };
   const roots = [...items].sort((a, b) => (first[a.kind] ?? 2) - (first[b.kind] ?? 2));
   const visit = (root) => {
-    const path = [[root, out.get(root)[Symbol.iterator]()]]; // not by recursion: a chain may be longer than the stack is deep
+    const path = [[root, out.get(
+      root)[Symbol.iterator]()]]; // not by recursion: a chain may be longer than the stack is deep
     seen.set(root, "open");
     while (path.length) {
       const [item, segments] = path[path.length - 1], next = segments.next();
@@ -56,7 +59,8 @@ function orient(items, out) {
   };
   for (const item of roots) if (!seen.has(item)) visit(item);
   order.reverse();
-  for (const item of items) for (const segment of [...out.get(item)]) if (segment.up && !out.get(segment.b).includes(segment)) out.get(segment.b).push(segment);
+  for (const item of items) for (const segment of [...out.get(item)]) if (segment.up
+    && !out.get(segment.b).includes(segment)) out.get(segment.b).push(segment);
   return order;
 }
 
@@ -95,7 +99,8 @@ function layered(scope) {
     let before = high;
     for (let rank = high.rank + 1; rank < low.rank; rank += 1) {
       const labelled = segment.label && rank === (segment.up ? low.rank - 1 : high.rank + 1);
-      const bend = labelled ? { kind: "label", w: segment.label.w, h: segment.label.h, texts: segment.label.texts, counted: segment.label.counted } : { kind: "bend", w: 4, h: 0 };
+      const bend = labelled ? { kind: "label", w: segment.label.w, h: segment.label.h, texts: segment.label.texts,
+        counted: segment.label.counted } : { kind: "bend", w: 4, h: 0 };
       bend.rank = rank;
       segment.way.push(bend);
       links.push({ high: before, low: bend, segment });
@@ -104,7 +109,8 @@ function layered(scope) {
     links.push({ high: before, low, segment });
   }
   for (const item of scope.items) Object.assign(item, { ups: [], downs: [], placed: false });
-  for (const segment of scope.segments) for (const bend of segment.way) Object.assign(bend, { ups: [], downs: [], placed: false });
+  for (const segment of scope.segments) for (const bend of segment.way) Object.assign(bend,
+    { ups: [], downs: [], placed: false });
   for (const link of links) {
     link.high.downs.push(link);
     link.low.ups.push(link);
@@ -165,7 +171,9 @@ function sortLayer(layer, down) {
 
 /** How often the links above a layer cross. */
 function crossed(layer) {
-  const links = layer.flatMap((item) => item.ups.map((link) => [link.high.order + (link.high.w ? offset(link, link.high) / (link.high.w * 1.2) : 0), item.order]));
+  const links = layer.flatMap((item) =>
+    item.ups.map((link) => [link.high.order + (link.high.w ? offset(link, link.high) / (link.high.w * 1.2) : 0),
+      item.order]));
   links.sort((a, b) => a[0] - b[0] || a[1] - b[1]);
   const seen = [];
   let count = 0;
@@ -217,7 +225,8 @@ function pullLayer(layer, way, room) {
   });
   const places = [0];
   for (let index = 1; index < layer.length; index += 1) {
-    places.push(places[index - 1] + layer[index - 1].w / 2 + gap(layer[index - 1], layer[index], room) + layer[index].w / 2);
+    places.push(places[index - 1] + layer[index - 1].w / 2 + gap(layer[index - 1], layer[index],
+      room) + layer[index].w / 2);
   }
   const blocks = [];
   wishes.forEach((wish, index) => {
@@ -225,9 +234,11 @@ function pullLayer(layer, way, room) {
     while (blocks.length > 1) {
       const last = blocks[blocks.length - 1], before = blocks[blocks.length - 2];
       if (before.sum / before.weight <= last.sum / last.weight) break;
-      blocks.splice(-2, 2, { sum: before.sum + last.sum, weight: before.weight + last.weight, count: before.count + last.count });
+      blocks.splice(-2, 2, { sum: before.sum + last.sum, weight: before.weight + last.weight,
+        count: before.count + last.count });
     }
   });
   let index = 0;
-  for (const block of blocks) for (let each = 0; each < block.count; each += 1, index += 1) layer[index].x = places[index] + block.sum / block.weight;
+  for (const block of blocks) for (let each = 0; each < block.count; each += 1, index += 1) layer[index].x =
+    places[index] + block.sum / block.weight;
 }

@@ -8,11 +8,15 @@ class Page {
     this.data = data;
     this.at = {};
     this.findings = data.findings || [];
-    this.chart = new Chart(byId("chart"), data.chart, { select: (kind, name, more) => this.select(kind, name, more) }, this.findings);
+    this.chart = new Chart(byId("chart"), data.chart, { select: (kind, name, more) => this.select(kind, name, more) },
+      this.findings);
     this.model = this.chart.model;
     const go = (kind, name) => this.go(kind, name);
-    this.details = new Details(byId("details"), this.model, { findings: this.findings, coverage: data.coverage, runs: data.runs, go });
-    this.player = data.runs.length ? new Player(byId("player"), byId("step"), data, this.model, { step: (frame) => this.played(frame), used: () => this.tab("step"), go }) : null;
+    this.details = new Details(byId("details"), this.model,
+      { findings: this.findings, coverage: data.coverage, runs: data.runs, go });
+    this.player = data.runs.length
+      ? new Player(byId("player"), byId("step"), data, this.model,
+        { step: (frame) => this.played(frame), used: () => this.tab("step"), go }) : null;
     this.summary = data.summary ? new Summary(byId("summary"), data, this.details) : null;
     this.changes = data.changes ? new Changes(byId("changes"), data, this.details) : null;
     this.legend = new Legend(byId("legend"), data);
@@ -36,13 +40,17 @@ class Page {
     byId("tab-summary").hidden = !this.summary;
     byId("tab-changes").hidden = !this.changes;
     if (this.changes) this.changes.draw();
-    byId("keys").querySelector("dl").append(...lenses.flatMap(({ key, title }) => [make("dt", {}, key), make("dd", {}, title)]));
+    byId("keys").querySelector("dl").append(
+      ...lenses.flatMap(({ key, title }) => [make("dt", {}, key), make("dd", {}, title)]));
     if (this.summary) this.summary.draw();
     byId("tab-transitions").textContent = runs.length ? "Coverage" : "Transitions";
     if (runs.length) this.chart.show({ counts: this.data.coverage });
-    const faults = [...(this.changes ? this.changes.alarms : []), ...this.findings.filter((each) => each.severity === "error").map((each) => each.sentence), ...runs.flatMap((run) => run.faults.map((fault) => `${run.name}: ${fault}`))];
+    const faults = [...(this.changes ? this.changes.alarms : []),
+      ...this.findings.filter((each) => each.severity === "error").map((each) => each.sentence),
+      ...runs.flatMap((run) => run.faults.map((fault) => `${run.name}: ${fault}`))];
     byId("banner").hidden = !faults.length;
-    byId("banner").replaceChildren(...faults.slice(0, 3).map((fault) => make("div", {}, "⚠ ", fault)), faults.length > 3 ? make("div", {}, `and ${faults.length - 3} more; see the details`) : "");
+    byId("banner").replaceChildren(...faults.slice(0, 3).map((fault) => make("div", {}, "⚠ ", fault)),
+      faults.length > 3 ? make("div", {}, `and ${faults.length - 3} more; see the details`) : "");
   }
 
   listen() {
@@ -57,7 +65,8 @@ class Page {
     click("keys-close", () => byId("keys").close());
     click("menu", () => this.menu(byId("menu").getAttribute("aria-expanded") !== "true"));
     document.addEventListener("click", (event) => event.target.closest("#menu, #more") || this.menu(false), true);
-    byId("more").addEventListener("click", (event) => event.target.closest("button") && !event.target.closest(".tools") && this.menu(false));
+    byId("more").addEventListener("click",
+      (event) => event.target.closest("button") && !event.target.closest(".tools") && this.menu(false));
     this.chart.svg.addEventListener("click", () => this.select("", ""));
     byId("search").addEventListener("input", () => this.search(byId("search").value));
     byId("search").addEventListener("keydown", (event) => this.searched(event));
@@ -67,12 +76,16 @@ class Page {
   }
 
   key(event) {
-    if (event.target.closest("input[type=search], select, dialog") || event.ctrlKey || event.metaKey || event.altKey) return;
+    if (event.target.closest("input[type=search], select, dialog") || event.ctrlKey || event.metaKey
+      || event.altKey) return;
     const pan = PANS[event.key];
     const acts = {
-      "/": () => byId("search").focus(), f: () => this.chart.fit(), "+": () => this.chart.zoom(1.25), "=": () => this.chart.zoom(1.25), "-": () => this.chart.zoom(0.8),
-      a: () => this.chart.openAll(), c: () => this.chart.closeAll(), t: theme, "?": () => byId("keys").showModal(), Escape: () => this.clear(),
-      ",": () => this.play((player) => player.seek(player.index - 1)), ".": () => this.play((player) => player.seek(player.index + 1)),
+      "/": () => byId("search").focus(), f: () => this.chart.fit(), "+": () => this.chart.zoom(1.25),
+      "=": () => this.chart.zoom(1.25), "-": () => this.chart.zoom(0.8),
+      a: () => this.chart.openAll(), c: () => this.chart.closeAll(), t: theme, "?": () => byId("keys").showModal(),
+      Escape: () => this.clear(),
+      ",": () => this.play((player) => player.seek(player.index - 1)),
+      ".": () => this.play((player) => player.seek(player.index + 1)),
       "<": () => this.play((player) => player.jump(-1)), ">": () => this.play((player) => player.jump(1)),
       n: () => this.walk(1), p: () => this.walk(-1), Enter: () => this.at.state && this.chart.toggle(this.at.state),
     };
@@ -124,7 +137,8 @@ class Page {
 
   /** Moves to what a switch shows; back to where the reader was when it is turned off. */
   look(lens) {
-    const anywhere = lens && (this.model.away.get("") || []).some((transition) => lens.transitions.has(transition.place));
+    const anywhere = lens && (this.model.away.get("") || [])
+      .some((transition) => lens.transitions.has(transition.place));
     if (lens) this.chart.frame([...lens.focus, ...(anywhere ? [""] : [])]);
     else if (this.before) {
       this.chart.viewpoint = this.before;
@@ -158,8 +172,13 @@ class Page {
 
   search(words) {
     const wanted = words.trim().toLowerCase();
-    const texts_ = (state) => [state.name, state.title, state.about, state.kind, state.outcome, ...(state.lines || []), ...(state.choices || []).flatMap((each) => [each.name, each.about, each.guard]), ...(state.twigs || []).map((each) => each.text), ...(this.model.away.get(state.name) || []).map(transitionWords)];
-    const hits = wanted ? [...this.model.states.values()].filter((state) => texts_(state).some((text) => (text || "").toLowerCase().includes(wanted))) : [];
+    const texts_ = (state) =>
+      [state.name, state.title, state.about, state.kind, state.outcome, ...(state.lines || []),
+        ...(state.choices || []).flatMap((each) => [each.name, each.about, each.guard]),
+        ...(state.twigs || []).map((each) => each.text),
+        ...(this.model.away.get(state.name) || []).map(transitionWords)];
+    const hits = wanted ? [...this.model.states.values()]
+      .filter((state) => texts_(state).some((text) => (text || "").toLowerCase().includes(wanted))) : [];
     this.hits = hits.map((state) => state.name);
     this.hit = -1;
     byId("hits").textContent = wanted ? `${hits.length} found` : "";
@@ -182,7 +201,8 @@ class Page {
     Object.assign(this.at, parts);
     if (this.following) return;
     const hash = hashOf(this.at);
-    if (location.hash !== hash) history.replaceState(null, "", hash === "#" ? location.pathname + location.search : hash);
+    if (location.hash !== hash) history.replaceState(null, "",
+      hash === "#" ? location.pathname + location.search : hash);
   }
 
   /** Goes where the address leads. */

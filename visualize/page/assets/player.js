@@ -5,23 +5,37 @@ const PLAYED = "a person was the robot (rai-missions try), so it is no evidence 
 const TRUTH = [["✗", "false", "no"], ["✓", "true", "yes"], ["?", "unknown", "maybe"]];
 
 class Player {
-  /** @param bar element  @param host element  @param data the page's data  @param model Model  @param listener {step(frame), go(kind, name)} */
+  /** @param bar element
+   *  @param host element
+   *  @param data the page's data
+   *  @param model Model
+   *  @param listener {step(frame), go(kind, name)} */
   constructor(bar, host, data, model, listener) {
-    Object.assign(this, { bar, host, data, model, listener, link: linksTo(listener.go), index: 0, number: 0, due: false });
+    Object.assign(this, { bar, host, data, model, listener, link: linksTo(listener.go), index: 0, number: 0,
+      due: false });
     this.replays = new Map();
-    this.choice = make("select", { "aria-label": "run", on: { change: () => this.use(() => this.turn(Number(this.choice.value), null)) } },
-      data.runs.map((run, index) => make("option", { value: String(index) }, `${run.name}${run.head.played ? " – played" : ""}${run.outcome ? ` – ${run.outcome}` : ""}`)));
-    this.slider = make("input", { type: "range", min: "0", value: "0", "aria-label": "step", on: { input: () => this.use(() => this.seek(Number(this.slider.value))) } });
+    this.choice = make("select",
+      { "aria-label": "run", on: { change: () => this.use(() => this.turn(Number(this.choice.value), null)) } },
+      data.runs.map((run, index) =>
+        make("option", { value: String(index) },
+          `${run.name}${run.head.played ? " – played" : ""}${run.outcome ? ` – ${run.outcome}` : ""}`)));
+    this.slider = make("input",
+      { type: "range", min: "0", value: "0", "aria-label": "step",
+        on: { input: () => this.use(() => this.seek(Number(this.slider.value))) } });
     this.now = make("output", {});
     this.mark = make("b", { class: "played", hidden: true, title: PLAYED }, "▷ played, no evidence");
-    const button = (words, title, act) => make("button", { type: "button", title, "aria-label": title, on: { click: () => this.use(act) } }, words);
+    const button = (words, title, act) =>
+      make("button", { type: "button", title, "aria-label": title, on: { click: () => this.use(act) } }, words);
     bar.append(this.choice,
-      button("|◀", "the change before (shift ,)", () => this.jump(-1)), button("◁", "one step back (,)", () => this.seek(this.index - 1)),
-      button("▷", "one step on (.)", () => this.seek(this.index + 1)), button("▶|", "the next change (shift .)", () => this.jump(1)), this.mark, this.slider, this.now);
+      button("|◀", "the change before (shift ,)", () => this.jump(-1)),
+      button("◁", "one step back (,)", () => this.seek(this.index - 1)),
+      button("▷", "one step on (.)", () => this.seek(this.index + 1)),
+      button("▶|", "the next change (shift .)", () => this.jump(1)), this.mark, this.slider, this.now);
   }
 
   get replay() {
-    if (!this.replays.has(this.number)) this.replays.set(this.number, new Replay(this.data.runs[this.number], this.model.data.keys));
+    if (!this.replays.has(this.number)) this.replays.set(this.number,
+      new Replay(this.data.runs[this.number], this.model.data.keys));
     return this.replays.get(this.number);
   }
 
@@ -58,61 +72,78 @@ class Player {
 
   draw() {
     const run = this.data.runs[this.number];
-    if (!this.replay.length) return this.host.replaceChildren(make("p", { class: "fault" }, "this journal has no steps"), this.faults(run));
+    if (!this.replay.length) return this.host.replaceChildren(
+      make("p", { class: "fault" }, "this journal has no steps"), this.faults(run));
     const step = this.replay.step(this.index), frame = this.replay.at(this.index);
     this.now.textContent = shown(`step ${step.seq} of ${run.count} · ${step.at.toFixed(2)} s`);
     this.now.dataset.index = this.index;
     this.slider.setAttribute("aria-valuetext", this.now.textContent);
-    this.host.replaceChildren(this.faults(run), this.event(step), this.asked(step), this.ended(step), this.moves(step), this.guards(step), this.board(step, frame), this.does(step), this.questions(run));
-    this.listener.step({ active: frame.active, taken: new Set(step.moves.flatMap(([transitions]) => transitions)), index: this.index, run: this.number });
+    this.host.replaceChildren(this.faults(run), this.event(step), this.asked(step), this.ended(step), this.moves(step),
+      this.guards(step), this.board(step, frame), this.does(step), this.questions(run));
+    this.listener.step({ active: frame.active, taken: new Set(step.moves.flatMap(([transitions]) => transitions)),
+      index: this.index, run: this.number });
   }
 
   faults(run) {
-    return make("div", {}, run.head.played ? make("p", { class: "played" }, `▷ Played: ${PLAYED}.`) : "", run.faults.map((fault) => make("p", { class: "fault" }, "⚠ ", fault)));
+    return make("div", {}, run.head.played ? make("p", { class: "played" }, `▷ Played: ${PLAYED}.`) : "",
+      run.faults.map((fault) => make("p", { class: "fault" }, "⚠ ", fault)));
   }
 
   event(step) {
     const { event } = step, details = event.data && Object.keys(event.data).length ? `: ${valueText(event.data)}` : "";
     return make("section", {}, make("h2", {}, `Step ${step.seq} `, make("small", {}, `${step.at.toFixed(2)} s`)),
-      make("p", {}, make("b", {}, event.kind === "event" ? "event " : event.kind === "tick" ? "" : `${event.kind} `), event.kind === "tick" ? "time has passed" : event.name, event.number ? ` (number ${event.number})` : "", details));
+      make("p", {}, make("b", {}, event.kind === "event" ? "event " : event.kind === "tick" ? "" : `${event.kind} `),
+        event.kind === "tick" ? "time has passed" : event.name, event.number ? ` (number ${event.number})` : "",
+        details));
   }
 
   ended(step) {
     const { more } = step;
-    return make("div", {}, more.outcome ? make("p", { class: "outcome" }, make("b", {}, `the mission ended ${more.outcome}: `), more.why || "") : more.why ? make("p", {}, `ignored: ${more.why}`) : "",
+    return make("div", {},
+      more.outcome
+        ? make("p", { class: "outcome" }, make("b", {}, `the mission ended ${more.outcome}: `), more.why || "")
+        : more.why ? make("p", {}, `ignored: ${more.why}`) : "",
       (more.notes || []).map((note) => make("p", { class: "note" }, note)));
   }
 
   moves(step) {
     if (!step.moves.length) return make("p", { class: "muted" }, "no transition was taken");
     return listed("Taken", step.moves.map(([transitions, exited, entered, trigger]) => make("li", {},
-      trigger ? [make("b", {}, trigger), ": "] : "", exited.length ? [exited.join(", "), " → "] : "", entered.map((name, index) => [index ? ", " : "", this.link("state", name)]),
+      trigger ? [make("b", {}, trigger), ": "] : "", exited.length ? [exited.join(", "), " → "] : "",
+      entered.map((name, index) => [index ? ", " : "", this.link("state", name)]),
       transitions.map((place) => make("div", { class: "muted" }, this.link("transition", place, this.named(place)))))));
   }
 
   /** A guard's place in words. */
   named(place) {
     const transitions = this.model.transitions.get(place);
-    if (transitions) return `${transitions[0].source || "every state"}: ${transitionWords({ ...transitions[0], do: [] })}`;
-    return place;
+    if (!transitions) return place;
+    return `${transitions[0].source || "every state"}: ${transitionWords({ ...transitions[0], do: [] })}`;
   }
 
   guards(step) {
     if (!step.guards.length) return "";
-    return make("section", {}, make("h3", {}, "Guards that were looked at"), make("ul", { class: "guards" }, step.guards.map(([place, value]) =>
-      make("li", { class: TRUTH[value][2] }, make("b", { title: TRUTH[value][1] }, `${TRUTH[value][0]} ${TRUTH[value][1]} `), this.model.transitions.has(place) ? this.link("transition", place, this.named(place)) : place))));
+    return make("section", {}, make("h3", {}, "Guards that were looked at"),
+      make("ul", { class: "guards" }, step.guards.map(([place, value]) =>
+      make("li", { class: TRUTH[value][2] },
+        make("b", { title: TRUTH[value][1] }, `${TRUTH[value][0]} ${TRUTH[value][1]} `),
+        this.model.transitions.has(place) ? this.link("transition", place, this.named(place)) : place))));
   }
 
   board(step, frame) {
     const names = Object.keys(this.model.data.keys), written = new Set(step.writes.map(([name]) => name));
     const rows = names.map((name) => {
       const entry = frame.board.get(name);
-      if (!entry) return make("tr", { class: "unknown" }, make("td", {}, make("code", {}, name)), make("td", {}, "unknown"), make("td", {}, "never received"));
+      if (!entry) return make("tr", { class: "unknown" }, make("td", {}, make("code", {}, name)),
+        make("td", {}, "unknown"), make("td", {}, "never received"));
       const [value, stamp] = entry, stale = this.replay.stale(name, stamp, step.at), age = Math.max(0, step.at - stamp);
-      return make("tr", { class: `${stale ? "stale" : "fresh"}${written.has(name) ? " written" : ""}`, "data-key": name }, make("td", {}, make("code", {}, name)),
-        make("td", {}, valueView(value)), make("td", {}, stale ? make("b", {}, "stale, ") : "", `${age.toFixed(age < 10 ? 2 : 0)} s old`));
+      return make("tr", { class: `${stale ? "stale" : "fresh"}${written.has(name) ? " written" : ""}`,
+        "data-key": name }, make("td", {}, make("code", {}, name)),
+        make("td", {}, valueView(value)),
+        make("td", {}, stale ? make("b", {}, "stale, ") : "", `${age.toFixed(age < 10 ? 2 : 0)} s old`));
     });
-    return make("section", {}, make("h3", {}, "Blackboard"), make("table", { class: "board" }, make("tbody", {}, rows)));
+    return make("section", {}, make("h3", {}, "Blackboard"),
+      make("table", { class: "board" }, make("tbody", {}, rows)));
   }
 
   does(step) {
@@ -125,7 +156,8 @@ class Player {
     const numbers = [...(step.more.answers ? [step.more.answers] : []), ...(step.more.asks || [])];
     const found = numbers.map((number) => run.questions.find((each) => each.number === number)).filter(Boolean);
     if (!found.length) {
-      const open = run.questions.filter((each) => each.step < this.index && each.answered !== undefined && each.answered > this.index);
+      const open = run.questions.filter((each) => each.step < this.index && each.answered !== undefined
+        && each.answered > this.index);
       found.push(...open.slice(-1));
     }
     return make("div", {}, found.map((question) => this.question(question)));
@@ -133,39 +165,55 @@ class Player {
 
   question(question) {
     const judged = question.answered !== undefined && question.answered <= this.index;
-    return make("section", { class: "question" }, make("h3", {}, `Question ${question.number} to ${question.whom}`, question.attempt > 1 ? `, attempt ${question.attempt}` : ""),
+    return make("section", { class: "question" },
+      make("h3", {}, `Question ${question.number} to ${question.whom}`,
+        question.attempt > 1 ? `, attempt ${question.attempt}` : ""),
       make("p", {}, this.link("state", question.owner.split("#")[0]), " asks “", question.text || "", "”"),
-      make("table", { class: "board" }, make("tbody", {}, question.evidence.map((each) => make("tr", { class: each.fresh ? "fresh" : "stale" }, make("td", {}, make("code", {}, each.key)),
-        make("td", {}, each.picture ? pictured(this.data.images[each.picture], `${each.key} as it was shown`) : each.fresh ? valueView(each.value) : "unknown"),
+      make("table", { class: "board" },
+        make("tbody", {}, question.evidence.map((each) =>
+          make("tr", { class: each.fresh ? "fresh" : "stale" }, make("td", {}, make("code", {}, each.key)),
+        make("td", {}, each.picture ? pictured(this.data.images[each.picture], `${each.key} as it was shown`)
+          : each.fresh ? valueView(each.value)
+          : "unknown"),
         make("td", {}, each.age_s === null ? "never received" : `${Number(each.age_s).toFixed(2)} s old`))))),
       this.offered(question),
-      (question.refused || []).length ? listed("Refused before", question.refused.map((each) => make("li", {}, each))) : "",
-      judged ? make("p", { class: "verdict" }, make("b", {}, `${question.whom} answered: `), this.proposal(question.proposal), make("br", {}), make("b", {}, "verdict: "), question.verdict.join("; ")) : make("p", { class: "muted" }, `until ${valueText(question.until, 2)} s`));
+      (question.refused || []).length ? listed("Refused before", question.refused.map((each) => make("li", {}, each)))
+        : "",
+      judged ? make("p", { class: "verdict" }, make("b", {}, `${question.whom} answered: `),
+        this.proposal(question.proposal), make("br", {}), make("b", {}, "verdict: "),
+        question.verdict.join("; ")) : make("p", { class: "muted" }, `until ${valueText(question.until, 2)} s`));
   }
 
   offered(question) {
     const state = this.model.states.get(question.owner.split("#")[0]) || {};
     const path = question.owner.split("#")[1];
-    const all = path === undefined ? state.choices || [] : ((state.twigs || []).find((twig) => twig.path === path) || {}).choices || [];
+    const all = path === undefined ? state.choices || []
+      : ((state.twigs || []).find((twig) => twig.path === path) || {}).choices || [];
     const offers = new Set(question.options.map((offer) => offer.name));
     const listed_ = all.length ? all : question.options;
     const withheld = question.withheld || {};
     return make("ul", { class: "guards" }, listed_.map((choice) => {
       const why = offers.has(choice.name) ? "" : withheld[choice.name] || "";
-      const [mark, look] = offers.has(choice.name) ? ["✓ offered ", "yes"] : why === "unknown" ? ["? not offered ", "maybe"] : ["✗ not offered ", "no"];
-      return make("li", { class: look }, make("b", {}, mark), choice.name, choice.guard ? ` – when ${choice.guard}` : " – always open", why ? make("b", {}, `, which was ${why}`) : "");
+      const [mark, look] = offers.has(choice.name) ? ["✓ offered ", "yes"]
+        : why === "unknown" ? ["? not offered ", "maybe"]
+        : ["✗ not offered ", "no"];
+      return make("li", { class: look }, make("b", {}, mark), choice.name,
+        choice.guard ? ` – when ${choice.guard}` : " – always open", why ? make("b", {}, `, which was ${why}`) : "");
     }));
   }
 
   proposal(given) {
     const { option, why, parameters } = given || {};
     if (option === undefined) return valueText(given || {});
-    return `${valueText(option)}${parameters && Object.keys(parameters).length ? ` (${valueText(parameters)})` : ""}${why ? ` – “${valueText(why)}”` : ""}`;
+    const values = parameters && Object.keys(parameters).length ? ` (${valueText(parameters)})` : "";
+    return `${valueText(option)}${values}${why ? ` – “${valueText(why)}”` : ""}`;
   }
 
   questions(run) {
     if (!run.questions.length) return "";
-    return make("details", {}, make("summary", {}, `All ${run.questions.length} questions of this run`), make("ol", {}, run.questions.map((each) => make("li", {},
-      link({ run: this.number, step: each.answered ?? each.step }, () => this.seek(each.answered ?? each.step), `${each.number} to ${each.whom}: ${each.verdict ? each.verdict[0] : "not answered"}`)))));
+    return make("details", {}, make("summary", {}, `All ${run.questions.length} questions of this run`),
+      make("ol", {}, run.questions.map((each) => make("li", {},
+      link({ run: this.number, step: each.answered ?? each.step }, () => this.seek(each.answered ?? each.step),
+        `${each.number} to ${each.whom}: ${each.verdict ? each.verdict[0] : "not answered"}`)))));
   }
 }

@@ -10,7 +10,8 @@ class Replay {
     this.length = run.steps.length;
     this.keys = keys;
     const board = new Map(), at = this.length ? run.steps[0][1] : 0;
-    for (const [name, key] of Object.entries(keys)) if (key.initial !== undefined && key.initial !== null) board.set(name, [key.initial, at]);
+    for (const [name, key] of Object.entries(keys)) if (key.initial !== undefined && key.initial !== null) board.set(
+      name, [key.initial, at]);
     for (const [name, value] of Object.entries(run.head.arguments || {})) board.set(name, [value, at]);
     this.frames = [];
     let frame = { active: new Set(), board };
@@ -32,7 +33,8 @@ class Replay {
   /** What a step itself recorded. */
   step(index) {
     const [seq, at, event, moves, guards, writes, more] = this.run.steps[index], pool = this.run.pool;
-    return { seq, at, event: pool[event], moves: pool[moves], guards: pool[guards], writes: pool[writes], more: pool[more] };
+    return { seq, at, event: pool[event], moves: pool[moves], guards: pool[guards], writes: pool[writes],
+      more: pool[more] };
   }
 
   /** What was so right after a step. */

@@ -7,7 +7,8 @@ function marks(mark) {
 
 function texts(lines, x, y) {
   return draw("g", { class: "texts", transform: `translate(${x},${y})` }, lines.map((line) =>
-    draw("text", { x: line.x, y: line.y, "font-size": line.size, class: `${line.tone}${line.bold ? " bold" : ""}` }, line.whole ? draw("title", {}, line.whole) : "", line.text)));
+    draw("text", { x: line.x, y: line.y, "font-size": line.size, class: `${line.tone}${line.bold ? " bold" : ""}` },
+      line.whole ? draw("title", {}, line.whole) : "", line.text)));
 }
 
 /** A state's form; finals have a double line, what holds others is drawn on another. */
@@ -23,7 +24,8 @@ function outline(state, item) {
   const square = ["decision", "tree", "call", "mission"].includes(look);
   const main = draw("rect", { class: "form", width: w, height: h, rx: square ? 1 : 9 });
   if (look === "call") return draw("g", {}, main, draw("path", { class: "second", d: `M4,0V${h}M${w - 4},0V${h}` }));
-  if (look === "group" && !item.inner) return draw("g", {}, draw("rect", { class: "form under", x: 4, y: 4, width: w, height: h, rx: 9 }), main);
+  if (look === "group" && !item.inner) return draw("g", {},
+    draw("rect", { class: "form under", x: 4, y: 4, width: w, height: h, rx: 9 }), main);
   if (look === "tree") return draw("g", {}, draw("path", { class: "second", d: `M8,0V-5H48V0` }), main);
   return main;
 }
@@ -43,10 +45,17 @@ function treeParts(box) {
   const [x, y] = box.treeAt;
   return [draw("g", { class: "twigs", transform: `translate(${x},${y})` },
     box.tree.lines.map(([x0, y0, x1, y1]) => draw("path", { class: "bough", d: pathOf([[x0, y0], [x1, y1]]) })),
-    box.tree.twigs.map((each) => draw("g", { class: `twig ${each.twig.kind}${marks(each.twig.mark)}`, transform: `translate(${each.x},${each.y})` },
-      draw("title", {}, each.twig.text), draw("rect", { width: each.w, height: each.h, rx: each.twig.kind === "action" ? 7 : 1 }), texts(each.texts, 7, 2))))];
+    box.tree.twigs.map((each) =>
+      draw("g", { class: `twig ${each.twig.kind}${marks(each.twig.mark)}`,
+        transform: `translate(${each.x},${each.y})` },
+      draw("title", {}, each.twig.text),
+      draw("rect", { width: each.w, height: each.h, rx: each.twig.kind === "action" ? 7 : 1 }),
+      texts(each.texts, 7, 2))))];
 }
 
 function markers() {
-  return draw("defs", {}, draw("marker", { id: "tip", viewBox: "0 0 8 8", refX: 7.2, refY: 4, markerWidth: 8, markerHeight: 8, markerUnits: "userSpaceOnUse", orient: "auto" }, draw("path", { class: "tip", d: "M0,0.5L8,4L0,7.5Z" })));
+  return draw("defs", {}, draw("marker",
+    { id: "tip", viewBox: "0 0 8 8", refX: 7.2, refY: 4, markerWidth: 8, markerHeight: 8, markerUnits: "userSpaceOnUse",
+      orient: "auto" },
+    draw("path", { class: "tip", d: "M0,0.5L8,4L0,7.5Z" })));
 }

@@ -4,7 +4,8 @@
 const FONTS = getComputedStyle(document.documentElement).getPropertyValue("--sans"); // those that the chart is drawn in
 const PEN = document.createElement("canvas").getContext("2d");
 const WIDTHS = new Map();
-const LETTERS = typeof Intl.Segmenter === "function" ? new Intl.Segmenter(undefined, { granularity: "grapheme" }) : null;
+const LETTERS = typeof Intl.Segmenter === "function" ? new Intl.Segmenter(undefined, { granularity: "grapheme" })
+  : null;
 const LONGEST = 600;
 const PLAIN = /^[ -~]*$/;
 
@@ -25,7 +26,8 @@ function letters(text) {
   return LETTERS ? Array.from(LETTERS.segment(text), (each) => each.segment) : Array.from(text);
 }
 
-/** The pieces of a word that is wider than a line: its parts, each with the `_`, `.` or `/` behind it; a part that is wider still is cut between letters. */
+/** The pieces of a word that is wider than a line: its parts, each with the `_`, `.` or `/` behind it; a part that is
+ *  wider still is cut between letters. */
 function pieces(word, size, bold, limit) {
   const found = [];
   let piece = "";
