@@ -26,6 +26,8 @@ def files() -> Iterator[tuple[str, ast.Module]]:
     for root in ROOTS:
         for file in sorted(root.rglob("*.py")):
             text = file.read_text(encoding="utf-8")
+            if "rai_missions.states" not in text and ".word" not in text:
+                continue  # it knows no activity by its class, nor by its word
             yield file.relative_to(root.parent).as_posix(), parsed(text)
 
 

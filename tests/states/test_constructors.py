@@ -157,7 +157,7 @@ def test_a_kind_that_declares_no_constructor_takes_its_fields() -> None:
     ("line", "word"),
     [
         ('Action("drive", timeo', "timeout_s="),
-        ('On("blocked", wh', "when="),
+        pytest.param('On("blocked", wh', "when=", marks=pytest.mark.long),
         pytest.param('Decision("What?", deadl', "deadline_s=", marks=pytest.mark.long),
         pytest.param('tree.Call("horn", req', "request=", marks=pytest.mark.long),
         pytest.param("Key(float, sou", "source=", marks=pytest.mark.long),
