@@ -6,8 +6,8 @@ text: "close the mission" is nearer to "pause the mission" than "open it" is. A 
 large, and larger than that of any other, and where the turn lasted as long as the phrase can. The second agrees where
 it holds the phrase for one of the two most probable. What is read as "no" and is too short for it is no word.
 
-Another phrase for which both have evidence may have been meant as well, and is a reading, too: "start the mission" is
-nearer to "pause the mission" by some voices. What the two mean is decided where orders are judged.
+Another phrase for which both have evidence, or the first has more, may have been meant as well, and is a reading, too:
+"start the mission" is nearer to "pause the mission" by some voices. Which is meant is decided where orders are judged.
 
 Rule: the second can vote and agree, and no more: a phrase for which the first has no evidence never counts.
 """
@@ -57,7 +57,7 @@ class FusedTurn(NamedTuple):
     text: str
     """A phrase, or what the first recogniser reads freely; empty where there are no words."""
     readings: tuple[str, ...] = ()
-    """The same by each recogniser that reads it; after a phrase those others for which both have evidence, twice."""
+    """The same by each recogniser that reads it; after a phrase those others that may be meant, twice."""
 
 
 def fused(
@@ -79,7 +79,8 @@ def fused(
         spoken_s is None
         or _can_last(phrase, spoken_s, first.get(phrase, 0.0), is_read=phrase == plain, is_agreed=phrase in second)
     ):
-        others = tuple(each for each in second if each != phrase and first.get(each, 0.0) > 0.0)
+        bound = first.get(phrase, MOST)
+        others = tuple(each for each in first if each != phrase and first[each] > (0.0 if each in second else bound))
         return FusedTurn(phrase, (phrase,) * (2 if phrase in second else 1) + others * 2)
     if phrase == plain:
         return FusedTurn("")
