@@ -74,6 +74,8 @@ class Reply(NamedTuple):
     why: str = ""
     age_s: float | None = None
     """As a `Message`'s."""
+    may_have_arrived: bool = False
+    """Of one that is unavailable: the request was sent and its server is gone, so what it asks for may be under way."""
 
 
 class Report(NamedTuple):

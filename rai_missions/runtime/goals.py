@@ -153,16 +153,27 @@ class Goals:
         elif entry.cancel is None:
             self._end(effect.number, "canceled", {})
         else:
-            with self._lock:
-                self._ending.add(effect.number)
+            self._call_cancel(entry.cancel, effect.number, lambda outcome, why: self._canceled(effect, outcome, why))
+
+    def _call_cancel(self, cancel: ServiceEntry, number: int, on_end: Callable[[str, str], object]) -> None:
+        """Call what ends a composed action; other calls wait meanwhile."""
+        assert self._connector is not None
+
+        def answered(reply: Reply) -> None:
             try:
-                self._connector.call(
-                    entry.cancel.service, entry.cancel.type, entry.cancel.request_of({}), timeout_s=CANCELED_S,
-                    on_reply=lambda reply: self._canceled(entry, effect, reply),
-                )  # fmt: skip
-            except Exception:
-                self._let_others_call(effect.number)
-                raise
+                on_end(*outcome_of(cancel, reply))
+            finally:
+                self._let_others_call(number)
+
+        with self._lock:
+            self._ending.add(number)
+        try:
+            self._connector.call(
+                cancel.service, cancel.type, cancel.request_of({}), timeout_s=CANCELED_S, on_reply=answered
+            )
+        except Exception:
+            self._let_others_call(number)
+            raise
 
     def behind_cancels(self, call: Callable[[], None]) -> None:
         """Call a service once every composed action that was canceled has had its reply.
@@ -220,10 +231,25 @@ class Goals:
             outcome, why = outcome_of(start, reply)
             if outcome == "succeeded":
                 self._accepted(effect, {})
-            else:
-                self._end(effect.number, "rejected", {"why": why or outcome})
+                return
+            if reply.may_have_arrived:
+                self._on_event("lost", effect.action, effect.number, {"why": why})
+            self._end(effect.number, "rejected", {"why": why or outcome})
+            if reply.may_have_arrived:
+                self._end_lost(entry, effect)
 
         self._connector.call(start.service, start.type, start.request_of(effect.goal), on_reply=answered)
+
+    def _end_lost(self, entry: ActionEntry, effect: StartGoal) -> None:
+        """End a composed action whose start may have arrived: nothing else would."""
+
+        def ended(outcome: str, why: str) -> None:
+            if outcome == "succeeded":
+                self._on_event("over", effect.action, effect.number, {"owner": effect.owner})
+
+        if entry.cancel is not None:
+            with suppress(Exception):  # a connector is not trusted to behave
+                self._call_cancel(entry.cancel, effect.number, ended)
 
     def _accepted(self, effect: StartGoal, data: Mapping[str, Any]) -> None:
         """A server has taken a goal; once the run is over, there is no state that could cancel it."""
@@ -232,17 +258,12 @@ class Goals:
             with suppress(Exception):  # a connector is not trusted to behave
                 self.cancel(CancelGoal(effect.number, effect.action))
 
-    def _canceled(self, entry: ActionEntry, cancel: CancelGoal, reply: Reply) -> None:
-        assert entry.cancel is not None
+    def _canceled(self, cancel: CancelGoal, outcome: str, why: str) -> None:
         number, action = cancel
-        try:
-            outcome, why = outcome_of(entry.cancel, reply)
-            if outcome == "failed":
-                self._on_event("refused", action, number, {"why": why} if why else {})
-            elif outcome == "succeeded" and number not in self._starting:
-                self._end(number, "canceled", {})
-        finally:
-            self._let_others_call(number)
+        if outcome == "failed":
+            self._on_event("refused", action, number, {"why": why} if why else {})
+        elif outcome == "succeeded" and number not in self._starting:
+            self._end(number, "canceled", {})
 
     def _reported(self, effect: StartGoal, goal_id: str, report: Report) -> None:
         number = effect.number

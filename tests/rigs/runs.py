@@ -132,6 +132,8 @@ class Plan(NamedTuple):
     """It reports everything twice."""
     dies: float | None = None
     """When its process is gone, counted from the goal's arrival; for servers that have a process or node to lose."""
+    vanishes: bool = False
+    """The service that starts a composed action does so, and its server is gone before it replies."""
 
 
 class PlannedServer:

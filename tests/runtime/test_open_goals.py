@@ -40,6 +40,7 @@ PLANS = st.builds(
     refuses=st.sampled_from([False, False, True]),
     raises=st.sampled_from([False, False, False, True]),
     twice=st.booleans(),
+    vanishes=st.sampled_from([False, False, True]),
 )
 
 
@@ -87,7 +88,9 @@ class SlowServices(LocalConnector):
         def take_effect() -> None:
             if is_fine and service in ("/drive", "/halt"):
                 self.is_driving = service == "/drive"
-            on_reply(Reply("succeeded", {"success": is_fine, "message": "" if is_fine else "no"}))
+            is_gone = plan.vanishes and service == "/drive"
+            reply = Reply("succeeded", {"success": is_fine, "message": "" if is_fine else "no"})
+            on_reply(Reply("unavailable", {}, "it vanished", may_have_arrived=True) if is_gone else reply)
 
         if after is not None:
             self.agenda.call_later(after, take_effect)
@@ -255,6 +258,16 @@ def test_goals_that_may_still_move_the_robot_are_named_again_at_the_end_where_li
     lines.step(Chart(mission(_states(["move"]))).start(at=0.0))
     lines.end(result)
     assert out.getvalue().count("the robot may still move") == 2
+
+
+@pytest.mark.parametrize("cancels", [0.0, 3.0, None])
+def test_a_composed_action_that_may_have_begun_is_ended_or_named(cancels: float | None) -> None:
+    scene = Scene(["drive", "drive"], [Plan(vanishes=True, cancels=cancels)], [], is_ours=True)
+    scene.play()
+    named = [(goal.action, goal.reason) for goal in scene.result.open_goals]
+    assert scene.connector.is_driving is (cancels is None)
+    assert set(named) == ({("drive", "lost")} if named else set())
+    assert bool(named) or cancels == 0.0
 
 
 def test_a_cancel_that_is_never_confirmed_is_named() -> None:

@@ -341,7 +341,7 @@ class MqttConnector:
 
     def _give_up(self, why: str) -> None:
         for key in tuple(self._calls):
-            self._end(key, Reply("unavailable", {}, why))
+            self._end(key, Reply("unavailable", {}, why, may_have_arrived=True))
 
     def _end(self, key: bytes, reply: Reply) -> None:
         call = self._calls.pop(key, None)

@@ -184,7 +184,8 @@ class Client:
         now = self._peers()
         for call in list(self._sent):
             if are_gone(call.peers, now) or not (call.peers or self._client.service_is_ready()):
-                self._end(call, Reply("unavailable", {}, f"the server of {self._service} vanished before it answered"))
+                why = f"the server of {self._service} vanished before it answered"
+                self._end(call, Reply("unavailable", {}, why, may_have_arrived=True))
         self._watch()
 
 
