@@ -21,6 +21,7 @@ from rai_missions.journal.reader import Record
 from rai_missions.journal.rows import GENESIS, Raw, chained
 from rai_missions.journal.sqlite import Lock
 from rai_missions.mission.mission import Mission
+from rai_missions.redaction import shown
 from visualize.live.run_view import RunScene
 
 __all__ = ("JournalFeed",)
@@ -29,6 +30,7 @@ LOOKS_EVERY_S = 0.1
 ASKS_EVERY = 10
 """Looks after which it is asked whether anybody still writes."""
 CUT_SHORT = "no process writes its journal any more, and no end of the mission is in it"
+CONTINUES = "it continues in another mission, and its journal is next to this one: {}"
 PLAYED = "a person was the robot (rai-missions try): it is no evidence of what a robot does"
 BATCH = 2000
 """Rows that are read before what they state is passed on."""
@@ -54,6 +56,8 @@ class JournalFeed:
         self._scene = self._beginning()
         self._number, self._hash = -1, GENESIS
         self._size: tuple[object, ...] = ()
+        self._cut = PLAYED if self.header.played else CUT_SHORT
+        """Why no more comes where no process writes the journal and no end is in it."""
         self._received_at = time.monotonic()
         self._watch: asyncio.Task[None] | None = None
 
@@ -116,8 +120,7 @@ class JournalFeed:
         except MissionError as error:
             self._scene.fault(str(error))
         self._size = size
-        ended = PLAYED if self.header.played else CUT_SHORT
-        self._scene.cut_short("" if continues or self._scene.outcome else ended)
+        self._scene.cut_short("" if continues or self._scene.outcome else self._cut)
         return True
 
     def _follow(self, record: Record, raw: Raw) -> None:
@@ -141,6 +144,8 @@ class JournalFeed:
             for line in row.data["lines"]:
                 if isinstance(line, dict):
                     self._scene.converse(line)
+        elif isinstance(row, Note) and row.successor is not None:
+            self._cut = CONTINUES.format(shown(str(row.successor["journal"])))
         elif isinstance(row, Note) and isinstance(row.data, dict) and "broken_off" in row.data:
             self._scene.fault(row.text)
 

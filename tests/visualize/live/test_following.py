@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 
 from rai_missions.errors import DefinitionError, UsageError
-from rai_missions.journal import Header, Journal
+from rai_missions.journal import MIGRATED, Header, Journal
 from rai_missions.journal.sqlite import Lock
 from rai_missions.mission.mission import Mission
 from tests.visualize.live.stage import Run, Viewer, ask, until
@@ -45,6 +45,18 @@ def test_a_journal_that_grows_is_followed(tmp_path: Path, page: LivePage) -> Non
         until(lambda: viewer.sees(**wanted), f"{viewer.seen} becomes {wanted}")
     assert viewer.sees(outcome="aborted", why="e-stop by x", faults=[])
     assert viewer.seen["board"]["obstacle"] == run.whole["board"]["obstacle"]
+    viewer.cut()
+
+
+def test_a_run_that_continues_in_another_mission_names_its_journal(tmp_path: Path, page: LivePage) -> None:
+    run, path = Run(tractor()), tmp_path / "a.journal"
+    with Journal.create(path, Header(json.dumps(tractor().written()))) as journal:
+        journal.write(run.start(), since=0.0)
+        journal.note(MIGRATED, {"journal": "a-migrated.journal", "seal": "0" * 64})
+    feed = JournalFeed(path)
+    page.start(feed.mission, feed)
+    viewer = Viewer(page)
+    until(lambda: "a-migrated.journal" in viewer.seen.get("cut", ""), f"{viewer.seen.get('cut')} names it")
     viewer.cut()
 
 
