@@ -32,9 +32,9 @@ class LanguageTexts:
         self.code: str = data["language"]
 
     def text(self, name: str, /, *values: object, **named: object) -> str:
-        """A template, filled in; the values are not read as templates."""
+        """A template, filled in; the values are not read as templates, and one that is a question ends its sentence."""
         template: str = self.data["texts"][name]
-        return template.format(*values, **named)
+        return template.format(*values, **named).replace("?.", "?")
 
     def listed(self, items: Sequence[str], joint: str = "and") -> str:
         """`a, b and c`."""

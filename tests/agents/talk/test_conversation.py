@@ -329,7 +329,7 @@ def test_two_regions_ask_at_the_same_time_and_each_is_answered_by_its_own_option
         reported = [talk.screen.until(lambda line, name=name: name in line.text) for name in ("left?", "right?")]  # type: ignore[misc]
         assert [line.report.rpartition(":")[2] for line in reported] == ["1", "2"]
         assert "left?" in (asked := talk.ask("what did you ask?").text) and "right?" in asked
-        assert talk.ask("off").text.startswith("You want: answer 'off' to: left?. Is that right?")
+        assert talk.ask("off").text.startswith("You want: answer 'off' to: left? Is that right?")
         assert talk.ask("blue").text == "Answer taken: blue."
         talk.order("red")
         talk.end()
