@@ -49,11 +49,13 @@ def load(path: str | os.PathLike[str], *, python: bool = True) -> Mission:
         if not python:
             raise UsageError(f"'{file}' is Python, which is not to be executed here; give the mission as JSON")
         return expanded(run_mission_file(file), file)
+    if str(path).lstrip().startswith("{"):
+        raise UsageError("this is the text of a mission; load takes its file, Mission.model_validate_json the text")
     raise UsageError(f"'{file}' is neither .json nor .py; a mission is one of them")
 
 
 def dump(mission: Mission, path: str | os.PathLike[str] | None = None) -> str:
-    """A mission as JSON text: `load` gives an equal one.
+    """A mission as JSON text: `load` gives an equal one from its file, `Mission.model_validate_json` from the text.
 
     Args:
         mission: Whatever was built or loaded.

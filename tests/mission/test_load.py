@@ -130,6 +130,15 @@ def test_a_file_that_is_no_mission_is_for_the_caller_to_mend(tmp_path: Path, nam
         load(tmp_path / name)
 
 
+def test_the_text_of_a_mission_is_no_file_and_its_reader_is_named() -> None:
+    text = dump(Mission.model_validate(json.loads(SMALL)))
+    with pytest.raises(
+        UsageError, match=r"^this is the text of a mission; load takes its file, Mission\.model_validate"
+    ):
+        load(text)
+    assert Mission.model_validate_json(text) == Mission.model_validate(json.loads(SMALL))
+
+
 def test_ten_thousand_states_are_loaded(tmp_path: Path) -> None:
     transitions = [{"on": "succeeded", "to": "s0"}]
     states = {f"s{number}": {"action": "go", "timeout_s": 5, "transitions": transitions} for number in range(10_000)}
