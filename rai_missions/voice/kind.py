@@ -11,11 +11,11 @@ from types import MappingProxyType
 from typing import Any, Literal, NamedTuple, Protocol
 
 from rai_missions.errors import UsageError, suggestion
-from rai_missions.kinds import offered
+from rai_missions.kinds import PackageOffer, offered
 
 __all__ = (
     "RECOGNISERS", "SHORT_S", "VOICES", "EarReading", "FrameReader", "Reading", "Recogniser", "SpeechSort", "Voice",
-    "opened",
+    "known", "opened",
 )  # fmt: skip
 
 SHORT_S = 3.0
@@ -87,16 +87,25 @@ EARS: Mapping[str, str] = {"ear": "rai_missions.voice.ear:open_ear"}
 OURS: Mapping[SpeechSort, Mapping[str, str]] = {"recogniser": RECOGNISERS, "voice": VOICES, "ear": EARS}
 
 
+def known(sort: SpeechSort, name: str) -> PackageOffer:
+    """Who offers one of a name; nothing of it is loaded.
+
+    Raises:
+        UsageError: No package offers it, or two do.
+    """
+    offer = offered(f"rai_missions.{sort}s", name, OURS[sort])
+    if offer is None:
+        raise UsageError(f"no {sort} '{name}' is known{suggestion(name, OURS[sort])}")
+    return offer
+
+
 def opened(sort: SpeechSort, name: str, options: Mapping[str, Any]) -> Any:
     """A recogniser, a voice or an ear, ready; in the process that is to hold it.
 
     Raises:
         UsageError: No package offers it, two do, it does not load, or an option is none of its own.
     """
-    offer = offered(f"rai_missions.{sort}s", name, OURS[sort])
-    if offer is None:
-        raise UsageError(f"no {sort} '{name}' is known{suggestion(name, OURS[sort])}")
     try:
-        return offer.load()(**options)
+        return known(sort, name).load()(**options)
     except TypeError as error:
         raise UsageError(f"the {sort} '{name}' does not open with {dict(options)} ({error})") from error

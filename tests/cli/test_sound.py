@@ -8,8 +8,10 @@ from pathlib import Path
 
 import pytest
 
+from rai_missions.cli.commands.run import RunOptions
 from rai_missions.cli.doctor.speech import speech
 from rai_missions.cli.main import main
+from rai_missions.cli.run.talk import normalise_voice_args
 from rai_missions.connectors.sound.devices import sound_devices
 from rai_missions.connectors.sound.wav import write_wav
 from rai_missions.errors import MissionError
@@ -96,6 +98,29 @@ def test_the_sound_of_a_conversation_needs_a_conversation(capsys: pytest.Capture
     mission = ["missions/tractor/mission.json", "--robot", "missions/tractor/robot.sim.json"]
     assert main(["run", *mission, "--voice"]) == 2
     assert "--voice is the sound of a conversation: give --talk too" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("words", "why"),
+    [
+        (["--voice", "espeek"], "no voice 'espeek' is known; did you mean 'espeak'?"),
+        (["--voice", "--recogniser", "wisper"], "no recogniser 'wisper' is known; did you mean 'whisper'?"),
+        (["--wake-word", "alexa"], "--wake-word is of this machine's microphone: give --voice too"),
+    ],
+)
+def test_what_speaks_and_listens_next_to_a_run_is_refused_before_the_start(
+    capsys: pytest.CaptureFixture[str], words: list[str], why: str
+) -> None:
+    mission = ["missions/tractor/mission.json", "--robot", "missions/tractor/robot.sim.json"]
+    assert main(["run", *mission, "--talk", *words]) == 2
+    assert capsys.readouterr().err == f"rai-missions run: {why}\n"
+
+
+def test_a_mission_behind_voice_is_the_mission() -> None:
+    given = RunOptions(talk=True, voice="mission.json")
+    assert normalise_voice_args(given) == RunOptions("mission.json", talk=True, voice="flite")
+    named = RunOptions("mission.json", talk=True, voice="espeak")
+    assert normalise_voice_args(named) == named
 
 
 @needs_voice

@@ -60,7 +60,10 @@ class RunOptions(NamedTuple):
         managed: Be a node that runs the mission each time it is activated, until it is shut down.
         talk: Talk with the robot: on this terminal, on the page of --watch, and on topics where the profile has "hri".
             The model of --model takes part. Simulated time is the wall's unless --speed is given.
-        voice: With --talk: also by the microphone and the speaker of this machine (extra 'voice').
+        voice: With --talk: also by the microphone and the speaker of this machine (extra 'voice'), in flite's voice or
+            that of NAME: espeak, piper, kokoro, or one of another package; with options as flite:speaker=rms.
+        recogniser: With --talk: whisper, or a recogniser of another package; with options as whisper:folder=MODEL.
+        wake_word: With --voice: okay_nabu, hey_jarvis, hey_mycroft or alexa; other sentences are dropped, except stop.
         watch: Show the run on a web page, where the operator may act. Without PORT: 8765; 0 is any free port (extra
             'watch').
         host: The address on which the page listens, which needs TLS; without it, 127.0.0.1.
@@ -89,7 +92,9 @@ class RunOptions(NamedTuple):
     node: Annotated[str | None, Argument("NAME", bare="")] = None
     managed: bool = False
     talk: bool = False
-    voice: bool = False
+    voice: Annotated[str | None, Argument("NAME", bare="flite")] = None
+    recogniser: Annotated[str, Argument("NAME")] = "whisper"
+    wake_word: Annotated[str, Argument("WORD")] = ""
     watch: Annotated[str | None, Argument("PORT", bare=PAGE_PORT)] = None
     host: Annotated[str | None, Argument("ADDRESS")] = None
     tls_cert: Annotated[str | None, Argument("FILE", files=("*",))] = None

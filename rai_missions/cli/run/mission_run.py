@@ -29,7 +29,7 @@ from rai_missions.cli.progress import Lines
 from rai_missions.cli.run.live_page import normalise_watch_args, page_of
 from rai_missions.cli.run.migration import migrated
 from rai_missions.cli.run.node import reject_single_run_options, serve_managed, serve_node
-from rai_missions.cli.run.talk import talk_of, talking
+from rai_missions.cli.run.talk import normalise_voice_args, talk_of, talking
 from rai_missions.errors import DefinitionError, MissionError, UsageError
 from rai_missions.journal import opened
 from rai_missions.mission.mission import Mission
@@ -46,7 +46,7 @@ __all__ = ("run_mission",)
 
 def run_mission(options: RunOptions) -> int:
     """Run a mission and print each step; returns the exit status."""
-    options = normalise_watch_args(options)
+    options = normalise_voice_args(normalise_watch_args(options))
     is_python = is_robot_program(options.robot, python=not options.no_python)
     if options.record:
         from rai_missions.recording import check_name

@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     from rai_missions.runtime.lifecycle import Status
     from rai_missions.runtime.runner import Result
 
-__all__ = ("HeldOpen", "TalkSession", "talk_of", "talking")
+__all__ = ("HeldOpen", "TalkSession", "normalise_voice_args", "talk_of", "talking")
 
 END_REPORTED_S = 5.0
 """How long the program waits until the end of the mission is reported to those who talk with the robot."""
@@ -106,7 +106,7 @@ class TalkSession:
 
         identity = _identity(prepared)
         name = prepared.robot.name if prepared.robot is not None else ""
-        if self._options.voice:
+        if self._options.voice is not None:
             self._doors.append(self._open_voice())
         robot = RobotWords(name, identity.first_sentence if identity is not None else "")
         if self._policy is not None and self._policy.hri:
@@ -132,8 +132,10 @@ class TalkSession:
         """The microphone and the speaker of this machine, running."""
         from rai_missions.agents.talk.voice_door import VoiceDoor
         from rai_missions.connectors.sound.devices import DeviceSound
+        from rai_missions.voice.setup import ListenNames
 
-        self._voice = door = VoiceDoor(DeviceSound(), self._spoken)
+        names = ListenNames(self._options.recogniser, wake_word=self._options.wake_word)
+        self._voice = door = VoiceDoor(DeviceSound(), self._spoken, names=names, voice=self._options.voice or "flite")
         door.run()
         return door
 
@@ -166,8 +168,11 @@ class TalkSession:
         """Who listens to the page's microphone."""
         if self._ear is None:
             from rai_missions.agents.talk.page_ear import PageEar
+            from rai_missions.voice.setup import ListenNames
 
-            self._ear = PageEar(self._spoken, language=self._policy.language if self._policy is not None else "en")
+            language = self._policy.language if self._policy is not None else "en"
+            names = ListenNames(self._options.recogniser, echo=False)
+            self._ear = PageEar(self._spoken, language=language, names=names)
         return self._ear
 
     def is_stop(self, text: str) -> bool:
@@ -277,12 +282,31 @@ class TalkSession:
             self._status(status)
 
 
+def normalise_voice_args(options: RunOptions) -> RunOptions:
+    """The options, where `run --voice mission.json` means the mission, not a voice.
+
+    Raises:
+        UsageError: There is no conversation to be spoken, or no voice or recogniser of a name.
+    """
+    if options.voice is not None and not (options.mission or options.resume):
+        options = options._replace(mission=options.voice, voice="flite")
+    if options.voice is not None and not options.talk:
+        raise UsageError("--voice is the sound of a conversation: give --talk too")
+    if options.wake_word and options.voice is None:
+        raise UsageError("--wake-word is of this machine's microphone: give --voice too")
+    if options.talk:
+        from rai_missions.voice.kind import known
+        from rai_missions.voice.setup import split_options
+
+        known("recogniser", split_options(options.recogniser)[0])
+        known("voice", split_options(options.voice or "flite")[0])
+    return options
+
+
 @contextmanager
 def talk_of(options: RunOptions, config: RunConfig) -> Iterator[TalkSession | None]:
     """The conversation of a run, if the options ask for one."""
     if not options.talk:
-        if options.voice:
-            raise UsageError("--voice is the sound of a conversation: give --talk too")
         yield None
         return
     if options.json:
