@@ -46,7 +46,8 @@ class MissionAgent:
     """The paper's Agent around a run: `run()` begins it on a thread of its own, `stop()` cancels it and waits."""
 
     def __init__(self, config: RunConfig) -> None:
-        self._prepared = prepare(config)
+        self._config, self._prepared = config, prepare(config)
+        self._is_closed = False
         self._thread: threading.Thread | None = None
         self.result: Result | None = None
         """How it ended; None until then, and where it broke off."""
@@ -56,6 +57,8 @@ class MissionAgent:
     def run(self) -> None:
         """Begin; returns at once. A run that has begun is not begun again."""
         if self._thread is None:
+            if self._is_closed:
+                self._prepared, self._is_closed = prepare(self._config), False
             self._thread = threading.Thread(target=self._work, name="mission")
             self._thread.start()
 
@@ -65,6 +68,7 @@ class MissionAgent:
             self._prepared.runner.cancel("stop")
             self._thread.join()
         self._prepared.close()
+        self._is_closed = True
 
     @property
     def health(self) -> AgentHealth:

@@ -120,6 +120,18 @@ def test_an_agent_that_is_stopped_at_once_has_canceled_its_mission_too() -> None
         assert agent.result is not None and agent.result.outcome == "canceled"
 
 
+def test_an_agent_that_is_stopped_before_it_is_run_runs_its_mission(monkeypatch: pytest.MonkeyPatch) -> None:
+    plugins = Path(__file__).parents[1] / "plugins"
+    monkeypatch.syspath_prepend(str(plugins / "installed"))
+    agent = MissionAgent(RunConfig(plugins / "mission.json", plugins / "robot.json"))
+    agent.stop()
+    agent.run()
+    assert agent._thread is not None
+    agent._thread.join(30.0)
+    agent.stop()
+    assert agent.error is None and agent.result is not None and agent.result.outcome == "succeeded"
+
+
 def test_an_agent_whose_run_breaks_off_reports_why(caplog: pytest.LogCaptureFixture) -> None:
     caplog.set_level(logging.CRITICAL + 1)
     keys = {"battery": {"type": "number", "source": "robot"}}
