@@ -80,7 +80,9 @@ class Grammar:
         if not words or len(words) > MOST_WORDS or max(map(len, words)) > LONGEST_WORD:
             return ()
         bare = list(once(normaliser.bare(words, _called(view.robot))))
+        other = normaliser.bare(words, _called(view.robot), is_tail_first=True)
         found = self._words(bare, view) or self._words(words, view) or self._words(self._unnamed(bare, view), view)
+        found = found or self._words(other, view)
         return found or (self._mended(bare, view) if len(bare) <= MOST_MENDED else ())
 
     def _unnamed(self, words: list[str], view: StatusView) -> list[str]:
@@ -215,8 +217,9 @@ class Grammar:
                 if "key" not in slots:
                     yield Sense("question", name)
                     return
-                named = slots["key"].split()
-                path = key_named(named, view, self.language, strict=len(named) == len(words))
+                named, done = slots["key"].split(), slots.get("done", "").split()
+                path = key_named([*named, *done], view, self.language) if done else ""
+                path = path or key_named(named, view, self.language, strict=len(named) == len(words))
                 if path:
                     yield Sense("question", name, key=path)
                     return

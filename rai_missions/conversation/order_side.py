@@ -25,7 +25,7 @@ from rai_missions.conversation.judging import (
 )
 from rai_missions.conversation.language import spoken
 from rai_missions.conversation.named import option_place
-from rai_missions.conversation.outputs import Mapper, Order
+from rai_missions.conversation.outputs import Mapper, Order, TalkTurn
 from rai_missions.conversation.request_queue import JudgedOrder, RequestQueue, order_data
 from rai_missions.conversation.senses import Sense
 from rai_missions.conversation.settings import ORDERS
@@ -175,6 +175,10 @@ class OrderSide:
         if not may(utterance.role, "ask", self._talk.settings):
             self._refuse_ask(utterance, number)
             return
+        pending, settings = self._pending, self._talk.settings
+        if sense.name == "said" and pending is not None and may(utterance.role, pending.sense.name, settings):  # type: ignore[arg-type]
+            self._ask(pending.asked_again(), utterance, number)
+            return
         text = self._talk.answers.answer(sense, self._talk.view, self._asker(utterance))
         self._speaking.speak(text, to=utterance.channel, reply_to=number)
 
@@ -195,7 +199,8 @@ class OrderSide:
         ordered = tuple(self._ordered.get(utterance.speaker, ()))
         stopping = next((each for each in self._under_way.values() if each.sense.name in STOPPING), None)
         by = stopping.utterance.by if stopping is not None else ""
-        return Asker(ordered, self._requests.words, names, by, self._speaking.reports.last_end)
+        said = next((each.text for each in reversed(self._talk.turns) if _is_said(each, utterance)), "")
+        return Asker(ordered, self._requests.words, names, by, said, self._speaking.reports.last_end)
 
     # -- orders --------------------------------------------------------------------------------------------------------
 
@@ -502,3 +507,8 @@ class OrderSide:
     def wake_at(self) -> float | None:
         """When a confirmation expires."""
         return None if self._pending is None else self._pending.until
+
+
+def _is_said(turn: TalkTurn, to: Utterance) -> bool:
+    """Whether the rules have spoken it to the speaker of a sentence, or to all."""
+    return turn.by == "robot" and turn.way != "model" and turn.channel in ("", to.channel)

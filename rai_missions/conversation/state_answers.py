@@ -16,6 +16,7 @@ from rai_missions.conversation.values import (
     about_words,
     capital,
     duration,
+    is_known,
     key_sentence,
     result_sentences,
     value_sentence,
@@ -46,6 +47,8 @@ class Asker(NamedTuple):
     """The orders that its role may give, in words."""
     stopping_by: str = ""
     """Who gave an order to stop, pause or cancel that the run has not taken yet; empty where there is none."""
+    last_said: str = ""
+    """What the robot spoke last, of the rules; empty before that."""
     last_end: str = ""
     """What was last reported at the end of a run; empty before the first end."""
 
@@ -113,7 +116,7 @@ class StateAnswers:
             "why_stopped": self._why_stopped, "waits": self._waits, "asked": self._asked, "ordered": self._ordered,
             "control": self._control, "capabilities": self._capabilities, "mission": self._about_mission,
             "happened": self._happened, "result": self._result, "decided": self._decided,
-            "who": self._who,
+            "who": self._who, "since": self._since, "said": self._said,
             "hello": lambda *_: self.language.text("hello"), "thanks": lambda *_: self.language.text("thanks"),
         }  # fmt: skip
 
@@ -128,7 +131,8 @@ class StateAnswers:
         if sense.name == "key":
             return key_sentence(sense.key, view.keys, self.language)
         if sense.name == "value":
-            return value_sentence(sense.key, view.keys, self.language)
+            text = value_sentence(sense.key, view.keys, self.language)
+            return text if is_known(sense.key, view.keys) else self._after(text, view, asker)
         return self._by_name[sense.name](view, asker)
 
     def status(self, view: StatusView) -> str:
@@ -202,10 +206,10 @@ class StateAnswers:
         return self.language.text("position", name=spoken(key.name), value=value)
 
     def _why_stopped(self, view: StatusView, asker: Asker) -> str:
+        if view.mode == "paused":
+            return self._after(self._mode_by(view, "paused"), view, asker)
         if _is_before(view) and asker.last_end:
             return self._doing(view, asker)
-        if view.mode == "paused":
-            return self._mode_by(view, "paused")
         if view.mode == "canceling" and view.mode_by:
             return self.language.text("canceling_by", by=view.mode_by)
         if is_alive(view) and asker.stopping_by:
@@ -214,6 +218,23 @@ class StateAnswers:
             return self.status(view)
         causes = [each for each in view.happened if each.kind != "entered"][-MOST_CAUSES:]
         return f"{self._in_state(view)} {self._lines(causes, view)}".rstrip()
+
+    def _since(self, view: StatusView, asker: Asker) -> str:
+        if _is_before(view) or not is_alive(view):
+            return self._doing(view, asker)
+        parts = list[str]()
+        if view.began is not None:
+            ago = duration(view.at - view.began, self.language)
+            parts.append(self.language.text("began", mission=_mission(view), ago=ago))
+        if view.mode == "paused":
+            parts.append(self._mode_by(view, "paused"))
+        elif view.active and view.since is not None:
+            time = duration(view.at - view.since, self.language)
+            parts.append(self.language.text("since", state=spoken(view.active[-1]), time=time))
+        return " ".join(parts) or self.status(view)
+
+    def _said(self, view: StatusView, asker: Asker) -> str:
+        return asker.last_said or self._doing(view, asker)
 
     def _mode_by(self, view: StatusView, name: str) -> str:
         if not view.mode_by:

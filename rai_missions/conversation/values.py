@@ -31,7 +31,7 @@ MOST_ITEMS = 5
 """Fields of an object that are spoken."""
 MOST_NAMES, LONGEST_NAME = 20, 60
 """Names of a list that are spoken, and characters of one."""
-LONGEST_TEXT = 200
+LONGEST_TEXT, LONGEST_RESULT = 200, 2_000
 
 
 def duration(seconds: float, language: Language) -> str:
@@ -53,13 +53,14 @@ def _decimals(text: str, language: Language) -> str:
     return text.replace(".", decimal)
 
 
-def value_words(value: Any, key: KeyView, language: Language, *, field: str = "") -> str:
+def value_words(value: Any, key: KeyView, language: Language, *, field: str = "", longest: int = LONGEST_TEXT) -> str:
     """A value in words.
 
     Args:
         value: Of the key, or of its field.
         key: Whose it is.
         field: The field, where only that is spoken.
+        longest: Characters of a text that are spoken.
     """
     unit = unit_of(field or key.name, language.data["units"])[1]
     if key.type == "pose" and isinstance(value, Mapping):
@@ -73,7 +74,7 @@ def value_words(value: Any, key: KeyView, language: Language, *, field: str = ""
         return language.listed(parts) or language.text("empty")
     if isinstance(value, list | tuple):
         return _names(value, language) or language.text("items" if value else "nothing", count=len(value))
-    return cut(str(value), LONGEST_TEXT)
+    return cut(str(value), longest)
 
 
 def _names(items: Sequence[Any], language: Language) -> str:
@@ -116,7 +117,7 @@ def value_sentence(path: str, keys: Mapping[str, KeyView], language: Language) -
     """The bare value of a key, or of a field of one, as a sentence; that it is unknown, and what it would be."""
     key, field, value = _found(path, keys)
     if is_known(path, keys):
-        return _sentence(value_words(value, key, language, field=field))
+        return _sentence(value_words(value, key, language, field=field, longest=LONGEST_RESULT))
     return language.text("value_unknown", about=about_words(key.about) or spoken(key.name))
 
 

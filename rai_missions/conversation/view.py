@@ -117,6 +117,8 @@ class StatusView(NamedTuple):
     progress: tuple[ProgressView, ...] = ()
     happened: tuple[RunEvent, ...] = ()
     """The last things that happened, oldest first; the run keeps a bounded number."""
+    began: float | None = None
+    """When it was started, on the run's clock; None before that, and where another process started it."""
     since: float | None = None
     """Since when the active states are as they are, on the run's clock."""
     mode_by: str = ""

@@ -21,11 +21,12 @@ __all__ = ("progress",)
 
 
 def progress(mission: Mission, active: frozenset[str], board: Blackboard) -> Iterator[ProgressView]:
-    """How far the active states are, then how far the mission is from its success; each key once."""
+    """How far the active states are, then how far the mission is from its only success; each key once."""
     seen: set[str] = set()
     walked = [(name, state) for _, name, state in mission.walk()]
     current = [state for name, state in walked if name in active]
-    for state in (*current, *(state for _, state in walked if _is_success(state))):
+    successes = [state for state in mission.states.values() if _is_success(state)]
+    for state in (*current, *(successes if len(successes) == 1 else ())):
         for found in _of(state, mission, board):
             if found.of not in seen:
                 seen.add(found.of)

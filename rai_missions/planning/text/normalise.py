@@ -72,29 +72,30 @@ class Normaliser:
             found += self._contractions.get(token, token).split()
         return found
 
-    def bare(self, words: list[str], names: Iterable[str] = ()) -> list[str]:
+    def bare(self, words: list[str], names: Iterable[str] = (), *, is_tail_first: bool = False) -> list[str]:
         """The words without politeness, address and fillers.
 
         Args:
             words: Of one sentence.
             names: How the robot is called; each may come first or last.
+            is_tail_first: What may come last is removed first: of `hi robot` a greeting is left, and no address.
         """
         called = [name.lower().split() for name in names if name.strip()]
         words = [word for word in words if word not in self._fillers]
         lead, tail = [*called, *self._lead], [*called, *self._tail]
-        shorter = True
-        while shorter and words:
-            shorter = False
-            for each in lead:
-                if len(words) > len(each) and words[: len(each)] == each:
-                    words, shorter = words[len(each) :], True
-            for each in tail:
-                if (
-                    len(words) > len(each)
-                    and words[-len(each) :] == each
-                    and words[-len(each) - 1] not in self._articles
-                ):
-                    words, shorter = words[: -len(each)], True
+        ways = (lambda each: self._without_tail(each, tail), lambda each: _without_lead(each, lead))
+        before: list[str] = []
+        while words != before:
+            before = words
+            for way in ways if is_tail_first else reversed(ways):
+                words = way(words)
+        return words
+
+    def _without_tail(self, words: list[str], tail: list[list[str]]) -> list[str]:
+        for each in tail:
+            is_shorter = len(words) > len(each) and words[-len(each) :] == each
+            if is_shorter and words[-len(each) - 1] not in self._articles:
+                words = words[: -len(each)]
         return words
 
     def parts(self, text: str) -> list[str]:
@@ -102,6 +103,13 @@ class Normaliser:
         if QUOTES.search(text) or self._reporting & set(self.words(text)):
             return [text]
         return [each for each in SENTENCES.split(text.strip()) if each]
+
+
+def _without_lead(words: list[str], lead: list[list[str]]) -> list[str]:
+    for each in lead:
+        if len(words) > len(each) and words[: len(each)] == each:
+            words = words[len(each) :]
+    return words
 
 
 def _by_length(given: Iterable[str]) -> list[list[str]]:
