@@ -176,7 +176,7 @@ class OrderSide:
             self._refuse_ask(utterance, number)
             return
         pending, settings = self._pending, self._talk.settings
-        if sense.name == "said" and pending is not None and may(utterance.role, pending.sense.name, settings):  # type: ignore[arg-type]
+        if sense.name == "repeat" and pending is not None and may(utterance.role, pending.sense.name, settings):  # type: ignore[arg-type]
             self._ask(pending.asked_again(), utterance, number)
             return
         text = self._talk.answers.answer(sense, self._talk.view, self._asker(utterance))
@@ -199,8 +199,8 @@ class OrderSide:
         ordered = tuple(self._ordered.get(utterance.speaker, ()))
         stopping = next((each for each in self._under_way.values() if each.sense.name in STOPPING), None)
         by = stopping.utterance.by if stopping is not None else ""
-        said = next((each.text for each in reversed(self._talk.turns) if _is_said(each, utterance)), "")
-        return Asker(ordered, self._requests.words, names, by, said, self._speaking.reports.last_end)
+        last = next((each.text for each in reversed(self._talk.turns) if _is_spoken(each, utterance)), "")
+        return Asker(ordered, self._requests.words, names, by, last, self._speaking.reports.last_end)
 
     # -- orders --------------------------------------------------------------------------------------------------------
 
@@ -509,6 +509,6 @@ class OrderSide:
         return None if self._pending is None else self._pending.until
 
 
-def _is_said(turn: TalkTurn, to: Utterance) -> bool:
+def _is_spoken(turn: TalkTurn, to: Utterance) -> bool:
     """Whether the rules have spoken it to the speaker of a sentence, or to all."""
     return turn.by == "robot" and turn.way != "model" and turn.channel in ("", to.channel)

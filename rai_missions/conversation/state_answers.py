@@ -47,7 +47,7 @@ class Asker(NamedTuple):
     """The orders that its role may give, in words."""
     stopping_by: str = ""
     """Who gave an order to stop, pause or cancel that the run has not taken yet; empty where there is none."""
-    last_said: str = ""
+    last_spoken: str = ""
     """What the robot spoke last, of the rules; empty before that."""
     last_end: str = ""
     """What was last reported at the end of a run; empty before the first end."""
@@ -116,7 +116,7 @@ class StateAnswers:
             "why_stopped": self._why_stopped, "waits": self._waits, "asked": self._asked, "ordered": self._ordered,
             "control": self._control, "capabilities": self._capabilities, "mission": self._about_mission,
             "happened": self._happened, "result": self._result, "decided": self._decided,
-            "who": self._who, "since": self._since, "said": self._said,
+            "who": self._who, "since": self._since, "repeat": self._repeat,
             "hello": lambda *_: self.language.text("hello"), "thanks": lambda *_: self.language.text("thanks"),
         }  # fmt: skip
 
@@ -233,8 +233,8 @@ class StateAnswers:
             parts.append(self.language.text("since", state=spoken(view.active[-1]), time=time))
         return " ".join(parts) or self.status(view)
 
-    def _said(self, view: StatusView, asker: Asker) -> str:
-        return asker.last_said or self._doing(view, asker)
+    def _repeat(self, view: StatusView, asker: Asker) -> str:
+        return asker.last_spoken or self._doing(view, asker)
 
     def _mode_by(self, view: StatusView, name: str) -> str:
         if not view.mode_by:
