@@ -121,6 +121,7 @@ class Grammar:
         found = [Sense("yes")] if language.yes.fits(words) else [Sense("no")] if language.no.fits(words) else []
         found += self._answers(words, view)
         found += [Sense("order", name) for name, each in language.orders.items() if each.fits(words)]
+        found += [Sense("again")] if language.again.fits(words) else []
         found += self._phrases.senses(words, view.missions)
         found += self._starts(words, view)
         found = found or list(self._questions(words, view))

@@ -70,6 +70,8 @@ class OrderSide:
         self._requests = RequestQueue(talk, speaking)
         self._under_way: dict[int, JudgedOrder] = {}
         self._ordered: dict[tuple[str, str], deque[str]] = defaultdict(lambda: deque(maxlen=REMEMBERED))
+        self._starts: dict[tuple[str, str], Sense] = {}
+        """Speaker → the last start that it ordered."""
         self._ended_run: str | None = talk.view.run if talk.view.mode and not is_alive(talk.view) else None
         self._starting_until = float("-inf")
 
@@ -163,6 +165,8 @@ class OrderSide:
             self._answer(sense, utterance, number)
         elif sense.kind == "withdraw":
             self._withdraw(utterance, number)
+        elif sense.kind == "again":
+            self._again(utterance, number, agreeing)
         elif not may(utterance.role, sense.name, self._talk.settings):  # type: ignore[arg-type]
             self._refuse_permission(sense.name, utterance, number)
         elif sense.kind == "fault":
@@ -181,6 +185,14 @@ class OrderSide:
             return
         text = self._talk.answers.answer(sense, self._talk.view, self._asker(utterance))
         self._speaking.speak(text, to=utterance.channel, reply_to=number)
+
+    def _again(self, utterance: Utterance, number: int, agreeing: int | None) -> None:
+        """The speaker's last start, read back; where there is none, or one is asked about, what was spoken."""
+        last = self._starts.get(utterance.speaker)
+        if last is None or self._pending is not None:
+            self._answer(Sense("question", "repeat"), utterance, number)
+        else:
+            self.take(last, utterance, number, mapper="grammar", agreeing=agreeing)
 
     def _refuse_ask(self, utterance: Utterance, number: int) -> None:
         channel = self._talk.language.word("channels", utterance.channel)
@@ -306,6 +318,9 @@ class OrderSide:
         sense, utterance = judged.sense, judged.utterance
         if sense.name == "start":
             self._starting_until = self._talk.now + STARTING_S
+            self._starts[utterance.speaker] = sense
+            for old_speaker in list(self._starts)[: -REMEMBERED * 10]:
+                del self._starts[old_speaker]
         self._under_way[self._count] = judged
         for old in list(self._under_way)[:-REMEMBERED]:
             del self._under_way[old]

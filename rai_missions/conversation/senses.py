@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a sentence may mean, as a value: an order, yes or no, a question of state, what waits dropped, or a fault."""
+"""What a sentence may mean, as a value: an order, its repetition or withdrawal, yes or no, a question, or a fault."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import Any, Literal, NamedTuple
 
 __all__ = ("Sense", "SenseKind")
 
-SenseKind = Literal["order", "yes", "no", "quiet", "withdraw", "question", "fault"]
+SenseKind = Literal["order", "yes", "no", "quiet", "withdraw", "again", "question", "fault"]
 
 
 class Sense(NamedTuple):

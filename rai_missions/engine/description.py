@@ -62,7 +62,7 @@ def _verdict_words(verdict: Verdict, note: str) -> str:
         result = "accepted" if verdict.accepted else f"refused, {verdict.why}"
         return f"{who} proposed '{verdict.option}': {result}"
     if verdict.kind in ("absent", "failed"):
-        return f"{who} {'is absent' if verdict.kind == 'absent' else 'gave no answer'}: {verdict.why}"
+        return f"{who} {'cannot answer' if verdict.kind == 'absent' else 'gave no answer'}: {verdict.why}"
     return f"{who} {verdict.why}" if verdict.kind == "timed_out" else note
 
 

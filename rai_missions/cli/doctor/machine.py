@@ -4,16 +4,22 @@
 from __future__ import annotations
 
 import importlib.util
+import json
 import os
 import shutil
 import sys
-from collections.abc import Iterator
-from importlib.metadata import PackageNotFoundError, version
+from collections.abc import Iterator, Mapping
+from importlib.metadata import PackageNotFoundError, distribution, version
 from pathlib import Path
+from typing import Any
+from urllib.parse import urlsplit
+from urllib.request import url2pathname
 
 from rai_missions.cli.doctor.finding import MachineFinding
 
-__all__ = ("installed", "machine")
+__all__ = ("install_command", "installed", "machine")
+
+NAME = "rai-missions"
 
 EXTRAS = (
     ("sim", ("mujoco", "numpy", "PIL"), "simulated worlds"),
@@ -45,7 +51,7 @@ def machine() -> Iterator[MachineFinding]:
         yield MachineFinding("ok" if there else "missing", f"{name} {there}".strip(), remedy)
     for extra, modules, what in EXTRAS:
         lacks = not all(map(_has, modules))
-        remedy = f"pip install '.[{extra}]'" if lacks else ""
+        remedy = install_command(extra) if lacks else ""
         yield MachineFinding("absent" if lacks else "ok", f"extra {extra} ({what})", remedy)
     yield _drawing()
     yield _rendering()
@@ -66,12 +72,12 @@ def _drawing() -> MachineFinding:
     for name in ("dot", "graphviz-pure"):
         if found := _program(name):
             return MachineFinding("ok", f"pictures are drawn by {found}")
-    return MachineFinding("absent", "nothing draws SVG and PNG", "install Graphviz, or pip install '.[draw]'")
+    return MachineFinding("absent", "nothing draws SVG and PNG", f"install Graphviz, or {install_command('draw')}")
 
 
 def _rendering() -> MachineFinding:
     if importlib.util.find_spec("mujoco") is None:
-        return MachineFinding("absent", "a camera in simulated worlds", "pip install '.[sim]'")
+        return MachineFinding("absent", "a camera in simulated worlds", install_command("sim"))
     from rai_missions.errors import UsageError
     from rai_missions.worlds.world import open_world
 
@@ -81,6 +87,32 @@ def _rendering() -> MachineFinding:
     except UsageError as error:
         return MachineFinding("absent", "a camera in simulated worlds", str(error))
     return MachineFinding("ok", f"simulated worlds, pictures by MUJOCO_GL={os.environ.get('MUJOCO_GL', 'the display')}")
+
+
+def install_command(extra: str, origin: Mapping[str, Any] | None = None, here: Path | None = None) -> str:
+    """The line that installs an extra from where this package came from.
+
+    Args:
+        extra: Its name.
+        origin: The package's `direct_url.json` (PEP 610); None: as it is here.
+        here: The folder in which the line is typed; None: the present one.
+    """
+    came = _origin() if origin is None else origin
+    url = str(came.get("url", ""))
+    if "vcs_info" in came:
+        return f"pip install '{NAME}[{extra}] @ {came['vcs_info']['vcs']}+{url}@{came['vcs_info']['commit_id']}'"
+    if "dir_info" not in came:
+        return f"pip install '{NAME}[{extra}]{f' @ {url}' if url else ''}'"
+    folder = Path(url2pathname(urlsplit(url).path))
+    return f"pip install '{'.' if folder == (here or Path.cwd()) else folder}[{extra}]'"
+
+
+def _origin() -> Mapping[str, Any]:
+    try:
+        found: Mapping[str, Any] = json.loads(distribution(NAME).read_text("direct_url.json") or "{}")
+    except PackageNotFoundError:
+        return {}
+    return found
 
 
 def installed(name: str) -> str:

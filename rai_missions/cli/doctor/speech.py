@@ -7,6 +7,7 @@ import os
 from collections.abc import Iterator, Mapping
 
 from rai_missions.cli.doctor.finding import MachineFinding, tried
+from rai_missions.cli.doctor.machine import install_command
 from rai_missions.voice.kind import SpeechSort
 from rai_missions.voice.process import SpeechProcess
 
@@ -21,8 +22,8 @@ LISTENERS: tuple[tuple[SpeechSort, str, Mapping[str, str], str], ...] = (
 WAKE: tuple[SpeechSort, str, Mapping[str, str], str] = ("ear", "ear", {"wake_word": "okay_nabu"}, "wake words")
 VOICES = ("flite", "espeak")
 OPTIONAL = {
-    "piper": "pip install '.[voice-piper]' (GPL-3.0-or-later), and name a model",
-    "kokoro": "pip install '.[voice-kokoro]' (GPL-3.0-or-later parts), and name its weights",
+    "piper": "(GPL-3.0-or-later), and name a model",
+    "kokoro": "(GPL-3.0-or-later parts), and name its weights",
 }
 
 
@@ -41,7 +42,8 @@ def speech(environment: Mapping[str, str] | None = None) -> Iterator[MachineFind
             yield MachineFinding("missing" if is_needed else "absent", f"voice {name}", lacking[name])
         else:
             yield MachineFinding("ok", f"voice {name}")
-    yield from (MachineFinding("absent", f"voice {name}", remedy) for name, remedy in OPTIONAL.items())
+    for name, more in OPTIONAL.items():
+        yield MachineFinding("absent", f"voice {name}", f"{install_command(f'voice-{name}')} {more}")
     yield from _devices(os.environ if environment is None else environment)
 
 

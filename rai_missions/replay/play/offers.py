@@ -220,7 +220,7 @@ class OpenChoices:
         for question in chart.questions:
             for offer in question.options:
                 yield _answer(question, offer)
-            words = f"{answerer_words(question.asked)} is absent"
+            words = f"{answerer_words(question.asked)} cannot answer"
             event = Event(question.asked, 0.0, {"absent": "no one is there"}, "proposal", question.number)
             yield _of(event, "answer", words, question.owner, name=f"answer {question.number} absent")._replace(
                 is_awaited=True

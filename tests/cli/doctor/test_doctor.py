@@ -7,11 +7,13 @@ import importlib.util
 import os
 from collections.abc import Iterator, Mapping
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 from rai_missions.cli.doctor import MachineFinding
 from rai_missions.cli.doctor.finding import tried
+from rai_missions.cli.doctor.machine import install_command
 from rai_missions.cli.doctor.robot import reach, wanted
 from rai_missions.cli.doctor.ros import ros
 from rai_missions.cli.main import main
@@ -228,3 +230,16 @@ def test_a_profile_at_fault_is_reported_on_stderr(tmp_path: Path, capsys: pytest
     (tmp_path / "robot.json").write_text('{"format": 1}')
     assert main(["doctor", "--robot", str(tmp_path / "robot.json")]) == 2
     assert "name" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("origin", "line"),
+    [({"url": "file:///home/ann/my%20rai", "dir_info": {"editable": True}}, "pip install '/home/ann/my rai[sim]'"),
+     ({"url": "file:///work", "dir_info": {}}, "pip install '.[sim]'"),
+     ({"url": "https://host/r.git", "vcs_info": {"vcs": "git", "commit_id": "12ab"}},
+      "pip install 'rai-missions[sim] @ git+https://host/r.git@12ab'"),
+     ({"url": "file:///r-1.whl", "archive_info": {}}, "pip install 'rai-missions[sim] @ file:///r-1.whl'"),
+     ({}, "pip install 'rai-missions[sim]'")],
+)  # fmt: skip
+def test_an_extra_is_installed_from_where_the_package_came_from(origin: dict[str, Any], line: str) -> None:
+    assert install_command("sim", origin, Path("/work")) == line
