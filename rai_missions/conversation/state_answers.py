@@ -220,7 +220,7 @@ class StateAnswers:
         return f"{self._in_state(view)} {self._lines(causes, view)}".rstrip()
 
     def _since(self, view: StatusView, asker: Asker) -> str:
-        if _is_before(view) or not is_alive(view):
+        if not is_alive(view) or (_is_before(view) and view.mode != "paused"):
             return self._doing(view, asker)
         parts = list[str]()
         if view.began is not None:
