@@ -50,6 +50,8 @@ def _names(key: KeyView, units: Mapping[str, str]) -> Iterator[tuple[str, list[s
 def key_named(words: Sequence[str], view: StatusView, language: Language, *, strict: bool = False) -> str:
     """The path of the key that the words name; empty where they name none, or several.
 
+    An argument is named by its name alone: its `about` lists what may be ordered.
+
     Args:
         words: Of the sentence's slot.
         view: The run.
@@ -68,7 +70,8 @@ def key_named(words: Sequence[str], view: StatusView, language: Language, *, str
     by_name = {path.partition(".")[0] for path in within}
     if len(by_name) == 1:
         return min(within, key=len)
-    about = [key.name for key in view.keys.values() if set(bare) <= set(language.normaliser.words(key.about))]
+    reported = [key for key in view.keys.values() if key.source != "argument"]
+    about = [key.name for key in reported if set(bare) <= set(language.normaliser.words(key.about))]
     return about[0] if not within and len(about) == 1 else ""
 
 
