@@ -130,7 +130,7 @@ def written(own: Measured, base: Measured | None, given: argparse.Namespace, fai
         "# Performance",
         "",
         f"Written by `{command_of(given)}`.",
-        f"A figure is the median of {given.rounds} rounds, next to their spread.",
+        f"A figure is the median of {given.rounds} round{'s' if given.rounds > 1 else ''}, next to their spread.",
         "Times are CPU times unless a name has another word. A ratio compares two values of the same run.",
         "",
         *(f"- {what}: {value}" for what, value in about(given.base).items()),
