@@ -79,10 +79,10 @@ class Grammar:
         words = normaliser.words(text)
         if not words or len(words) > MOST_WORDS or max(map(len, words)) > LONGEST_WORD:
             return ()
-        bare = list(once(normaliser.bare(words, _called(view.robot))))
-        other = normaliser.bare(words, _called(view.robot), is_tail_first=True)
+        called = _called(view.robot)
+        bare = list(once(normaliser.bare(words, called)))
         found = self._words(bare, view) or self._words(words, view) or self._words(self._unnamed(bare, view), view)
-        found = found or self._words(other, view)
+        found = found or self._words(normaliser.bare(words, called, is_tail_first=True), view)
         return found or (self._mended(bare, view) if len(bare) <= MOST_MENDED else ())
 
     def _unnamed(self, words: list[str], view: StatusView) -> list[str]:

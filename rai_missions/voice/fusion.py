@@ -21,7 +21,7 @@ from typing import Any, NamedTuple
 
 from rai_missions.plain_data import is_number
 
-__all__ = ("LEAST", "LEAST_STOP", "FusedTurn", "evidence_in", "fused")
+__all__ = ("LEAST", "LEAST_FIRST_OF_ANY", "LEAST_STOP", "FusedTurn", "evidence_in", "fused")
 
 LEAST, LEAST_ALONE = 5.5, 8.5
 """What the evidence for a phrase must come to, in nats, where the second agrees; where it does not."""
@@ -30,6 +30,8 @@ LEAST_FIRST = 2.4
 LEAST_STOP, LEAST_STOP_FIRST = 2.4, 1.0
 """The same for "stop", with no lead: one syllable cannot have much, other speech has less, it must not be missed.
 In loud noise "pause" is often as near to it: where that is not enough and "stop" is next, the first's own counts."""
+LEAST_FIRST_OF_ANY = min(LEAST_FIRST, LEAST_STOP_FIRST)
+"""With less of the first's own, no phrase counts."""
 SHORTEST_S, LONGEST_S = (0.18, 0.03), (0.5, 0.08)
 """How long a phrase lasts, in seconds, and so many more for each of its letters."""
 LONGEST_STOP_S, LEAST_DRAWN_OUT = 0.56, 4.0

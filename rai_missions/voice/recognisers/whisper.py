@@ -16,6 +16,7 @@ from typing import Any
 
 from rai_missions.connectors.sound.connector import RATE_HZ
 from rai_missions.voice.absent import absent
+from rai_missions.voice.fusion import LEAST_FIRST_OF_ANY
 from rai_missions.voice.kind import SHORT_S, Reading, Recogniser
 from rai_missions.voice.recognisers.whisper_weights import SIZES, WhisperWeights, weights_in, weights_of
 
@@ -31,8 +32,6 @@ MOST_WORDS = 7
 LEAST_CHANCE = 1e-9
 CERTAIN = 20.0
 """Nats of evidence for a phrase that is read freely."""
-POSSIBLE = 1.0
-"""Nats of evidence from which a phrase may count: the least that any does, `LEAST_STOP_FIRST`."""
 NOISE, NOISE_S = 1e-3, 1.5
 """Of the noise with which phrases are compared: its level, where 1 is the loudest, and how long it is."""
 SAMPLES_A_STEP, AFTER_STEPS = 320, 50
@@ -82,7 +81,7 @@ class FreeSpeech:
         if len(samples) > 2 * SHORT_S * RATE_HZ:
             return self._words.transcribe(samples, ())
         found = self._phrases.transcribe(samples, phrases)
-        if plain_words(found.text) in phrases or max(found.evidence.values(), default=0.0) >= POSSIBLE:
+        if plain_words(found.text) in phrases or max(found.evidence.values(), default=0.0) >= LEAST_FIRST_OF_ANY:
             return found
         text = self._words.transcribe(samples, ()).text
         return found if plain_words(text) in phrases else Reading(text, found.evidence)
