@@ -13,7 +13,6 @@ import signal
 import socket
 import tempfile
 from collections.abc import Iterator
-from pathlib import Path
 from typing import Any
 
 import pytest
@@ -99,19 +98,6 @@ def is_on_ros(item: pytest.Item) -> bool:
     return bool(ON_ROS & set(getattr(item, "fixturenames", ()))) or item.path.name == "test_ros2.py"
 
 
-def shared(path: Path) -> Path | None:
-    """The file or the folder whose tests share something that is made once, such as a browser; None where none is."""
-    rig = path.with_name("conftest.py")
-    texts = {each: each.read_text(encoding="utf-8") for each in (path, rig) if each.exists()}
-    if "from tests.rigs.sources import" in texts[path]:
-        return path.with_name("rigs") / "sources.py"
-    if 'scope="package"' in texts.get(rig, ""):
-        return path.parent
-    return (
-        path if any(f'scope="{scope}"' in text for text in texts.values() for scope in ("module", "session")) else None
-    )
-
-
 @pytest.hookimpl(wrapper=True)
 def pytest_collection() -> Iterator[None]:
     """Nearly all that is loaded stays: no search for garbage meanwhile, and none of it in what was loaded later."""
@@ -142,20 +128,7 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 
 @pytest.hookimpl(optionalhook=True)
 def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> Any:
-    """One worker runs all tests of a file or folder that share something; the others go to anyone who is free.
-
-    Marks of xdist's own do not do it: it hides the group in a test's name, where newer versions of pytest do not look.
-    """
-    from xdist.scheduler import LoadScopeScheduling  # type: ignore[import-untyped, unused-ignore]
-
-    root, together = config.rootpath, dict[str, str]()
-
-    class ByFile(LoadScopeScheduling):  # type: ignore[misc, unused-ignore]
-        def _split_scope(self, nodeid: str) -> str:
-            file = nodeid.partition("::")[0]
-            if file not in together:
-                together[file] = str(shared(root / file) or "")
-            return together[file] or nodeid
+    from tests.workers import ByFile
 
     return ByFile(config, log)
 

@@ -1,0 +1,59 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A worker that dies fails the test in which it died, and nothing else."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+ROOT = Path(__file__).parent.parent
+HOW = """
+import pytest
+from tests.workers import ByFile
+
+@pytest.hookimpl
+def pytest_xdist_make_scheduler(config, log):
+    return ByFile(config, log)
+"""
+ALONE = """
+import os, pytest
+
+@pytest.mark.parametrize("number", range(40))
+def test_it(number):
+    if number == {fatal}:
+        os._exit(1)
+"""
+TOGETHER = """
+import os, pytest
+
+@pytest.fixture(scope="module")
+def once():
+    return 0
+
+@pytest.mark.parametrize("number", range(6))
+def test_it(once, number):
+    if number == 2:
+        os._exit(1)
+"""
+
+
+def run(folder: Path, workers: int) -> str:
+    (folder / "conftest.py").write_text(HOW)
+    tried = subprocess.run(
+        [sys.executable, "-m", "pytest", "-p", "no:cacheprovider", "-q", "-n", str(workers), "-c", "/dev/null",
+         "--rootdir", str(folder), str(folder)],
+        cwd=ROOT, env={"PYTHONPATH": str(ROOT), "PATH": ""}, capture_output=True, text=True, timeout=60, check=False,
+    )  # fmt: skip
+    return tried.stdout
+
+
+def test_one_that_dies_late_leaves_the_others_with_work(tmp_path: Path) -> None:
+    (tmp_path / "test_alone.py").write_text(ALONE.format(fatal=30))
+    assert "1 failed, 39 passed" in run(tmp_path, 2)
+
+
+def test_the_only_one_that_dies_is_replaced_and_runs_what_is_left(tmp_path: Path) -> None:
+    (tmp_path / "test_alone.py").write_text(ALONE.format(fatal=38))
+    (tmp_path / "test_together.py").write_text(TOGETHER)
+    assert "2 failed, 44 passed" in run(tmp_path, 1)
