@@ -166,6 +166,11 @@ class ConversationalAgent:
         """Nothing is waited for any more; from any thread."""
         self._is_decided.set()
 
+    def end_starts(self) -> None:
+        """No run follows the one that there is: starts are dropped and refused; from any thread."""
+        self.decide_nothing()
+        self._worker.post(lambda: self._perform(self._dialogue.on_last_run(self._now())))
+
     # -- people ----------------------------------------------------------------------------------------------
 
     def receive(

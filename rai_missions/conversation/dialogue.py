@@ -101,6 +101,12 @@ class Dialogue:
         self._follow(view)
         return self._end()
 
+    def on_last_run(self, at: float) -> tuple[Output, ...]:
+        """No run follows the one that there is: the program ends with it."""
+        self._begin(at)
+        self._orders.end_starts()
+        return self._end()
+
     def on_mission_speech(self, text: str, at: float) -> tuple[Output, ...]:
         """The mission's own effect `say`: its author's sentence, spoken as it is."""
         self._begin(at)

@@ -74,6 +74,8 @@ class OrderSide:
         """Speaker → the last start that it ordered."""
         self._ended_run: str | None = talk.view.run if talk.view.mode and not is_alive(talk.view) else None
         self._starting_until = float("-inf")
+        self._is_last = False
+        """No run follows the one that there is."""
 
     # -- sentences -----------------------------------------------------------------------------------------------------
 
@@ -287,6 +289,9 @@ class OrderSide:
     def _is_impossible(self, judged: JudgedOrder) -> bool:
         """Whether the order is refused, because it is not possible now; the person is informed."""
         sense, settings = judged.sense, self._talk.settings
+        if self._is_last and sense.name == "start":
+            self._refuse(judged, "start_last", order=judged.words)
+            return True
         if self._is_request(sense):
             form = "request_refused" if settings.requests == "refuse" else ""
             form = form or ("queue_full" if len(self._requests) >= settings.most_requests else "")
@@ -385,7 +390,7 @@ class OrderSide:
 
     def _void(
         self,
-        by: Literal["time", "changed", "replaced", "stop", "unspoken", "withdrawn"],
+        by: Literal["time", "changed", "replaced", "stop", "unspoken", "withdrawn", "last"],
         by_speaker: tuple[str, str] = ("", ""),
     ) -> None:
         """What was read back does not count any more; the person is informed where that is not obvious."""
@@ -393,7 +398,7 @@ class OrderSide:
         if pending is None:
             return
         self._talk.note("void", order=order_data(pending.sense), by=by)
-        if by in ("time", "changed", "replaced"):
+        if by in ("time", "changed", "replaced") or (by == "last" and not pending.is_request):
             self._speaking.reply(f"void_{by}", pending.utterance, 0, order=pending.words)
         if by in ("time", "unspoken") and pending.is_request:
             self._requests.drop("requests_unanswered")
@@ -431,6 +436,14 @@ class OrderSide:
 
     # -- what happens to the run ---------------------------------------------------------------------------------------
 
+    def end_starts(self) -> None:
+        """No run follows the one that there is: what would begin one is dropped, and is refused from now on."""
+        self._is_last = True
+        asked = self._asked_request
+        if self._pending is not None and self._pending.sense.name == "start":
+            self._void("last")
+        self._requests.drop("requests_last", asked)
+
     def follow(self, before: StatusView) -> None:
         """The run's status is new: what was read back may be void, and a request's turn may have come."""
         view = self._talk.view
@@ -445,16 +458,16 @@ class OrderSide:
                 self._void("changed")
         if is_alive(view) and view.run != before.run:
             self._starting_until = float("-inf")
-            if self._requests:
-                self._requests.note()  # in the journal of the run that is new
+            self._requests.note_any()  # in the journal of the run that is new
         if view.mode and not is_alive(view) and view.run != self._ended_run:
             self._ended_run = view.run
             self._starting_until = float("-inf")
 
     def _has_become_possible(self, sense: Sense) -> bool:
         """Whether it is a start that may begin now: the mission that ran when it was read back is over."""
-        is_next = sense.name == "start" and not self._requests
-        return is_next and not why_not_now(sense, self._talk.view, self._talk.language)
+        view = self._talk.view
+        is_next = sense.name == "start" and not self._requests and not view.open_goals and not _is_locked(view)
+        return is_next and not why_not_now(sense, view, self._talk.language)
 
     def begin_requests(self) -> None:
         """The next request has its turn where no mission runs or is about to, and no one is asked for another."""
@@ -468,6 +481,8 @@ class OrderSide:
         view = self._talk.view
         if view.open_goals:
             self._requests.drop("requests_dropped")  # the robot may still move
+        elif _is_locked(view):
+            self._requests.drop("requests_stopped")
         request = self._requests.take()
         if request is None:
             return
@@ -522,6 +537,11 @@ class OrderSide:
     def wake_at(self) -> float | None:
         """When a confirmation expires."""
         return None if self._pending is None else self._pending.until
+
+
+def _is_locked(view: StatusView) -> bool:
+    """Whether the run is over by an e-stop: no other begins until an operator has taken control."""
+    return bool(view.mode) and not is_alive(view) and view.control == "nobody"
 
 
 def _is_spoken(turn: TalkTurn, to: Utterance) -> bool:

@@ -68,6 +68,11 @@ class RequestQueue:
         """Note what waits: a program that resumes the run after a kill reports what was lost."""
         self._talk.note("waiting", requests=[*self._lost, *self.words])
 
+    def note_any(self) -> None:
+        """Note what waits, or was lost and has yet to be reported, where there is anything."""
+        if self._waiting or self._lost:
+            self.note()
+
     def lose(self, requests: Sequence[str], run: str) -> None:
         """Have it reported that these are lost, which waited in a program that was killed.
 

@@ -231,6 +231,8 @@ def test_after_a_run_that_did_not_succeed_a_request_begins_by_a_yes_alone(
         if runs == 2:
             screen.until("done := 3")
             screen.until("'errand' was aborted")
+        elif answer == "\x03":
+            screen.until("because the program ends")
         assert screen.program.wait(PATIENCE_S) == 1
     assert mission.with_name("errand-2.journal").exists() == (runs == 2)
 

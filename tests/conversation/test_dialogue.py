@@ -177,6 +177,42 @@ def test_what_was_lost_is_noted_with_what_waits_until_it_was_spoken_whole(happen
     assert noted is not None or owed
 
 
+def test_what_was_lost_and_is_not_spoken_is_noted_in_the_journal_of_the_next_run_too() -> None:
+    resumed, lost = PATROL._replace(is_resumed=True), ["start the mission 'tour'"]
+    dialogue = Dialogue(view=resumed)
+    dialogue.on_lost_requests(lost, resumed, 0.0)
+    dialogue.on_status(resumed._replace(mode="succeeded", outcome="succeeded"), 1.0)
+    outputs = dialogue.on_status(resumed._replace(run="r-2", mode="running", outcome=None), 2.0)
+    notes = [each.data["requests"] for each in outputs if isinstance(each, TalkNote) and each.kind == "waiting"]
+    assert notes == [lost]
+
+
+STOPS = {"interrupt": "because the program ends", "e-stop": "because of the stop", "loose": "may still move"}
+
+
+@pytest.mark.parametrize("how", STOPS)
+@pytest.mark.parametrize("waits", [0, 2])
+def test_where_no_run_can_follow_no_start_is_asked_for(how: str, waits: int) -> None:
+    ends = {"e-stop": {"control": "nobody"}, "loose": {"open_goals": ("move",)}}
+    over = PATROL._replace(mode="canceled", outcome="canceled", **ends.get(how, {}))
+    dialogue = Dialogue(Settings(requests="queue"), PATROL)
+
+    def say(text: str, at: float, view: StatusView) -> list[str]:
+        outputs = dialogue.on_utterance(Utterance(text, "operator", "terminal", at=at), view)
+        return [each.text for each in outputs if isinstance(each, Speech)]
+
+    for text in ["start the tour", "yes"] * waits or ["start the patrol"]:
+        say(text, 1.0, PATROL)
+    outputs = dialogue.on_last_run(2.0) if how == "interrupt" else ()
+    outputs += dialogue.on_status(over, 3.0)
+    texts = [each.text for each in outputs if isinstance(each, Speech) and not each.report]
+    assert not dialogue.asks_to_begin and not any("yes or no" in text for text in texts)
+    reason, named = (STOPS[how], "'tour'") if waits else ("nothing is ordered", "'patrol'")
+    assert [text.count(named) for text in texts if reason in text] == [waits or 1]
+    if how == "interrupt":
+        assert "Not accepted" in say("start the patrol", 4.0, over)[0]
+
+
 @pytest.mark.parametrize("mode", ["succeeded", "failed"])
 @pytest.mark.parametrize("waits", [0, 1])
 def test_a_start_that_was_read_back_is_read_back_again_once_the_mission_is_over(mode: str, waits: int) -> None:

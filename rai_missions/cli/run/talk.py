@@ -230,7 +230,7 @@ class TalkSession:
 
         def interrupt(by: str) -> None:
             runs.interrupt(by)
-            agent.decide_nothing()
+            agent.end_starts()
 
         with on_interrupts(interrupt, self.kill):
             yield
@@ -244,7 +244,7 @@ class TalkSession:
         runs, agent = self._runs, self.agent
         if runs is not None and agent is not None:
             runs.kill(by)
-            agent.decide_nothing()
+            agent.end_starts()
 
     @property
     def _is_reachable(self) -> bool:
