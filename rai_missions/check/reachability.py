@@ -48,7 +48,7 @@ def default_entry(survey: MissionIndex, spot: StateRef) -> list[StateRef]:
         return survey.found(spot.state.default) or ([spot.parent] if spot.parent is not None else [])
     if isinstance(spot.state, Parallel):
         return [child for child in spot.children if not isinstance(child.state, History)]
-    named = survey.found(getattr(spot.state, "initial", ()))
+    named = survey.found(spot.state.starts())
     found = [
         each
         for each in named

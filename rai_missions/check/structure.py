@@ -24,7 +24,7 @@ Found = Iterator[tuple[str, str]]
 def initial_outside(survey: MissionIndex) -> Found:
     """`initial` names a state inside the one that it is in; a history of the same has a default."""
     for spot in survey.spots:
-        names = getattr(spot.state, "initial", ())
+        names = spot.state.starts()
         for index, name in enumerate(names):
             target = survey.by_name.get(name)
             place = f"{spot.place}/initial" + (f"/{index}" if len(names) > 1 else "")
@@ -70,7 +70,7 @@ def history_defaults(survey: MissionIndex) -> Found:
 def target_lists(survey: MissionIndex) -> Found:
     """A list of targets names one state in each of several regions of one parallel."""
     lists = [("/initial", survey.mission.initial)]
-    initials = ((spot.place, getattr(spot.state, "initial", ())) for spot in survey.spots)
+    initials = ((spot.place, spot.state.starts()) for spot in survey.spots)
     lists += [(f"{place}/initial", names) for place, names in initials if len(names) > 1]
     lists += [(f"{each.place}/to", each.definition.to) for each in survey.transitions if len(each.definition.to) > 1]
     for place, names in lists:

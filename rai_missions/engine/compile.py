@@ -70,13 +70,13 @@ class CompiledMission:
 
     def _link(self) -> None:
         self.root.initial = tuple(self.nodes[name] for name in self.mission.initial)
-        starts = [name for node in self.order[1:] for name in _leads(node)]
-        self.uses_history = any(self.nodes[name].is_history for name in (*starts, *self.mission.initial))
+        for node in self.order[1:]:
+            node.initial = tuple([self.nodes[name] for name in _leads(node)])
+        self.uses_history = any(target.is_history for node in self.order for target in node.initial)
         self._transitions(self.root, self.mission.transitions)
         for node in self.order[1:]:
             state = node.state
             assert state is not None
-            node.initial = tuple(self.nodes[name] for name in _leads(node))
             node.clocked = node.clocked or node.activity  # its machine's guards, a profile's too, may ask for its age
             if state.entry:
                 node.entry = self._acts(state.entry, f"{node.place}/entry", node)
@@ -159,5 +159,4 @@ def _leads(node: Node) -> Iterable[str]:
     around = node.parent if node.is_history else node
     if around is None or around.state is None:
         return ()
-    initial: tuple[str, ...] = getattr(around.state, "initial", ())
-    return initial
+    return around.state.starts()

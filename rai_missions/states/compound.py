@@ -35,6 +35,9 @@ class Compound(State, word="states"):
     def children(self) -> Mapping[str, State]:
         return self.states
 
+    def starts(self) -> tuple[str, ...]:
+        return self.initial
+
 
 class Parallel(State, word="parallel"):
     """All regions are active at a time; when each has reached a final, the worst outcome is its own."""
@@ -78,6 +81,9 @@ class Each(State, word="each"):
 
     def children(self) -> Mapping[str, State]:
         return self.states
+
+    def starts(self) -> tuple[str, ...]:
+        return self.initial
 
     def writes(self, place: str = "") -> Iterator[KeyValue]:
         yield KeyValue(self.item, f"{place}/as", "each", self.each)

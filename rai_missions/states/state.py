@@ -249,6 +249,10 @@ class State(TaggedModel, family="state", group="rai_missions.activities", word="
         """The word under which its children are written."""
         return "states"
 
+    def starts(self) -> tuple[str, ...]:
+        """The states inside it with which it begins, by their names; empty where none is named."""
+        return ()
+
     def outcomes(self) -> frozenset[str]:
         """What it can report about itself, next to the outcomes of children."""
         return frozenset({"timed_out"} if self.timeout_s is not None else ())
