@@ -29,6 +29,7 @@ INTEGERS = range(-(2**63), 2**63)
 TOKEN = re.compile(r'"(?:[^"\\]++|\\.)*+(?:"|\Z)|([\[\]{}])', re.DOTALL)
 DEEPER = {"[": 1, "{": 1, "]": -1, "}": -1, None: 0}
 """What a token, or a string (None), adds to the depth."""
+NO_BRACKETS = bytes(set(range(256)) - set(b"[]{}"))
 SURROGATE = re.compile(r"\\u[dD][89a-fA-F]")
 
 
@@ -100,6 +101,8 @@ def parse_json(raw: bytes, source: str = "") -> Any:
 
 def too_deep(text: str) -> int | None:
     """Where JSON text first nests deeper than `MAX_DEPTH`, if it does."""
+    if _is_shallow(text):
+        return None
 
     def depths() -> Iterator[int]:
         return accumulate(map(DEEPER.__getitem__, map(itemgetter(1), TOKEN.finditer(text))))
@@ -108,6 +111,22 @@ def too_deep(text: str) -> int | None:
         return None
     number = next((number for number, depth in enumerate(depths()) if depth > MAX_DEPTH), None)
     return None if number is None else next(islice(TOKEN.finditer(text), number, None)).start()
+
+
+def _is_shallow(text: str) -> bool:
+    """Whether it is plain at once that text nests within `MAX_DEPTH`; where it is not, each token has to be counted.
+
+    A round takes away two levels at most: the empty objects, then the empty lists.
+    """
+    if "\\" in text:  # a quote may be part of a string then
+        return False
+    brackets = "".join(text.split('"')[::2]).encode(errors="replace").translate(None, NO_BRACKETS)
+    for _ in range(MAX_DEPTH // 2):
+        fewer = brackets.replace(b"{}", b"").replace(b"[]", b"")
+        if len(fewer) in (0, len(brackets)):
+            return not fewer
+        brackets = fewer
+    return False
 
 
 def _parsed(text: str, suspects: list[Any], source: str) -> Any:

@@ -12,7 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from rai_missions.errors import DefinitionError, UsageError
-from rai_missions.mission.json_reader import MAX_BYTES, MAX_DEPTH, file_bytes, parse_json
+from rai_missions.mission.json_reader import MAX_BYTES, MAX_DEPTH, file_bytes, parse_json, too_deep
 
 JSON = st.recursive(
     st.none() | st.booleans() | st.integers(-(2**63), 2**63 - 1) | st.floats(allow_nan=False, allow_infinity=False)
@@ -114,6 +114,32 @@ def test_a_number_of_many_digits_is_a_fault_too() -> None:
 
 def test_as_deep_as_the_bound_is_read() -> None:
     assert parse_json(b"[" * MAX_DEPTH + b"]" * MAX_DEPTH) is not None
+
+
+def first_too_deep(text: str) -> int | None:
+    """Where text first nests deeper than the bound, letter by letter."""
+    depth, is_text, is_escaped = 0, False, False
+    for at, letter in enumerate(text):
+        if is_text:
+            is_text = is_escaped or letter != '"'
+            is_escaped = letter == "\\" and not is_escaped
+        else:
+            is_text = letter == '"'
+            depth += (letter in "[{") - (letter in "]}")
+            if depth > MAX_DEPTH:
+                return at
+    return None
+
+
+@pytest.mark.parametrize("times", [MAX_DEPTH // 2, MAX_DEPTH // 2 + 1, MAX_DEPTH, MAX_DEPTH + 1])
+@pytest.mark.parametrize(
+    ("opening", "closing"),
+    [("[", "]"), ("{", "}"), ("[{", "}]"), ("{}[", "]"), ("[", "}"), ('["]"', '"["]'), ('["\\"]\\""', '"\\"[\\""]')],
+)
+@pytest.mark.parametrize("middle", ["", "{}", "{[]}", "[", "]", '"', '"]"'])
+def test_the_depth_is_that_of_the_brackets_outside_texts(opening: str, closing: str, times: int, middle: str) -> None:
+    text = opening * times + middle + closing * times
+    assert too_deep(text) == first_too_deep(text)
 
 
 def test_every_oddity_is_reported_at_once() -> None:
