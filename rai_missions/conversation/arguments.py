@@ -21,7 +21,18 @@ IN_WORDS = frozenset({"integer", "number", "boolean", "string"})
 
 
 class BadValue(MissionError):
-    """A sentence gives a value that does not fit; its text is for the person, in the dialogue's language."""
+    """A sentence gives a value that does not fit; its text is for the person, in the dialogue's language.
+
+    Args:
+        text: What is wrong, and what would be right.
+        key: The argument that it was for, where that is known.
+    """
+
+    def __init__(self, text: str, key: str = "") -> None:
+        super().__init__(text)
+        self.key = key
+        self.others: Mapping[str, Any] = {}
+        """The values of the other parts of a list of arguments."""
 
 
 def spoken_name(key: KeyView, language: Language) -> str:
@@ -37,7 +48,7 @@ def key_value(words: Sequence[str], key: KeyView, language: Language) -> Any:
     """
     name, kind = spoken_name(key, language), language.data["texts"]["types"][key.type]
     if key.type not in IN_WORDS:
-        raise BadValue(language.text("not_spoken", name=name, type=kind))
+        raise BadValue(language.text("not_spoken", name=name, type=kind), key.name)
     value: Any = number(words, language.data)
     if key.type == "boolean":
         given = " ".join(words)
@@ -47,7 +58,7 @@ def key_value(words: Sequence[str], key: KeyView, language: Language) -> Any:
     elif key.type == "integer" and not isinstance(value, int):
         value = None
     if value is None:
-        raise BadValue(language.text("bad_value", given=" ".join(words), name=name, type=kind))
+        raise BadValue(language.text("bad_value", given=" ".join(words), name=name, type=kind), key.name)
     return value
 
 
@@ -65,10 +76,16 @@ def read_arguments(
     Raises:
         BadValue: A part names no argument, or its value does not fit.
     """
-    values = dict[str, Any]()
+    values, misfit = dict[str, Any](), None
     for chunk in _chunks(words, language):
-        key, value = _one(chunk, keys, language, owner)
-        values[key.name] = value
+        try:
+            key, value = _one(chunk, keys, language, owner)
+            values[key.name] = value
+        except BadValue as error:
+            misfit = misfit or error
+    if misfit is not None:
+        misfit.others = values
+        raise misfit
     return values
 
 

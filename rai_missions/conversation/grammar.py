@@ -10,6 +10,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from itertools import groupby
 
 from rai_missions.conversation.arguments import BadValue, read_arguments
+from rai_missions.conversation.corrections import Corrections, Draft
 from rai_missions.conversation.language import Language, spoken
 from rai_missions.conversation.named import key_named, missions_named, option_named
 from rai_missions.conversation.phrases import Phrases
@@ -22,6 +23,7 @@ from rai_missions.planning.text.normalise import LONGEST_WORD, is_near, once
 __all__ = ("STOP", "Grammar")
 
 STOP = Sense("order", "stop")
+FAULT = (Sense("fault"),)
 MOST_WORDS = 40
 """Words of the longest sentence that may be an order or a question of state."""
 MOST_MENDED = 12
@@ -51,39 +53,76 @@ class Grammar:
     ) -> None:
         self.language = language
         self._phrases = phrases or StartPhrases((), {}, language)
+        self._corrections = Corrections(language, self._phrases)
         self._own_questions = [(Phrases([each], language.data["parts"]), path) for each, path in questions.items()]
         words = frozenset(word for each, _ in self._own_questions for word in each.words)
         self._vocabulary = language.vocabulary() | self._phrases.words | words
 
-    def senses(self, text: str, view: StatusView) -> tuple[Sense, ...]:
+    def senses(self, text: str, view: StatusView, draft: Draft | None = None) -> tuple[Sense, ...]:
         """What the sentence may mean in this moment; several where it is ambiguous, empty for other talk.
 
         Args:
             text: The sentence, as it was received.
             view: The run: which options, missions and keys there are.
+            draft: The order that it may correct.
         """
-        whole = self._sentence(text, view)
-        parts = [] if whole else self.language.normaliser.parts(text)
+        words = self.language.normaliser.words(text)
+        whole = self._sentence(words, view, draft)
+        is_open = _is_open(whole)
+        several = self._several(words, view, whole) if is_open else ()
+        parts = self.language.normaliser.parts(text) if is_open and not several else []
         if len(parts) < 2:
-            return whole
+            return several or whole
+        return self._in_parts(parts, view, draft) or whole
+
+    def _in_parts(self, parts: list[str], view: StatusView, draft: Draft | None) -> tuple[Sense, ...]:
+        """What the sentences of an utterance mean together."""
         if len(parts) > MOST_PARTS:
             parts = [parts[0], "", parts[-1]]
-        each = [self._sentence(part, view) for part in parts]
+        spoken_words = [self.language.normaliser.words(part) for part in parts]
+        each = [self._sentence(words, view, draft) for words in spoken_words]
         if STOP in each[0] or STOP in each[-1]:
             return (STOP,)
-        meant = [senses for senses in each if not _is_greeting(senses)]
-        return meant[0] if all(each) and len(meant) == 1 else ()
+        meant = [(senses, part) for senses, part in zip(each, parts, strict=True) if not _is_greeting(senses)]
+        if not all(each) or not meant:
+            return ()
+        if len(meant) == 1:
+            return meant[0][0]
+        if not all(map(_is_order, each)) or any(self.language.correction.fits(words) for words in spoken_words[1:]):
+            return ()
+        rest = " ".join(part for _, part in meant[1:]).rstrip(".!?; ")
+        return tuple(sense._replace(rest=rest) for sense in meant[0][0])
 
-    def _sentence(self, text: str, view: StatusView) -> tuple[Sense, ...]:
+    def _several(self, words: list[str], view: StatusView, whole: tuple[Sense, ...]) -> tuple[Sense, ...]:
+        """The first of several orders in one sentence, with the rest of it: `go to the kitchen and find the cup`.
+
+        Args:
+            words: Of the sentence.
+            view: The run.
+            whole: What the sentence means as a whole.
+        """
+        if len(words) > MOST_WORDS:
+            return ()
+        for joint, at in _joints(words, self.language):
+            left, right = words[:at], words[at + len(joint) :]
+            first = self._sentence(left, view)
+            second = self._sentence(right, view) if _is_order(first) else ()
+            if STOP in second or (STOP in first and not whole):
+                return (STOP,)
+            if _is_order(first) and (_is_order(second) or _is_fault(whole)):
+                return tuple(sense._replace(rest=" ".join(right)) for sense in first)
+        return ()
+
+    def _sentence(self, words: list[str], view: StatusView, draft: Draft | None = None) -> tuple[Sense, ...]:
         normaliser = self.language.normaliser
-        words = normaliser.words(text)
         if not words or len(words) > MOST_WORDS or max(map(len, words)) > LONGEST_WORD:
             return ()
         called = _called(view.robot)
         bare = list(once(normaliser.bare(words, called)))
-        found = self._words(bare, view) or self._words(words, view) or self._words(self._unnamed(bare, view), view)
-        found = found or self._words(normaliser.bare(words, called, is_tail_first=True), view)
-        return found or (self._mended(bare, view) if len(bare) <= MOST_MENDED else ())
+        ways = (bare, words, self._unnamed(bare, view), normaliser.bare(words, called, is_tail_first=True))
+        found = next(filter(None, (self._words(each, view, draft) for each in ways)), ())
+        mended = self._mended(bare, view, draft) if len(bare) <= MOST_MENDED and _is_fault(found or FAULT) else ()
+        return mended if mended and not _is_fault(mended) else found or mended
 
     def _unnamed(self, words: list[str], view: StatusView) -> list[str]:
         """The words with `mission` in place of the running mission's name: `pause the patrol`."""
@@ -94,7 +133,7 @@ class Grammar:
             return []
         return [each for is_name, run in runs for each in ([word] if is_name else run)]
 
-    def _mended(self, words: list[str], view: StatusView) -> tuple[Sense, ...]:
+    def _mended(self, words: list[str], view: StatusView, draft: Draft | None) -> tuple[Sense, ...]:
         """As after small errors of a recogniser or a keyboard."""
         known = {*self._vocabulary, *_words_of(view)}
         misheard = self.language.data["mishearings"]
@@ -102,7 +141,7 @@ class Grammar:
         if len(words) == 1:
             mended = [misheard.get(words[0], words[0])]
         mended = [self._nearest(word, known) for word in mended]
-        return self._words(mended, view) if mended != words else ()
+        return self._words(mended, view, draft) if mended != words else ()
 
     def _nearest(self, word: str, known: set[str]) -> str:
         if word in known or len(word) < NEAREST:
@@ -110,8 +149,10 @@ class Grammar:
         near = [each for each in known if len(each) >= NEAREST - 1 and is_near(word, each)]
         return near[0] if len(near) == 1 else word
 
-    def _words(self, words: list[str], view: StatusView) -> tuple[Sense, ...]:
+    def _words(self, words: list[str], view: StatusView, draft: Draft | None = None) -> tuple[Sense, ...]:
         language = self.language
+        if not words:
+            return ()
         if language.quiet.fits(words):
             return (Sense("quiet"),)
         if language.withdraw.fits(words):
@@ -124,8 +165,34 @@ class Grammar:
         found += [Sense("again")] if language.again.fits(words) else []
         found += self._phrases.senses(words, view.missions)
         found += self._starts(words, view)
+        found = found or self._corrected(words, view, draft)
         found = found or list(self._questions(words, view))
         return tuple({sense.identity: sense for sense in found}.values())
+
+    # -- corrections ---------------------------------------------------------------------------------------------------
+
+    def _corrected(self, words: list[str], view: StatusView, draft: Draft | None) -> list[Sense]:
+        """What it has in place of what was ordered: another order, or the draft's with another value."""
+        if self.language.other.fits(words):
+            return [self._corrections.other(draft, view) if draft is not None else Sense("other")]
+        completed = self._corrections.completed(words, draft, view) if draft is not None else None
+        if completed is not None:
+            return [completed]
+        faults = list[Sense]()
+        for instead in self._corrections.instead(words):
+            inner = self._words(instead, view)
+            if inner and (inner[0].kind in ("order", "fault") or inner[0].name not in ("key", "value")):
+                return [
+                    each._replace(is_partial=each.is_partial or each.name == "answer", is_correction=draft is not None)
+                    for each in inner
+                ]
+            corrected = self._corrections.corrected(instead, draft, view) if draft is not None else None
+            if corrected is not None and corrected.kind == "order":
+                return [corrected]
+            if inner:
+                return list(inner)
+            faults += [corrected] if corrected is not None else []
+        return faults[:1]
 
     # -- the open question ---------------------------------------------------------------------------------------------
 
@@ -203,8 +270,11 @@ class Grammar:
         try:
             values = read_arguments(arguments, mission.arguments, self.language, owner=mission.name)
         except BadValue as error:
-            return Sense("fault", "start", fault=str(error))
-        return Sense("order", "start", mission=mission.name, arguments=values)
+            lacks = (error.key,) if error.key else ()
+            return Sense(
+                "fault", "start", mission.name, error.others, fault=str(error), named=tuple(error.others), lacks=lacks
+            )
+        return Sense("order", "start", mission=mission.name, arguments=values, named=tuple(values))
 
     # -- questions of state --------------------------------------------------------------------------------------------
 
@@ -228,6 +298,30 @@ class Grammar:
 
 def _is_greeting(senses: Sequence[Sense]) -> bool:
     return bool(senses) and all(sense.kind == "question" and sense.name in ("hello", "thanks") for sense in senses)
+
+
+def _is_fault(senses: Sequence[Sense]) -> bool:
+    """Whether it gives values that do not fit, and means nothing else."""
+    return bool(senses) and all(sense.kind == "fault" for sense in senses)
+
+
+def _is_open(senses: Sequence[Sense]) -> bool:
+    """Whether the words may be several sentences: they mean nothing, or have words as values that may fit or not."""
+    return not senses or _is_fault(senses) or all(sense.named for sense in senses)
+
+
+def _is_order(senses: Sequence[Sense]) -> bool:
+    """Whether it can be taken for nothing but orders."""
+    return bool(senses) and all(sense.kind == "order" for sense in senses)
+
+
+def _joints(words: Sequence[str], language: Language) -> Iterator[tuple[list[str], int]]:
+    """Each place at which one order may end and the next begin, with the words that join them."""
+    joints = sorted((each.split() for each in language.data["order_joints"]), key=len, reverse=True)
+    for at in range(1, len(words) - 1):
+        joint = next((each for each in joints if words[at : at + len(each)] == each), None)
+        if joint is not None and at + len(joint) < len(words):
+            yield joint, at
 
 
 def _own(view: StatusView) -> list[MissionView]:

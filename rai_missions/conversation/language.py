@@ -37,13 +37,16 @@ class Language(LanguageTexts):
         self.yes, self.no = Phrases(data["yes"], parts), Phrases(data["no"], parts)
         self.quiet, self.withdraw = Phrases(data["quiet"], parts), Phrases(data["withdraw"], parts)
         self.again = Phrases(data["again"], parts)
+        self.correction, self.other = Phrases(data["correction"], parts), Phrases(data["other"], parts)
         self.start, self.answer = Phrases(data["start"], parts), Phrases(data["answer"], parts)
         self.argument = Phrases(data["argument"], parts)
         self.with_values = Phrases([data["with_values"]], parts)
 
     def vocabulary(self) -> frozenset[str]:
         """Every word of the grammar: what a misspelled word may be meant as."""
-        alone = (self.yes, self.no, self.quiet, self.withdraw, self.again, self.start)
+        alone = (
+            self.yes, self.no, self.quiet, self.withdraw, self.again, self.start, self.correction, self.other,
+        )  # fmt: skip
         every = (*self.orders.values(), *self.questions.values(), *alone)
         return frozenset(word for each in every for word in each.words)
 

@@ -11,6 +11,7 @@ from collections.abc import Iterator, Sequence
 from typing import Literal
 
 from rai_missions.conversation.confirmation import Confirmable
+from rai_missions.conversation.corrections import Draft
 from rai_missions.conversation.grammar import STOP, Grammar
 from rai_missions.conversation.inputs import OrderEnd, SpeechEnd, Utterance
 from rai_missions.conversation.judging import (
@@ -66,6 +67,9 @@ class OrderSide:
         self._grammar = Grammar(talk.language, phrases, talk.settings.questions)
         self._count = 0
         self._pending: Confirmable | None = None
+        self._drafts: dict[tuple[str, str], Sense] = {}
+        """Speaker → the order that its last sentence had refused or dropped, and which the next may complete."""
+        self._drafts_at = float("-inf")
         self._ended_at, self._ended_by = float("-inf"), ("", "")
         self._requests = RequestQueue(talk, speaking)
         self._under_way: dict[int, JudgedOrder] = {}
@@ -85,12 +89,25 @@ class OrderSide:
 
     def _senses(self, utterance: Utterance) -> list[tuple[Sense, ...]]:
         """What each of its readings may mean."""
-        readings = utterance.readings or (utterance.text,)
-        return [self._grammar.senses(cut(text, 10_000), self._talk.view) for text in readings]
+        readings, draft = utterance.readings or (utterance.text,), self._draft(utterance)
+        return [self._grammar.senses(cut(text, 10_000), self._talk.view, draft) for text in readings]
+
+    def _draft(self, utterance: Utterance) -> Draft | None:
+        """The order that this sentence may correct: its speaker's last, or the one that is read back."""
+        last = self._drafts.get(utterance.speaker)
+        if last is not None and self._talk.now - self._drafts_at < self._talk.settings.confirm_s:
+            return Draft(last, is_asked_for=True)
+        pending = self._pending
+        return None if pending is None or pending.is_request else Draft(pending.sense)
+
+    def _keep(self, sense: Sense, speaker: tuple[str, str]) -> None:
+        """The next sentence of this speaker may correct or complete this order."""
+        self._drafts, self._drafts_at = {speaker: sense}, self._talk.now
 
     def on_utterance(self, utterance: Utterance, number: int) -> Handling:
         """A person's sentence."""
         each = self._senses(utterance)
+        self._drafts.pop(utterance.speaker, None)
         if any(STOP in senses for senses in each):
             return self._stop(utterance, number)
         self._speaking.speak_due(now=True)
@@ -169,12 +186,17 @@ class OrderSide:
             self._withdraw(utterance, number)
         elif sense.kind == "again":
             self._again(utterance, number, agreeing)
+        elif sense.kind == "other":
+            self._other(sense, utterance, number)
         elif not may(utterance.role, sense.name, self._talk.settings):  # type: ignore[arg-type]
             self._refuse_permission(sense.name, utterance, number)
         elif sense.kind == "fault":
             self._talk.note("refused", number=number, order=sense.name, why=sense.fault, by="grammar")
             self._speaking.speak(sense.fault, to=utterance.channel, reply_to=number)
+            self._keep(sense, utterance.speaker)
         else:
+            if sense.rest:
+                self._speaking.reply("one_at_a_time", utterance, number, rest=cut(sense.rest, LONGEST_REASON))
             self.take(sense, utterance, number, mapper="grammar", agreeing=agreeing)
 
     def _answer(self, sense: Sense, utterance: Utterance, number: int) -> None:
@@ -195,6 +217,17 @@ class OrderSide:
             self._answer(Sense("question", "repeat"), utterance, number)
         else:
             self.take(last, utterance, number, mapper="grammar", agreeing=agreeing)
+
+    def _other(self, sense: Sense, utterance: Utterance, number: int) -> None:
+        """Another one than was read back, or asked for last; the person is asked which."""
+        pending = self._pending
+        if pending is not None:
+            self._decide(utterance, number, is_yes=False, is_agreed=True)
+        if sense.fault and self._pending is None:
+            self._speaking.speak(sense.fault, to=utterance.channel, reply_to=number)
+            self._keep(sense, utterance.speaker)
+        elif pending is None:
+            self._answer_nothing(utterance, number)
 
     def _refuse_ask(self, utterance: Utterance, number: int) -> None:
         channel = self._talk.language.word("channels", utterance.channel)
@@ -348,7 +381,8 @@ class OrderSide:
 
     def _read_back(self, judged: JudgedOrder, *, is_request: bool = False) -> None:
         if self._pending is not None:
-            self._void("replaced", by_speaker=judged.utterance.speaker)
+            by: Literal["corrected", "replaced"] = "corrected" if judged.sense.is_correction else "replaced"
+            self._void(by, by_speaker=judged.utterance.speaker)
         rests_on = self._binding(judged.sense, is_request=is_request)
         pending = Confirmable(
             judged.sense, judged.utterance, judged.mapper, judged.words, rests_on, self._talk.now,
@@ -390,7 +424,7 @@ class OrderSide:
 
     def _void(
         self,
-        by: Literal["time", "changed", "replaced", "stop", "unspoken", "withdrawn", "last"],
+        by: Literal["time", "changed", "replaced", "corrected", "stop", "unspoken", "withdrawn", "last"],
         by_speaker: tuple[str, str] = ("", ""),
     ) -> None:
         """What was read back does not count any more; the person is informed where that is not obvious."""
@@ -416,6 +450,7 @@ class OrderSide:
             self._end_pending(utterance.speaker)
             self._talk.note("void", order=order_data(pending.sense), by="no", number=number)
             self._speaking.reply("dropped", utterance, number)
+            self._keep(pending.sense, utterance.speaker)
         elif utterance.is_spoken and not is_agreed:
             self._talk.note("refused", number=number, order="confirm", by="recognisers")
             self._speaking.reply("two_needed", utterance, number, order=pending.words)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a sentence may mean, as a value: an order, its repetition or withdrawal, yes or no, a question, or a fault."""
+"""What a sentence may mean, as a value: an order, its repetition or correction, yes or no, a question, or a fault."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import Any, Literal, NamedTuple
 
 __all__ = ("Sense", "SenseKind")
 
-SenseKind = Literal["order", "yes", "no", "quiet", "withdraw", "again", "question", "fault"]
+SenseKind = Literal["order", "yes", "no", "quiet", "withdraw", "again", "other", "question", "fault"]
 
 
 class Sense(NamedTuple):
@@ -30,6 +30,14 @@ class Sense(NamedTuple):
     """Only a part of an option's words was named: it is read back."""
     fault: str = ""
     """Of a `fault`: what is wrong and what would be right, in the dialogue's language."""
+    named: tuple[str, ...] = ()
+    """Of a start: the arguments whose values the sentence itself has; a correction may replace them."""
+    lacks: tuple[str, ...] = ()
+    """Of a `fault`: the arguments that the sentence gave no value which fits."""
+    is_correction: bool = False
+    """It is an order read before, with another value; it takes the place of that one."""
+    rest: str = ""
+    """What the sentence orders besides, in its words; it is not taken."""
 
     @property
     def identity(self) -> str:

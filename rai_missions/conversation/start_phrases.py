@@ -72,7 +72,8 @@ class StartPhrases:
     def __init__(self, given: Sequence[StartPhrase], names: Names, language: Language) -> None:
         self._names, self._language = names, language
         self._each = [self._compiled(each) for each in given]
-        self.words = frozenset(word for each in self._each for word in each.phrases.words)
+        named = (word for choices in names.values() for name in choices for word in spoken(name).lower().split())
+        self.words = frozenset(named).union(*(each.phrases.words for each in self._each))
 
     def _compiled(self, given: StartPhrase) -> CompiledPhrase:
         phrases = Phrases([given.phrase], self._language.data["parts"])
@@ -92,15 +93,34 @@ class StartPhrases:
     def _start(
         self, mission: MissionView, slots: Mapping[str, str], given: Mapping[str, Any], keys: Mapping[str, KeyView]
     ) -> Sense:
-        try:
-            named = {name: self._value(words.split(), keys[name]) for name, words in slots.items() if name in keys}
-        except BadValue as error:
-            return Sense("fault", "start", fault=str(error))
-        texts = {name: _filled(value, slots) for name, value in given.items()}
-        return Sense("order", "start", mission=mission.name, arguments={**texts, **named})
+        values: dict[str, Any] = {name: _filled(value, slots) for name, value in given.items()}
+        faults = dict[str, str]()
+        for name, words in ((name, words.split()) for name, words in slots.items() if name in keys):
+            try:
+                values[name] = self.value(words, keys[name])
+            except BadValue as error:
+                faults[name] = str(error)
+        sense = Sense(
+            "order",
+            "start",
+            mission=mission.name,
+            arguments=values,
+            named=tuple(name for name in slots if name in keys),
+        )
+        if faults:
+            sense = sense._replace(kind="fault", fault=next(iter(faults.values())), lacks=tuple(faults))
+        return sense
 
-    def _value(self, words: Sequence[str], key: KeyView) -> Any:
-        """The value that words are for a key, without the article before them."""
+    def choices(self, argument: str) -> Mapping[str, Any]:
+        """The words for each value of an argument that has no other values; empty where it has any."""
+        return self._names.get(argument, {})
+
+    def value(self, words: Sequence[str], key: KeyView) -> Any:
+        """The value that words are for a key, without the article before them.
+
+        Raises:
+            BadValue: They are none.
+        """
         articles = self._language.data["articles"]
         bare = list(words[1:] if len(words) > 1 and words[0] in articles else words)
         if key.name not in self._names:

@@ -1,0 +1,130 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Corrections: `no, the plant` and `the other one`, for the order that was read back, dropped or refused last.
+
+Rule: a correction is an order of its own, which is read back whole; nothing is taken from it silently.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any, NamedTuple
+
+from rai_missions.conversation.arguments import BadValue, spoken_name
+from rai_missions.conversation.language import Language
+from rai_missions.conversation.senses import Sense
+from rai_missions.conversation.start_phrases import StartPhrases
+from rai_missions.conversation.state_answers import question_text
+from rai_missions.conversation.view import KeyView, StatusView
+
+__all__ = ("Corrections", "Draft")
+
+LONGEST = 4
+"""Words of the longest text that replaces another one."""
+
+
+class Draft(NamedTuple):
+    """The order that a sentence may correct."""
+
+    sense: Sense
+    is_asked_for: bool = False
+    """Nothing is read back, and the order lacks what the person wants: a value alone completes it."""
+
+
+class Corrections:
+    """Reads corrections of one language.
+
+    Args:
+        language: Its data.
+        phrases: The robot's own sentences, and the words for its values.
+    """
+
+    def __init__(self, language: Language, phrases: StartPhrases) -> None:
+        self._language, self._phrases = language, phrases
+
+    def instead(self, words: Sequence[str]) -> Iterator[list[str]]:
+        """What is to be in place of what was meant: `the plant` of `no, the plant`."""
+        for slots in self._language.correction.match(words):
+            yield slots["instead"].split()
+
+    def corrected(self, words: Sequence[str], draft: Draft, view: StatusView) -> Sense | None:
+        """The draft with these words in place of one of its values, or what is wrong with them; None for other talk."""
+        sense = draft.sense
+        if sense.name != "start" or len(words) > LONGEST + 1:
+            return None
+        bare = self._without_preposition(words)
+        keys = self._keys(sense, view)
+        named = [keys[name] for name in dict.fromkeys((*sense.lacks, *sense.named)) if name in keys]
+        closed = [keys[name] for name in sense.arguments if name in keys and self._phrases.choices(name)]
+        for key in (*named, *closed):
+            if (self._phrases.choices(key.name) or key.type != "string") and self._fits(bare, key):
+                return self._with(draft, key, bare)
+        texts = [key for key in named if key.type == "string" and not self._phrases.choices(key.name)]
+        if len(texts) == 1 and bare == list(words) and len(bare) <= LONGEST and self._is_text(bare, texts[0], draft):
+            return self._with(draft, texts[0], bare)
+        return self._fault(sense, bare, named)
+
+    def _is_text(self, words: Sequence[str], key: KeyView, draft: Draft) -> bool:
+        """Whether any words may be the text: it is asked for, or they are marked as a correction or by an article."""
+        return not draft.is_asked_for or key.name in draft.sense.lacks or words[0] in self._language.data["articles"]
+
+    def completed(self, words: Sequence[str], draft: Draft, view: StatusView) -> Sense | None:
+        """The draft with these words alone, where a value is asked for; None where they are none."""
+        found = self.corrected(words, draft, view) if draft.is_asked_for else None
+        return found if found is not None and found.kind == "order" else None
+
+    def other(self, draft: Draft, view: StatusView) -> Sense:
+        """The only other choice that there is, or the question for another one."""
+        sense, language = draft.sense, self._language
+        if sense.name == "answer":
+            question = view.question(sense.question)
+            offers = question.options if question is not None else ()
+            others = [offer for offer in offers if offer.name != sense.option]
+            if len(others) == 1 and len(offers) == 2 and not (others[0].parameters or {}).get("required"):
+                return sense._replace(option=others[0].name, parameters={}, is_partial=True, is_correction=True)
+            return sense._replace(kind="other", fault="" if question is None else question_text(question, language))
+        keys = self._keys(sense, view)
+        named = [keys[name] for name in (sense.lacks or sense.named) if name in keys]
+        if len(named) != 1:
+            return sense._replace(kind="other", fault=language.text("correct_whole"))
+        name, choices = spoken_name(named[0], language), self._phrases.choices(named[0].name)
+        values = {word: value for word, value in choices.items() if value != sense.arguments.get(named[0].name)}
+        if len(values) == 1 and len(choices) == 2:
+            return self._with(draft, named[0], next(iter(values)).split())
+        known = language.listed(list(values), "or")
+        fault = language.text("correct_from" if known else "correct", name=name, values=known)
+        return sense._replace(kind="other", fault=fault, lacks=(named[0].name,))
+
+    def _without_preposition(self, words: Sequence[str]) -> list[str]:
+        has_one = len(words) > 1 and words[0] in self._language.data["prepositions"]
+        return list(words[1:] if has_one else words)
+
+    def _keys(self, sense: Sense, view: StatusView) -> Mapping[str, KeyView]:
+        missions = (each for each in view.missions if each.name == sense.mission)
+        return {key.name: key for mission in missions for key in mission.arguments}
+
+    def _value(self, words: Sequence[str], key: KeyView) -> Any:
+        return self._phrases.value(words, key)
+
+    def _fits(self, words: Sequence[str], key: KeyView) -> bool:
+        try:
+            self._value(words, key)
+        except BadValue:
+            return False
+        return True
+
+    def _with(self, draft: Draft, key: KeyView, words: Sequence[str]) -> Sense:
+        sense = draft.sense
+        lacks = tuple(name for name in sense.lacks if name != key.name)
+        values = {**sense.arguments, key.name: self._value(words, key)}
+        named = tuple(dict.fromkeys((*sense.named, key.name)))
+        made = sense._replace(arguments=values, named=named, lacks=lacks, rest="", is_correction=not draft.is_asked_for)
+        return made._replace(kind="fault") if lacks else made._replace(kind="order", fault="")
+
+    def _fault(self, sense: Sense, words: Sequence[str], named: Sequence[KeyView]) -> Sense:
+        fault = self._language.text("correct_unclear", given=" ".join(words))
+        if len(named) == 1:
+            try:
+                self._value(words, named[0])
+            except BadValue as error:
+                fault = str(error)
+        return sense._replace(kind="fault", fault=fault)
