@@ -58,7 +58,8 @@ def serve_typed_orders(connector: Connector, name: NodeName, commands: CommandSe
         if isinstance(given, str):
             return _answered(CommandReply(False, given))
         number, option = int(request.get("number", 0)), str(request.get("option", ""))
-        order = Command("answer", who(request.get("by")), question=number, option=option, parameters=given)
+        run = str(request.get("run", ""))
+        order = Command("answer", who(request.get("by")), question=number, run=run, option=option, parameters=given)
         return _answered(commands.ask(from_ros(order)))
 
     def post(request: Data) -> Data:

@@ -137,6 +137,9 @@ def test_questions_are_answered_by_a_service(scene: Scene) -> None:
     answer = {"number": question["number"], "option": "left", "by": "Ann"}
     refused = scene.client.call("answer", "rai_missions_msgs/srv/Answer", **answer, parameters="[1")
     assert not refused["success"] and refused["message"].startswith("parameters is not understood")
+    late = scene.client.call("answer", "rai_missions_msgs/srv/Answer", **answer, parameters="", run="yesterday")
+    assert not late["success"] and "was asked in another run, yesterday" in late["message"]
+    answer["run"] = reported[-1].data["run"]
     assert scene.client.call("answer", "rai_missions_msgs/srv/Answer", **answer, parameters="")["success"]
     scene.client.await_status("it is over", outcome="aborted")
 

@@ -90,5 +90,6 @@ def test_questions_and_control_have_types(typed: Client) -> None:
     (question,) = reported["questions"]
     assert reported["active"] == ["asking"] and [option["name"] for option in question["options"]] == ["left", "right"]
     assert typed.call("set_control", f"{PACKAGE}/srv/Control", to="agent")["success"]
-    assert typed.call("answer", f"{PACKAGE}/srv/Answer", number=question["number"], option="left")["success"]
+    answer = {"number": question["number"], "option": "left", "run": reported["run"]}
+    assert typed.call("answer", f"{PACKAGE}/srv/Answer", **answer)["success"]
     steps.wait(lambda all_: any(step.data["outcome"] == "aborted" for step in all_), "the last step")
