@@ -244,6 +244,12 @@ class EffectExecutor:
         why = f"the run was killed, and it is not known whether '{name}' was done"
         self._event("result", outcome, number, {"why": why})
 
+    def _lose_call(self, effect: CallService, why: str) -> None:
+        """Its server is gone, and it may have been done: as after a kill, but that nothing is called again."""
+        if not self._may_repeat(effect):
+            self._event("doubt", "uncertain", 0, {"what": "call", "name": effect.service})
+        self._event("result", "failed", effect.number, {"why": f"{why}; it may have been done"})
+
     def answered(self, number: int) -> None:
         """A question has its answer: no one else need think about it."""
         if number in self._open:
@@ -270,6 +276,9 @@ class EffectExecutor:
 
         def answered(reply: Reply) -> None:
             outcome, why = outcome_of(entry, reply)
+            if reply.may_have_arrived:
+                self._lose_call(effect, why)
+                return
             self._event("result", outcome, effect.number, {**journaled(reply.data), **({"why": why} if why else {})})
 
         request = entry.request_of(effect.request)

@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from rai_missions.connectors.connector import Message
+from rai_missions.connectors.connector import Message, Reply
 from rai_missions.connectors.local import LocalConnector
 from rai_missions.engine import Chart
 from rai_missions.errors import UsageError
@@ -96,3 +96,24 @@ def test_control_that_is_refused_is_logged_with_the_reason_of_the_robot(caplog: 
     rig.connector.serve("/give", TRIGGER, lambda _: {"success": False, "message": "not now"})
     assert rig.run().outcome == "failed"
     assert "control does not go to agent: not now" in caplog.messages
+
+
+class VanishedServers(LocalConnector):
+    """Each call is sent, and its server is gone before it replies."""
+
+    def call(self, *_: object, on_reply: Any, **words: object) -> None:
+        on_reply(Reply("unavailable", {}, "the server vanished", may_have_arrived=True))
+
+
+@pytest.mark.parametrize("repeat", [False, True])
+def test_a_call_that_may_have_been_done_has_failed_and_is_uncertain_unless_it_may_be_repeated(*, repeat: bool) -> None:
+    horn = {"service": "/horn", "type": TRIGGER, "repeat": repeat}
+    away = [{"on": "uncertain", "to": "unsure"}, {"on": "failed", "to": "undone"}, {"on": "rejected", "to": "absent"}]
+    ends = {name: {"final": "aborted"} for name in ("unsure", "undone", "absent")}
+    states = {"calling": {"call": "horn", "timeout_s": 2, "transitions": away}, **ends}
+    rig = Rig(states, robot=robot(services={"horn": horn}), connector=VanishedServers())
+    assert rig.run().state == (("undone",) if repeat else ("unsure",))
+    data = next(step.event.data for step in rig.book.steps if step.event.name in ("uncertain", "failed"))
+    assert data == (
+        {"why": "the server vanished; it may have been done"} if repeat else {"what": "call", "name": "horn"}
+    )
