@@ -200,9 +200,9 @@ def found(thing: Any, place: str = "") -> Iterator[Reference]:
 def written_keys(thing: Any, place: str = "") -> Iterator[KeyValue]:
     """The mission's keys that the fields of a written thing name as written."""
     kind: Any = type(thing)
-    uses = _written_fields(kind)
-    every = _found(thing, uses, place) if uses else ()
-    return (KeyValue(name, here, refers.written) for refers, name, here in every if refers.written)
+    if not (uses := _written_fields(kind)):
+        return iter(())
+    return (KeyValue(name, here, refers.written) for refers, name, here in _found(thing, uses, place) if refers.written)
 
 
 def _found(thing: Any, uses: Iterable[FieldUse], place: str) -> list[Reference]:

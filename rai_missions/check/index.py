@@ -12,8 +12,8 @@ from functools import cache
 from typing import Any, NamedTuple
 
 from rai_missions.check.name_table import Lexicon
-from rai_missions.check.pointers import guard_parts, pointer
-from rai_missions.errors import unescaped
+from rai_missions.check.pointers import guard_parts
+from rai_missions.errors import escaped, unescaped
 from rai_missions.guards import Guard
 from rai_missions.kinds import INTERFACES, Interface
 from rai_missions.mission.mission import BUILT_IN_EVENTS, Mission
@@ -164,7 +164,7 @@ class MissionIndex:
 
     def _place(self, states: Mapping[str, State], place: str, parent: StateRef | None) -> None:
         for name, state in states.items():
-            spot = StateRef(name, pointer(place, name), state, parent, len(self.spots))
+            spot = StateRef(name, f"{place}/{escaped(name)}", state, parent, len(self.spots))
             self.spots.append(spot)
             (self.top if parent is None else parent.children).append(spot)
             children = state.children()
@@ -194,9 +194,7 @@ class MissionIndex:
         for written in thing.writes(place):
             self.writes.append(KeyWrite(*written, scope))
         for here, inner in thing.inside(place):
-            branch = here[len(place) + 1 :]
-            around = _below(thing, branch, scope) if isinstance(thing, TreeNode) else scope
-            self._held(inner, here, around, role=branch.partition("/")[0])
+            self._held(inner, here, scope, thing, here[len(place) + 1 :])
 
     def _refer(self, thing: MissionModel, place: str, scope: Scope) -> None:
         for refers, name, here in thing.references(place):
@@ -207,18 +205,20 @@ class MissionIndex:
             elif refers.sort in INTERFACES:
                 self.uses.append(RobotUse(refers.sort, name, here, thing, place, scope))
 
-    def _held(self, thing: Any, place: str, scope: Scope, *, role: str) -> None:
-        """Note a written thing by its family, then what is inside it."""
+    def _held(self, thing: Any, place: str, scope: Scope, holder: MissionModel, branch: str) -> None:
+        """Note a written thing by its family, then what is inside it; the branch leads to it from what holds it."""
         kind: Any = type(thing)
         family = _family(kind)
-        if family is Guard:
-            self._guard(thing, place, role, scope)
-            return
-        if family is State:
-            scope = Scope(self._at[place])
-        elif family is Transition:
+        if family is Transition:
             scope = self._transition(thing, place, scope.owner)
-        elif family is Effect:
+        elif family is State:
+            scope = Scope(self._at[place])
+        elif isinstance(holder, TreeNode):
+            scope = _below(holder, branch, scope)
+        if family is Guard:
+            self._guard(thing, place, branch.partition("/")[0], scope)
+            return
+        if family is Effect:
             self.effects.append(EffectUse(thing, place, scope))
         elif family is DecisionSpec:
             assert scope.owner is not None

@@ -95,18 +95,14 @@ def _parameters(survey: MissionIndex) -> set[str] | None:
 
 def unused_keys(survey: MissionIndex) -> Found:
     """Every key is read, or is a key of the mission that is written."""
-    named = any(part.predicates() for _, part, _ in survey.parts)
-    if named or survey.mission.behaviours():
-        return  # what is in the program may read any key
     used = {key_of(survey, read.path) for read in survey.reads} | {
         survey.keys.meant(write.key) for write in survey.writes
     }
-    for name in survey.mission.blackboard:
-        if name not in used:
-            yield (
-                pointer("/blackboard", name),
-                f"nothing uses '{name}'; take it away, unless the robot profile reads it",
-            )
+    unused = [name for name in survey.mission.blackboard if name not in used]
+    if not unused or any(part.predicates() for _, part, _ in survey.parts) or survey.mission.behaviours():
+        return  # what is in the program may read any key
+    for name in unused:
+        yield pointer("/blackboard", name), f"nothing uses '{name}'; take it away, unless the robot profile reads it"
 
 
 def unused_events(survey: MissionIndex) -> Found:

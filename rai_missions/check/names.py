@@ -52,12 +52,15 @@ def _listed(place: str, names: tuple[str, ...]) -> Iterator[tuple[str, str]]:
 def unknown_events(survey: MissionIndex) -> Found:
     """What `on` and `raise` name is an event, an outcome, or an option of the transition's own decision."""
     words = Lexicon("event or outcome", (*survey.events.known, *OUTCOMES))
+    known = {ANY_EVENT, *words.known}
     options = {name: spot for spot in survey.spots for name in spot.options}
     for transition in survey.transitions:
+        if known.issuperset(transition.definition.on):
+            continue
         source = survey.spot(transition.definition.of) if transition.definition.of is not None else transition.owner
         own = tuple(source.options) if source is not None else ()
         for place, word in _listed(f"{transition.place}/on", transition.definition.on):
-            if word != ANY_EVENT and word not in words and word not in own:
+            if word not in known and word not in own:
                 yield place, _of_another_sort(word, survey) or _unknown_trigger(word, own, words, options)
     for effect, place, _ in survey.effects:
         if isinstance(effect, Raise) and effect.event not in survey.events:

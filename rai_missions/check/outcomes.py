@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator, Sequence
+from functools import cache
 
 from rai_missions.check.index import MissionIndex, StateRef, TransitionRef
 from rai_missions.check.pointers import pointer
@@ -38,11 +39,10 @@ def handled(survey: MissionIndex) -> set[tuple[str, str]]:
 
 def unhandled_options(survey: MissionIndex) -> Found:
     """Every option of a decision has a transition of its own decision."""
-    transitions = handled(survey)
     for spot in survey.spots:
         asked = spot.state.question() if spot.options else None
         for name in spot.options:
-            if (spot.name, name) not in transitions and name not in OUTCOMES:
+            if (spot.name, name) not in handled(survey) and name not in OUTCOMES:
                 what = f"the fallback '{name}'" if asked and name == asked.fallback else f"option '{name}'"
                 place = pointer(spot.place, "decision", "options", name)
                 yield place, f'nothing handles {what}; add a transition {{"on": "{name}", "to": …}} to \'{spot.name}\''
@@ -50,9 +50,11 @@ def unhandled_options(survey: MissionIndex) -> Found:
 
 def unhandled_success(survey: MissionIndex) -> Found:
     """The `succeeded` of an activity, and of a compound state with a final, is handled by a transition of its own."""
-    ends, transitions = reported(survey), handled(survey)
+    ends = reported(survey)
     for spot in survey.spots:
-        if "succeeded" in ends.by(spot) and (spot.name, "succeeded") not in transitions and not _is_region(spot):
+        if "succeeded" not in ends.by(spot) or _is_region(spot):
+            continue
+        if (spot.name, "succeeded") not in handled(survey):
             yield (
                 spot.place,
                 f"nothing handles 'succeeded' of '{spot.name}', and it would stay there; "
@@ -66,20 +68,14 @@ def unhandled_failures(survey: MissionIndex) -> Found:
     The outcome of a nested final is left out, since its author wrote it. So is a handover of control that is not
     acknowledged, which is `rejected` as well: another holder has the robot then, and the mission's end is expected.
     """
-    named: dict[str, set[str]] = {}
-    for source, word in handled(survey):
-        named.setdefault(source, set()).add(word)
-    caught: list[frozenset[str]] = []
-    """By the index of a state: what is handled by it or around it; the mission's own transitions handle it as well."""
-    everywhere = frozenset(named.get("", ()))
+    caught_by = cache(_caught_by)
     for spot in survey.spots:
-        around = caught[spot.parent.index] if spot.parent is not None else everywhere
-        own_words = [word for source, word in _words_of(spot) if word in FAILURES and source in ("", spot.name)]
-        caught.append(around.union(own_words) if own_words else around)
-        if isinstance(spot.state, Final | History):
+        own = spot.state.outcomes()
+        if not own or isinstance(spot.state, Final | History):
             continue
-        own, handled_here = spot.state.outcomes(), caught[spot.index] | named.get(spot.name, set())
-        if words := [word for word in FAILURES if word in own and word not in handled_here]:
+        around = frozenset[str]().union(*map(caught_by, spot.upward()))
+        words = [word for word in FAILURES if word in own and word not in around]
+        if words := [word for word in words if handled(survey).isdisjoint([("", word), (spot.name, word)])]:
             remedy = f'{{"on": {json.dumps(words[0] if len(words) == 1 else words)}, "to": …}}'
             yield (
                 spot.place,
@@ -88,10 +84,10 @@ def unhandled_failures(survey: MissionIndex) -> Found:
             )
 
 
-def _words_of(spot: StateRef) -> Iterator[tuple[str, str]]:
-    """What the transitions of a state wait for, each with the state whose outcome is meant."""
-    for transition in spot.transitions:
-        yield from ((transition.definition.of or "", word) for word in transition.definition.on)
+def _caught_by(spot: StateRef) -> frozenset[str]:
+    """What the transitions of a state wait for of its own outcomes, and of those inside it."""
+    mine = (each.definition for each in spot.transitions if each.definition.of in (None, spot.name))
+    return frozenset([word for definition in mine for word in definition.on])
 
 
 def _is_region(spot: StateRef) -> bool:
@@ -101,12 +97,12 @@ def _is_region(spot: StateRef) -> bool:
 
 def deaf_transitions(survey: MissionIndex) -> Found:
     """An outcome that a transition waits for can be reported while the transition's state is active."""
-    ends = reported(survey)
+    ends, outcomes = reported(survey), frozenset(OUTCOMES) - survey.mission.events.keys()
     for transition in survey.transitions:
         source = survey.by_name.get(transition.definition.of) if transition.definition.of is not None else None
         if transition.definition.of is not None and source is None:
             continue  # it is unknown, and that is reported
-        words = [word for word in transition.definition.on if word in OUTCOMES and word not in survey.mission.events]
+        words = [word for word in transition.definition.on if word in outcomes]
         if source is not None and not together(transition.owner, source):
             assert transition.owner is not None
             yield (
@@ -114,6 +110,8 @@ def deaf_transitions(survey: MissionIndex) -> Found:
                 f"'{source.name}' is never active together with '{transition.owner.name}', "
                 "so this transition never fires; move it",
             )
+            continue
+        if not words:
             continue
         possible = ends.by(source) if source is not None else ends.possible_at(transition.owner)
         whose = source or transition.owner

@@ -37,7 +37,7 @@ class Reach:
                     todo += [region for region in parent.children if region is not here]
                 for transition in here.transitions if follow else ():
                     todo += self.survey.found(transition.definition.to)
-            if spot not in self._descended:
+            if (spot.children or isinstance(spot.state, History)) and spot not in self._descended:
                 self._descended.add(spot)
                 todo += default_entry(self.survey, spot)
 
@@ -155,8 +155,8 @@ def waiting_rooms(survey: MissionIndex) -> Found:
 
 def _waiting(survey: MissionIndex) -> Iterator[StateRef]:
     """The reachable states that run nothing and are left by transitions alone."""
+    active = reached(survey)
     for spot in survey.spots:
         ends = isinstance(spot.state, Final | History) or spot.children or spot.state.activity()
-        timed = any(here.state.timeout_s is not None for here in spot.upward())
-        if not ends and not timed and spot in reached(survey):
+        if not ends and spot in active and all(here.state.timeout_s is None for here in spot.upward()):
             yield spot
