@@ -66,7 +66,8 @@ class CompiledMission:
             self.order.append(node)
             self.nodes[name] = node
             (parent.history if node.is_history else parent.children).append(node)
-            self._add(state.children(), node, f"{node.place}/{state.child_place()}")
+            if children := state.children():
+                self._add(children, node, f"{node.place}/{state.child_place()}")
 
     def _link(self) -> None:
         self.root.initial = tuple(self.nodes[name] for name in self.mission.initial)
@@ -109,7 +110,7 @@ class CompiledMission:
     def _transitions(self, node: Node, transitions: Iterable[Transition]) -> None:
         for index, definition in enumerate(transitions):
             transition = CompiledTransition(definition, f"{node.place}/transitions/{index}", node)
-            transition.targets = tuple(self.nodes[name] for name in definition.to)
+            transition.targets = tuple([self.nodes[name] for name in definition.to])
             if self._has_history:
                 transition.uses_history = self.uses_history or any(target.is_history for target in transition.targets)
             if definition.do:
@@ -117,7 +118,8 @@ class CompiledMission:
             if definition.when is not None:
                 transition.condition = self.condition(definition.when, transition.place, node.name)
                 transition.test = transition.condition.test
-            transition.outcomes = self._outcomes.intersection(definition.on)
+            if not self._outcomes.isdisjoint(definition.on):
+                transition.outcomes = self._outcomes.intersection(definition.on)
             node.transitions.append(transition)
             self.transitions[transition.place] = transition
             node.timed = node.timed or definition.after_s is not None

@@ -279,8 +279,9 @@ class State(TaggedModel, family="state", group="rai_missions.activities", word="
 
     def decisions(self) -> Mapping[str, DecisionSpec]:
         """What it asks: `#` and the path of a leaf of its tree, empty where it asks itself → the question."""
-        nodes = self.nodes()
-        asked = ((f"#{path}", node.question()) for path, node in nodes.items()) if nodes else ()
+        if not (nodes := self.nodes()):
+            return {}
+        asked = ((f"#{path}", node.question()) for path, node in nodes.items())
         return {owner: question for owner, question in asked if question is not None}
 
     def question(self) -> DecisionSpec | None:
@@ -386,7 +387,8 @@ def descendants(states: Mapping[str, State], place: str = "/states") -> Iterator
     for name, state in states.items():
         here = f"{place}/{name.replace('~', '~0').replace('/', '~1')}"
         yield here, name, state
-        yield from descendants(state.children(), f"{here}/{state.child_place()}")
+        if children := state.children():
+            yield from descendants(children, f"{here}/{state.child_place()}")
 
 
 def _no_flag(data: Mapping[str, Any]) -> str:
