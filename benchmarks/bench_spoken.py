@@ -9,6 +9,7 @@ mission, the recognisers and the voice. The figures are those of the wall's cloc
 from __future__ import annotations
 
 import argparse
+import os
 import threading
 import time
 from collections.abc import Callable, Iterator, Sequence
@@ -30,6 +31,7 @@ from rai_missions.connectors.sound.connector import RATE_HZ, SILENCE, SoundFrame
 from rai_missions.connectors.sound.room import RoomSound
 from rai_missions.engine.step import Step
 from rai_missions.mission.files import load
+from rai_missions.voice.setup import ListenNames
 from rai_missions.voice.voices.flite import Flite
 
 HOUSE = Path(__file__).parents[1] / "missions/rosbot"
@@ -37,6 +39,8 @@ SPEAKERS = ("slt", "rms", "awb")
 QUESTIONS = ("What are you doing?", "How far are you?", "What is the battery level?", "Why did you stop?")
 ROUNDS = 20
 """How often the patrol visits its waypoints: it lasts longer than any section."""
+RECOGNISER = os.environ.get("RECOGNISER", "whisper")
+"""The first recogniser, with its options: `whisper:weights=base`."""
 DRIVES_MPS, STILL_MPS = 0.2, 0.02
 
 
@@ -60,7 +64,8 @@ class Talk:
 
     def __init__(self, agent: ConversationalAgent) -> None:
         self.room = RoomSound(echo_db=None, paced=True)
-        self.agent, self.door = agent, VoiceDoor(self.room, self._receive)
+        self.agent = agent
+        self.door = VoiceDoor(self.room, self._receive, names=ListenNames(RECOGNISER))
         self.transcribed, self.sounded, self.stepped = (threading.Event() for _ in range(3))
         self.at = {"transcribed": 0.0, "sounded": 0.0, "stepped": 0.0}
         self.world: Any = None

@@ -1,8 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """Speech, end to end: orders in noise, orders that are none, words, wake words, echo, barge-in and delays.
 
-`python -m benchmarks.bench_voice [SECTION …] [--scale N]`; the sections are orders, false, words, wake, echo, barge,
-delay. All speech is made here by flite; what is measured goes through frames, processes and turns as on a robot.
+`python -m benchmarks.bench_voice [SECTION …] [--scale N]`; the sections are orders, false, words, wake, alarms, echo,
+barge, delay. All speech is made here by flite; what is measured goes through frames, processes and turns as on a robot,
+but for wake words, which are looked for in this process. A long run is made in pieces: `WINDOWS` for `false`, `HOURS`
+and a `SEED` each for `alarms`.
 """
 
 from __future__ import annotations
@@ -14,9 +16,10 @@ import statistics
 import sys
 import time
 from collections import Counter, defaultdict
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from functools import lru_cache
 from pathlib import Path
+from pydoc_data.topics import topics
 from typing import Any
 
 import numpy as np
@@ -25,6 +28,7 @@ from rai_missions.connectors.sound.connector import FRAME_BYTES, FRAME_S, RATE_H
 from rai_missions.connectors.sound.files import FileSound
 from rai_missions.connectors.sound.room import RoomSound
 from rai_missions.conversation import Dialogue, MissionView, Order, StatusView, TalkNote, Utterance
+from rai_missions.voice.ear import WAKE_WORDS, EchoCanceller, WakeWord
 from rai_missions.voice.listener import PHRASES, WAKE_CUTOFF, ListenSettings, SpeechListener, Transcript
 from rai_missions.voice.process import SpeechProcess
 from rai_missions.voice.recognisers.whisper import plain_words
@@ -43,6 +47,14 @@ LEVELS = tuple(int(each) for each in os.environ.get("DB", "40 20 10").split())
 """By how many dB the noise of the orders is below the speech."""
 FIRST, LAST = (int(each) for each in os.environ.get("WINDOWS", "0 1000000").split())
 """Which windows of read text and of noise are transcribed: parts of a long run, one after the other."""
+WORDS = tuple(os.environ.get("WORDS", " ".join(WAKE_WORDS)).split())
+"""The wake words of `wake` and `alarms`."""
+HOURS = float(os.environ.get("HOURS", "0.1"))
+"""Of sound without a wake word, for `alarms`."""
+NOISE_SHARE, MUSIC_SHARE = 0.05, 0.05
+"""Of its pieces, those that are noise alone, and music."""
+NEAR_ALARM = 0.25
+"""From which probability of a wake word on a piece is printed."""
 READ_TEXT = Path(__file__).with_name("read_text.txt")
 """The words of eleven pages of the guide on 2026-11-27: the guide changes, the windows stay."""
 SENTENCES = (
@@ -113,12 +125,29 @@ def noise(kind: str, count: int, random: np.random.Generator) -> np.ndarray:
     return np.asarray(pink / np.sqrt(np.mean(pink**2)))
 
 
-def mixed(sound: np.ndarray, db: float, kind: str, random: np.random.Generator, before_s: float = 1.5) -> bytes:
-    """Speech in noise: so many dB over the parts that are no pause; 1.5 s of noise come first, as in a room."""
+def mixed(
+    sound: np.ndarray, db: float, kind: str, random: np.random.Generator, before_s: float = 1.5, *,
+    of: np.ndarray | None = None,
+) -> bytes:  # fmt: skip
+    """Speech in noise: so many dB over the parts that are no pause; 1.5 s of noise come first, as in a room.
+
+    Args:
+        sound: The speech.
+        db: By how much the noise is below it.
+        kind: Of the noise.
+        random: Makes it.
+        before_s: How long it is there before the speech.
+        of: Noise of that kind that is there already: a piece of it is taken, which costs less.
+    """
     loud = sound[np.abs(sound) > 100]
     level = np.sqrt(np.mean(loud**2)) if len(loud) else 1000.0
     whole = np.concatenate([np.zeros(int(before_s * RATE_HZ)), sound, np.zeros(RATE_HZ // 2)])
-    whole = whole + noise(kind, len(whole), random) * level * 10 ** (-db / 20)
+    if of is None:
+        around = noise(kind, len(whole), random)
+    else:
+        start = int(random.integers(len(of) - len(whole)))
+        around = of[start : start + len(whole)]
+    whole = whole + around * level * 10 ** (-db / 20)
     return bytes(np.clip(whole, -32768, 32767).astype("<i2").tobytes())
 
 
@@ -256,43 +285,95 @@ def words(bench: Bench, _: int) -> None:
         print(f"  {db} dB pink: word errors {wrong / total:.1%} of {total}; by speaker {dict(by)}", flush=True)
 
 
+class WakeLook:
+    """What an ear makes of a stream for wake words: frame by frame, all of them on the same sound.
+
+    In this process, and without the look for speech: it changes nothing of what a wake word is looked for in.
+    """
+
+    def __init__(self, names: Iterable[str]) -> None:
+        self._canceller = EchoCanceller()
+        self._words = {name: WakeWord(name) for name in names}
+
+    def most(self, sound: bytes) -> dict[str, float]:
+        """The highest probability of each word in the next sound, and in half a second of silence after it."""
+        found = dict.fromkeys(self._words, 0.0)
+        for start in range(0, len(sound) + RATE_HZ, FRAME_BYTES):
+            frame = sound[start : start + FRAME_BYTES].ljust(FRAME_BYTES, b"\0")
+            clear = self._canceller.take(frame, bytes(FRAME_BYTES))
+            for name, word in self._words.items():
+                found[name] = max(found[name], word.take(clear))
+        return found
+
+
 def wake(_: Bench, scale: int) -> None:
-    random, minutes, alarms = np.random.default_rng(SEED + 3), 0.0, list[str]()
-    for word in ("okay_nabu", "hey_jarvis"):
-        process = SpeechProcess("ear", "ear", {"wake_word": word}, within_s=30.0)
-        process.open()
-        hits = Counter[str]()
-        for speaker in SPEAKERS:
-            for db in (40, 20):
-                name = word.replace("_", " ").replace("nabu", "nah boo").capitalize()
-                if probability(process, mixed(speech(f"{name}.", speaker), db, "pink", random)) >= WAKE_CUTOFF:
-                    hits[speaker] += 1
-        print(f"  {word}: recognised, of 2 each: {dict(hits)}", flush=True)
-        until = minutes + 6.0 * scale
-        windows = text_windows(100_000, random)
-        while minutes < until:
-            text, speaker = next(windows)
-            sound = mixed(speech(text, speaker), (40, 20, 10)[int(random.integers(3))], "pink", random, 0.2)
-            minutes += len(sound) / (2 * RATE_HZ * 60)
-            if probability(process, sound) >= WAKE_CUTOFF:
-                alarms.append(f"{word}: {text!r} by {speaker}")
-                print(f"    {alarms[-1]}", flush=True)
-        process.close()
-    print(f"  {len(alarms)} false alarms in {minutes / 60:.2f} h", *alarms)
+    """Wake words that are spoken: alone, and with an order behind them."""
+    random, look = np.random.default_rng(SEED + 3), WakeLook(WORDS)
+    for name in WORDS:
+        spoken = name.replace("_", " ").replace("nabu", "nah boo").capitalize()
+        for behind in (".", ", pause the mission."):
+            hits, by = Counter[str](), Counter[str]()
+            cases = [(db, kind, speaker) for db in LEVELS for kind in ("white", "pink") for speaker in SPEAKERS] * scale
+            most = list[float]()
+            for db, kind, speaker in cases:
+                most.append(look.most(mixed(speech(spoken + behind, speaker), db, kind, random))[name])
+                hits[f"{db} dB"] += most[-1] >= WAKE_CUTOFF
+                by[speaker] += most[-1] >= WAKE_CUTOFF
+            print(f"  {spoken + behind!r}: {by.total()} of {len(cases)} recognised, {dict(hits)}, {dict(by)}; highest"
+                  f" probabilities {' '.join(f'{each:.2f}' for each in sorted(most))}", flush=True)  # fmt: skip
 
 
-def probability(process: SpeechProcess, sound: bytes) -> float:
-    best, waiting = [0.0], [0]
-    for start in range(0, len(sound) - FRAME_BYTES, FRAME_BYTES):
-        waiting[0] += 1
+def alarms(_: Bench, scale: int) -> None:
+    """Wake words in `HOURS` of sound that has none; each `SEED` begins 10,000 words, about an hour, further."""
+    random, look, begun = np.random.default_rng(SEED + 4), WakeLook(WORDS), time.process_time()
+    passages, seconds, count = long_text(), 0.0, Counter[str]()
+    minutes = {kind: noise(kind, 60 * RATE_HZ, random) for kind in ("white", "pink")}
+    while seconds < HOURS * 3600:
+        share, level = float(random.uniform()), float(random.choice((40, 20, 10)))
+        kind = ("white", "pink")[int(random.integers(2))]
+        if share < NOISE_SHARE:
+            name = f"{kind} noise"
+            sound = noise(kind, 8 * RATE_HZ, random) * float(random.choice((100, 400, 1600)))
+            samples = bytes(sound.clip(-32768, 32767).astype("<i2").tobytes())
+        elif share < NOISE_SHARE + MUSIC_SHARE:
+            name = f"music at {level:.0f} dB"
+            samples = mixed(music(random), level, kind, random, 0.2, of=minutes[kind])
+        else:
+            text, speaker = next(passages), SPEAKERS[int(random.integers(4))]
+            name = f"{text!r} by {speaker} at {level:.0f} dB"
+            samples = mixed(speech(text, speaker), level, kind, random, 0.2, of=minutes[kind])
+        seconds += len(samples) / (2 * RATE_HZ) + 0.5
+        for word, most in look.most(samples).items():
+            count[word] += most >= WAKE_CUTOFF
+            if most >= NEAR_ALARM:
+                print(f"    {word} {most:.3f} {seconds / 3600:.3f} h: {name}", flush=True)
+    print(f"  {seconds / 3600:.2f} h, {time.process_time() - begun:.0f} s of CPU without flite's; false alarms at "
+          f"{WAKE_CUTOFF}: { {name: count[name] for name in WORDS} }")  # fmt: skip
 
-        def look(reply: Any) -> None:
-            best[0] = max(best[0], float(reply.data.get("wake", 0.0)))
-            waiting[0] -= 1
 
-        process.ask({"do": "take"}, (sound[start : start + FRAME_BYTES], bytes(FRAME_BYTES)), on_reply=look)
-    process.ask_and_wait({"do": "take"}, (bytes(FRAME_BYTES), bytes(FRAME_BYTES)))
-    return best[0]
+def long_text() -> Iterator[str]:
+    """Passages of 8 to 30 words of our guide and of Python's reference, one after the other, from a seed's place on."""
+    text = " ".join((READ_TEXT.read_text(), *(topics[name] for name in sorted(topics))))
+    words = re.sub(r"[^A-Za-z0-9.,;:?!' ]+", " ", text).split()
+    random, place = np.random.default_rng(SEED + 6), SEED * 10_000
+    while True:
+        size = int(random.integers(8, 31))
+        yield " ".join(words[(place + each) % len(words)] for each in range(size))
+        place += size
+
+
+def music(random: np.random.Generator) -> np.ndarray:
+    """Eight seconds of chords and a tune: tones with five partials that fade, as of strings that are struck."""
+    found = np.zeros(8 * RATE_HZ)
+    scale = 110.0 * 2 ** (np.array((0, 2, 4, 5, 7, 9, 11, 12, 14, 16, 17, 19)) / 12 + int(random.integers(12)) / 12)
+    for beat in range(32):
+        degree = int(random.integers(5))
+        for place in (degree, degree + 2, degree + 4) if beat % 4 == 0 else (int(random.integers(5, 12)),):
+            start, hz = beat * RATE_HZ // 4, scale[place] * (1 if beat % 4 == 0 else 2)
+            at = np.arange(min(RATE_HZ, len(found) - start)) / RATE_HZ
+            partials = sum(np.sin(2 * np.pi * hz * each * at) / each for each in range(1, 6))
+            found[start : start + len(at)] += 1500 * partials * np.exp(-4 * at) * np.minimum(1, at / 0.005)
+    return found
 
 
 def playing(room: RoomSound, ours: bytes) -> None:
@@ -393,7 +474,8 @@ def arrival(bench: Bench, recorded: bytes) -> float:
 
 
 SECTIONS: dict[str, Callable[[Bench, int], None]] = {
-    "orders": orders, "false": false_orders, "words": words, "wake": wake, "echo": echo, "barge": barge, "delay": delay,
+    "orders": orders, "false": false_orders, "words": words, "wake": wake, "alarms": alarms,
+    "echo": echo, "barge": barge, "delay": delay,
 }  # fmt: skip
 
 
