@@ -37,7 +37,8 @@ SHORTEST_S, LONGEST_S = (0.18, 0.03), (0.5, 0.08)
 LONGEST_STOP_S, LEAST_DRAWN_OUT = 0.56, 4.0
 """How long "stop" lasts. It may be drawn out where the second agrees, or the first's own comes to so many nats."""
 LEAST_AGREED_S = 0.24
-"""So short may "stop" be where the second agrees, and any phrase that is read freely as well."""
+"""So short may "stop" be where the second agrees or the first's own comes to `LEAST`, and any phrase that both read
+freely."""
 PAUSE = "pause"
 LIKENESS, NO_LIKENESS, NO_TEXT = 6.0, 0.5, -1.5
 """Nats for the share of letters that a free text has in common with a phrase, the share that is no evidence, and nats
@@ -95,7 +96,7 @@ def _can_last(phrase: str, spoken_s: float, own: float, *, is_read: bool, is_agr
     least, most = (base + each * letters for base, each in (SHORTEST_S, LONGEST_S))
     if phrase in STOPS and is_read:
         return True
-    if is_agreed and (is_read or phrase == STOP):
+    if (is_agreed and (is_read or phrase == STOP)) or (phrase == STOP and own >= LEAST):
         least = LEAST_AGREED_S
     if phrase == STOP:
         most = math.inf if is_agreed or own >= LEAST_DRAWN_OUT else LONGEST_STOP_S

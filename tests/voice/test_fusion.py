@@ -71,8 +71,11 @@ def test_a_turn_that_is_too_short_or_too_long_for_a_phrase_is_none() -> None:
     for second, text in (({"resume": 1.0}, "resume"), ({}, "")):
         quick = fused("Resume.", {"resume": 20.0}, second, (*PHRASES, "resume"), 0.3).text
         assert quick == text, "a person may be quick where both read it"
-    alone = [fused("", {"stop": 12.0}, {}, PHRASES, each).text for each in (0.25, 0.31)]
-    assert alone == ["", "stop"], "longer where the second does not agree"
+    alone = [
+        fused("", {"stop": own}, {}, PHRASES, spoken_s).text
+        for own, spoken_s in ((4.5, 0.26), (4.5, 0.31), (6.5, 0.29), (6.5, 0.2))
+    ]
+    assert alone == ["", "stop", "stop", ""], "longer where the second disagrees and the first is less sure"
 
 
 def test_a_longer_sound_is_stop_where_the_second_agrees_or_the_first_has_more_evidence() -> None:
