@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 import random
 from array import array
@@ -46,14 +47,14 @@ def check_voice(make: Callable[[], Voice], texts: Iterable[str] = TEXTS) -> None
     """Hold a voice to the contract of `Voice`.
 
     Args:
-        make: Gives a fresh one, ready.
-        texts: What it speaks, each with words in it.
+        make: Gives a fresh one, ready; two are open at once.
+        texts: What each speaks, with words in it.
 
     Raises:
         AssertionError: A promise is broken; the text names it.
     """
-    voice = make()
-    for text in (*texts, *texts):
+    voices = make(), make()
+    for voice, text in itertools.product((*voices, *voices), texts):
         pieces = list(voice.speak(text))
         assert all(isinstance(piece, bytes) for piece in pieces), "sound comes as bytes"
         assert all(len(piece) % 2 == 0 for piece in pieces), "a sample has two bytes, and a piece whole samples"

@@ -45,6 +45,19 @@ class Loud:
         return Reading(phrases[0], {phrases[0]: 3})
 
 
+class Forgetful(Hum):
+    """A voice of which a process has one: the last that was opened has it."""
+
+    last: Forgetful | None = None
+
+    def __init__(self) -> None:
+        super().__init__()
+        Forgetful.last = self
+
+    def speak(self, text: str) -> Iterator[bytes]:
+        yield from super().speak(text) if self is Forgetful.last else ()
+
+
 def test_a_voice_and_a_recogniser_of_another_package_keep_their_contracts() -> None:
     check_voice(Hum, ["One.", "Two words."])
     check_recogniser(Loud, [b"\x11\x22" * 8000])
@@ -63,6 +76,11 @@ def test_a_voice_and_a_recogniser_of_another_package_keep_their_contracts() -> N
 def test_a_voice_that_breaks_a_promise_is_named(voice: Hum, named: str) -> None:
     with pytest.raises(AssertionError, match=named):
         check_voice(lambda: voice)
+
+
+def test_a_voice_that_is_silent_once_another_is_open_is_named() -> None:
+    with pytest.raises(AssertionError, match="is spoken, not silence"):
+        check_voice(Forgetful)
 
 
 @pytest.mark.parametrize(

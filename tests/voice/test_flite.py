@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import itertools
+from concurrent.futures import ThreadPoolExecutor
 
 import pytest
 from hypothesis import given
@@ -61,6 +62,19 @@ def test_a_sentence_that_is_given_up_leaves_the_next_one_whole(library: FliteLib
         assert len(list(itertools.islice(pieces, count))) == count
         pieces.close()  # type: ignore[attr-defined]
         assert sum(map(len, library.speak("I do not know."))) == whole
+
+
+def spoken(voice: FliteLibrary) -> list[int]:
+    return list(map(len, voice.speak("Ready.")))
+
+
+def test_a_speaker_that_was_opened_again_speaks_for_each_and_for_both_at_once(speaker: str) -> None:
+    """flite has one voice of a speaker in a process, and frees what it was given before."""
+    voices = [FliteLibrary(speaker) for _ in range(100)]
+    alone = spoken(voices[-1])
+    assert list(map(spoken, voices[::10])) == [alone] * 10
+    with ThreadPoolExecutor(4) as pool:
+        assert list(pool.map(spoken, voices[:8])) == [alone] * 8
 
 
 def test_a_speaker_of_another_rate_is_asked_by_the_program() -> None:

@@ -7,6 +7,7 @@ Licence: eSpeak NG is under GPL-3.0-or-later, therefore an extra of its own, whi
 from __future__ import annotations
 
 import ctypes
+import threading
 from collections.abc import Iterator
 from typing import Any
 
@@ -19,6 +20,8 @@ __all__ = ("Espeak", "open_voice")
 SYNCHRONOUS, NO_EXIT, UTF8 = 2, 0x8000, 1
 RATE, WORDS_A_MINUTE = 1, 160
 
+SPEAKING = threading.Lock()
+"""A process has one library, with one language and one callback: one sentence at a time."""
 Callback = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.POINTER(ctypes.c_short), ctypes.c_int, ctypes.c_void_p)
 
 
@@ -32,7 +35,7 @@ def open_voice(language: str = "en-us") -> Espeak:
 
 
 class Espeak:
-    """The library, of which a process has one.
+    """The library in one language.
 
     Args:
         language: As eSpeak NG names it.
@@ -45,23 +48,27 @@ class Espeak:
             raise absent("the voice 'espeak'", "espeakng-loader", "pip install '.[voice-espeak]'") from None
         self._library = ctypes.CDLL(loader.get_library_path())
         self._sound: list[bytes] = []
+        self._language = language.encode()
         self._callback = Callback(self._take)  # kept: the library calls it
         self._rate = self._library.espeak_Initialize(SYNCHRONOUS, 0, str(loader.get_data_path()).encode(), NO_EXIT)
         if self._rate <= 0:
             raise UsageError("eSpeak NG does not start: its data is not where its package puts it")
-        self._library.espeak_SetSynthCallback(self._callback)
-        if self._library.espeak_SetVoiceByName(language.encode()):
+        if self._library.espeak_SetVoiceByName(self._language):
             raise UsageError(f"eSpeak NG has no language '{language}'; give one such as en-us or de")
-        self._library.espeak_SetParameter(RATE, WORDS_A_MINUTE, 0)
 
     def speak(self, text: str) -> Iterator[bytes]:
         """See `Voice`."""
-        self._sound.clear()
         words = text.encode() + b"\0"
-        failed = self._library.espeak_Synth(words, len(words), 0, 0, 0, UTF8, None, None)
-        if failed or not self._sound:
+        with SPEAKING:
+            self._sound.clear()
+            self._library.espeak_SetSynthCallback(self._callback)
+            self._library.espeak_SetVoiceByName(self._language)
+            self._library.espeak_SetParameter(RATE, WORDS_A_MINUTE, 0)
+            failed = self._library.espeak_Synth(words, len(words), 0, 0, 0, UTF8, None, None)
+            sound = b"".join(self._sound)
+        if failed or not sound:
             raise UsageError(f"eSpeak NG made no sound (error {failed})")
-        yield converted(b"".join(self._sound), self._rate)
+        yield converted(sound, self._rate)
 
     def _take(self, samples: Any, count: int, _events: int | None) -> int:
         if samples and count > 0:

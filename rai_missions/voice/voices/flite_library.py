@@ -66,8 +66,11 @@ class _Voice(ctypes.Structure):
 VOICE = ctypes.POINTER(_Voice)
 REGISTER = ctypes.CFUNCTYPE(VOICE, ctypes.c_char_p)
 SPEAK_FILE = ctypes.CFUNCTYPE(ctypes.c_float, ctypes.c_char_p, VOICE, ctypes.c_char_p)
+NEW_STREAMING = ctypes.CFUNCTYPE(ctypes.POINTER(_StreamingInfo))
 STREAMING_VALUE = ctypes.CFUNCTYPE(ctypes.c_void_p, ctypes.POINTER(_StreamingInfo))
 SET_FEATURE = ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_char_p, ctypes.c_void_p)
+SPEAKING = threading.Lock()
+"""A process has one voice of each speaker, and flite is not for several threads: one sentence at a time."""
 
 
 class FliteLibrary:
@@ -87,9 +90,10 @@ class FliteLibrary:
         library.flite_init()
         self._voice = register(None)
         self._speak = SPEAK_FILE(("flite_file_to_speech", library))
-        self._streaming = _StreamingInfo(LEAST_SAMPLES, _OnSound(self._take))  # kept: the library has its address alone
-        value = STREAMING_VALUE(("audio_streaming_info_val", library))(ctypes.byref(self._streaming))
-        SET_FEATURE(("feat_set", library))(self._voice.contents.features, b"streaming_info", value)
+        self._new_streaming = NEW_STREAMING(("new_audio_streaming_info", library))
+        self._as_value = STREAMING_VALUE(("audio_streaming_info_val", library))
+        self._set_feature = SET_FEATURE(("feat_set", library))
+        self._on_sound = _OnSound(self._take)  # kept: the library has its address alone
         self._pieces: SimpleQueue[bytes | None] = SimpleQueue()
         self._sound, self._size = bytearray(), FIRST_BYTES
         self._is_given_up = self._is_odd = False
@@ -117,11 +121,22 @@ class FliteLibrary:
             with tempfile.TemporaryDirectory() as folder:
                 words = Path(folder, "text")
                 words.write_text(text + "\n", encoding="utf-8")
-                self._speak(bytes(words), self._voice, b"stream")
+                with SPEAKING:
+                    self._give_to_us()
+                    self._speak(bytes(words), self._voice, b"stream")
             if self._sound:
                 self._pieces.put(bytes(self._sound))
         finally:
             self._pieces.put(None)
+
+    def _give_to_us(self) -> None:
+        """Have the speaker's voice call this object back, and none that had it before.
+
+        The structure is the library's: it frees the one that this one replaces.
+        """
+        streaming = self._new_streaming()
+        streaming.contents.min_buffsize, streaming.contents.asc = LEAST_SAMPLES, self._on_sound
+        self._set_feature(self._voice.contents.features, b"streaming_info", self._as_value(streaming))
 
     def _take(self, wave: Any, start: int, count: int, _is_last: int, _streaming: int | None) -> int:
         sound = wave.contents
