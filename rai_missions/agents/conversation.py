@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import threading
 import time
+from collections import deque
 from collections.abc import Callable, Iterable, Sequence
 from functools import partial
 from typing import Any, Literal
@@ -21,7 +22,7 @@ from rai_missions.agents.talk.model import TalkModel
 from rai_missions.agents.talk.orders import OnOrderEnd
 from rai_missions.agents.talk.pace import DoorPace
 from rai_missions.agents.talk.run_status import RobotWords
-from rai_missions.connectors.worker import Worker
+from rai_missions.connectors.worker import Work, Worker
 from rai_missions.conversation import (
     AskModel,
     Dialogue,
@@ -85,6 +86,8 @@ class ConversationalAgent:
         self._attached: AttachedRun | None = None
         self._lines: dict[str, TalkLine] = {}
         """Speech's key → its line, until it has ended."""
+        self._received: deque[Work] = deque()
+        """What is done in its turn: one piece, then all else that was posted meanwhile, then the next."""
         self._count = self._waiting = 0
         self._pace, self._stops = DoorPace(), DoorPace()
         self._lock = threading.Lock()
@@ -200,7 +203,7 @@ class ConversationalAgent:
             self._waiting += 1
         words = tuple(map(redacted, readings))
         sentence = Utterance(redacted(text), role, channel, redacted(author), 0.0, words, message_id)
-        self._worker.post(partial(self._take, sentence))
+        self.after_all(partial(self._take, sentence))
         return ""
 
     def is_stop(self, text: str) -> bool:
@@ -217,14 +220,31 @@ class ConversationalAgent:
         self._worker.post(self._look_at_doors)
 
     def after_all(self, do: Callable[[], object]) -> None:
-        """Do something on the conversation's thread once all that was received so far is answered; from any thread."""
-        self._worker.post(do)
+        """Do something on the conversation's thread once all that was received so far is answered; from any thread.
+
+        Nothing else waits for that: however many persons talk on, the end of a speech and that of the run come next.
+        """
+        with self._lock:
+            self._received.append(do)
+            is_first = len(self._received) == 1
+        if is_first and not self._worker.post(self._take_turn):
+            self._received.clear()
 
     def add_door(self, door: TalkDoor) -> None:
         """Open another door; before `run`."""
         self._doors.add(door)
 
     # -- on the thread of the conversation -------------------------------------------------------------------
+
+    def _take_turn(self) -> None:
+        try:
+            self._received[0]()
+        finally:
+            with self._lock:
+                self._received.popleft()
+                is_more = bool(self._received)
+            if is_more and not self._worker.post(self._take_turn):
+                self._take_turn()  # it is closed: what waits is done before it ends
 
     def _take(self, sentence: Utterance) -> None:
         with self._lock:
@@ -344,9 +364,9 @@ class ConversationalAgent:
             self._attached.journal.line(line)
 
     def _drain(self, within_s: float) -> None:
-        """Wait until what was posted so far is done."""
+        """Wait until what was received and posted so far is done."""
         done = threading.Event()
-        self._worker.post(done.set)
+        self.after_all(done.set)
         done.wait(within_s)
 
     def _failed(self, error: BaseException) -> Any:

@@ -335,3 +335,22 @@ def test_two_regions_ask_at_the_same_time_and_each_is_answered_by_its_own_option
         talk.end()
     answers = [step.event for step in talk.steps if step.event.kind == "proposal"]
     assert [(event.number, event.data["option"]) for event in answers] == [(2, "blue"), (1, "red")]
+
+
+def test_the_end_has_been_reported_before_all_earlier_sentences_are_answered() -> None:
+    """However many sentences wait: on a slow machine they would keep an end from the persons it is for."""
+    with talked() as talk:
+        running(talk)
+        begin, resumed = threading.Event(), threading.Event()
+        talk.agent.after_all(begin.wait)
+        for number in range(20):
+            talk.order(f"how far are you, {number}?")
+            if number == 9:
+                talk.agent.after_all(resumed.wait)
+        talk.rig.post("go")
+        talk.end()
+        begin.set()
+        is_reported = talk.agent.conclude(5.0)
+        resumed.set()
+        assert is_reported
+        talk.until(lambda: sum(line.by == "operator" for line in tuple(talk.screen.lines.values())) == 20)
