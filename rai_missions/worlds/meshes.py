@@ -58,15 +58,13 @@ class Mesh:
     def tube(self, spine: Sequence[Sequence[float]], radii: Sequence[float], sides: int = 7, flat: float = 1.0) -> Mesh:
         """A tapered tube along a line; `flat` < 1 squeezes it along its second axis (a limb, a torso)."""
         line = np.asarray(spine, float)
-        along = np.gradient(line, axis=0)
-        along /= np.linalg.norm(along, axis=1, keepdims=True)
-        first = np.cross(along, [0.3, 0.9, 0.2] if abs(along[0, 2]) < 0.9 else [1.0, 0.0, 0.0])
-        first /= np.linalg.norm(first, axis=1, keepdims=True)
-        second = np.cross(along, first)
+        along = _unit(np.gradient(line, axis=0))
+        first = _unit(_cross(along, np.array([[0.3, 0.9, 0.2] if abs(along[0, 2]) < 0.9 else [1.0, 0.0, 0.0]])))
+        second = _cross(along, first)
         turn = np.linspace(0, 2 * np.pi, sides + 1)
         out = np.cos(turn)[:, None] * first[:, None] + flat * np.sin(turn)[:, None] * second[:, None]
         points = (line[:, None] + np.asarray(radii, float)[:, None, None] * out).reshape(-1, 3)
-        normals = out.reshape(-1, 3) / np.linalg.norm(out.reshape(-1, 3), axis=1, keepdims=True)
+        normals = _unit(out.reshape(-1, 3))
         v, u = np.meshgrid(np.arange(len(line)) * 0.5, turn / np.pi, indexing="ij")
         return self.add(points, normals, np.stack([u.ravel(), v.ravel()], 1), _grid(len(line), sides + 1))
 
@@ -83,8 +81,7 @@ class Mesh:
         points, faces = icosphere(fineness)
         scale = np.ones(len(points))
         if lumps and rng is not None:
-            bumps = rng.normal(size=(lumps, 3))
-            bumps /= np.linalg.norm(bumps, axis=1, keepdims=True)
+            bumps = _unit(rng.normal(size=(lumps, 3)))
             scale = 0.74 + 0.36 * np.max(np.clip(points @ bumps.T, 0, 1) ** 6, axis=1)
             scale += rng.normal(size=len(points)) * 0.04
         uvs = np.stack([np.abs(np.arctan2(points[:, 1], points[:, 0])) / 2, points[:, 2] * 0.9], 1)  # mirrored: no seam
@@ -93,20 +90,21 @@ class Mesh:
 
     def leaves(self, radii: Sequence[float], count: int, rng: np.random.Generator, size: float = 0.22) -> Mesh:
         """Two-sided cards of leaves scattered over an ellipsoid."""
-        for _ in range(count):
-            out = rng.normal(size=3)
-            out /= np.linalg.norm(out)
-            face = out + rng.normal(size=3) * 0.6
-            first = _cross(face, rng.normal(size=3))
-            first /= np.linalg.norm(first)
-            second = _cross(face / np.linalg.norm(face), first)
-            middle = out * radii * rng.uniform(0.86, 1.04)
-            first, second = first * size * rng.uniform(0.7, 1.3), second * size * rng.uniform(0.7, 1.3)
-            corners = np.array([-first - second, first - second, first + second, -first + second]) + middle
-            uvs = rng.random(2) * 0.5 + np.array([[0, 0], [0.3, 0], [0.3, 0.3], [0, 0.3]])
-            both = np.array([[0, 1, 2], [0, 2, 3], [2, 1, 0], [3, 2, 0]])
-            self.add(corners, np.tile(out, (4, 1)), uvs, both)
-        return self
+        drawn = np.array([
+            [*rng.normal(size=9), rng.uniform(0.86, 1.04), rng.uniform(0.7, 1.3), rng.uniform(0.7, 1.3), *rng.random(2)]
+            for _ in range(count)
+        ])  # fmt: skip
+        out, face = _unit(drawn[:, 0:3]), drawn[:, 3:6] * 0.6
+        face += out
+        first = _unit(_cross(face, drawn[:, 6:9]))
+        second = _cross(_unit(face), first)
+        first, second = first * size * drawn[:, 10:11], second * size * drawn[:, 11:12]
+        corners = np.stack([-first - second, first - second, first + second, -first + second], 1)
+        corners += (out * radii * drawn[:, 9:10])[:, None]
+        uvs = drawn[:, None, 12:] * 0.5 + [[0, 0], [0.3, 0], [0.3, 0.3], [0, 0.3]]
+        both = np.array([[0, 1, 2], [0, 2, 3], [2, 1, 0], [3, 2, 0]])
+        faces = (4 * np.arange(count)[:, None, None] + both).reshape(-1, 3)
+        return self.add(corners.reshape(-1, 3), np.repeat(out, 4, 0), uvs.reshape(-1, 2), faces)
 
     def fruit(self, radii: Sequence[float], count: int, rng: np.random.Generator, size: float = 0.055) -> Mesh:
         """Small red octahedra over an ellipsoid."""
@@ -119,11 +117,10 @@ class Mesh:
             self.add(out * radii * 1.0 + corners * size, corners, np.tile(FRUIT_UV, (6, 1)), faces)
         return self
 
-    def flat_faces(self, corners: Points, quads: Sequence[Sequence[int]]) -> Mesh:
+    def flat_faces(self, corners: Points, quads: Sequence[Sequence[int]] | NDArray[np.int64]) -> Mesh:
         """Flat quads with hard edges (a bonnet, a mudguard); corners counter-clockwise from outside."""
-        points = corners[np.array(quads)]
-        one, other = (points[:, 1] - points[:, 0]).T, (points[:, 2] - points[:, 0]).T
-        normals = np.stack([one[k - 2] * other[k - 1] - one[k - 1] * other[k - 2] for k in range(3)], 1)
+        points = corners[np.asarray(quads)]
+        normals = _cross(points[:, 1] - points[:, 0], points[:, 2] - points[:, 0])
         length = np.sqrt((normals * normals).sum(1, keepdims=True))
         normals /= np.where(length == 0.0, 1.0, length)
         count = len(points)
@@ -149,9 +146,14 @@ def turned(profile: Sequence[Sequence[float]], sides: int = 24) -> Mesh:
 
 
 def _cross(one: Points, other: Points) -> Points:
-    """The cross product of two vectors, as `numpy.cross` has it to the last bit, in a tenth of its time."""
-    (ax, ay, az), (bx, by, bz) = one.tolist(), other.tolist()
-    return np.array([ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx])
+    """The cross products of rows, as `numpy.cross` has them to the last bit, in a third of its time."""
+    a, b = one.T, other.T
+    return np.stack([a[k - 2] * b[k - 1] - a[k - 1] * b[k - 2] for k in range(3)], 1)
+
+
+def _unit(vectors: Points) -> Points:
+    lengths: Points = np.linalg.norm(vectors, axis=1, keepdims=True)
+    return vectors / lengths
 
 
 def _lines(line: str, values: NDArray[Any]) -> str:

@@ -162,16 +162,18 @@ def _fence() -> str:
 
 def _blades(rng: np.random.Generator) -> Mesh:
     """A clump of upright blades, 0.8 m high, over half a metre along and two across."""
-    mesh = Mesh()
+    blades = []
     for _ in range(420):
         x, y, turn = rng.uniform(-0.5, 0.5), rng.uniform(-1.1, 1.1), rng.uniform(0, math.pi)
-        high, lean = rng.uniform(0.5, 0.84), rng.normal(size=2) * 0.12
-        out = np.array([math.cos(turn), math.sin(turn), 0.0]) * rng.uniform(0.008, 0.016)
-        foot, tip = np.array([x, y, 0.0]), np.array([x + lean[0], y + lean[1], high])
-        middle = (foot + tip) / 2 + np.array([*(-lean * 0.2), 0.04])
-        corners = np.array([foot - out, foot + out, middle + out, middle - out, tip + out * 0.2, tip - out * 0.2])
-        mesh.flat_faces(corners, [(0, 1, 2, 3), (3, 2, 4, 5), (3, 2, 1, 0), (5, 4, 2, 3)])
-    return mesh
+        high, (lean_x, lean_y), wide = rng.uniform(0.5, 0.84), rng.normal(size=2) * 0.12, rng.uniform(0.008, 0.016)
+        out = math.cos(turn) * wide, math.sin(turn) * wide, 0.0
+        blades.append([(x, y, 0.0), (x + lean_x, y + lean_y, high), out, (-lean_x * 0.2, -lean_y * 0.2, 0.04)])
+    foot, tip, out, bend = np.array(blades).swapaxes(0, 1)
+    middle = (foot + tip) / 2 + bend
+    corners = np.stack([foot - out, foot + out, middle + out, middle - out, tip + out * 0.2, tip - out * 0.2], 1)
+    sides = np.array([(0, 1, 2, 3), (3, 2, 4, 5), (3, 2, 1, 0), (5, 4, 2, 3)])
+    quads = 6 * np.arange(len(blades))[:, None, None] + sides
+    return Mesh().flat_faces(corners.reshape(-1, 3), quads.reshape(-1, 4))
 
 
 def _film(rng: np.random.Generator) -> Mesh:
