@@ -11,6 +11,7 @@ from itertools import groupby
 
 from rai_missions.conversation.arguments import BadValue, read_arguments
 from rai_missions.conversation.corrections import Corrections, Draft
+from rai_missions.conversation.free_answers import TextOption, text_option
 from rai_missions.conversation.language import Language, spoken
 from rai_missions.conversation.named import key_named, missions_named, option_named
 from rai_missions.conversation.phrases import Phrases
@@ -163,7 +164,7 @@ class Grammar:
         found += self._answers(words, view)
         found += [Sense("order", name) for name, each in language.orders.items() if each.fits(words)]
         found += [Sense("again")] if language.again.fits(words) else []
-        found += self._phrases.senses(words, view.missions)
+        found += self._phrased(words, view)
         found += self._starts(words, view)
         found = found or self._corrected(words, view, draft)
         found = found or list(self._questions(words, view))
@@ -205,13 +206,16 @@ class Grammar:
         return chosen if len(whole or found) < 2 else [sense._replace(is_partial=True) for sense in chosen]
 
     def _answers_to(self, question: Question, words: list[str]) -> Sense | None:
-        found = list[Sense]()
+        found, text = list[Sense](), text_option([question])
+        if text is not None and text.means(words, self.language):
+            return text.free(words)
         for slots in self.language.answer.match(words):
             named = option_named(slots["option"].split(), question.options, self.language)
-            if named is not None:
+            is_text = text is not None and named is not None and named.is_partial and named.offer is text.offer
+            if named is not None and not is_text:
                 found.append(self._answer(named.offer, is_partial=named.is_partial))
         whole = [sense for sense in found if not sense.is_partial]
-        found = whole or found or self._with_values(words, question.options)
+        found = whole or found or self._with_values(words, question.options) or self._with_text(words, text)
         return found[0]._replace(question=question.number) if found else None
 
     def _answer(self, offer: Offer, *, is_partial: bool, words: Sequence[str] = ()) -> Sense:
@@ -240,6 +244,23 @@ class Grammar:
                 if named is not None:
                     return [self._answer(named.offer, is_partial=named.is_partial, words=slots["arguments"].split())]
         return []
+
+    def _with_text(self, words: list[str], text: TextOption | None) -> list[Sense]:
+        ways = self.language.answer.match(words) if text is not None else ()
+        found = [text.named(slots["option"].split()) for slots in ways if text is not None]
+        return [sense for sense in found if sense is not None][:1]
+
+    def free_answer(self, text: str, view: StatusView) -> Sense | None:
+        """A sentence without another meaning as an answer in free words, to be read back; None where none is asked."""
+        option = text_option(view.questions)
+        words = self.language.normaliser.bare(self.language.normaliser.words(text), _called(view.robot))
+        is_short = 0 < len(words) <= MOST_WORDS
+        return option.free(words) if option is not None and is_short and not text.rstrip().endswith("?") else None
+
+    def _phrased(self, words: list[str], view: StatusView) -> list[Sense]:
+        """A start by a phrase of the profile; where a text is asked for, it may be that as well."""
+        found, option = list(self._phrases.senses(words, view.missions)), text_option(view.questions)
+        return [*found, option.free(words)] if found and option is not None else found
 
     # -- start ---------------------------------------------------------------------------------------------------------
 

@@ -119,6 +119,7 @@ class OrderSide:
             return "handled"
         self._distract(utterance)
         senses = tuple(sense for sense in senses if sense.kind not in ("yes", "no")) or senses
+        senses = senses or self._free_answer(utterance)
         if not senses:
             return "unknown"
         if senses[0].kind in ("yes", "no"):
@@ -137,6 +138,13 @@ class OrderSide:
             found = {sense.identity: sense for each in others for sense in each if sense.kind == "order"}
             known = {sense.identity for sense in senses}
             yield from (sense._replace(is_partial=True) for key, sense in found.items() if key not in known)
+
+    def _free_answer(self, utterance: Utterance) -> tuple[Sense, ...]:
+        """What no rule reads, as the text that a question asks for; a model, which reads more, comes first."""
+        if self._talk.settings.has_model or not may(utterance.role, "answer", self._talk.settings):
+            return ()
+        sense = self._grammar.free_answer(utterance.text, self._talk.view)
+        return (sense,) if sense is not None else ()
 
     def _answer_nothing(self, utterance: Utterance, number: int) -> Handling:
         if self._talk.settings.has_model:

@@ -7,6 +7,7 @@ Rule: no sentence of any language is written in code; a language is a file in ea
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Mapping, Sequence
 from functools import cache
 from pathlib import Path
@@ -18,6 +19,8 @@ from rai_missions.errors import UsageError, suggestion
 __all__ = ("LanguageTexts", "language_codes", "language_file", "spoken", "word_forms")
 
 WORD_FORMS = Path(__file__).parent / "languages"
+TWO_SIGNS = re.compile(r"(?<!\.)([.?!])\.(?!\.)")
+"""The end of a value that is a sentence, and that of its template; three points are neither."""
 
 
 class LanguageTexts:
@@ -32,9 +35,9 @@ class LanguageTexts:
         self.code: str = data["language"]
 
     def text(self, name: str, /, *values: object, **named: object) -> str:
-        """A template, filled in; the values are not read as templates, and one that is a question ends its sentence."""
+        """A template, filled in; values are not read as templates, and one that is a sentence ends with its sign."""
         template: str = self.data["texts"][name]
-        return template.format(*values, **named).replace("?.", "?")
+        return TWO_SIGNS.sub(r"\1", template.format(*values, **named))
 
     def listed(self, items: Sequence[str], joint: str = "and") -> str:
         """`a, b and c`."""

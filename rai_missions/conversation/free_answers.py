@@ -1,0 +1,67 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Answers in free words: to an option that takes one text, such as the request in other words.
+
+Rule: what does not begin with the option's name is read back, for it may be meant otherwise.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any, NamedTuple
+
+from rai_missions.conversation.language import Language, spoken
+from rai_missions.conversation.senses import Sense
+from rai_missions.engine.decision import Offer, Question
+
+__all__ = ("TextOption", "text_option")
+
+
+class TextOption(NamedTuple):
+    """An option of an open question that is chosen by a text, and the parameter that holds it."""
+
+    question: Question
+    offer: Offer
+    parameter: str
+
+    def named(self, words: Sequence[str]) -> Sense | None:
+        """The answer that is the option's name and a text; None where the words are another."""
+        name = spoken(self.offer.name).split()
+        rest = words[len(name) :]
+        return self._sense(rest, is_partial=False) if rest and list(words[: len(name)]) == name else None
+
+    def free(self, words: Sequence[str]) -> Sense:
+        """The answer in these words, to be read back."""
+        return self._sense(words, is_partial=True)
+
+    def means(self, words: Sequence[str], language: Language) -> bool:
+        """Whether a whole sentence is an ordinal, `the second`; options are counted by numbers then."""
+        bare = [word for word in words if word not in language.data["articles"]]
+        return len(bare) == 1 and not bare[0].isdigit() and bare[0] in language.data["ordinals"]
+
+    def _sense(self, words: Sequence[str], *, is_partial: bool) -> Sense:
+        values = {self.parameter: " ".join(words)}
+        return Sense(
+            "order", "answer", question=self.question.number, option=self.offer.name, parameters=values,
+            is_partial=is_partial,
+        )  # fmt: skip
+
+
+def text_option(questions: Sequence[Question]) -> TextOption | None:
+    """The option of the open questions that takes one text; None where there is none, or several."""
+    found = [
+        TextOption(question, offer, parameter)
+        for question in questions
+        for offer in question.options
+        if (parameter := _text_parameter(offer))
+    ]
+    return found[0] if len(found) == 1 else None
+
+
+def _text_parameter(offer: Offer) -> str:
+    schema = offer.parameters or {}
+    required: Sequence[str] = schema.get("required") or ()
+    if len(required) != 1:
+        return ""
+    form: Mapping[str, Any] = (schema.get("properties") or {}).get(required[0]) or {}
+    is_free = form.get("type") == "string" and not {"enum", "const", "pattern", "format"} & form.keys()
+    return required[0] if is_free else ""
