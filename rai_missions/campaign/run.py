@@ -38,7 +38,7 @@ __all__ = ("CampaignPlan", "CampaignResult", "Progress", "plan_of", "run_campaig
 UNLABELLED = "none"
 """The word of a campaign's file for labels from nowhere but the store."""
 COMMIT_S, COMMIT_RECORDS = 0.5, 200
-"""What came is committed after so long, or when there is so much of it."""
+"""What came is committed after so long, or when there is so much of it; a cell that cost calls at once."""
 
 
 class Progress(NamedTuple):
@@ -235,16 +235,21 @@ class Intake:
             record = record if earlier is None else with_use_of(record, earlier)
         if record is not None:
             self._held.append(record)
+        if isinstance(record, CellRecord) and record.calls:
+            self._keep()  # what it cost is not forgotten by a kill
         if len(self._held) >= COMMIT_RECORDS or time.monotonic() - self._committed > COMMIT_S:
             self.commit()
 
     def commit(self) -> None:
-        """Have the store hold what came until now."""
+        """Have the store hold what came until now, and report how far it is."""
+        self._keep()
+        self._committed = time.monotonic()
+        self._on_progress(self.progress)
+
+    def _keep(self) -> None:
         if self._held:
             self._store.add(self._held)
             self._held.clear()
-        self._committed = time.monotonic()
-        self._on_progress(self.progress)
 
     @property
     def progress(self) -> Progress:

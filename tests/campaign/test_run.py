@@ -490,6 +490,25 @@ def counted(store: Path) -> int:
         return 0
 
 
+@pytest.mark.parametrize("calls", [0, 1])
+def test_an_answer_that_cost_calls_is_stored_before_the_next_comes(
+    tmp_path: Path, calls: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("rai_missions.campaign.run.COMMIT_S", float("inf"))
+    answer = {"option": "left", "usage": {"calls": calls, "tokens_in": 3, "tokens_out": 1}}
+    path = write_campaign(tmp_path, campaign_data(models=["teller"], scripts={"teller": {"*": answer}}))
+    stored = list[int]()
+
+    class LookingPool(SerialPool):
+        def results(self, tasks: Iterable[SceneTask]) -> Iterator[TaskRecord | None]:
+            for record in super().results(tasks):
+                yield record
+                stored.append(len(cells_in(tmp_path / "results.db")))
+
+    ran(path, tmp_path / "results.db", LookingPool)
+    assert max(stored) == 4 * calls
+
+
 @pytest.mark.long
 def test_workers_that_are_killed_lose_no_cell_and_double_none(tmp_path: Path) -> None:
     killed_workers(tmp_path, scenes=2, kills=1)
