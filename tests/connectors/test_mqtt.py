@@ -7,6 +7,7 @@ import importlib.util
 import shutil
 import socket
 import subprocess
+import sys
 import threading
 import time
 from collections.abc import Iterator
@@ -354,3 +355,20 @@ def test_what_is_no_message_is_an_error(payload: bytes) -> None:
 def test_what_is_no_plain_data_is_an_error() -> None:
     with pytest.raises(ConnectorError, match="no plain data"):
         encode({"x": object()})
+
+
+@needs_broker
+def test_the_device_of_the_guide_is_reached(broker: Broker, connector: MqttConnector, tmp_path: Path) -> None:
+    guide = (Path(__file__).parents[2] / "docs/guide/mqtt.md").read_text(encoding="utf-8")
+    device = tmp_path / "greenhouse.py"
+    device.write_text(guide.partition("```python\n")[2].partition("```")[0], encoding="utf-8")
+    received: Inbox[Message] = Inbox(30.0)
+    connector.subscribe("/humidity", "std_msgs/msg/Float64", received)
+    with subprocess.Popen([sys.executable, device, str(broker.port)]) as process:
+        received.wait(lambda all_: len(all_) > 2, "the device publishes")
+        replies: Inbox[Reply] = Inbox(30.0)
+        connector.call("/valve/open", TRIGGER, {}, on_reply=replies)
+        (reply,) = replies.wait(bool, "the device replies")
+        process.kill()
+    assert (reply.outcome, reply.data) == ("succeeded", {"success": True, "message": ""})
+    assert received.all[0].data["data"] < 0.3
