@@ -25,6 +25,8 @@ __all__ = ("LEAST", "LEAST_FIRST_OF_ANY", "LEAST_STOP", "FusedTurn", "evidence_i
 
 LEAST, LEAST_ALONE = 5.5, 8.5
 """What the evidence for a phrase must come to, in nats, where the second agrees; where it does not."""
+MORE_FOR_WORDS = 1.5
+"""How much more where the free text has more words than the phrase, so that the second's vote alone is not enough."""
 LEAST_FIRST = 2.4
 """What the first recogniser's own must come to."""
 LEAST_STOP, LEAST_STOP_FIRST = 2.4, 1.0
@@ -112,16 +114,16 @@ def _phrase(plain: str, first: Mapping[str, float], second: Mapping[str, float],
         return ""
     most, phrase = sums[-1]
     lead = most - sums[-2][0] if len(sums) > 1 else math.inf
-    least = LEAST if phrase in second else LEAST_ALONE
+    words, read = len(phrase.split()), len(plain.split())
+    least = LEAST + (MORE_FOR_WORDS if read > words else 0.0) if phrase in second else LEAST_ALONE
     is_enough = most >= least and first[phrase] >= LEAST_FIRST and lead >= LEAST_LEAD
     if phrase == STOP:
         is_enough = most >= LEAST_STOP and first[phrase] >= LEAST_STOP_FIRST
     elif phrase == PAUSE and not is_enough and len(sums) > 1 and sums[-2][1] == STOP:
         phrase, is_enough = STOP, min(first[STOP], sums[-2][0]) >= LEAST_STOP
     is_best = phrase in second and second[phrase] == max(second.values())
-    words = len(phrase.split())
     more = MORE_WORDS_BEST if is_best else 1 if phrase == STOP else words // WORDS_A_MORE
-    return phrase if is_enough and len(plain.split()) <= words + more else ""
+    return phrase if is_enough and read <= words + more else ""
 
 
 def _likeness(plain: str, phrase: str) -> float:

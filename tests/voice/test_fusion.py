@@ -127,6 +127,13 @@ def test_a_free_text_of_more_words_is_a_phrase_only_if_it_is_the_second_s_best(
     assert (found.text == phrase) == (more <= (2 if vote == 2.0 else len(phrase.split()) // 3))
 
 
+def test_a_free_text_of_more_words_asks_for_more_evidence() -> None:
+    phrases = (*PHRASES, "wait")
+    read = [fused(text, {"wait": own}, {"wait": 2.0}, phrases).text for text in ("Way", "Why it") for own in (3.5, 6.0)]
+    assert read == ["wait", "wait", "Why it", "wait"]
+    assert fused("This one.", {"stop": 2.4}, {"stop": 1.0}, phrases).text == "stop", "but for a stop"
+
+
 def test_stop_may_be_one_word_of_two() -> None:
     read = [fused(text, {"stop": 9.0}, {"yes": 2.0}, PHRASES).text for text in ("It's fine.", "That is fine.")]
     assert read == ["stop", "That is fine."]
