@@ -103,6 +103,12 @@ def test_the_report_is_accessible_and_fits_its_window(opened: Open, page: bytes,
     assert_accessible(window)
 
 
+def test_what_words_mean_has_the_width_of_a_phone(opened: Open, page: bytes) -> None:
+    window = opened(page, **PHONE)
+    widths = [each.bounding_box()["width"] for each in window.query_selector_all("dl.words dd") if each.is_visible()]
+    assert widths and min(widths) > 300
+
+
 @pytest.mark.parametrize("width", [1000, 1400])
 def test_every_table_fits_its_card(opened: Open, tmp_path: Path, width: int) -> None:
     store = make_results(tmp_path / "a.db", scenes=20, sorts=SORTS)
