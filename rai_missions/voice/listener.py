@@ -34,7 +34,7 @@ it is taken for "stop" as well as for words that are no order; read freely it co
 WAKE_CUTOFF = 0.5
 """How probable the wake word must be, as the mean of 150 ms."""
 AWAKE_S = 8.0
-"""How long after the wake word, or after a turn that passed, a turn may begin."""
+"""How long after the wake word, or after a turn that passed by it, a turn may begin."""
 
 
 class ListenSettings(NamedTuple):
@@ -108,7 +108,10 @@ class SpeechListener:
         self._settled: set[TurnOffer] = set()
         self._given: set[int] = set()
         """Turns of which a phrase was given at once."""
-        self._awake_until = -1.0
+        self._woken_until = self._passed_until = -1.0
+        """Until when a turn may begin after the wake word, and after a turn that passed."""
+        self._awake: dict[int, float] = {}
+        """The first of them when a turn ended: what wakes later is none of its own."""
         self._pending = 0
         self._rest = threading.Condition()
 
@@ -160,7 +163,7 @@ class SpeechListener:
             log.warning("the ear sent what is no frame")
             return
         if wake >= WAKE_CUTOFF:
-            self._awake_until = frame.at + AWAKE_S
+            self._woken_until = frame.at + AWAKE_S
         for event in self._detector.take(TurnFrame(frame.at, speech, clear, quiet)):
             self._turn_event(event)
 
@@ -183,7 +186,7 @@ class SpeechListener:
             for queue in self._offers.values():
                 self._count(-queue.void(TurnOffer(event.number, event.offer)))
         elif event.kind == "ended":
-            self._ends[event.number] = event
+            self._ends[event.number], self._awake[event.number] = event, self._woken_until
             self._conclude(event.number)
 
     def _transcribe(self, event: TurnEvent) -> None:
@@ -249,19 +252,19 @@ class SpeechListener:
             return
         text, readings = words_of(known, self._settings)
         times = self._times(number)
-        was_given = number in self._given
+        was_given, is_awake = number in self._given, times[0] <= max(self._awake[number], self._passed_until)
         self._forget(number)
         if was_given and text in self._settings.at_once:
             return
-        if self._settings.needs_wake_word and times[0] > self._awake_until and text not in self._settings.at_once:
+        if self._settings.needs_wake_word and not is_awake and text not in self._settings.at_once:
             text, readings = "", ()
-        elif text:
-            self._awake_until = max(self._awake_until, times[2] + AWAKE_S)
+        elif text and is_awake:
+            self._passed_until = times[2] + AWAKE_S
         self._on_transcript(Transcript(text, readings, number, *times, fault=known.first.fault))
 
     def _forget(self, number: int) -> None:
         self._replies = {offer: reply for offer, reply in self._replies.items() if offer.number > number}
-        for known in (self._ends, self._began, self._latest):
+        for known in (self._ends, self._awake, self._began, self._latest):
             known.pop(number, None)
         self._given.discard(number)
         self._settled = {offer for offer in self._settled if offer.number > number}

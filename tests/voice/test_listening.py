@@ -12,6 +12,7 @@ from rai_missions.connectors.sound.files import FileSound
 from rai_missions.connectors.sound.room import RoomSound
 from rai_missions.voice.ear import open_ear
 from rai_missions.voice.listener import ListenSettings, SpeechListener, Transcript
+from rai_missions.voice.process import SpeechProcess
 from rai_missions.voice.setup import ListenNames, Recognition, open_recognition
 from rai_missions.voice.turns import TurnDetector, TurnFrame
 from tests.voice.conftest import needs_voice, quiet, spoken
@@ -100,6 +101,26 @@ def test_sentences_with_a_pause_between_are_turns_of_their_own(collector: Transc
     found = collector.of(FileSound(quiet(0.5) + spoken("Yes.") + quiet(0.8) + spoken("Where is the kitchen?")))
     assert [each.text for each in found] == ["yes", "Where is the kitchen?"]
     assert [each.turn for each in found] == [1, 2]
+
+
+def test_without_the_wake_word_a_stop_alone_counts(collector: TranscriptCollector) -> None:
+    found = list[Transcript]()
+    ear = SpeechProcess("ear", "ear", {"wake_word": "okay_nabu"}, within_s=30.0)
+    ear.open()
+    listener = SpeechListener(
+        ear, *collector.recognition.processes[1:], settings=ListenSettings(needs_wake_word=True),
+        on_transcript=found.append,
+    )  # fmt: skip
+    sentences = ("Where are you going?", "Stop.", "What are you doing?", "Okay nah boo.", "Where is the kitchen?")
+    sound = FileSound(b"".join(quiet(0.6) + spoken(each, "rms") for each in sentences))
+    sound.listen(listener.take)
+    sound.start()
+    while not sound.over:
+        sound.step()
+    assert listener.finish()
+    ear.close()
+    assert [each.text for each in found[:3]] == ["", "stop", ""], "also where the wake word comes before the transcript"
+    assert found[-1].text == "Where is the kitchen?"
 
 
 def test_silence_and_noise_are_no_words(collector: TranscriptCollector) -> None:
