@@ -33,7 +33,8 @@ class TextToSpeech:
         model_voice: For a model's texts; empty: the same voice, and they begin with "I think".
         on_end: Called once for each text with its key and how it ended.
         on_message_end: Called once for each message of `hri` with its text and how it ended.
-        on_fault: Called with a sentence each time a voice's process ended, hung or could not be opened.
+        on_fault: Called with a sentence each time a voice's process ended, hung or could not be opened; None: it is
+            logged.
         patience_s: How long the device may take no sound before what waits has failed; infinity on a simulated clock.
     """
 
@@ -41,7 +42,7 @@ class TextToSpeech:
         self, sound: SoundConnector, hri: HRIConnector | None = None, *, topic: str = TO_HUMAN, voice: str = "flite",
         model_voice: str = "", on_end: Callable[[str, SpokenEnd], object] = lambda key, how: None,
         on_message_end: Callable[[str, SpokenEnd], object] = lambda text, how: None,
-        on_fault: Callable[[str], object] = lambda why: None, patience_s: float = 5.0,
+        on_fault: Callable[[str], object] | None = None, patience_s: float = 5.0,
     ) -> None:  # fmt: skip
         self._sound, self._hri, self._topic = sound, hri, topic
         self._on_end, self._on_message_end = on_end, on_message_end

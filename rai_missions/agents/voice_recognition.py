@@ -35,7 +35,8 @@ class VoiceRecognition:
         on_transcript: Called with each turn, also with one without words; with the readings of each recogniser, which
             a message does not have.
         on_present: Called when a person surely speaks: what is played should be silent.
-        on_fault: Called with a sentence each time an ear or a recogniser ended, hung or could not be opened.
+        on_fault: Called with a sentence each time an ear or a recogniser ended, hung or could not be opened; None: it
+            is logged.
     """
 
     def __init__(
@@ -43,7 +44,7 @@ class VoiceRecognition:
         names: ListenNames = NAMES, settings: ListenSettings = SETTINGS,
         on_transcript: Callable[[Transcript], object] = lambda transcript: None,
         on_present: Callable[[float], object] = lambda at: None,
-        on_fault: Callable[[str], object] = lambda why: None,
+        on_fault: Callable[[str], object] | None = None,
     ) -> None:  # fmt: skip
         self._sound, self._hri, self._topic, self._names, self._settings = sound, hri, topic, names, settings
         self._on_transcript, self._on_present, self._on_fault = on_transcript, on_present, on_fault

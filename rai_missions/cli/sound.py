@@ -49,18 +49,18 @@ def play_sound(sound: bytes, device: str | None) -> int:
 def listen_to(file: str | None, device: str | None, names: ListenNames, *, as_json: bool) -> int:
     """Print each transcript; returns an exit status."""
     sound: SoundConnector = FileSound(file) if file is not None else DeviceSound(device)
-    count = [0]
+    count, warnings = [0], _Warnings()
 
     def show(transcript: Transcript) -> None:
-        if transcript.fault:
-            print(f"rai-missions listen: {transcript.fault}", file=sys.stderr)
+        warnings.take(transcript.fault)
         if transcript.text:
             count[0] += 1
             print(json.dumps(transcript._asdict()) if as_json else line_of(transcript), flush=True)
 
-    recognition = open_recognition(names, ListenSettings(), on_transcript=show)
+    recognition = open_recognition(names, ListenSettings(), on_transcript=show, on_fault=warnings.take)
     try:
         recognition.wait_ready()
+        warnings.begin()
         sound.listen(recognition.listener.take)
         sound.start()
         if isinstance(sound, FileSound):
@@ -74,6 +74,23 @@ def listen_to(file: str | None, device: str | None, names: ListenNames, *, as_js
         sound.stop()
         recognition.close()
     return int(not count[0])
+
+
+class _Warnings:
+    """Faults of what listens, each printed once; one that keeps it from its begin is raised instead."""
+
+    def __init__(self) -> None:
+        self._printed, self._begun = set[str](), False
+
+    def begin(self) -> None:
+        """All that listens is ready."""
+        self._begun = True
+
+    def take(self, fault: str) -> None:
+        """Print a fault, unless it is empty or was printed."""
+        if self._begun and fault and fault not in self._printed:
+            self._printed.add(fault)
+            print(f"rai-missions listen: {fault}", file=sys.stderr)
 
 
 def line_of(transcript: Transcript) -> str:

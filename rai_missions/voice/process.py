@@ -63,12 +63,12 @@ class SpeechProcess:
         options: How it is opened.
         within_s: How long a reply may take; after that the process is ended and another is started.
         memory_gib: How much memory it may be resident in.
-        on_fault: Called with a sentence each time the process ended, hung or could not be opened.
+        on_fault: Called with a sentence each time the process ended, hung or could not be opened; None: it is logged.
     """
 
     def __init__(
         self, sort: SpeechSort, name: str, options: Mapping[str, Any] | None = None, *, within_s: float = 5.0,
-        memory_gib: float = 1.5, on_fault: Callable[[str], object] = lambda why: None,
+        memory_gib: float = 1.5, on_fault: Callable[[str], object] | None = None,
     ) -> None:  # fmt: skip
         self.sort, self.name = sort, name
         self._options, self._within_s, self._bytes = dict(options or {}), within_s, int(memory_gib * GIB)
@@ -218,10 +218,12 @@ class SpeechProcess:
             else:
                 asked = self._drop_asked()
         sentence = f"the {self.sort} '{self.name}' ended: {why}" if not self._absent else self._absent
-        log.warning("%s%s", sentence, "; it is started again" if again else "")
+        if self._on_fault is None:
+            log.warning("%s%s", sentence, "; it is started again" if again else "")
         for each in asked:
             each.on_reply(SpeechReply(fault=sentence))
-        self._on_fault(sentence)
+        if self._on_fault is not None:
+            self._on_fault(sentence)
 
     def _drop_asked(self) -> list[PendingOrder]:
         asked, self._asked = list(self._asked.values()), {}

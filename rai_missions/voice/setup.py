@@ -53,7 +53,7 @@ class Recognition(NamedTuple):
 
 def open_recognition(
     names: ListenNames, settings: ListenSettings, *, on_transcript: Callable[[Transcript], object],
-    on_present: Callable[[float], object] = lambda at: None, on_fault: Callable[[str], object] = lambda why: None,
+    on_present: Callable[[float], object] = lambda at: None, on_fault: Callable[[str], object] | None = None,
 ) -> Recognition:  # fmt: skip
     """Start what listens; returns at once.
 
@@ -62,7 +62,8 @@ def open_recognition(
         settings: The phrases that are expected, and times.
         on_transcript: See `SpeechListener`.
         on_present: See `SpeechListener`.
-        on_fault: Called with a sentence each time one of the processes ended, hung or could not be opened.
+        on_fault: Called with a sentence each time one of the processes ended, hung or could not be opened; None: it is
+            logged.
     """
     settings = settings._replace(needs_wake_word=bool(names.wake_word))
     ear = SpeechProcess(

@@ -73,11 +73,12 @@ def recogniser(package: None) -> Iterator[tuple[SpeechProcess, Inbox[str], Asked
     ],
 )
 def test_one_that_ends_or_hangs_is_named_and_started_again(
-    recogniser: tuple[SpeechProcess, Inbox[str], Asked], what: str, why: str
+    recogniser: tuple[SpeechProcess, Inbox[str], Asked], what: str, why: str, caplog: pytest.LogCaptureFixture
 ) -> None:
     process, faults, ask = recogniser
     assert ask(what).fault == f"the recogniser 'hostile' ended: {why}"
     faults.wait(lambda all_: all_ == [f"the recogniser 'hostile' ended: {why}"], "it is named once")
+    assert not [each for each in caplog.records if each.name == "rai_missions.voice.process"]
     assert ask("again").data["text"] == "again"
     assert process.restarts == 1
 

@@ -26,7 +26,8 @@ def listen(
 
     Args:
         file: A WAV file instead of the microphone.
-        recogniser: whisper, or a recogniser of another package; with options as whisper:weights=base.
+        recogniser: whisper, or a recogniser of another package; with options as whisper:weights=base,
+            whisper:folder=MODEL.
         second: The recogniser that has to agree on an order; empty for none.
         wake_word: okay_nabu, hey_jarvis, hey_mycroft or alexa: turns without it are not shown.
         device: The microphone, as 'doctor --voice' lists it.

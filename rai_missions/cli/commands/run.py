@@ -62,7 +62,8 @@ class RunOptions(NamedTuple):
             The model of --model takes part. Simulated time is the wall's unless --speed is given.
         voice: With --talk: also by the microphone and the speaker of this machine (extra 'voice'), in flite's voice or
             that of NAME: espeak, piper, kokoro, or one of another package; with options as flite:speaker=rms.
-        recogniser: With --talk: whisper, or a recogniser of another package; with options as whisper:folder=MODEL.
+        recogniser: With --talk: whisper, or a recogniser of another package; with options as whisper:weights=base,
+            whisper:folder=MODEL.
         wake_word: With --voice: okay_nabu, hey_jarvis, hey_mycroft or alexa; other sentences are dropped, except stop.
         watch: Show the run on a web page, where the operator may act. Without PORT: 8765; 0 is any free port (extra
             'watch').

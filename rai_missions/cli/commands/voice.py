@@ -36,7 +36,8 @@ def voice(
         domain: The ROS domain, instead of ROS_DOMAIN_ID.
         output: With FILE: a WAV file that is written at the end, with all that was spoken.
         voice: flite, espeak, piper, kokoro, or a voice of another package; with options as flite:speaker=rms.
-        recogniser: whisper, or a recogniser of another package; with options as whisper:weights=base.
+        recogniser: whisper, or a recogniser of another package; with options as whisper:weights=base,
+            whisper:folder=MODEL.
         second: The recogniser that has to agree on an order; empty for none.
         wake_word: okay_nabu, hey_jarvis, hey_mycroft or alexa: turns without it are not published.
         microphone: As 'doctor --voice' lists it.
