@@ -10,10 +10,11 @@ from rai_missions.conversation.dialogue import Dialogue
 from rai_missions.conversation.inputs import ModelText, OrderEnd, SpeechEnd, Utterance
 from rai_missions.conversation.outputs import AskModel, DropModel, Order, Output, Silence, Speech, TalkNote, TalkTurn
 from rai_missions.conversation.settings import Settings, permissions
-from rai_missions.conversation.view import KeyView, MissionView, ProgressView, RunEvent, StatusView
+from rai_missions.conversation.view import BuildView, KeyView, MissionView, ProgressView, RunEvent, StatusView
 
 __all__ = (
     "AskModel",
+    "BuildView",
     "Dialogue",
     "DropModel",
     "KeyView",

@@ -14,7 +14,7 @@ from rai_missions.conversation.inputs import ModelText, OrderEnd, SpeechEnd, Utt
 from rai_missions.conversation.outputs import AskModel, DropModel, Order, Output, Silence, Speech, TalkNote
 from rai_missions.conversation.settings import Settings, permissions
 from rai_missions.conversation.start_phrases import StartPhrase
-from rai_missions.conversation.view import KeyView, MissionView, ProgressView, RunEvent, StatusView
+from rai_missions.conversation.view import BuildView, KeyView, MissionView, ProgressView, RunEvent, StatusView
 from rai_missions.engine.decision import Offer, Question
 from rai_missions.errors import UsageError, suggestion
 
@@ -58,6 +58,8 @@ def view_from(data: Mapping[str, Any], before: StatusView = StatusView()) -> Sta
             MissionView(each["name"], each.get("about", ""), tuple(_keys(each.get("arguments", {}))))
             for each in data["missions"]
         )
+    if "build" in data:
+        fields["build"] = BuildView(**data["build"])
     if "progress" in data:
         fields["progress"] = tuple(ProgressView(**each) for each in data["progress"])
     if "happened" in data:

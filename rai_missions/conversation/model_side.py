@@ -63,6 +63,8 @@ class ModelSide:
         text = language.text("unknown")
         if view.questions and not utterance.is_spoken and may(utterance.role, "answer", self._talk.settings):
             text = f"{text} {language.text('unknown_answer', options=options_text(view.questions, language))}"
+        elif not self._talk.settings.has_model and not any(each.way == "unknown" for each in self._talk.turns):
+            text = f"{text} {language.text('unknown_more')}"
         self._speaking.speak(text, to=utterance.channel, reply_to=number, way="unknown")
 
     def _begin(self, sentence: WaitingSentence) -> None:

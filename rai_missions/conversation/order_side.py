@@ -174,8 +174,12 @@ class OrderSide:
         return None
 
     def _is_for_model(self, sense: Sense) -> bool:
-        """Whether it is a question of the robot's own that no value answers now, and a model may know more."""
-        return sense.name == "value" and self._talk.settings.has_model and not is_known(sense.key, self._talk.view.keys)
+        """Whether it is a question of the robot's own that nothing answers now, and a model may know more."""
+        view = self._talk.view
+        is_answered = (
+            is_known(sense.key, view.keys) if sense.name == "value" else self._talk.answers.knows(sense.name, view)
+        )
+        return sense.kind == "question" and self._talk.settings.has_model and not is_answered
 
     def _choice(self, sense: Sense) -> str:
         language, question = self._talk.language, self._talk.view.question(sense.question)

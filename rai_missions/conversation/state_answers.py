@@ -15,6 +15,7 @@ from rai_missions.conversation.senses import Sense
 from rai_missions.conversation.values import (
     about_words,
     capital,
+    decimals,
     duration,
     is_known,
     key_sentence,
@@ -28,6 +29,8 @@ from rai_missions.engine.modes import ALIVE
 
 __all__ = ("Asker", "StateAnswers", "control_text", "is_alive", "options_text", "question_text", "state_of_run")
 
+BUILD = {"weight": "mass_kg", "size": "size_m", "speed": "speed_m_s"}
+"""Question → the field of the build that answers it."""
 MOST_CAUSES = 2
 """Lines of what came last, where it is asked why a mission stopped that runs."""
 MOST_DECIDED = 2
@@ -114,8 +117,10 @@ class StateAnswers:
         self._by_name: Mapping[str, Callable[[StatusView, Asker], str]] = {
             "doing": self._doing, "progress": self._progress, "time_left": self._time_left, "where": self._where,
             "why_stopped": self._why_stopped, "waits": self._waits, "asked": self._asked, "ordered": self._ordered,
+            "queued": self._queued,
             "control": self._control, "capabilities": self._capabilities, "mission": self._about_mission,
             "happened": self._happened, "result": self._result, "decided": self._decided,
+            "weight": self._weight, "size": self._size, "speed": self._speed,
             "who": self._who, "since": self._since, "repeat": self._repeat,
             "hello": lambda *_: self.language.text("hello"), "thanks": lambda *_: self.language.text("thanks"),
         }  # fmt: skip
@@ -267,6 +272,10 @@ class StateAnswers:
         text = orders if asker.orders else language.text("ordered_none")
         return f"{text} {self._queue(asker.requests)}" if asker.requests else text
 
+    def _queued(self, view: StatusView, asker: Asker) -> str:
+        text = self._queue(asker.requests) if asker.requests else self.language.text("queued_none")
+        return f"{text} {self._doing(view, asker)}"
+
     def _queue(self, requests: Sequence[str]) -> str:
         return self.language.text("queued", requests=self.language.listed(list(requests)))
 
@@ -316,12 +325,37 @@ class StateAnswers:
 
     def _line(self, happening: RunEvent, view: StatusView) -> str:
         template: str = self.language.data["happenings"][happening.kind]
-        table = {"control": "holders", "ended": "modes"}.get(happening.kind)
+        table = {"control": "holders", "ended": "modes", "command": "commands"}.get(happening.kind)
         name = self.language.word(table, happening.name) if table else spoken(happening.name)
         about = self.language.text("about", about=about_words(happening.about)) if happening.about else ""
         by = self.language.word("answerers", happening.by) if happening.kind == "answered" else happening.by
         by = self.language.text("by", by=by) if by else ""
         return template.format(ago=duration(view.at - happening.at, self.language), name=name, about=about, by=by)
+
+    def knows(self, name: str, view: StatusView) -> bool:
+        """Whether a question has an answer; one of the build only where that is known."""
+        return name not in BUILD or (view.build is not None and getattr(view.build, BUILD[name]) is not None)
+
+    def _weight(self, view: StatusView, _: Asker) -> str:
+        mass = view.build.mass_kg if view.build is not None else None
+        return self._of_build("weight", view, mass=None if mass is None else self._number(mass, "kg"))
+
+    def _size(self, view: StatusView, _: Asker) -> str:
+        size = view.build.size_m if view.build is not None else None
+        length, width, height = (self._number(each, "m") for each in size) if size is not None else (None,) * 3
+        return self._of_build("size", view, length=length, width=width, height=height)
+
+    def _speed(self, view: StatusView, _: Asker) -> str:
+        speed = view.build.speed_m_s if view.build is not None else None
+        return self._of_build("speed", view, speed=None if speed is None else self._number(speed, "m/s"))
+
+    def _number(self, value: float, unit: str) -> str:
+        return decimals(f"{value:.2f}".rstrip("0").rstrip("."), self.language) + f" {unit}"
+
+    def _of_build(self, form: str, view: StatusView, **values: str | None) -> str:
+        if view.build is None or None in values.values():
+            return self.language.text("build_unknown")
+        return self.language.text(form, build=view.build.name, **values)
 
     def _who(self, view: StatusView, _: Asker) -> str:
         if not view.robot:

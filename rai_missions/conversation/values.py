@@ -17,6 +17,7 @@ from rai_missions.redaction import cut
 __all__ = (
     "about_words",
     "capital",
+    "decimals",
     "duration",
     "is_known",
     "key_sentence",
@@ -39,7 +40,7 @@ def duration(seconds: float, language: Language) -> str:
     if not math.isfinite(seconds):
         return language.text("nothing")
     if seconds < 120:
-        return language.text("seconds", n=_decimals(rounded(round(max(seconds, 0.0), 1), "_s"), language))
+        return language.text("seconds", n=decimals(rounded(round(max(seconds, 0.0), 1), "_s"), language))
     return language.text("minutes", n=round(seconds / 60))
 
 
@@ -48,7 +49,8 @@ def about_words(about: str) -> str:
     return cut(about, LONGEST_TEXT).strip().rstrip(".!")
 
 
-def _decimals(text: str, language: Language) -> str:
+def decimals(text: str, language: Language) -> str:
+    """A number in digits with the language's sign for decimals."""
     decimal: str = language.data["decimal"]
     return text.replace(".", decimal)
 
@@ -68,7 +70,7 @@ def value_words(value: Any, key: KeyView, language: Language, *, field: str = ""
     if isinstance(value, bool) or value is None:
         return language.text({True: "true", False: "false", None: "nothing"}[value])
     if is_number(value):
-        return _decimals(rounded(float(value), unit and f"_{unit}"), language) + (f" {unit}" if unit else "")
+        return decimals(rounded(float(value), unit and f"_{unit}"), language) + (f" {unit}" if unit else "")
     if isinstance(value, Mapping):
         parts = [_field(str(name), each, key, language) for name, each in list(value.items())[:MOST_ITEMS]]
         return language.listed(parts) or language.text("empty")
@@ -91,7 +93,7 @@ def _field(name: str, value: Any, key: KeyView, language: Language) -> str:
 
 
 def _pose(value: Mapping[str, Any], key: KeyView, language: Language) -> str:
-    x, y = (_decimals(rounded(float(value.get(axis, 0.0)), "_m"), language) for axis in ("x", "y"))
+    x, y = (decimals(rounded(float(value.get(axis, 0.0)), "_m"), language) for axis in ("x", "y"))
     yaw = value.get("yaw")
     if is_number(yaw):
         text = language.text("pose_yaw", x=x, y=y, yaw=round(math.degrees(yaw)))

@@ -12,7 +12,7 @@ from typing import Any, Literal, NamedTuple
 from rai_missions.engine.decision import Question
 from rai_missions.keys import Source, TypeName
 
-__all__ = ("HappeningKind", "KeyView", "MissionView", "ProgressView", "RunEvent", "StatusView")
+__all__ = ("BuildView", "HappeningKind", "KeyView", "MissionView", "ProgressView", "RunEvent", "StatusView")
 
 HappeningKind = Literal["entered", "event", "command", "answered", "control", "continued", "ended"]
 
@@ -67,6 +67,18 @@ class RunEvent(NamedTuple):
     """Who commanded or answered."""
 
 
+class BuildView(NamedTuple):
+    """What is known of a robot's build; None: that is not known."""
+
+    name: str
+    """Of the description that it is from."""
+    mass_kg: float | None = None
+    size_m: tuple[float, float, float] | None = None
+    """Length, width and height."""
+    speed_m_s: float | None = None
+    """How fast it can drive at most."""
+
+
 class StatusView(NamedTuple):
     """The run at one moment."""
 
@@ -112,6 +124,8 @@ class StatusView(NamedTuple):
     """The robot's name."""
     identity: str = ""
     """A sentence on who the robot is; of its description."""
+    build: BuildView | None = None
+    """Its build; None where no description has it."""
     missions: tuple[MissionView, ...] = ()
     """What can be started, this one included."""
     progress: tuple[ProgressView, ...] = ()

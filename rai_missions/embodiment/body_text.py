@@ -58,8 +58,7 @@ def _of_link(link: BodyLink, joint: BodyJoint | None) -> Iterator[str]:
             f"It is mounted on {joint.parent} by the {joint.kind} joint {joint.name}, at x {_shown(joint.origin_m[0])},"
             f" y {_shown(joint.origin_m[1])}, z {_shown(joint.origin_m[2])} m."
         )
-    for shape in dict.fromkeys(link.shapes):
-        yield f"Its {shape.use} shape is {_of_shape(shape)}."
+    yield from dict.fromkeys(f"Its {shape.use} shape is {_of_shape(shape)}." for shape in link.shapes)
 
 
 def _of_shape(shape: BodyShape) -> str:

@@ -33,6 +33,10 @@ class BodyShape(NamedTuple):
     """Box: its three edges; cylinder: radius and length; sphere: radius; mesh: none."""
     use: str
     """`collision` or `visual`."""
+    origin_m: tuple[float, ...] = (0.0, 0.0, 0.0)
+    """Where its middle is, in the link."""
+    rpy: tuple[float, ...] = (0.0, 0.0, 0.0)
+    """How it is turned there: roll, pitch and yaw in radians, about the fixed axes."""
 
 
 class BodyLink(NamedTuple):
@@ -55,6 +59,8 @@ class BodyJoint(NamedTuple):
     axis: tuple[float, ...] = (1.0, 0.0, 0.0)
     origin_m: tuple[float, ...] = (0.0, 0.0, 0.0)
     """Where the child begins, in the parent."""
+    rpy: tuple[float, ...] = (0.0, 0.0, 0.0)
+    """How it is turned there: roll, pitch and yaw in radians, about the fixed axes."""
     lower: float | None = None
     """In radians, or metres for `prismatic`."""
     upper: float | None = None
@@ -97,6 +103,8 @@ class _Listener:
         self.links: list[dict[str, Any]] = []
         self.joints: list[dict[str, Any]] = []
         self._shapes = 0
+        self._origin: dict[str, Any] = {}
+        """Of the shape that is read."""
 
     def begin(self, tag: str, attributes: Mapping[str, str], line: int) -> None:
         name = cut(attributes.get("name", ""), LONGEST_NAME)
@@ -111,9 +119,14 @@ class _Listener:
                 self.joints.append({"name": name, "kind": cut(attributes.get("type", ""), LONGEST_NAME)})
             case ["robot", "link", "inertial"] if tag == "mass":
                 self.links[-1]["mass_kg"] = _mass(attributes, line)
+            case ["robot", "link"] if tag in ("collision", "visual"):
+                self._origin = {}
+            case ["robot", "link", "collision" | "visual"] if tag == "origin":
+                self._origin = _origin(attributes, line)
             case ["robot", "link", ("collision" | "visual") as use, "geometry"] if tag in SHAPES:
                 self._shapes += 1
-                self.links[-1]["shapes"].append(BodyShape(tag, _measures(tag, attributes, line), use))
+                measures = _measures(tag, attributes, line)
+                self.links[-1]["shapes"].append(BodyShape(tag, measures, use, **self._origin))
             case ["robot", "joint"]:
                 self.joints[-1] |= _part_of_joint(tag, attributes, line)
         self.path.append(tag)
@@ -146,10 +159,17 @@ def _part_of_joint(tag: str, attributes: Mapping[str, str], line: int) -> dict[s
     if tag == "axis":
         return {"axis": _numbers(attributes.get("xyz", "1 0 0"), 3, "the axis", line)}
     if tag == "origin":
-        return {"origin_m": _numbers(attributes.get("xyz", "0 0 0"), 3, "the origin", line)}
+        return _origin(attributes, line)
     if tag == "limit":
         return {name: _number(attributes[name], f"the limit '{name}'", line) for name in LIMITS if name in attributes}
     return {}
+
+
+def _origin(attributes: Mapping[str, str], line: int) -> dict[str, Any]:
+    return {
+        "origin_m": _numbers(attributes.get("xyz", "0 0 0"), 3, "the origin", line),
+        "rpy": _numbers(attributes.get("rpy", "0 0 0"), 3, "the turn of the origin", line),
+    }
 
 
 def _mass(attributes: Mapping[str, str], line: int) -> float:

@@ -95,7 +95,7 @@ def test_every_language_has_the_same_tables_and_templates() -> None:
     first, *others = (language(code).data for code in languages())
     for other in others:
         assert other.keys() == first.keys()
-        for table in ("texts", "questions", "orders", "modes", "claims", "happenings", "order_names"):
+        for table in ("texts", "questions", "orders", "modes", "claims", "happenings", "commands", "order_names"):
             assert other[table].keys() == first[table].keys(), table
         for name, text in first["texts"].items():
             if isinstance(text, str):

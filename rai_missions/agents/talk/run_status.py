@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 
 from rai_missions.agents.talk.happenings import happenings
 from rai_missions.agents.talk.progress import progress
-from rai_missions.conversation import KeyView, MissionView, RunEvent, StatusView
+from rai_missions.conversation import BuildView, KeyView, MissionView, RunEvent, StatusView
 from rai_missions.engine.decision import Question
 from rai_missions.engine.step import Step
 from rai_missions.keys import Blackboard, Key, stale_at
@@ -32,6 +32,8 @@ class RobotWords(NamedTuple):
     name: str = ""
     identity: str = ""
     """A sentence on who it is."""
+    build: BuildView | None = None
+    """Its build, where a description has it."""
 
 
 class RunStatus:
@@ -107,7 +109,7 @@ class RunStatus:
             questions=questions, confirm=frozenset(one for each in questions for one in _confirmed(mission, each)),
             keys={name: key_view(name, key, board, now) for name, key in mission.blackboard.items()},
             states=self._states, events=self._events, mission=mission.name, about=mission.about,
-            robot=self._robot.name, identity=self._robot.identity, missions=self._missions,
+            robot=self._robot.name, identity=self._robot.identity, build=self._robot.build, missions=self._missions,
             progress=tuple(progress(mission, frozenset(active), board)), happened=tuple(self._happened),
             since=self._since, mode_by=self._mode_by, mode_since=self._mode_since,
         )  # fmt: skip

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from rai_missions.cli.commands.run import RunOptions
     from rai_missions.cli.progress import Lines
     from rai_missions.cli.run.live_page import RunPage
-    from rai_missions.conversation import Order
+    from rai_missions.conversation import BuildView, Order
     from rai_missions.embodiment.identity import Identity
     from rai_missions.engine.decision import Question
     from rai_missions.engine.step import Step
@@ -108,7 +108,9 @@ class TalkSession:
         name = prepared.robot.name if prepared.robot is not None else ""
         if self._options.voice is not None:
             self._doors.append(self._open_voice())
-        robot = RobotWords(name, identity.first_sentence if identity is not None else "")
+        robot = RobotWords(name)
+        if identity is not None:
+            robot = RobotWords(name, identity.first_sentence, _build(identity))
         if self._policy is not None and self._policy.hri:
             self._doors.append(self._open_topics(prepared, name))
         self.agent = agent = ConversationalAgent(
@@ -385,6 +387,15 @@ def _identity(prepared: PreparedRun) -> Identity | None:
     from rai_missions.embodiment import Identity
 
     return Identity.read(prepared.plan.identity) if prepared.plan.identity is not None else None
+
+
+def _build(identity: Identity) -> BuildView | None:
+    """What follows from the robot's links and joints."""
+    from rai_missions.conversation import BuildView
+    from rai_missions.embodiment.extent import size_m, speed_m_s
+
+    body = identity.body
+    return None if body is None else BuildView(body.name, body.mass_kg or None, size_m(body), speed_m_s(body))
 
 
 def _model(options: RunOptions, prepared: PreparedRun, identity: Identity | None) -> TalkModel | None:
