@@ -212,7 +212,7 @@ class GoalWriter:
     def _several(self, phrases: Sequence[Phrase]) -> Names:
         names = self._names(phrases)
         if len(names) < 2:
-            raise self._ask("unread")
+            raise self._ask("too_few", self._listed(names))
         return names
 
     def _stack(self, clause: Clause) -> Iterator[Plain]:
@@ -257,7 +257,7 @@ class GoalWriter:
     def _swap(self, clause: Clause) -> Iterator[Plain]:
         names = self._several(clause.subjects)
         if len(names) > 2:
-            raise self._ask("unread")
+            raise self._ask("too_many", self._listed(names))
         self._target = ()
         yield {"swapped": list(names)}
 

@@ -9,8 +9,11 @@ import pytest
 
 from rai_missions.planning.reading import reading_of
 from tests.planning.reading.stored import SCENES, goal
+from tests.planning.scenes import scene
+from tests.planning.scenes import thing as placed
 
 SEEN = SCENES["uncoloured"]
+CUBES = ("red_cube", "blue_cube", "green_cube")
 
 
 @pytest.mark.parametrize(
@@ -114,3 +117,18 @@ def test_a_thing_that_is_swapped_and_moved_otherwise_is_asked_back(code: str, mo
         SEEN,
     )
     assert alone.goal is not None and len(alone.goal.all) == 2
+
+
+@pytest.mark.parametrize(
+    ("request_", "reason"),
+    [
+        ("group the carrots", "That takes two things or more, and I see only 'carrot' of them."),
+        ("stack the red cube", "That takes two things or more, and I see only 'red cube' of them."),
+        ("gruppiere die Karotten", "Dazu gehören mindestens zwei Dinge, und davon sehe ich nur 'carrot'."),
+        ("swap the cubes", "That takes two things, and there are 'red cube', 'blue cube' and 'green cube'."),
+    ],
+)
+def test_a_wish_about_too_few_or_too_many_things_is_asked_back_with_the_reason(request_: str, reason: str) -> None:
+    three = scene(*(placed(name, 0.4 + n / 10, 0.1) for n, name in enumerate(("carrot", *CUBES))))
+    found = reading_of(request_, three)
+    assert found.goal is None and found.question.startswith(reason)
