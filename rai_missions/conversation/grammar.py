@@ -17,6 +17,7 @@ from rai_missions.conversation.named import key_named, missions_named, option_na
 from rai_missions.conversation.phrases import Phrases
 from rai_missions.conversation.senses import Sense
 from rai_missions.conversation.start_phrases import StartPhrases
+from rai_missions.conversation.state_answers import ALWAYS
 from rai_missions.conversation.view import KeyView, MissionView, StatusView
 from rai_missions.engine.decision import Offer, Question
 from rai_missions.planning.text.normalise import LONGEST_WORD, is_near, once
@@ -205,6 +206,13 @@ class Grammar:
         chosen = (whole or found)[:1]
         return chosen if len(whole or found) < 2 else [sense._replace(is_partial=True) for sense in chosen]
 
+    def answers(self, text: str, questions: Sequence[Question]) -> bool:
+        """Whether a sentence would answer one of these questions, as a whole or as a correction."""
+        words = self.language.normaliser.bare(self.language.normaliser.words(text))
+        ways = [words, *self._corrections.instead(words)] if words and len(words) <= MOST_MENDED else []
+        found = (self._answers_to(question, each) for question in questions for each in ways)
+        return any(sense is not None and not sense.is_partial for sense in found)
+
     def _answers_to(self, question: Question, words: list[str]) -> Sense | None:
         found, text = list[Sense](), text_option([question])
         if text is not None and text.means(words, self.language):
@@ -318,7 +326,7 @@ class Grammar:
 
 
 def _is_greeting(senses: Sequence[Sense]) -> bool:
-    return bool(senses) and all(sense.kind == "question" and sense.name in ("hello", "thanks") for sense in senses)
+    return bool(senses) and all(sense.kind == "question" and sense.name in ALWAYS for sense in senses)
 
 
 def _is_fault(senses: Sequence[Sense]) -> bool:

@@ -50,6 +50,10 @@ class Language(LanguageTexts):
         every = (*self.orders.values(), *self.questions.values(), *alone)
         return frozenset(word for each in every for word in each.words)
 
+    def decimals(self, digits: str) -> str:
+        """A number in digits with the language's sign for decimals."""
+        return digits.replace(".", self.data["decimal"])
+
     def word(self, table: str, name: str) -> str:
         """The word of a table for a name of the format; the name itself where it has none."""
         found: str = self.data[table].get(name, spoken(name))

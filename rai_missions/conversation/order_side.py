@@ -36,6 +36,7 @@ from rai_missions.conversation.state_answers import Asker, is_alive
 from rai_missions.conversation.talk import Talk
 from rai_missions.conversation.values import capital, is_known
 from rai_missions.conversation.view import StatusView
+from rai_missions.engine.decision import Question
 from rai_missions.redaction import cut
 
 __all__ = ("Handling", "OrderSide")
@@ -47,6 +48,8 @@ REMEMBERED = 10
 STARTING_S = 30.0
 """Seconds that an ordered start may take until the run is seen; then the next request is possible."""
 LONGEST_REASON = 200
+LATE_S = 30.0
+"""Seconds after the end of a question within which an answer is recognised as one that comes too late."""
 CROSSING_S = 1.0
 """Seconds after the end of one question within which a person may still answer it, while the next is asked."""
 STOPPING = frozenset({"stop", "pause", "cancel"})
@@ -71,6 +74,7 @@ class OrderSide:
         """Speaker → the order that its last sentence had refused or dropped, and which the next may complete."""
         self._drafts_at = float("-inf")
         self._ended_at, self._ended_by = float("-inf"), ("", "")
+        self._closed, self._closed_at = tuple[Question, ...](), float("-inf")
         self._requests = RequestQueue(talk, speaking)
         self._under_way: dict[int, JudgedOrder] = {}
         self._ordered: dict[tuple[str, str], deque[str]] = defaultdict(lambda: deque(maxlen=REMEMBERED))
@@ -120,6 +124,9 @@ class OrderSide:
         self._distract(utterance)
         senses = tuple(sense for sense in senses if sense.kind not in ("yes", "no")) or senses
         senses = senses or self._free_answer(utterance)
+        if self._is_late(utterance, senses):
+            self._speaking.speak(self._talk.answers.closed(self._talk.view), to=utterance.channel, reply_to=number)
+            return "handled"
         if not senses:
             return "unknown"
         if senses[0].kind in ("yes", "no"):
@@ -131,6 +138,12 @@ class OrderSide:
             agreeing = sum(any(sense.identity == other.identity for other in others) for others in each)
             self._handle(sense, utterance, number, agreeing if utterance.is_spoken else None)
         return "handled"
+
+    def _is_late(self, utterance: Utterance, senses: Sequence[Sense]) -> bool:
+        """Whether a sentence that means nothing else, but a key by its name, answers a question that just closed."""
+        is_free = all(sense.kind == "question" and sense.name == "key" for sense in senses)
+        is_recent = self._talk.now - self._closed_at < LATE_S
+        return is_free and is_recent and self._grammar.answers(utterance.text, self._closed)
 
     def _others(self, meant: Sense, senses: Sequence[Sense], *others: Sequence[Sense]) -> Iterator[Sense]:
         """The orders that other readings are instead, to be read back; none where what is meant is, in any case."""
@@ -494,6 +507,8 @@ class OrderSide:
     def follow(self, before: StatusView) -> None:
         """The run's status is new: what was read back may be void, and a request's turn may have come."""
         view = self._talk.view
+        if closed := tuple(each for each in before.questions if view.question(each.number) is None):
+            self._closed, self._closed_at = closed, self._talk.now
         pending = self._pending
         if (
             pending is not None

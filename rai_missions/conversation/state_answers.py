@@ -7,15 +7,16 @@ Rule: nothing here comes from a model, and nothing is known that the `StatusView
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from typing import NamedTuple
 
 from rai_missions.conversation.language import Language, spoken
 from rai_missions.conversation.named import unit_of
+from rai_missions.conversation.places import Place, place_words
 from rai_missions.conversation.senses import Sense
 from rai_missions.conversation.values import (
     about_words,
     capital,
-    decimals,
     duration,
     is_known,
     key_sentence,
@@ -23,14 +24,26 @@ from rai_missions.conversation.values import (
     value_sentence,
     value_words,
 )
-from rai_missions.conversation.view import RunEvent, StatusView
+from rai_missions.conversation.view import KeyView, RunEvent, StatusView
 from rai_missions.engine.decision import Question
 from rai_missions.engine.modes import ALIVE
 
-__all__ = ("Asker", "StateAnswers", "control_text", "is_alive", "options_text", "question_text", "state_of_run")
+__all__ = (
+    "ALWAYS",
+    "Asker",
+    "StateAnswers",
+    "control_text",
+    "is_alive",
+    "options_text",
+    "question_text",
+    "state_of_run",
+)
 
+NOWHERE: Mapping[str, Place] = {}
 BUILD = {"weight": "mass_kg", "size": "size_m", "speed": "speed_m_s"}
 """Question → the field of the build that answers it."""
+ALWAYS = ("hello", "thanks", "bye", "sorry", "rude")
+"""Questions, or what is none, whose answer is always the same: the text of that name."""
 MOST_CAUSES = 2
 """Lines of what came last, where it is asked why a mission stopped that runs."""
 MOST_DECIDED = 2
@@ -110,10 +123,11 @@ class StateAnswers:
     Args:
         language: Its templates.
         results: The keys whose values are the mission's result.
+        places: The name of a place → where it is.
     """
 
-    def __init__(self, language: Language, results: Sequence[str] = ()) -> None:
-        self.language, self._results = language, results
+    def __init__(self, language: Language, results: Sequence[str] = (), places: Mapping[str, Place] = NOWHERE) -> None:
+        self.language, self._results, self._places = language, results, places
         self._by_name: Mapping[str, Callable[[StatusView, Asker], str]] = {
             "doing": self._doing, "progress": self._progress, "time_left": self._time_left, "where": self._where,
             "why_stopped": self._why_stopped, "waits": self._waits, "asked": self._asked, "ordered": self._ordered,
@@ -122,8 +136,11 @@ class StateAnswers:
             "happened": self._happened, "result": self._result, "decided": self._decided,
             "weight": self._weight, "size": self._size, "speed": self._speed,
             "who": self._who, "since": self._since, "repeat": self._repeat,
-            "hello": lambda *_: self.language.text("hello"), "thanks": lambda *_: self.language.text("thanks"),
+            **{name: partial(self._always, name) for name in ALWAYS},
         }  # fmt: skip
+
+    def _always(self, name: str, *_: object) -> str:
+        return self.language.text(name)
 
     def answer(self, sense: Sense, view: StatusView, asker: Asker = Asker()) -> str:  # noqa: B008 - a frozen value
         """The answer to a question of state.
@@ -134,7 +151,7 @@ class StateAnswers:
             asker: The one who asks.
         """
         if sense.name == "key":
-            return key_sentence(sense.key, view.keys, self.language)
+            return self._with_place(key_sentence(sense.key, view.keys, self.language), view.keys.get(sense.key))
         if sense.name == "value":
             text = value_sentence(sense.key, view.keys, self.language)
             return text if is_known(sense.key, view.keys) else self._after(text, view, asker)
@@ -208,7 +225,13 @@ class StateAnswers:
         if not key.is_fresh or key.value is None:
             return key_sentence(key.name, view.keys, self.language)
         value = value_words(key.value, key, self.language)
-        return self.language.text("position", name=spoken(key.name), value=value)
+        return self._with_place(self.language.text("position", name=spoken(key.name), value=value), key)
+
+    def _with_place(self, text: str, key: KeyView | None) -> str:
+        """With the place of a pose that is spoken."""
+        if key is None or key.type != "pose" or not is_known(key.name, {key.name: key}):
+            return text
+        return f"{text} {place_words(key.value, key.frame, self._places, self.language)}".rstrip()
 
     def _why_stopped(self, view: StatusView, asker: Asker) -> str:
         if view.mode == "paused":
@@ -263,7 +286,8 @@ class StateAnswers:
 
     def _asked(self, view: StatusView, _: Asker) -> str:
         if not view.questions:
-            return self.language.text("no_question")
+            decided = self._decided(view, Asker()) if any(each.kind == "answered" for each in view.happened) else ""
+            return f"{self.language.text('no_question')} {decided}".rstrip()
         return " ".join(question_text(each, self.language) for each in view.questions)
 
     def _ordered(self, _: StatusView, asker: Asker) -> str:
@@ -274,7 +298,11 @@ class StateAnswers:
 
     def _queued(self, view: StatusView, asker: Asker) -> str:
         text = self._queue(asker.requests) if asker.requests else self.language.text("queued_none")
-        return f"{text} {self._doing(view, asker)}"
+        return f"{text} {self.status(view)}"
+
+    def closed(self, view: StatusView) -> str:
+        """The answer to one who answers a question that is closed."""
+        return self.language.text("question_closed", decided=self._decided(view, Asker()))
 
     def _queue(self, requests: Sequence[str]) -> str:
         return self.language.text("queued", requests=self.language.listed(list(requests)))
@@ -350,7 +378,7 @@ class StateAnswers:
         return self._of_build("speed", view, speed=None if speed is None else self._number(speed, "m/s"))
 
     def _number(self, value: float, unit: str) -> str:
-        return decimals(f"{value:.2f}".rstrip("0").rstrip("."), self.language) + f" {unit}"
+        return self.language.decimals(f"{value:.2f}".rstrip("0").rstrip(".")) + f" {unit}"
 
     def _of_build(self, form: str, view: StatusView, **values: str | None) -> str:
         if view.build is None or None in values.values():

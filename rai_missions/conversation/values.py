@@ -17,7 +17,6 @@ from rai_missions.redaction import cut
 __all__ = (
     "about_words",
     "capital",
-    "decimals",
     "duration",
     "is_known",
     "key_sentence",
@@ -40,19 +39,13 @@ def duration(seconds: float, language: Language) -> str:
     if not math.isfinite(seconds):
         return language.text("nothing")
     if seconds < 120:
-        return language.text("seconds", n=decimals(rounded(round(max(seconds, 0.0), 1), "_s"), language))
+        return language.text("seconds", n=language.decimals(rounded(round(max(seconds, 0.0), 1), "_s")))
     return language.text("minutes", n=round(seconds / 60))
 
 
 def about_words(about: str) -> str:
     """A mission's sentence, to be put inside another one."""
     return cut(about, LONGEST_TEXT).strip().rstrip(".!")
-
-
-def decimals(text: str, language: Language) -> str:
-    """A number in digits with the language's sign for decimals."""
-    decimal: str = language.data["decimal"]
-    return text.replace(".", decimal)
 
 
 def value_words(value: Any, key: KeyView, language: Language, *, field: str = "", longest: int = LONGEST_TEXT) -> str:
@@ -70,13 +63,19 @@ def value_words(value: Any, key: KeyView, language: Language, *, field: str = ""
     if isinstance(value, bool) or value is None:
         return language.text({True: "true", False: "false", None: "nothing"}[value])
     if is_number(value):
-        return decimals(rounded(float(value), unit and f"_{unit}"), language) + (f" {unit}" if unit else "")
+        return _number(float(value), unit, language) + (f" {unit}" if unit else "")
     if isinstance(value, Mapping):
         parts = [_field(str(name), each, key, language) for name, each in list(value.items())[:MOST_ITEMS]]
         return language.listed(parts) or language.text("empty")
     if isinstance(value, list | tuple):
         return _names(value, language) or language.text("items" if value else "nothing", count=len(value))
     return cut(str(value), longest)
+
+
+def _number(value: float, unit: str, language: Language) -> str:
+    """As precise as a person needs it: metres to the centimetre, from a decimetre on."""
+    is_long = unit == "m" and abs(value) >= 0.1
+    return language.decimals(rounded(round(value, 2) if is_long else value, unit and f"_{unit}"))
 
 
 def _names(items: Sequence[Any], language: Language) -> str:
@@ -93,7 +92,7 @@ def _field(name: str, value: Any, key: KeyView, language: Language) -> str:
 
 
 def _pose(value: Mapping[str, Any], key: KeyView, language: Language) -> str:
-    x, y = (decimals(rounded(float(value.get(axis, 0.0)), "_m"), language) for axis in ("x", "y"))
+    x, y = (_number(float(value.get(axis, 0.0)), "m", language) for axis in ("x", "y"))
     yaw = value.get("yaw")
     if is_number(yaw):
         text = language.text("pose_yaw", x=x, y=y, yaw=round(math.degrees(yaw)))

@@ -8,13 +8,13 @@ from __future__ import annotations
 
 from typing import Annotated, Literal, get_args
 
-from pydantic import Field, field_validator
+from pydantic import Field, ValidationInfo, field_validator
 
 from rai_missions.errors import suggestion
 from rai_missions.event import Role
-from rai_missions.model import LISTED, Bool, Json, MissionModel, Name, Text, fault
+from rai_missions.model import LISTED, Bool, Json, MissionModel, Name, Number, Text, fault
 
-__all__ = ("GRANTED", "ORDERS", "ConversationPolicy", "OrderName", "WhileAnswering")
+__all__ = ("GRANTED", "ORDERS", "ConversationPolicy", "NamedPlace", "OrderName", "WhileAnswering")
 
 OrderName = Literal["start", "pause", "resume", "cancel", "stop", "answer"]
 ORDERS: tuple[OrderName, ...] = get_args(OrderName)
@@ -24,6 +24,26 @@ GRANTED: dict[Role, tuple[OrderName, ...]] = {"operator": ORDERS, "viewer": (), 
 Orders = Annotated[tuple[OrderName, ...], LISTED]
 Keys = Annotated[tuple[Name, ...], LISTED]
 WhileAnswering = Literal["queue", "last", "interrupt"]
+
+
+Span = Annotated[tuple[Number, Number], LISTED]
+
+
+class NamedPlace(MissionModel):
+    """Where a place is that people name: a room, a dock."""
+
+    x: Span
+    """From where to where it reaches, in metres: `[0.1, 5]`; twice the same number is a point."""
+    y: Span
+    frame: Text = "map"
+    """In which frame; a pose of another one is not called by it."""
+
+    @field_validator("x", "y")
+    @classmethod
+    def _is_from_to(cls, span: tuple[float, float], info: ValidationInfo) -> tuple[float, float]:
+        if span[0] > span[1]:
+            raise fault(str(info.field_name), f"{list(span)} ends before it begins; write [{span[1]}, {span[0]}]")
+        return span
 
 
 class ConversationPolicy(MissionModel):
@@ -51,6 +71,8 @@ class ConversationPolicy(MissionModel):
     questions: dict[Text, Text] = Field(default_factory=dict)
     """What may be asked of this robot → the key, or the field of one, whose value is the answer. A question is written
     as a phrase is; `*` is any words. It counts in each mission that has the key."""
+    places: dict[Text, NamedPlace] = Field(default_factory=dict)
+    """The name of a place → where it is. A position is answered with the place in which it is, or the nearest one."""
     results: Keys = ()
     """Keys whose values are spoken with the end of a mission, where they have one; those that it lacks are left out."""
     hri: Bool = False

@@ -1,0 +1,43 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Places with names: in which one a position is, or which is the nearest."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any, NamedTuple
+
+from rai_missions.conversation.language import Language
+from rai_missions.plain_data import is_number
+
+__all__ = ("Place", "place_words")
+
+
+class Place(NamedTuple):
+    """A room, or a point, on a map."""
+
+    x: tuple[float, float]
+    """From where to where, in metres."""
+    y: tuple[float, float]
+    frame: str = "map"
+
+    def distance_m(self, x: float, y: float) -> float:
+        """How far a position is from it; 0 inside."""
+        return math.hypot(_outside(x, *self.x), _outside(y, *self.y))
+
+
+def _outside(at: float, least: float, most: float) -> float:
+    return max(least - at, 0.0, at - most)
+
+
+def place_words(pose: Any, frame: str, places: Mapping[str, Place], language: Language) -> str:
+    """In which place a pose is, or which one is the nearest, as a sentence; empty where none is on its map."""
+    if not isinstance(pose, Mapping) or not (is_number(pose.get("x")) and is_number(pose.get("y"))):
+        return ""
+    known = [(each.distance_m(pose["x"], pose["y"]), name) for name, each in places.items() if each.frame == frame]
+    if not known:
+        return ""
+    distance, name = min(known)
+    if distance == 0:
+        return language.text("in_place", place=name)
+    return language.text("near_place", place=name, distance=language.decimals(f"{distance:.1f}"))
