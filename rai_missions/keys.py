@@ -13,7 +13,7 @@ from typing import Annotated, Any, Literal, NamedTuple, Self, TypeAlias
 from pydantic import BeforeValidator, Field, model_validator
 
 from rai_missions.image import Image
-from rai_missions.model import Bool, Json, MissionModel, Name, Seconds, Text, Value, fault
+from rai_missions.model import Bool, Json, MissionModel, Name, Number, Seconds, Text, Value, fault
 from rai_missions.plain_data import is_number
 from rai_missions.redaction import clipped, shown
 
@@ -80,13 +80,18 @@ class Key(MissionModel):
     """An object's fields and their types."""
     frame: Text = ""
     """The frame that a pose is given in; one without this frame does not fit."""
+    minimum: Number | None = None
+    """Of an argument that is a number: the least value that the mission takes."""
+    maximum: Number | None = None
+    """Of an argument that is a number: the greatest value that the mission takes."""
     about: Text = ""
     """What it means, in a sentence, with its unit; questions and reports show it."""
 
     def __init__(
         self, type: TypeName | PythonType, *, source: Source = "mission", initial: Value = None,
         max_age_s: float | None = None, optional: bool = False,
-        fields: Mapping[str, TypeName | PythonType] | None = None, frame: str = "", about: str = "",
+        fields: Mapping[str, TypeName | PythonType] | None = None, frame: str = "",
+        minimum: float | None = None, maximum: float | None = None, about: str = "",
     ) -> None: ...  # fmt: skip
 
     @model_validator(mode="after")
@@ -97,9 +102,18 @@ class Key(MissionModel):
             raise fault("fields", f"only an object has 'fields', this is of type '{self.type}'")
         if self.frame and self.type != "pose":
             raise fault("frame", f"only a pose has a 'frame', this is of type '{self.type}'")
+        self._check_range()
         if self.initial is not None and (why := type_error(self, self.initial)):
             raise fault("initial", f"'initial' does not fit: {why}")
         return self
+
+    def _check_range(self) -> None:
+        """A range is of numbers that a person gives."""
+        for name, bound in (("minimum", self.minimum), ("maximum", self.maximum)):
+            if bound is not None and (self.source != "argument" or self.type not in ("number", "integer")):
+                raise fault(name, f"only an argument of type 'number' or 'integer' has a '{name}'")
+        if self.minimum is not None and self.maximum is not None and self.minimum > self.maximum:
+            raise fault("maximum", f"{self.maximum:g} is less than the minimum, {self.minimum:g}; no value fits")
 
     @property
     def must_recur(self) -> bool:
@@ -125,11 +139,18 @@ _FITS: Mapping[str, Callable[[Any], bool]] = {
 }
 
 
+def _range(least: str, most: str) -> str:
+    return f"from {least} to {most}" if least and most else f"{least} or more" if least else f"{most} or less"
+
+
 def type_error(key: Key, value: Any) -> str:
     """Why a value does not fit a key; empty if it does."""
     if not _FITS[key.type](value):
         like = '; a pose is {"x": 1.5, "y": 2, "yaw": 0}, in metres and radians' if key.type == "pose" else ""
         return f"{clipped(repr(value), 80)} is not of type '{key.type}'{like}"
+    if (key.minimum is not None and value < key.minimum) or (key.maximum is not None and value > key.maximum):
+        least, most = ("" if each is None else f"{each:g}" for each in (key.minimum, key.maximum))
+        return f"{value:g} is out of range; it must be {_range(least, most)}"
     if key.frame and value.get("frame") != key.frame:
         return f'{clipped(repr(value), 80)} is not in the frame of this key; it needs "frame": "{key.frame}"'
     for name, kind in (key.fields or {}).items():

@@ -21,7 +21,7 @@ k = Keys(
         initial="kitchen",
         about="where: kitchen, living_room, bedroom, study, pantry; house (every room) to find; here to look or wait",
     ),
-    wait_s=Key(int, source="argument", initial=30, about="how many seconds to wait there"),
+    wait_s=Key(int, source="argument", initial=30, minimum=1, maximum=3600, about="how many seconds to wait there"),
     things=Key(
         str,
         source="argument",

@@ -46,10 +46,10 @@ def key_value(words: Sequence[str], key: KeyView, language: Language) -> Any:
     Raises:
         BadValue: They are none of its type.
     """
-    name, kind = spoken_name(key, language), language.data["texts"]["types"][key.type]
+    name, kind = spoken_name(key, language), _kind(key, language)
     if key.type not in IN_WORDS:
         raise BadValue(language.text("not_spoken", name=name, type=kind), key.name)
-    value: Any = number(words, language.data)
+    value: Any = _amount(words, key, language)
     if key.type == "boolean":
         given = " ".join(words)
         value = True if given in language.data["true"] else False if given in language.data["false"] else None
@@ -57,9 +57,34 @@ def key_value(words: Sequence[str], key: KeyView, language: Language) -> Any:
         value = " ".join(words)
     elif key.type == "integer" and not isinstance(value, int):
         value = None
-    if value is None:
+    if value is None or (key.type in ("integer", "number") and not _is_within(value, key)):
         raise BadValue(language.text("bad_value", given=" ".join(words), name=name, type=kind), key.name)
     return value
+
+
+def _kind(key: KeyView, language: Language) -> str:
+    """The type of a key in words, with its range: `a whole number from 1 to 3600`."""
+    kind: str = language.data["texts"]["types"][key.type]
+    unit = unit_of(key.name, language.data["units"])[1]
+    least, most = ("" if each is None else language.decimals(f"{each:g}") for each in (key.minimum, key.maximum))
+    if not least and not most:
+        return kind
+    form = "range" if least and most else "range_least" if least else "range_most"
+    return f"{language.text(form, kind=kind, least=least, most=most)} {unit}".rstrip()
+
+
+def _is_within(value: float, key: KeyView) -> bool:
+    return (key.minimum is None or value >= key.minimum) and (key.maximum is None or value <= key.maximum)
+
+
+def _amount(words: Sequence[str], key: KeyView, language: Language) -> int | float | None:
+    """The number that the words are, with or without a unit: `five minutes` are 300 for a key in seconds."""
+    value = number(words, language.data)
+    factors = language.data["unit_words"].get(unit_of(key.name, language.data["units"])[1], {})
+    if value is not None or len(words) < 2 or words[-1] not in factors:
+        return value
+    value = number(words[:-1], language.data)
+    return None if value is None else value * factors[words[-1]]
 
 
 def read_arguments(

@@ -103,7 +103,7 @@ def binding(sense: Sense, view: StatusView) -> tuple[object, ...]:
 
 
 def _key_of(view: KeyView) -> Key:
-    return Key(view.type, source="argument", frame=view.frame)
+    return Key(view.type, source="argument", frame=view.frame, minimum=view.minimum, maximum=view.maximum)
 
 
 def _argument_words(values: Mapping[str, Any], keys: Mapping[str, KeyView], language: Language) -> str:
@@ -140,7 +140,7 @@ def order_forms(view: StatusView, allowed: frozenset[str]) -> tuple[Mapping[str,
             forms.append(_form({"order": {"const": name}}))
     if "start" in allowed:
         for mission in view.missions:
-            arguments = {key.name: {"type": JSON_TYPE.get(key.type, "object")} for key in mission.arguments}
+            arguments = {key.name: _argument_schema(key) for key in mission.arguments}
             fields = {"order": {"const": "start"}, "mission": {"const": mission.name}}
             forms.append(
                 _form(fields, arguments={"type": "object", "properties": arguments, "additionalProperties": False})
@@ -151,6 +151,12 @@ def order_forms(view: StatusView, allowed: frozenset[str]) -> tuple[Mapping[str,
             optional = {"parameters": dict(offer.parameters)} if offer.parameters else {}
             forms.append(_form({"order": {"const": "answer"}, **which, "option": {"const": offer.name}}, **optional))
     return tuple(forms)
+
+
+def _argument_schema(key: KeyView) -> Mapping[str, Any]:
+    bounds = {"minimum": key.minimum, "maximum": key.maximum}
+    kind = JSON_TYPE.get(key.type, "object")
+    return {"type": kind, **{name: bound for name, bound in bounds.items() if bound is not None}}
 
 
 def _form(fields: Mapping[str, Any], **optional: Any) -> Mapping[str, Any]:

@@ -32,6 +32,9 @@ class KeyView(NamedTuple):
     """False: it is older than its `max_age_s`, and so unknown now."""
     frame: str = ""
     fields: Mapping[str, TypeName] = {}
+    minimum: float | None = None
+    """Of an argument: the least value that it may have."""
+    maximum: float | None = None
 
 
 class MissionView(NamedTuple):

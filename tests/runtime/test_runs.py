@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import math
+import re
 import shlex
 from typing import Any
 
@@ -259,6 +260,28 @@ def test_an_argument_that_the_mission_does_not_take_is_refused(arguments: dict[s
     with pytest.raises(DefinitionError) as caught:
         Rig(CALLING, arguments=arguments)
     assert sentence in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("bounds", "given", "why"),
+    [
+        ({"minimum": 1, "maximum": 3600}, 0, "0 is out of range; it must be from 1 to 3600"),
+        ({"minimum": 0.5}, 0.4, "0.4 is out of range; it must be 0.5 or more"),
+        ({"maximum": -1}, 0, "0 is out of range; it must be -1 or less"),
+        ({"minimum": 1, "maximum": 3600}, 1, ""),
+        ({"minimum": 1, "maximum": 3600}, 3600, ""),
+    ],
+)
+def test_an_argument_is_held_to_its_range(bounds: dict[str, float], given: float, why: str) -> None:
+    mission = Mission.model_validate({
+        "name": "taking", "initial": "end", "states": {"end": {"final": "aborted"}},
+        "blackboard": {"given": {"type": "number", "source": "argument", **bounds}},
+    })  # fmt: skip
+    if not why:
+        assert accepted(mission, {"given": given}) == {"given": given}
+        return
+    with pytest.raises(DefinitionError, match=re.escape(why)):
+        accepted(mission, {"given": given})
 
 
 @pytest.mark.parametrize("sort", WRITTEN)

@@ -124,7 +124,17 @@ def _why(mission: Mission, outcome: str | None, active: Iterable[str]) -> str:
 def mission_view(mission: Mission) -> MissionView:
     """A mission that can be started."""
     arguments = tuple(
-        KeyView(name, key.type, key.source, key.about, key.initial, frame=key.frame, fields=key.fields or {})
+        KeyView(
+            name,
+            key.type,
+            key.source,
+            key.about,
+            key.initial,
+            frame=key.frame,
+            fields=key.fields or {},
+            minimum=key.minimum,
+            maximum=key.maximum,
+        )
         for name, key in arguments_of(mission)
     )
     return MissionView(mission.name, mission.about, arguments)
