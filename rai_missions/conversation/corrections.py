@@ -28,6 +28,8 @@ class Draft(NamedTuple):
     sense: Sense
     is_asked_for: bool = False
     """Nothing is read back, and the order lacks what the person wants: a value alone completes it."""
+    is_read_back: bool = False
+    """It waits for a yes: a value alone is a correction where it is one of a list."""
 
 
 class Corrections:
@@ -68,8 +70,11 @@ class Corrections:
         return not draft.is_asked_for or key.name in draft.sense.lacks or words[0] in self._language.data["articles"]
 
     def completed(self, words: Sequence[str], draft: Draft, view: StatusView) -> Sense | None:
-        """The draft with these words alone, where a value is asked for; None where they are none."""
-        found = self.corrected(words, draft, view) if draft.is_asked_for else None
+        """The draft with these words alone, where a value may be meant; None where they are none."""
+        bare, keys = self._without_preposition(words), self._keys(draft.sense, view)
+        listed = (keys[name] for name in draft.sense.arguments if name in keys and self._phrases.choices(name))
+        is_value = draft.is_asked_for or (draft.is_read_back and any(self._fits(bare, key) for key in listed))
+        found = self.corrected(words, draft, view) if is_value else None
         return found if found is not None and found.kind == "order" else None
 
     def other(self, draft: Draft, view: StatusView) -> Sense:
@@ -102,7 +107,11 @@ class Corrections:
         missions = (each for each in view.missions if each.name == sense.mission)
         return {key.name: key for mission in missions for key in mission.arguments}
 
-    def _value(self, words: Sequence[str], key: KeyView) -> Any:
+    def _value(self, words: Sequence[str], key: KeyView, before: Any = None) -> Any:
+        """The value of the words; the last of them may replace that of the text before: `the blue one`."""
+        is_substitute = len(words) > 1 and words[-1] in self._language.data["substitutes"]
+        if is_substitute and isinstance(before, str) and before and not self._phrases.choices(key.name):
+            words = [*words[:-1], before.split()[-1]]
         return self._phrases.value(words, key)
 
     def _fits(self, words: Sequence[str], key: KeyView) -> bool:
@@ -115,7 +124,7 @@ class Corrections:
     def _with(self, draft: Draft, key: KeyView, words: Sequence[str]) -> Sense:
         sense = draft.sense
         lacks = tuple(name for name in sense.lacks if name != key.name)
-        values = {**sense.arguments, key.name: self._value(words, key)}
+        values = {**sense.arguments, key.name: self._value(words, key, sense.arguments.get(key.name))}
         named = tuple(dict.fromkeys((*sense.named, key.name)))
         made = sense._replace(arguments=values, named=named, lacks=lacks, rest="", is_correction=not draft.is_asked_for)
         return made._replace(kind="fault") if lacks else made._replace(kind="order", fault="")

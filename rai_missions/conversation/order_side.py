@@ -49,7 +49,7 @@ STARTING_S = 30.0
 """Seconds that an ordered start may take until the run is seen; then the next request is possible."""
 LONGEST_REASON = 200
 LATE_S = 30.0
-"""Seconds after the end of a question within which an answer is recognised as one that comes too late."""
+"""Seconds after the end of a question, or after a start was taken, within which a sentence may be meant for it."""
 CROSSING_S = 1.0
 """Seconds after the end of one question within which a person may still answer it, while the next is asked."""
 STOPPING = frozenset({"stop", "pause", "cancel"})
@@ -73,6 +73,8 @@ class OrderSide:
         self._drafts: dict[tuple[str, str], Sense] = {}
         """Speaker → the order that its last sentence had refused or dropped, and which the next may complete."""
         self._drafts_at = float("-inf")
+        self._taken: dict[tuple[str, str], tuple[Sense, float]] = {}
+        """Speaker → the start that was taken from it last, and when."""
         self._ended_at, self._ended_by = float("-inf"), ("", "")
         self._closed, self._closed_at = tuple[Question, ...](), float("-inf")
         self._requests = RequestQueue(talk, speaking)
@@ -97,12 +99,14 @@ class OrderSide:
         return [self._grammar.senses(cut(text, 10_000), self._talk.view, draft) for text in readings]
 
     def _draft(self, utterance: Utterance) -> Draft | None:
-        """The order that this sentence may correct: its speaker's last, or the one that is read back."""
+        """The order that this sentence may correct: its speaker's last, one that is read back, or one just taken."""
         last = self._drafts.get(utterance.speaker)
         if last is not None and self._talk.now - self._drafts_at < self._talk.settings.confirm_s:
             return Draft(last, is_asked_for=True)
-        pending = self._pending
-        return None if pending is None or pending.is_request else Draft(pending.sense)
+        if self._pending is not None:
+            return None if self._pending.is_request else Draft(self._pending.sense, is_read_back=True)
+        taken, at = self._taken.get(utterance.speaker, (None, 0.0))
+        return None if taken is None or self._talk.now - at >= LATE_S else Draft(taken)
 
     def _keep(self, sense: Sense, speaker: tuple[str, str]) -> None:
         """The next sentence of this speaker may correct or complete this order."""
@@ -367,6 +371,8 @@ class OrderSide:
 
     def _settle(self, judged: JudgedOrder) -> None:
         """The order counts: it is given out, or waits for the end of the mission."""
+        if judged.sense.name == "start":
+            self._taken = {judged.utterance.speaker: (judged.sense, self._talk.now)}
         if self._is_request(judged.sense):
             self._requests.add(judged)
             return

@@ -122,6 +122,9 @@ class StartPhrases:
             BadValue: They are none.
         """
         articles = self._language.data["articles"]
+        given = " ".join(words)
+        if key.type == "string" and given in self._language.data["pronouns"]:
+            raise BadValue(self._language.text("pronoun", given=given, name=spoken_name(key, self._language)), key.name)
         bare = list(words[1:] if len(words) > 1 and words[0] in articles else words)
         if key.name not in self._names:
             return key_value(bare, key, self._language)
