@@ -6,6 +6,7 @@ Rule: the word to stop comes first, whatever else it could be; it needs no quest
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Mapping, Sequence
 from itertools import groupby
 
@@ -32,6 +33,8 @@ MOST_MENDED = 12
 """Words of the longest sentence in which misspelled words are mended."""
 MOST_PARTS = 6
 """Sentences of an utterance that are read; of more, only a stop at its beginning or end counts."""
+DRAWN_OUT = re.compile(r"(\w)\1{2,}")
+"""A letter that is written as long as it is drawn out: `stooop`."""
 NEAREST = 5
 """Letters of the shortest word whose misspelling is mended."""
 NONE: Mapping[str, str] = {}
@@ -139,9 +142,10 @@ class Grammar:
         """As after small errors of a recogniser or a keyboard."""
         known = {*self._vocabulary, *_words_of(view)}
         misheard = self.language.data["mishearings"]
-        mended = [misheard.get(word, word) if word not in known else word for word in words]
+        short = [word if word in known else DRAWN_OUT.sub(r"\1", word) for word in words]
+        mended = [misheard.get(word, word) if word not in known else word for word in short]
         if len(words) == 1:
-            mended = [misheard.get(words[0], words[0])]
+            mended = [misheard.get(short[0], short[0])]
         mended = [self._nearest(word, known) for word in mended]
         return self._words(mended, view, draft) if mended != words else ()
 

@@ -131,7 +131,7 @@ class StateAnswers:
         self._by_name: Mapping[str, Callable[[StatusView, Asker], str]] = {
             "doing": self._doing, "progress": self._progress, "time_left": self._time_left, "where": self._where,
             "why_stopped": self._why_stopped, "waits": self._waits, "asked": self._asked, "ordered": self._ordered,
-            "queued": self._queued,
+            "queued": self._queued, "places": self._known_places,
             "control": self._control, "capabilities": self._capabilities, "mission": self._about_mission,
             "happened": self._happened, "result": self._result, "decided": self._decided,
             "weight": self._weight, "size": self._size, "speed": self._speed,
@@ -345,7 +345,14 @@ class StateAnswers:
 
     def _decided(self, view: StatusView, _: Asker) -> str:
         answers = [each for each in view.happened if each.kind == "answered"][-MOST_DECIDED:]
-        return self._lines(answers, view) or self.language.text("decided_none")
+        if answers:
+            return self._lines(answers, view)
+        commands = [each for each in view.happened if each.kind == "command"][-MOST_DECIDED:]
+        return f"{self.language.text('decided_none')} {self._lines(commands, view)}".rstrip()
+
+    def _known_places(self, *_: object) -> str:
+        places = self.language.listed(list(self._places))
+        return self.language.text("places", places=places) if places else self.language.text("no_places")
 
     def _lines(self, events: Sequence[RunEvent], view: StatusView) -> str:
         lines = "; ".join(self._line(each, view) for each in events)
