@@ -53,6 +53,9 @@ class Corrections:
         sense = draft.sense
         if sense.name != "start" or len(words) > LONGEST + 1:
             return None
+        quoted = None if sense.named or sense.lacks else self._phrases.quoted_with(sense.arguments, words)
+        if quoted is not None and not draft.is_asked_for:
+            return sense._replace(arguments=quoted, kind="order", rest="", is_correction=draft.is_read_back)
         bare = self._without_preposition(words)
         keys = self._keys(sense, view)
         named = [keys[name] for name in dict.fromkeys((*sense.lacks, *sense.named)) if name in keys]
@@ -126,7 +129,7 @@ class Corrections:
         lacks = tuple(name for name in sense.lacks if name != key.name)
         values = {**sense.arguments, key.name: self._value(words, key, sense.arguments.get(key.name))}
         named = tuple(dict.fromkeys((*sense.named, key.name)))
-        made = sense._replace(arguments=values, named=named, lacks=lacks, rest="", is_correction=not draft.is_asked_for)
+        made = sense._replace(arguments=values, named=named, lacks=lacks, rest="", is_correction=draft.is_read_back)
         return made._replace(kind="fault") if lacks else made._replace(kind="order", fault="")
 
     def _fault(self, sense: Sense, words: Sequence[str], named: Sequence[KeyView]) -> Sense:

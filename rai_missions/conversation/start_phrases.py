@@ -111,6 +111,32 @@ class StartPhrases:
             sense = sense._replace(kind="fault", fault=next(iter(faults.values())), lacks=tuple(faults))
         return sense
 
+    def quoted_with(self, given: Mapping[str, Any], words: Sequence[str]) -> Mapping[str, Any] | None:
+        """Arguments in which a text quotes a sentence, with these words in it; None where that leaves it open.
+
+        Words that begin with a preposition replace what follows the last one; others the whole, if that has none.
+
+        Args:
+            given: The arguments of a start.
+            words: What is to be in the sentence instead.
+        """
+        prepositions = self._language.data["prepositions"]
+        for each in self._each:
+            for name, text in each.given.arguments.items():
+                slots = self._slots_of(each, given.get(name)) if isinstance(text, str) and QUOTED.search(text) else None
+                if slots is None or len(slots) != 1:
+                    continue
+                ((slot, before),) = slots.items()
+                at = [place for place, word in enumerate(before.split()) if word in prepositions]
+                if bool(at) != (words[0] in prepositions):
+                    return None
+                rest = [*before.split()[: at[-1] if at else 0], *words]
+                return {**given, name: _filled(text, {slot: " ".join(rest)})}
+        return None
+
+    def _slots_of(self, each: CompiledPhrase, value: Any) -> Mapping[str, str] | None:
+        return next(each.phrases.match(value.split()), None) if isinstance(value, str) else None
+
     def choices(self, argument: str) -> Mapping[str, Any]:
         """The words for each value of an argument that has no other values; empty where it has any."""
         return self._names.get(argument, {})
