@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The errors a caller can meet, by who mends them, and the words for what was given and what there is.
+"""The errors a caller can meet, by who mends them, and words for what was given, what there is and what installs it.
 
 Also what every package may use before anything else is loaded: its public names, each imported at its first use.
 
@@ -25,6 +25,7 @@ __all__ = (
     "counted",
     "escaped",
     "in_words",
+    "install_command",
     "irregular",
     "lazy_names",
     "meant",
@@ -193,3 +194,38 @@ def lazy_names(
         return scope.setdefault(name, getattr(import_module(f".{room}", scope["__package__"]), own))
 
     return load, lambda: sorted({*scope, *homes})
+
+
+PACKAGE = "rai-missions"
+
+
+def install_command(extra: str, origin: Mapping[str, Any] | None = None, here: Path | None = None) -> str:
+    """The line that installs an extra from where this package came from.
+
+    Args:
+        extra: Its name.
+        origin: The package's `direct_url.json` (PEP 610); None: as it is here.
+        here: The folder in which the line is typed; None: the present one.
+    """
+    from urllib.parse import urlsplit  # loaded where something is missing
+    from urllib.request import url2pathname
+
+    came = _origin() if origin is None else origin
+    url = str(came.get("url", ""))
+    if "vcs_info" in came:
+        return f"pip install '{PACKAGE}[{extra}] @ {came['vcs_info']['vcs']}+{url}@{came['vcs_info']['commit_id']}'"
+    if "dir_info" not in came:
+        return f"pip install '{PACKAGE}[{extra}]{f' @ {url}' if url else ''}'"
+    folder = Path(url2pathname(urlsplit(url).path))
+    return f"pip install '{'.' if folder == (here or Path.cwd()) else folder}[{extra}]'"
+
+
+def _origin() -> Mapping[str, Any]:
+    import json
+    from importlib.metadata import PackageNotFoundError, distribution
+
+    try:
+        found: Mapping[str, Any] = json.loads(distribution(PACKAGE).read_text("direct_url.json") or "{}")
+    except PackageNotFoundError:
+        return {}
+    return found

@@ -15,7 +15,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Literal
 
-from rai_missions.errors import UsageError
+from rai_missions.errors import UsageError, install_command
 from visualize.dot_text import dot_text
 from visualize.model import Picture
 from visualize.rasterize import can_raster, raster
@@ -43,7 +43,7 @@ def layout_program() -> Path:
             return Path(found)
     raise UsageError(
         "SVG and PNG are laid out by Graphviz, and neither `dot` nor `graphviz-pure` is here; install your system's"
-        " graphviz, or `pip install '.[draw]'`; .dot, .mmd and .md need neither"
+        f" graphviz, or: {install_command('draw')}; .dot, .mmd and .md need neither"
     )
 
 

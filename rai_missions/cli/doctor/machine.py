@@ -4,22 +4,17 @@
 from __future__ import annotations
 
 import importlib.util
-import json
 import os
 import shutil
 import sys
-from collections.abc import Iterator, Mapping
-from importlib.metadata import PackageNotFoundError, distribution, version
+from collections.abc import Iterator
+from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
-from typing import Any
-from urllib.parse import urlsplit
-from urllib.request import url2pathname
 
 from rai_missions.cli.doctor.finding import MachineFinding
+from rai_missions.errors import install_command
 
-__all__ = ("install_command", "installed", "machine")
-
-NAME = "rai-missions"
+__all__ = ("installed", "machine")
 
 EXTRAS = (
     ("sim", ("mujoco", "numpy", "PIL"), "simulated worlds"),
@@ -87,32 +82,6 @@ def _rendering() -> MachineFinding:
     except UsageError as error:
         return MachineFinding("absent", "a camera in simulated worlds", str(error))
     return MachineFinding("ok", f"simulated worlds, pictures by MUJOCO_GL={os.environ.get('MUJOCO_GL', 'the display')}")
-
-
-def install_command(extra: str, origin: Mapping[str, Any] | None = None, here: Path | None = None) -> str:
-    """The line that installs an extra from where this package came from.
-
-    Args:
-        extra: Its name.
-        origin: The package's `direct_url.json` (PEP 610); None: as it is here.
-        here: The folder in which the line is typed; None: the present one.
-    """
-    came = _origin() if origin is None else origin
-    url = str(came.get("url", ""))
-    if "vcs_info" in came:
-        return f"pip install '{NAME}[{extra}] @ {came['vcs_info']['vcs']}+{url}@{came['vcs_info']['commit_id']}'"
-    if "dir_info" not in came:
-        return f"pip install '{NAME}[{extra}]{f' @ {url}' if url else ''}'"
-    folder = Path(url2pathname(urlsplit(url).path))
-    return f"pip install '{'.' if folder == (here or Path.cwd()) else folder}[{extra}]'"
-
-
-def _origin() -> Mapping[str, Any]:
-    try:
-        found: Mapping[str, Any] = json.loads(distribution(NAME).read_text("direct_url.json") or "{}")
-    except PackageNotFoundError:
-        return {}
-    return found
 
 
 def installed(name: str) -> str:

@@ -9,7 +9,7 @@ from collections.abc import Iterator, Mapping
 from rai_missions.cli.doctor.finding import MachineFinding, tried
 from rai_missions.cli.doctor.interfaces import copies
 from rai_missions.cli.doctor.machine import installed
-from rai_missions.connectors.ros2 import REMEDY
+from rai_missions.connectors.ros2 import how_to_install
 
 __all__ = ("ros",)
 
@@ -35,7 +35,7 @@ def ros(environment: Mapping[str, str] | None = None, *, has_wheels: bool | None
     wheels = bool(installed("ros-rclpy")) if has_wheels is None else has_wheels
     sourced = given.get("ROS_DISTRO")
     if not sourced and not wheels:
-        yield MachineFinding("absent", "ROS 2", REMEDY)
+        yield MachineFinding("absent", "ROS 2", how_to_install())
         return
     yield from copies(given)
     if sourced and wheels:  # libraries would come from either at random
@@ -45,7 +45,7 @@ def ros(environment: Mapping[str, str] | None = None, *, has_wheels: bool | None
     where = f"ROS {sourced}, sourced" if sourced else "ROS 2 from wheels"
     loaded = tried("load", None, given)
     if loaded.fault:
-        yield MachineFinding("missing", f"{where}: rclpy does not load ({loaded.fault})", REMEDY)
+        yield MachineFinding("missing", f"{where}: rclpy does not load ({loaded.fault})", how_to_install())
         return
     yield MachineFinding(
         "ok", f"{where}: rclpy in {os.path.dirname(loaded.value['file'])}, middleware {loaded.value['rmw']}"

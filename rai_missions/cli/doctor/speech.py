@@ -7,7 +7,7 @@ import os
 from collections.abc import Iterator, Mapping
 
 from rai_missions.cli.doctor.finding import MachineFinding, tried
-from rai_missions.cli.doctor.machine import install_command
+from rai_missions.errors import install_command
 from rai_missions.voice.kind import SpeechSort
 from rai_missions.voice.process import SpeechProcess
 

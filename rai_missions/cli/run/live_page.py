@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from rai_missions.cli.command import PAGE_PORT
 from rai_missions.cli.inputs import warn
-from rai_missions.errors import UsageError
+from rai_missions.errors import UsageError, install_command
 from rai_missions.runtime.interrupts import on_signals
 
 if TYPE_CHECKING:
@@ -36,8 +36,6 @@ if TYPE_CHECKING:
     from visualize.live.app import ReplyCallback
 
 __all__ = ("RunPage", "normalise_watch_args", "open_page", "page_of", "place_of", "run_file", "show_journal")
-
-LACKS = "the live page needs Starlette and uvicorn: pip install '.[watch]'"
 
 
 def normalise_watch_args(options: RunOptions) -> RunOptions:
@@ -310,4 +308,4 @@ def _check_server() -> None:
     from importlib.util import find_spec
 
     if find_spec("starlette") is None or find_spec("uvicorn") is None:
-        raise UsageError(LACKS)
+        raise UsageError(f"the live page needs Starlette and uvicorn: {install_command('watch')}")

@@ -13,7 +13,7 @@ from collections.abc import Callable
 from typing import Any
 
 from rai_missions.connectors.worker import Worker
-from rai_missions.errors import ConnectorError, UsageError
+from rai_missions.errors import ConnectorError, UsageError, install_command
 from rai_missions.redaction import logger
 
 __all__ = ("BrokerLink",)
@@ -26,7 +26,6 @@ AGAIN_S, LONGEST_S = 0.5, 8.0
 """Seconds between two attempts to reach a broker that is gone: at first, and at most."""
 KEEPALIVE_S = 10
 """How often the way is tried where nothing is sent: one that has become silent counts as lost within twice that."""
-REMEDY = "pip install '.[mqtt]'"
 
 
 class BrokerLink:
@@ -154,7 +153,7 @@ def _client() -> Any:
     try:
         import paho.mqtt.client as mqtt
     except ImportError as fault:
-        raise UsageError(f"a connector of kind 'mqtt' needs paho-mqtt ({fault}): {REMEDY}") from fault
+        raise UsageError(f"a connector of kind 'mqtt' needs paho-mqtt ({fault}): {install_command('mqtt')}") from fault
     return mqtt.Client(mqtt.CallbackAPIVersion.VERSION2, protocol=mqtt.MQTTv5, reconnect_on_failure=False)
 
 

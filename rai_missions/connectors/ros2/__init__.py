@@ -12,14 +12,9 @@ from collections.abc import Callable, Mapping
 from typing import Any, Literal
 
 from rai_missions.connectors.connector import Connector
-from rai_missions.errors import ConnectorError, UsageError
+from rai_missions.errors import ConnectorError, UsageError, install_command
 
-__all__ = ("REMEDY", "check_options", "fields_of", "installation", "open_connector", "why_absent")
-
-REMEDY = (
-    "source a robot's own ROS 2 (source /opt/ros/jazzy/setup.bash), or, on a machine without one, "
-    "pip install '.[ros]'; never both"
-)
+__all__ = ("check_options", "fields_of", "how_to_install", "installation", "open_connector", "why_absent")
 
 
 def open_connector(options: Mapping[str, Any], *, now: Callable[[], float] | None = None) -> Connector:
@@ -35,10 +30,18 @@ def open_connector(options: Mapping[str, Any], *, now: Callable[[], float] | Non
     try:
         import rclpy  # noqa: F401 - only whether it loads
     except (ImportError, OSError) as fault:
-        raise UsageError(f"a connector of kind 'ros2' needs rclpy, which does not load ({fault}): {REMEDY}") from fault
+        raise UsageError(
+            f"a connector of kind 'ros2' needs rclpy, which does not load ({fault}): {how_to_install()}"
+        ) from fault
     from rai_missions.connectors.ros2.connector import Ros2Connector
 
     return Ros2Connector(options, now=now)
+
+
+def how_to_install() -> str:
+    """How rclpy comes to a machine that lacks it."""
+    wheels = install_command("ros")
+    return f"source a robot's own ROS 2 (source /opt/ros/jazzy/setup.bash), or, without one, {wheels}; never both"
 
 
 def check_options(options: Mapping[str, Any]) -> None:

@@ -17,7 +17,7 @@ from typing import Any
 
 from rai_missions.connectors.sound.connector import FRAME_S, FRAME_SAMPLES, RATE_HZ, SILENCE, FrameLoop, SoundFrame
 from rai_missions.connectors.worker import Worker
-from rai_missions.errors import ConnectorError, UsageError
+from rai_missions.errors import ConnectorError, UsageError, install_command
 from rai_missions.redaction import cut, logger
 
 __all__ = ("DeviceSound", "sound_devices")
@@ -31,7 +31,7 @@ AHEAD = 2
 """Frames of a source that wait to be played; where none waits, silence is played and the source continues after it."""
 LATE_S, SHARE = 0.2, 0.05
 """A frame that comes so late has a gap before it; smaller lateness is the system's: a share of it counts."""
-REMEDY = "pip install '.[voice]'; on Debian also: apt-get install libportaudio2"
+ON_DEBIAN = "on Debian also: apt-get install libportaudio2"
 
 
 class DeviceSound(FrameLoop):
@@ -166,5 +166,7 @@ def _library() -> ModuleType:
     try:
         import sounddevice
     except (ImportError, OSError) as error:
-        raise UsageError(f"sound devices need sounddevice and PortAudio ({cut(error, 200)}); {REMEDY}") from None
+        raise UsageError(
+            f"sound devices need sounddevice and PortAudio ({cut(error, 200)}); {install_command('voice')}; {ON_DEBIAN}"
+        ) from None
     return sounddevice  # type: ignore[no-any-return]

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from rai_missions.connectors.sound.connector import RATE_HZ
-from rai_missions.errors import UsageError, irregular
+from rai_missions.errors import UsageError, install_command, irregular
 from rai_missions.redaction import cut
 
 __all__ = ("converted", "read_wav", "write_wav")
@@ -94,7 +94,7 @@ def numpy() -> Any:
     try:
         import numpy
     except ImportError:
-        raise UsageError("numpy is needed for sound and is not installed; pip install '.[voice]'") from None
+        raise UsageError(f"numpy is needed for sound and is not installed; {install_command('voice')}") from None
     return numpy
 
 
@@ -103,6 +103,6 @@ def _resampled(samples: Any, ratio: float) -> Any:
         from samplerate import resample
     except ImportError:
         raise UsageError(
-            "samplerate is needed to convert sound to 16 kHz and is not installed; pip install '.[voice]'"
+            f"samplerate is needed to convert sound to 16 kHz and is not installed; {install_command('voice')}"
         ) from None
     return resample(samples, ratio, "sinc_medium")

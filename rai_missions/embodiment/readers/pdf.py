@@ -13,6 +13,7 @@ from importlib.util import find_spec
 from typing import TYPE_CHECKING, Any
 
 from rai_missions.embodiment.document import Outline, TextDocument
+from rai_missions.errors import install_command
 
 if TYPE_CHECKING:
     from pypdf import PdfReader
@@ -32,7 +33,7 @@ def read_pdf(_name: str, data: bytes) -> TextDocument:
         ValueError: It is broken, encrypted, too long, or holds no text; or the package that reads it is missing.
     """
     if find_spec("pypdf") is None:
-        raise ValueError("cannot be read without pypdf: pip install '.[identity]'")
+        raise ValueError(f"cannot be read without pypdf: {install_command('identity')}")
     from pypdf import PdfReader
     from pypdf.errors import PyPdfError
 

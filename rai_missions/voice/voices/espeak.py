@@ -12,7 +12,7 @@ from collections.abc import Iterator
 from typing import Any
 
 from rai_missions.connectors.sound.wav import converted
-from rai_missions.errors import UsageError
+from rai_missions.errors import UsageError, install_command
 from rai_missions.voice.absent import absent
 
 __all__ = ("Espeak", "open_voice")
@@ -45,7 +45,7 @@ class Espeak:
         try:
             import espeakng_loader as loader
         except ImportError:
-            raise absent("the voice 'espeak'", "espeakng-loader", "pip install '.[voice-espeak]'") from None
+            raise absent("the voice 'espeak'", "espeakng-loader", install_command("voice-espeak")) from None
         self._library = ctypes.CDLL(loader.get_library_path())
         self._sound: list[bytes] = []
         self._language = language.encode()

@@ -10,7 +10,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from rai_missions.connectors.sound.wav import read_wav
-from rai_missions.errors import UsageError
+from rai_missions.errors import UsageError, install_command
 from rai_missions.redaction import cut
 from rai_missions.voice.absent import absent
 from rai_missions.voice.voices.flite_library import FliteLibrary
@@ -50,9 +50,8 @@ class Flite:
             raise UsageError(f"flite has no speaker '{speaker}'; there is: {', '.join(SPEAKERS)}")
         program = shutil.which("flite")
         if program is None:
-            remedy = (
-                "on Debian: apt-get install flite; without root take the voice 'espeak': pip install '.[voice-espeak]'"
-            )
+            without_root = f"without root take the voice 'espeak': {install_command('voice-espeak')}"
+            remedy = f"on Debian: apt-get install flite; {without_root}"
             raise absent("the voice 'flite'", "the program flite", remedy)
         self._program, self._speaker = program, speaker
 

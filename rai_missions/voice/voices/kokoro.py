@@ -12,7 +12,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from rai_missions.connectors.sound.wav import converted
-from rai_missions.errors import UsageError
+from rai_missions.errors import UsageError, install_command
 from rai_missions.voice.absent import absent
 
 __all__ = ("Kokoro", "open_voice")
@@ -46,7 +46,7 @@ class Kokoro:
         try:
             from kokoro_onnx import Kokoro as Network
         except ImportError:
-            raise absent("the voice 'kokoro'", "kokoro-onnx", "pip install '.[voice-kokoro]'") from None
+            raise absent("the voice 'kokoro'", "kokoro-onnx", install_command("voice-kokoro")) from None
         for name, file in (("model", model), ("voices", voices)):
             if not file.is_file():
                 raise UsageError(f"kokoro needs its weights: give {name}=FILE, not '{file}'")

@@ -10,7 +10,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from rai_missions.connectors.sound.wav import converted
-from rai_missions.errors import UsageError
+from rai_missions.errors import UsageError, install_command
 from rai_missions.voice.absent import absent
 
 __all__ = ("Piper", "open_voice")
@@ -36,7 +36,7 @@ class Piper:
         try:
             from piper import PiperVoice
         except ImportError:
-            raise absent("the voice 'piper'", "piper-tts", "pip install '.[voice-piper]'") from None
+            raise absent("the voice 'piper'", "piper-tts", install_command("voice-piper")) from None
         if not model.is_file():
             raise UsageError(
                 f"piper needs a voice: give model=FILE.onnx, not '{model}' (python -m piper.download_voices)"

@@ -11,6 +11,7 @@ import pytest
 
 from rai_missions.agents.talk import page_ear
 from rai_missions.agents.talk.page_ear import AWAY_S, LATE_S, PageEar
+from rai_missions.errors import install_command
 from rai_missions.event import Role
 from tests.voice.conftest import needs_voice, quiet, spoken
 
@@ -116,7 +117,7 @@ def test_an_operator_s_microphone_comes_before_a_viewer_s_and_a_shut_one_frees_i
 def test_what_is_not_installed_is_named_with_its_remedy(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(page_ear, "NEEDED", ("no_such_module",))
     ear = Conversation().ear
-    assert ear.deaf.startswith("speech needs no_such_module, not installed here: pip install '.[voice]'")
+    assert ear.deaf.startswith(f"speech needs no_such_module, not installed here: {install_command('voice')}")
     assert ear.listen(bytes(2), key="1", author="", role="operator") == ear.deaf
 
 
