@@ -79,7 +79,7 @@ class Lines:
 
     def __init__(self, mission: Mission, out: TextIO, *, verbose: bool = False) -> None:
         self._mission, self._out, self._verbose = mission, out, verbose
-        self._asked = 0
+        self._is_resumed = False
         self._absent: frozenset[str] = frozenset()
         """Who is asked by the mission and cannot answer in this run."""
         self._persons: list[Person] = []
@@ -114,7 +114,7 @@ class Lines:
             resumption: From where a run continues.
             moved_aside: Where the journal is now that had this name.
         """
-        self._asked, self._answered, self._shown, self._is_waiting = 0, {}, (), False
+        self._is_resumed, self._answered, self._shown, self._is_waiting = bool(resumption), {}, (), False
         decisions = (each for _, _, state in self._mission.walk() for each in state.decisions().values())
         asked = tuple(dict.fromkeys(name for each in decisions for name in each.ask))
         absent = [name for name in asked if name not in answerers]
@@ -182,7 +182,6 @@ class Lines:
                 self._print(f"{'':13}{trimmed(reason)}")
             for remark in remarks if text else ():
                 self._print(f"{'':13}{trimmed(remark)}", "remark")
-        self._asked += step.questions
         self._verdicts(step, described.verdicts)
         if step.moves:
             self._shown = ()
@@ -208,7 +207,8 @@ class Lines:
         self._print("")
         self._print(f"{result.outcome}: {trimmed(result.why, 400)}", result.outcome)
         counts = ", ".join(f"{who} {count}" for who, count in sorted(self._answered.items())) or "none"
-        asked = f"questions {self._asked} (answers that counted: {counts})"
+        since = " since it was resumed" if self._is_resumed else ""
+        asked = f"questions {result.decisions} (answers that counted{since}: {counts})"
         # By the clock of the lines above, which has run since the robot was looked for.
         ended_s = self._view.at if self._view is not None else result.duration_s
         lines = (

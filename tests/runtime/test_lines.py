@@ -184,3 +184,13 @@ def test_the_last_line_has_the_time_of_the_lines_above() -> None:
         lines.step(step)
     lines.end(Result("aborted", "'z' was reached", 2, duration_s=16.6))
     assert "   18.14 s  stop_now" in out.getvalue() and " · 18.1 s\n" in out.getvalue()
+
+
+@pytest.mark.parametrize("resumption", ["", "the run continues at 1.00 s in: a"])
+def test_the_last_line_counts_the_questions_of_the_whole_run(resumption: str) -> None:
+    out = io.StringIO()
+    lines = Lines(MISSION, out)
+    lines.begin("", (), "", model=None, resumption=resumption)
+    lines.end(Result("aborted", "'z' was reached", 2, decisions=3))
+    since = " since it was resumed" if resumption else ""
+    assert f"questions 3 (answers that counted{since}: none)" in out.getvalue()
