@@ -154,7 +154,7 @@ class PreparedRun:
         where = ", ".join(sorted(chart.active)) or "before its start"
         notice = f"the run continues at {chart.at:.2f} s in: {where}"
         if chart.mode == "paused":
-            notice += "; it is paused: resume it on the live page (--watch) or through its node (--node)"
+            notice += "; it is paused: resume it by talk (--talk), on the page (--watch) or through its node (--node)"
         if self.world is not None:
             notice += "; the simulated world starts again, and what was under way in it is begun again"
         if self.plan.config.model is not None and self.robot and self.robot.identity and self.plan.identity is None:

@@ -42,6 +42,8 @@ class Resumption(NamedTuple):
     """Those that it was made with; where it had not begun, they are written again."""
     waits: bool = False
     """Where it had not begun: it waits, ready, for the command to start."""
+    mode_by: str = ""
+    """Who brought it into its mode by a command; empty where no one did."""
 
     @property
     def at(self) -> float:
@@ -70,6 +72,7 @@ def resumption(
         raise UsageError(f"{sentence}: it cannot be continued; start a new one")
     replayer, under = JournalReplayer(record, mission, ticker, named), InFlight()
     chart, last, began, decisions = replayer.chart, None, 0.0, 0
+    mode, mode_by = "", ""
     for row in checked(record):
         under.follow(row)
         if isinstance(row, Note) and row.successor is not None:
@@ -84,8 +87,11 @@ def resumption(
         began = row.since if last is None else began
         last = row.step
         decisions += last.questions
+        if last.mode and last.mode != mode:
+            mode, mode_by = last.mode, str(last.event.data.get("by", "")) if last.event.kind == "command" else ""
     if chart.outcome is not None and not chart.awaited_goals and not under.unsure:
         raise UsageError(f"the run of {record.path} has ended, {chart.outcome}: {chart.why}; start a new one")
     replayer.stop_replaying()
     arguments = {name: value for name, value in record.header.arguments.items() if name in mission.blackboard}
-    return Resumption(chart, under, last, began, decisions, record.header.run, arguments=arguments)
+    run = record.header.run
+    return Resumption(chart, under, last, began, decisions, run, arguments=arguments, mode_by=mode_by)

@@ -97,7 +97,8 @@ class Runner(RunCommands):
         self._decisions = begin.decisions if isinstance(begin, Resumption) else 0
         self._steps = self._chart.seq
         """The number of the last step that is in a row of its own in the journal, or would be."""
-        self.view = RunView(self._chart, scheduler, control, self._executor)
+        mode_by = begin.mode_by if isinstance(begin, Resumption) else ""
+        self.view = RunView(self._chart, scheduler, control, self._executor, mode_by)
         """What others may read of it."""
         for each in (answerers or {}).values():
             if isinstance(each, ReadsRun):

@@ -32,10 +32,14 @@ class RunView:
         scheduler: The run's.
         control: Who holds control, and may get it.
         executor: Knows what the robot's sources report.
+        mode_by: Of a run that is resumed, who brought it into the mode in which it continues; empty where no one did.
     """
 
-    def __init__(self, chart: Chart, scheduler: Scheduler, control: Control, executor: EffectExecutor) -> None:
+    def __init__(
+        self, chart: Chart, scheduler: Scheduler, control: Control, executor: EffectExecutor, mode_by: str = ""
+    ) -> None:
         self._chart, self._scheduler, self._control, self._executor = chart, scheduler, control, executor
+        self.resumed_mode_by = mode_by
 
     def now(self) -> float:
         """Seconds on the run's clock."""

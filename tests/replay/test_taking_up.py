@@ -9,6 +9,7 @@ from typing import Any
 
 import pytest
 
+from rai_missions.agents.talk.run_status import RobotWords, RunStatus
 from rai_missions.engine import Chart
 from rai_missions.engine.step import Ask
 from rai_missions.engine.trees import CompiledTrees
@@ -52,6 +53,18 @@ def test_what_is_done_again_in_a_world_that_starts_again_was_performed(tmp_path:
     taken.record.close()
     with read(path) as record:
         assert record.confirmations() == {2: "performed"}
+
+
+def test_who_paused_a_run_is_known_to_the_process_that_resumes_it(tmp_path: Path) -> None:
+    path, chart = died(tmp_path / "run.journal", LIT), Chart(LIT)
+    chart.start()
+    with Journal.open(path) as journal:
+        journal.write(chart.send(Event("pause", 1.0, {"by": "operator Anna (page)"}, "command")), since=0.0)
+    taken = open_run(path)
+    taken.record.close()
+    rig = Rig(LIT, begin=taken.resumption)
+    view = RunStatus(rig.runner, RobotWords()).view()
+    assert (view.mode, view.mode_by) == ("paused", "operator Anna (page)")
 
 
 @pytest.mark.skipif(not Path("/proc/self/fd").exists(), reason="the system does not list a process's open files")

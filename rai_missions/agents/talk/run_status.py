@@ -52,7 +52,7 @@ class RunStatus:
         self._happened: deque[RunEvent] = deque(maxlen=MOST_HAPPENINGS)
         self._status: Status | None = None
         self._since: float | None = None
-        self._mode, self._mode_by = runner.view.mode, ""
+        self._mode, self._mode_by = runner.view.mode, runner.view.resumed_mode_by
         self._mode_since: float | None = None
         self._began: float | None = None
         self._asked: tuple[int, ...] = ()

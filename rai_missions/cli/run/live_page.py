@@ -262,7 +262,7 @@ class RunPage:
         )  # fmt: skip
         scene.run, scene.where = course.runner.run_id, self._shown.where
         if mode == "paused" and chart.paused_at is not None:
-            scene.paused_at = chart.paused_at
+            scene.paused_at, scene.paused_by = chart.paused_at, chart.resumed_mode_by
         scene.held_by, scene.held_since = chart.held_by, chart.held_since
         return scene
 
