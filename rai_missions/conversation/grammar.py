@@ -311,6 +311,13 @@ class Grammar:
 
     # -- questions of state --------------------------------------------------------------------------------------------
 
+    def _key_done(self, named: list[str], done: list[str], view: StatusView) -> str:
+        """The key that counts what was done: `alleys driven` for `how many alleys did you drive`."""
+        for ending in ("", *self.language.data["participle_endings"]):
+            if path := key_named([*named, *done[:-1], done[-1] + ending], view, self.language, strict=bool(ending)):
+                return path
+        return ""
+
     def _questions(self, words: list[str], view: StatusView) -> Iterator[Sense]:
         for own, path in self._own_questions:
             if path.partition(".")[0] in view.keys and own.fits(words):
@@ -322,7 +329,7 @@ class Grammar:
                     yield Sense("question", name)
                     return
                 named, done = slots["key"].split(), slots.get("done", "").split()
-                path = key_named([*named, *done], view, self.language) if done else ""
+                path = self._key_done(named, done, view) if done else ""
                 path = path or key_named(named, view, self.language, strict=len(named) == len(words))
                 if path:
                     yield Sense("question", name, key=path)

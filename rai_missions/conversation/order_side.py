@@ -273,10 +273,14 @@ class OrderSide:
         language, settings = self._talk.language, self._talk.settings
         names = tuple(language.word("order_names", each) for each in ORDERS if may(utterance.role, each, settings))
         ordered = tuple(self._ordered.get(utterance.speaker, ()))
-        stopping = next((each for each in self._under_way.values() if each.sense.name in STOPPING), None)
-        by = stopping.utterance.by if stopping is not None else ""
         last = next((each.text for each in reversed(self._talk.turns) if _is_spoken(each, utterance)), "")
-        return Asker(ordered, self._requests.words, names, by, last, self._speaking.reports.last_end)
+        return Asker(ordered, self._requests.words, names, self._stopping_by, last, self._speaking.reports.last_end)
+
+    @property
+    def _stopping_by(self) -> str:
+        """Who gave an order to stop, pause or cancel that the run has not taken yet; empty where there is none."""
+        stopping = (each for each in self._under_way.values() if each.sense.name in STOPPING)
+        return next((each.utterance.by for each in stopping), "")
 
     # -- orders --------------------------------------------------------------------------------------------------------
 
@@ -361,6 +365,8 @@ class OrderSide:
                 self._refuse(judged, form, count=len(self._requests), order=judged.words)
             return bool(form)
         why = why_not_now(sense, self._talk.view, self._talk.language)
+        if why and sense.name == "resume" and self._stopping_by:
+            why = self._talk.language.text("why_stopping")
         if why:
             self._refuse(judged, "not_now", why=why.rstrip("."))
         return bool(why)
