@@ -52,3 +52,17 @@ def test_noise_alone_is_no_speech_whenever_the_look_begins_again() -> None:
     ear, random = SoundEar(echo=False), np.random.default_rng(6002)
     frames = [(random.normal(size=FRAME_BYTES // 2) * 400).astype("<i2").tobytes() for _ in range(400)]
     assert max(ear.take(each, bytes(FRAME_BYTES)).speech for each in frames) < 0.5
+
+
+def test_a_wake_word_is_known_and_what_is_near_to_it_is_none() -> None:
+    from rai_missions.voice.ear import WakeWord
+    from rai_missions.voice.listener import WAKE_CUTOFF
+
+    def most(name: str, text: str, speaker: str) -> float:
+        word, sound = WakeWord(name), bytes(RATE_HZ) + spoken(text, speaker) + bytes(RATE_HZ)
+        return max(word.take(sound[at : at + FRAME_BYTES]) for at in range(0, len(sound), FRAME_BYTES))
+
+    assert min(most("okay_nabu", "Okay nah boo.", each) for each in ("slt", "rms", "awb")) >= WAKE_CUTOFF
+    assert most("hey_jarvis", "Hey jarvis.", "rms") >= WAKE_CUTOFF
+    near = "A def statement executed inside a function definition defines a local function that can be returned or"
+    assert 0.3 < most("hey_jarvis", f"objects. {near} passed around. Free", "rms") < WAKE_CUTOFF
