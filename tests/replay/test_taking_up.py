@@ -64,7 +64,7 @@ def test_who_paused_a_run_is_known_to_the_process_that_resumes_it(tmp_path: Path
     taken.record.close()
     rig = Rig(LIT, begin=taken.resumption)
     view = RunStatus(rig.runner, RobotWords()).view()
-    assert (view.mode, view.mode_by) == ("paused", "operator Anna (page)")
+    assert (view.mode, view.mode_by, view.mode_since) == ("paused", "operator Anna (page)", 1.0)
 
 
 @pytest.mark.skipif(not Path("/proc/self/fd").exists(), reason="the system does not list a process's open files")

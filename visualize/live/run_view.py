@@ -112,7 +112,7 @@ class RunScene:
         """Put in who gave the pause or the e-stop that is in the scene already."""
         by = str(step.event.data.get("by", ""))
         if self.mode == "paused" and step.mode == "paused":
-            self.paused_by = by
+            self.paused_by = by or self.paused_by  # of the process before, where it is resumed
         if self.outcome and step.outcome:
             self.ended_at, self.e_stop_by = step.at, by if is_e_stop(step.event) else ""
 

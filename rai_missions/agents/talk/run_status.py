@@ -53,7 +53,7 @@ class RunStatus:
         self._status: Status | None = None
         self._since: float | None = None
         self._mode, self._mode_by = runner.view.mode, runner.view.resumed_mode_by
-        self._mode_since: float | None = None
+        self._mode_since = runner.view.paused_at
         self._began: float | None = None
         self._asked: tuple[int, ...] = ()
 

@@ -120,6 +120,16 @@ def test_a_paused_question_has_the_time_left_that_it_had() -> None:
     assert question.until == question.at + 600 + 51
 
 
+def test_who_paused_before_the_process_is_kept_where_a_run_is_resumed() -> None:
+    run = Run(errand())
+    run.start()
+    play(run, "pause")
+    followed = run.look()
+    followed.paused_by = "operator Anna (page)"
+    followed.recall_order(run.steps[-1]._replace(event=Event("take_up", 1.0, {}, "command")))
+    assert (followed.mode, followed.paused_by) == ("paused", "operator Anna (page)")
+
+
 JSON = st.recursive(
     st.one_of(st.none(), st.booleans(), st.integers(), st.floats(), st.text(), st.sampled_from(HOSTILE)),
     lambda inner: st.one_of(st.lists(inner, max_size=60), st.dictionaries(st.text(), inner, max_size=60)),
