@@ -418,7 +418,8 @@ class OrderSide:
 
     def _read_back(self, judged: JudgedOrder, *, is_request: bool = False) -> None:
         if self._pending is not None:
-            by: Literal["corrected", "replaced"] = "corrected" if judged.sense.is_correction else "replaced"
+            is_same = judged.sense.identity == self._pending.sense.identity
+            by: Literal["corrected", "replaced"] = "corrected" if judged.sense.is_correction or is_same else "replaced"
             self._void(by, by_speaker=judged.utterance.speaker)
         rests_on = self._binding(judged.sense, is_request=is_request)
         pending = Confirmable(
