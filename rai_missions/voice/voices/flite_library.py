@@ -135,7 +135,7 @@ class FliteLibrary:
         The structure is the library's: it frees the one that this one replaces.
         """
         streaming = self._new_streaming()
-        streaming.contents.min_buffsize, streaming.contents.asc = LEAST_SAMPLES, self._on_sound
+        streaming[0] = _StreamingInfo(LEAST_SAMPLES, self._on_sound)
         self._set_feature(self._voice.contents.features, b"streaming_info", self._as_value(streaming))
 
     def _take(self, wave: Any, start: int, count: int, _is_last: int, _streaming: int | None) -> int:
