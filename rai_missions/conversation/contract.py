@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 from rai_missions.conversation.dialogue import Dialogue
 from rai_missions.conversation.inputs import ModelText, OrderEnd, SpeechEnd, Utterance
 from rai_missions.conversation.outputs import AskModel, DropModel, Order, Output, Silence, Speech, TalkNote
-from rai_missions.conversation.places import Place
+from rai_missions.conversation.places import PlaceArea
 from rai_missions.conversation.settings import Settings, permissions
 from rai_missions.conversation.start_phrases import StartPhrase
 from rai_missions.conversation.view import BuildView, KeyView, MissionView, ProgressView, RunEvent, StatusView
@@ -40,7 +40,7 @@ def settings_from(data: Mapping[str, Any]) -> Settings:
     """The settings of a conversation's file; `phrases` as in a profile."""
     fields: dict[str, Any] = {name: value for name, value in data.items() if name != "may"}
     fields["phrases"] = tuple(StartPhrase(phrase, given) for phrase, given in data.get("phrases", {}).items())
-    fields["places"] = {name: Place(**each) for name, each in data.get("places", {}).items()}
+    fields["places"] = {name: PlaceArea(**each) for name, each in data.get("places", {}).items()}
     return Settings(**fields)._replace(may=permissions(data.get("may", {})))
 
 

@@ -10,10 +10,10 @@ from typing import Any, NamedTuple
 from rai_missions.conversation.language import Language
 from rai_missions.plain_data import is_number
 
-__all__ = ("Place", "place_words")
+__all__ = ("PlaceArea", "place_words")
 
 
-class Place(NamedTuple):
+class PlaceArea(NamedTuple):
     """A room, or a point, on a map."""
 
     x: tuple[float, float]
@@ -30,7 +30,7 @@ def _outside(at: float, least: float, most: float) -> float:
     return max(least - at, 0.0, at - most)
 
 
-def place_words(pose: Any, frame: str, places: Mapping[str, Place], language: Language) -> str:
+def place_words(pose: Any, frame: str, places: Mapping[str, PlaceArea], language: Language) -> str:
     """In which place a pose is, or which one is the nearest, as a sentence; empty where none is on its map."""
     if not isinstance(pose, Mapping) or not (is_number(pose.get("x")) and is_number(pose.get("y"))):
         return ""

@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any, Literal, NamedTuple, get_args
 
-from rai_missions.conversation.places import Place
+from rai_missions.conversation.places import PlaceArea
 from rai_missions.conversation.start_phrases import StartPhrase
 from rai_missions.errors import UsageError, suggestion
 from rai_missions.event import Role
@@ -50,7 +50,7 @@ class Settings(NamedTuple):
     """The channels at which an operator is met; a refusal names them."""
     results: tuple[str, ...] = ()
     """The keys whose values are spoken with the end of a mission, where they have one."""
-    places: Mapping[str, Place] = {}
+    places: Mapping[str, PlaceArea] = {}
     """The name of a place → where it is."""
     questions: Mapping[str, str] = {}
     """Questions of this robot → the key, or the field of one, whose value answers them."""

@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 from rai_missions.conversation.language import Language, spoken
 from rai_missions.conversation.named import unit_of
-from rai_missions.conversation.places import Place, place_words
+from rai_missions.conversation.places import PlaceArea, place_words
 from rai_missions.conversation.senses import Sense
 from rai_missions.conversation.values import (
     about_words,
@@ -39,7 +39,7 @@ __all__ = (
     "state_of_run",
 )
 
-NOWHERE: Mapping[str, Place] = {}
+NOWHERE: Mapping[str, PlaceArea] = {}
 BUILD = {"weight": "mass_kg", "size": "size_m", "speed": "speed_m_s"}
 """Question → the field of the build that answers it."""
 ALWAYS = ("hello", "thanks", "bye", "sorry", "rude")
@@ -126,7 +126,9 @@ class StateAnswers:
         places: The name of a place → where it is.
     """
 
-    def __init__(self, language: Language, results: Sequence[str] = (), places: Mapping[str, Place] = NOWHERE) -> None:
+    def __init__(
+        self, language: Language, results: Sequence[str] = (), places: Mapping[str, PlaceArea] = NOWHERE
+    ) -> None:
         self.language, self._results, self._places = language, results, places
         self._by_name: Mapping[str, Callable[[StatusView, Asker], str]] = {
             "doing": self._doing, "progress": self._progress, "time_left": self._time_left, "where": self._where,

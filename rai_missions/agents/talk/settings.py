@@ -8,7 +8,7 @@ from collections.abc import Iterator, Mapping
 from rai_missions.conversation import Settings, permissions
 from rai_missions.conversation.language import language, languages
 from rai_missions.conversation.phrases import Phrases
-from rai_missions.conversation.places import Place
+from rai_missions.conversation.places import PlaceArea
 from rai_missions.conversation.settings import LatePolicy
 from rai_missions.conversation.start_phrases import StartPhrase, arguments_of
 from rai_missions.errors import Fault, UsageError, pointer, suggestion
@@ -30,7 +30,7 @@ def settings_of(policy: ConversationPolicy | None) -> Settings:
         late=LATE[policy.while_answering],
         phrases=tuple(StartPhrase(phrase, arguments) for phrase, arguments in policy.phrases.items()),
         names=policy.names,
-        places={name: Place(each.x, each.y, each.frame) for name, each in policy.places.items()},
+        places={name: PlaceArea(each.x, each.y, each.frame) for name, each in policy.places.items()},
         questions=policy.questions,
         results=policy.results,
     )
