@@ -42,7 +42,8 @@ from tests.rigs.runs import KEYS, Rig, mission, robot
 
 SECRET = "sk-proj-Zk3mQ9vT7wXyB2nC5dF8hJ1lP4rS6uA0"
 CROSS = '{"option": "cross"}'
-DEADLINE_S = 0.6
+DEADLINE_S, SHORT_S = 30.0, 0.6
+"""The deadline where an answer comes, so that a busy machine does not answer for it; and where none comes."""
 
 
 def missions(**decision: Any) -> Mission:
@@ -195,7 +196,7 @@ def test_a_late_answer_does_nothing_in_another_state() -> None:
     ],
 )
 def test_a_model_that_fails_leads_to_the_fallback(model: DoubleModel, message: str) -> None:
-    result, made = asked(model, decision={"deadline_s": 30.0})  # a machine that is busy does not answer for it
+    result, made = asked(model)
     assert result.outcome == "aborted" and made.entered[-1] == "left"
     assert any(message in note for note in notes(made)), notes(made)
     verdicts = [verdict for step in made.book.steps for verdict in step.verdicts]
@@ -205,10 +206,10 @@ def test_a_model_that_fails_leads_to_the_fallback(model: DoubleModel, message: s
 @pytest.mark.parametrize("model", [HangingModel(), BabblingModel()])
 def test_a_model_that_never_comes_to_an_end_is_left_at_the_deadline(model: Any) -> None:
     began = time.monotonic()
-    result, made = asked(model)
+    result, made = asked(model, decision={"deadline_s": SHORT_S})
     assert made.entered[-1] == "left" and time.monotonic() - began < 5.0
     if isinstance(model, HangingModel):
-        assert result.duration_s == pytest.approx(0.1 + DEADLINE_S, abs=0.11)
+        assert result.duration_s == pytest.approx(0.1 + SHORT_S, abs=0.11)
         model.release()
     else:
         assert model.ended.wait(5.0), "its stream is ended"
@@ -217,7 +218,7 @@ def test_a_model_that_never_comes_to_an_end_is_left_at_the_deadline(model: Any) 
 def test_while_a_model_hangs_the_mission_continues() -> None:
     model = HangingModel()
     agent = DecisionAgent(model)
-    made = rig(agent, decision={"deadline_s": 30.0}, answerers={"script": SilentAnswerer()})
+    made = rig(agent, answerers={"script": SilentAnswerer()})
     made.stage.play({0.2: lambda: made.post("stop_now")})
     result = made.run()
     assert result.duration_s == pytest.approx(0.5, abs=0.21) and made.entered == ["asking", "elsewhere", "left"]
