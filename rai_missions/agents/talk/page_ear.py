@@ -59,8 +59,9 @@ class Microphone:
 def why_deaf() -> str:
     """Why nothing can be recognised here; empty if it can."""
     lacking = [name for name in NEEDED if importlib.util.find_spec(name) is None]
-    remedy = f"{install_command('voice')}, and {INSTALL_WEIGHTS}"
-    return f"speech needs {', '.join(lacking)}, not installed here: {remedy}" if lacking else ""
+    if not lacking:
+        return ""
+    return f"speech needs {', '.join(lacking)}, not installed here: {install_command('voice')}, and {INSTALL_WEIGHTS}"
 
 
 class PageEar:
