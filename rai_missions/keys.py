@@ -17,7 +17,7 @@ from rai_missions.model import Bool, Json, MissionModel, Name, Number, Seconds, 
 from rai_missions.plain_data import is_number
 from rai_missions.redaction import clipped, shown
 
-__all__ = ("Blackboard", "Key", "Source", "Stamped", "TypeName", "stale_at", "type_error")
+__all__ = ("Blackboard", "Key", "Source", "Stamped", "TypeName", "is_within", "stale_at", "type_error")
 
 TypeName = Literal["string", "number", "integer", "boolean", "object", "list", "pose", "image"]
 Source = Literal["robot", "argument", "mission", "answer"]
@@ -139,6 +139,11 @@ _FITS: Mapping[str, Callable[[Any], bool]] = {
 }
 
 
+def is_within(value: Any, minimum: float | None, maximum: float | None) -> bool:
+    """Whether a value is in a range; None is no bound, and without bounds any value is."""
+    return (minimum is None or value >= minimum) and (maximum is None or value <= maximum)
+
+
 def _range(least: str, most: str) -> str:
     return f"from {least} to {most}" if least and most else f"{least} or more" if least else f"{most} or less"
 
@@ -148,7 +153,7 @@ def type_error(key: Key, value: Any) -> str:
     if not _FITS[key.type](value):
         like = '; a pose is {"x": 1.5, "y": 2, "yaw": 0}, in metres and radians' if key.type == "pose" else ""
         return f"{clipped(repr(value), 80)} is not of type '{key.type}'{like}"
-    if (key.minimum is not None and value < key.minimum) or (key.maximum is not None and value > key.maximum):
+    if not is_within(value, key.minimum, key.maximum):
         least, most = ("" if each is None else f"{each:g}" for each in (key.minimum, key.maximum))
         return f"{value:g} is out of range; it must be {_range(least, most)}"
     if key.frame and value.get("frame") != key.frame:

@@ -13,6 +13,7 @@ from rai_missions.conversation.language import Language, spoken
 from rai_missions.conversation.named import key_named, unit_of
 from rai_missions.conversation.view import KeyView, StatusView
 from rai_missions.errors import MissionError
+from rai_missions.keys import is_within
 from rai_missions.planning.text.numbers import number
 
 __all__ = ("BadValue", "key_value", "read_arguments", "spoken_name")
@@ -57,7 +58,7 @@ def key_value(words: Sequence[str], key: KeyView, language: Language) -> Any:
         value = " ".join(words)
     elif key.type == "integer" and not isinstance(value, int):
         value = None
-    if value is None or (key.type in ("integer", "number") and not _is_within(value, key)):
+    if value is None or not is_within(value, key.minimum, key.maximum):
         raise BadValue(language.text("bad_value", given=" ".join(words), name=name, type=kind), key.name)
     return value
 
@@ -71,10 +72,6 @@ def _kind(key: KeyView, language: Language) -> str:
         return kind
     form = "range" if least and most else "range_least" if least else "range_most"
     return f"{language.text(form, kind=kind, least=least, most=most)} {unit}".rstrip()
-
-
-def _is_within(value: float, key: KeyView) -> bool:
-    return (key.minimum is None or value >= key.minimum) and (key.maximum is None or value <= key.maximum)
 
 
 def _amount(words: Sequence[str], key: KeyView, language: Language) -> int | float | None:
