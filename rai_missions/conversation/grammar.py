@@ -258,8 +258,9 @@ class Grammar:
         return []
 
     def _with_text(self, words: list[str], text: TextOption | None) -> list[Sense]:
-        ways = self.language.answer.match(words) if text is not None else ()
-        found = [text.named(slots["option"].split()) for slots in ways if text is not None]
+        if text is None:
+            return []
+        found = (text.named(slots["option"].split()) for slots in self.language.answer.match(words))
         return [sense for sense in found if sense is not None][:1]
 
     def free_answer(self, text: str, view: StatusView) -> Sense | None:

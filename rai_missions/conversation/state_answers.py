@@ -40,8 +40,11 @@ __all__ = (
 )
 
 NOWHERE: Mapping[str, PlaceArea] = {}
-BUILD = {"weight": "mass_kg", "size": "size_m", "speed": "speed_m_s"}
-"""Question → the field of the build that answers it."""
+BUILD = {
+    "weight": ("mass_kg", "kg", ("mass",)), "size": ("size_m", "m", ("length", "width", "height")),
+    "speed": ("speed_m_s", "m/s", ("speed",)),
+}  # fmt: skip
+"""Question → the field of the build that answers it, its unit, and what its numbers are called in the answer."""
 ALWAYS = ("hello", "thanks", "bye", "sorry", "rude")
 """Questions, or what is none, whose answer is always the same: the text of that name."""
 MOST_CAUSES = 2
@@ -136,9 +139,9 @@ class StateAnswers:
             "queued": self._queued, "places": self._known_places,
             "control": self._control, "capabilities": self._capabilities, "mission": self._about_mission,
             "happened": self._happened, "result": self._result, "decided": self._decided,
-            "weight": self._weight, "size": self._size, "speed": self._speed,
             "who": self._who, "since": self._since, "repeat": self._repeat,
             **{name: partial(self._always, name) for name in ALWAYS},
+            **{name: partial(self._of_build, name) for name in BUILD},
         }  # fmt: skip
 
     def _always(self, name: str, *_: object) -> str:
@@ -371,28 +374,19 @@ class StateAnswers:
 
     def knows(self, name: str, view: StatusView) -> bool:
         """Whether a question has an answer; one of the build only where that is known."""
-        return name not in BUILD or (view.build is not None and getattr(view.build, BUILD[name]) is not None)
+        return name not in BUILD or getattr(view.build, BUILD[name][0], None) is not None
 
-    def _weight(self, view: StatusView, _: Asker) -> str:
-        mass = view.build.mass_kg if view.build is not None else None
-        return self._of_build("weight", view, mass=None if mass is None else self._number(mass, "kg"))
-
-    def _size(self, view: StatusView, _: Asker) -> str:
-        size = view.build.size_m if view.build is not None else None
-        length, width, height = (self._number(each, "m") for each in size) if size is not None else (None,) * 3
-        return self._of_build("size", view, length=length, width=width, height=height)
-
-    def _speed(self, view: StatusView, _: Asker) -> str:
-        speed = view.build.speed_m_s if view.build is not None else None
-        return self._of_build("speed", view, speed=None if speed is None else self._number(speed, "m/s"))
+    def _of_build(self, name: str, view: StatusView, _: Asker) -> str:
+        if view.build is None or not self.knows(name, view):
+            return self.language.text("build_unknown")
+        field, unit, names = BUILD[name]
+        value = getattr(view.build, field)
+        values = (value,) if len(names) == 1 else value
+        numbers = {each: self._number(number, unit) for each, number in zip(names, values, strict=True)}
+        return self.language.text(name, build=view.build.name, **numbers)
 
     def _number(self, value: float, unit: str) -> str:
         return self.language.decimals(f"{value:.2f}".rstrip("0").rstrip(".")) + f" {unit}"
-
-    def _of_build(self, form: str, view: StatusView, **values: str | None) -> str:
-        if view.build is None or None in values.values():
-            return self.language.text("build_unknown")
-        return self.language.text(form, build=view.build.name, **values)
 
     def _who(self, view: StatusView, _: Asker) -> str:
         if not view.robot:
