@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections import defaultdict, deque
 from collections.abc import Iterator, Sequence
-from typing import Literal
+from typing import Literal, NamedTuple
 
 from rai_missions.conversation.confirmation import Confirmable
 from rai_missions.conversation.corrections import Draft
@@ -56,6 +56,14 @@ STOPPING = frozenset({"stop", "pause", "cancel"})
 """Orders after which the mission does not continue by itself."""
 
 
+class EarlierOrder(NamedTuple):
+    """An order, who gave it, and when."""
+
+    speaker: tuple[str, str]
+    sense: Sense
+    at: float
+
+
 class OrderSide:
     """Reads sentences by the grammar, judges orders, and keeps what waits for a confirmation or for its turn.
 
@@ -70,11 +78,10 @@ class OrderSide:
         self._grammar = Grammar(talk.language, phrases, talk.settings.questions)
         self._count = 0
         self._pending: Confirmable | None = None
-        self._drafts: dict[tuple[str, str], Sense] = {}
-        """Speaker → the order that its last sentence had refused or dropped, and which the next may complete."""
-        self._drafts_at = float("-inf")
-        self._taken: dict[tuple[str, str], tuple[Sense, float]] = {}
-        """Speaker → the start that was taken from it last, and when."""
+        self._unfinished: EarlierOrder | None = None
+        """The order that the last sentence of its speaker had refused or dropped, and which the next may complete."""
+        self._taken: EarlierOrder | None = None
+        """The start that was taken last."""
         self._ended_at, self._ended_by = float("-inf"), ("", "")
         self._closed, self._closed_at = tuple[Question, ...](), float("-inf")
         self._requests = RequestQueue(talk, speaking)
@@ -100,22 +107,29 @@ class OrderSide:
 
     def _draft(self, utterance: Utterance) -> Draft | None:
         """The order that this sentence may correct: its speaker's last, one that is read back, or one just taken."""
-        last = self._drafts.get(utterance.speaker)
-        if last is not None and self._talk.now - self._drafts_at < self._talk.settings.confirm_s:
-            return Draft(last, is_asked_for=True)
+        unfinished = self._of(utterance, self._unfinished, self._talk.settings.confirm_s)
+        if unfinished is not None:
+            return Draft(unfinished, is_asked_for=True)
         if self._pending is not None:
             return None if self._pending.is_request else Draft(self._pending.sense, is_read_back=True)
-        taken, at = self._taken.get(utterance.speaker, (None, 0.0))
-        return None if taken is None or self._talk.now - at >= LATE_S else Draft(taken)
+        taken = self._of(utterance, self._taken, LATE_S)
+        return None if taken is None else Draft(taken)
+
+    def _of(self, utterance: Utterance, given: EarlierOrder | None, within_s: float) -> Sense | None:
+        """An order, where the speaker of this sentence gave it, less than so many seconds ago."""
+        if given is None or given.speaker != utterance.speaker or self._talk.now - given.at >= within_s:
+            return None
+        return given.sense
 
     def _keep(self, sense: Sense, speaker: tuple[str, str]) -> None:
         """The next sentence of this speaker may correct or complete this order."""
-        self._drafts, self._drafts_at = {speaker: sense}, self._talk.now
+        self._unfinished = EarlierOrder(speaker, sense, self._talk.now)
 
     def on_utterance(self, utterance: Utterance, number: int) -> Handling:
         """A person's sentence."""
         each = self._senses(utterance)
-        self._drafts.pop(utterance.speaker, None)
+        if self._unfinished is not None and self._unfinished.speaker == utterance.speaker:
+            self._unfinished = None
         if any(STOP in senses for senses in each):
             return self._stop(utterance, number)
         self._speaking.speak_due(now=True)
@@ -378,7 +392,7 @@ class OrderSide:
     def _settle(self, judged: JudgedOrder) -> None:
         """The order counts: it is given out, or waits for the end of the mission."""
         if judged.sense.name == "start":
-            self._taken = {judged.utterance.speaker: (judged.sense, self._talk.now)}
+            self._taken = EarlierOrder(judged.utterance.speaker, judged.sense, self._talk.now)
         if self._is_request(judged.sense):
             self._requests.add(judged)
             return
