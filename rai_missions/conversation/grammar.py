@@ -15,7 +15,6 @@ from rai_missions.conversation.corrections import Corrections, Draft
 from rai_missions.conversation.free_answers import TextOption, text_option
 from rai_missions.conversation.language import Language, spoken
 from rai_missions.conversation.named import key_named, missions_named, option_named
-from rai_missions.conversation.phrases import Phrases
 from rai_missions.conversation.senses import Sense
 from rai_missions.conversation.start_phrases import StartPhrases
 from rai_missions.conversation.state_answers import ALWAYS
@@ -59,7 +58,7 @@ class Grammar:
         self.language = language
         self._phrases = phrases or StartPhrases((), {}, language)
         self._corrections = Corrections(language, self._phrases)
-        self._own_questions = [(Phrases([each], language.data["parts"]), path) for each, path in questions.items()]
+        self._own_questions = [(language.own_phrases([each]), path) for each, path in questions.items()]
         words = frozenset(word for each, _ in self._own_questions for word in each.words)
         self._vocabulary = language.vocabulary() | self._phrases.words | words
 

@@ -6,7 +6,8 @@ Rule: no sentence of any language is written in code; a new language is a new fi
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import re
+from collections.abc import Iterable, Mapping
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -18,6 +19,8 @@ from rai_missions.redaction import cut
 
 __all__ = ("Language", "language", "languages", "spoken")
 
+WORD = re.compile(r"\{\w*\}|<\w*>|[^\s()\[\]|{}<>*]+")
+"""A word of a phrase, a slot or a part."""
 FOLDER = Path(__file__).parent / "languages"
 
 
@@ -49,6 +52,20 @@ class Language(LanguageTexts):
         )  # fmt: skip
         every = (*self.orders.values(), *self.questions.values(), *alone)
         return frozenset(word for each in every for word in each.words)
+
+    def own_phrases(self, phrases: Iterable[str]) -> Phrases:
+        """Phrases of a robot's profile: each word as a sentence has it once it is read, in lower case and written out.
+
+        Raises:
+            UsageError: One is not closed, or names a part that does not exist.
+        """
+        return Phrases(
+            [WORD.sub(lambda found: self.written_out(found[0]), each) for each in phrases], self.data["parts"]
+        )
+
+    def written_out(self, text: str) -> str:
+        """The words as a sentence has them once it is read; a slot or a part as it is."""
+        return text if text[:1] in ("{", "<") else " ".join(self.normaliser.words(text)) or text.lower()
 
     def decimals(self, digits: str) -> str:
         """A number in digits with the language's sign for decimals."""

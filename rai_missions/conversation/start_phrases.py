@@ -72,12 +72,16 @@ class StartPhrases:
     def __init__(self, given: Sequence[StartPhrase], names: Names, language: Language) -> None:
         self._names, self._language = names, language
         self._each = [self._compiled(each) for each in given]
-        named = (word for choices in names.values() for name in choices for word in spoken(name).lower().split())
+        named = (word for choices in names.values() for name in choices for word in self._called(name).split())
         self.words = frozenset(named).union(*(each.phrases.words for each in self._each))
 
     def _compiled(self, given: StartPhrase) -> CompiledPhrase:
-        phrases = Phrases([given.phrase], self._language.data["parts"])
+        phrases = self._language.own_phrases([given.phrase])
         return CompiledPhrase(phrases, given, arguments_of(phrases.slots, given.arguments))
+
+    def _called(self, name: str) -> str:
+        """The words for a value, as a sentence has them."""
+        return self._language.written_out(spoken(name))
 
     def senses(self, words: Sequence[str], missions: Sequence[MissionView]) -> Iterator[Sense]:
         """The starts that the words are; of several phrases that fit, the one that names the most."""
@@ -156,7 +160,7 @@ class StartPhrases:
             return key_value(bare, key, self._language)
         given = " ".join(bare)
         for name, value in self._names[key.name].items():
-            if given in (name.lower(), spoken(name).lower()):
+            if given in (name.lower(), self._called(name)):
                 return value
         known = self._language.listed([spoken(name) for name in self._names[key.name]], "or")
         raise BadValue(self._language.text("bad_value", given=given, name=spoken_name(key, self._language), type=known))
