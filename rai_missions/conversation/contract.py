@@ -14,6 +14,7 @@ from rai_missions.conversation.inputs import ModelText, OrderEnd, SpeechEnd, Utt
 from rai_missions.conversation.outputs import AskModel, DropModel, Order, Output, Silence, Speech, TalkNote
 from rai_missions.conversation.places import PlaceArea
 from rai_missions.conversation.settings import Settings, permissions
+from rai_missions.conversation.spoken_starts import SpokenStart
 from rai_missions.conversation.start_phrases import StartPhrase
 from rai_missions.conversation.view import BuildView, KeyView, MissionView, ProgressView, RunEvent, StatusView
 from rai_missions.engine.decision import Offer, Question
@@ -37,9 +38,10 @@ class PlayedTurn(NamedTuple):
 
 
 def settings_from(data: Mapping[str, Any]) -> Settings:
-    """The settings of a conversation's file; `phrases` as in a profile."""
+    """The settings of a conversation's file; `phrases` and `spoken` as in a profile."""
     fields: dict[str, Any] = {name: value for name, value in data.items() if name != "may"}
     fields["phrases"] = tuple(StartPhrase(phrase, given) for phrase, given in data.get("phrases", {}).items())
+    fields["spoken"] = tuple(SpokenStart(text, given) for text, given in data.get("spoken", {}).items())
     fields["places"] = {name: PlaceArea(**each) for name, each in data.get("places", {}).items()}
     return Settings(**fields)._replace(may=permissions(data.get("may", {})))
 

@@ -14,6 +14,7 @@ from rai_missions.conversation.language import Language, spoken
 from rai_missions.conversation.outputs import Mapper
 from rai_missions.conversation.senses import Sense
 from rai_missions.conversation.settings import ORDERS, Permission, Settings
+from rai_missions.conversation.spoken_starts import spoken_start
 from rai_missions.conversation.state_answers import is_alive, state_of_run
 from rai_missions.conversation.values import value_words
 from rai_missions.conversation.view import KeyView, MissionView, StatusView
@@ -115,11 +116,13 @@ def _argument_words(values: Mapping[str, Any], keys: Mapping[str, KeyView], lang
     return language.listed(words)
 
 
-def order_words(sense: Sense, view: StatusView, language: Language) -> str:
-    """The order in words, with all that it does: `start the mission 'x' with alleys 4`."""
+def order_words(sense: Sense, view: StatusView, settings: Settings, language: Language) -> str:
+    """The order in words, with all that it does: `start the mission 'x' with alleys 4`, or as the profile calls it."""
     if sense.name == "start":
         mission = next((each for each in view.missions if each.name == sense.mission), MissionView(sense.mission))
         keys = {key.name: key for key in mission.arguments}
+        if called := spoken_start(settings.spoken, settings.names, sense.arguments, keys, language):
+            return called
         arguments = _argument_words(sense.arguments, keys, language)
         form = "order_start_with" if arguments else "order_start"
         return language.text(form, mission=spoken(sense.mission), arguments=arguments)

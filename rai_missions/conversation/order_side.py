@@ -349,7 +349,7 @@ class OrderSide:
         if not may(utterance.role, sense.name, settings):  # type: ignore[arg-type]
             self._refuse_permission(sense.name, utterance, number)
             return
-        words = order_words(sense, view, language)
+        words = order_words(sense, view, settings, language)
         judged = JudgedOrder(sense, utterance, number, mapper, words)
         self._talk.note("mapped", number=number, order=order_data(sense), mapper=mapper)
         if self._is_impossible(judged):
@@ -398,7 +398,7 @@ class OrderSide:
             return
         self._put(judged)
         sense = judged.sense
-        values = {"mission": spoken(sense.mission), "option": spoken(sense.option)}
+        values = {"order": judged.words, "option": spoken(sense.option)}
         self._speaking.reply(f"done_{sense.name}", judged.utterance, judged.number, **values)
 
     def _put(self, judged: JudgedOrder) -> None:

@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from typing import Any, Literal, NamedTuple, get_args
 
 from rai_missions.conversation.places import PlaceArea
+from rai_missions.conversation.spoken_starts import SpokenStart
 from rai_missions.conversation.start_phrases import StartPhrase
 from rai_missions.errors import UsageError, suggestion
 from rai_missions.event import Role
@@ -56,8 +57,10 @@ class Settings(NamedTuple):
     """Questions of this robot → the key, or the field of one, whose value answers them."""
     phrases: tuple[StartPhrase, ...] = ()
     """Sentences of this robot that start a mission with arguments."""
+    spoken: tuple[SpokenStart, ...] = ()
+    """What starts with arguments are called, the first that fits."""
     names: Mapping[str, Mapping[str, Any]] = {}
-    """Of those: argument → the words for each of its values, where it has no other values."""
+    """Of phrases: argument → the words for each of its values, where it has no other values."""
 
 
 def permissions(granted: Mapping[str, object]) -> Mapping[Role, frozenset[Permission]]:

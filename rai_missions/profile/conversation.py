@@ -68,6 +68,10 @@ class ConversationPolicy(MissionModel):
     arguments."""
     names: dict[Name, dict[Text, Json]] = Field(default_factory=dict)
     """Argument → the words for each of its values in a phrase, where it has no other values."""
+    spoken: dict[Text, dict[Name, Json]] = Field(default_factory=dict)
+    """How a start is read back: a text → the arguments that it has without words for them. `{key}` is the value
+    of that argument. `{"go to the {place}": {"task": "go"}}` is for a start with these two and no others; where no text
+    gives all arguments, the start is read back as the mission and its arguments."""
     questions: dict[Text, Text] = Field(default_factory=dict)
     """What may be asked of this robot → the key, or the field of one, whose value is the answer. A question is written
     as a phrase is; `*` is any words. It counts in each mission that has the key."""

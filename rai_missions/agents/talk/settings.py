@@ -4,12 +4,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from collections.abc import Set as AbstractSet
 
 from rai_missions.conversation import Settings, permissions
 from rai_missions.conversation.language import language, languages
 from rai_missions.conversation.phrases import Phrases
 from rai_missions.conversation.places import PlaceArea
 from rai_missions.conversation.settings import LatePolicy
+from rai_missions.conversation.spoken_starts import SpokenStart, arguments_spoken
 from rai_missions.conversation.start_phrases import StartPhrase, arguments_of
 from rai_missions.errors import Fault, UsageError, pointer, suggestion
 from rai_missions.mission.mission import Mission
@@ -29,6 +31,7 @@ def settings_of(policy: ConversationPolicy | None) -> Settings:
         requests=policy.requests,
         late=LATE[policy.while_answering],
         phrases=tuple(StartPhrase(phrase, arguments) for phrase, arguments in policy.phrases.items()),
+        spoken=tuple(SpokenStart(text, arguments) for text, arguments in policy.spoken.items()),
         names=policy.names,
         places={name: PlaceArea(each.x, each.y, each.frame) for name, each in policy.places.items()},
         questions=policy.questions,
@@ -57,18 +60,23 @@ def conversation_faults(robot: Robot, mission: Mission | None = None) -> tuple[F
         if isinstance(compiled, Fault):
             found.append(compiled)
             continue
-        gives = arguments_of(compiled.slots, arguments)
-        if takes & gives:
-            known = ", ".join(sorted(takes))
-            sentence = "the mission takes no argument '{}'; it takes: " + known
-            found += [Fault(place, sentence.format(name)) for name in sorted(gives - takes)]
+        found += _argument_faults(arguments_of(compiled.slots, arguments), takes, place)
+    for text, arguments in policy.spoken.items():
+        place = pointer(("conversation", "spoken", text))
+        found += _argument_faults(arguments_spoken(SpokenStart(text, arguments)), takes, place)
     return (*found, *_question_faults(policy, mission))
+
+
+def _argument_faults(gives: AbstractSet[str], takes: AbstractSet[str], place: str) -> Iterator[Fault]:
+    """The arguments of a sentence that the mission lacks, where it has others of it."""
+    for name in sorted(gives - takes) if takes & gives else ():
+        yield Fault(place, f"the mission takes no argument '{name}'; it takes: {', '.join(sorted(takes))}")
 
 
 def _compiled(phrase: str, policy: ConversationPolicy, place: str) -> Phrases | Fault:
     """A sentence as the policy's language reads it, or what is wrong with it."""
     try:
-        return Phrases([phrase], language(policy.language).data["parts"])
+        return language(policy.language).own_phrases([phrase])
     except UsageError as error:
         return Fault(place, str(error))
 

@@ -33,6 +33,10 @@ FAULTS = {
     "argument": (
         {"phrases": {"find {objct}": {"task": "find"}}}, "the mission takes no argument 'objct'; it takes: task"
     ),
+    "spoken": (
+        {"spoken": {"go to the {plce}": {"task": "go"}}},
+        "/conversation/spoken/go to the {plce}: the mission takes no argument 'plce'; it takes: task",
+    ),
 }  # fmt: skip
 
 
