@@ -252,13 +252,16 @@ OPERAND_WORDS = ("key", "from")
 
 
 def template_words(template: Any) -> str:
-    """A goal, request or message: `pose ← target, speed 1.2`."""
+    """A goal, request, message or value: `pose ← target, speed 1.2`; objects of a list: `[x 1, y 2; x 3, y 4]`."""
     if reference_word(template) is not None:
         return f"← {template['from']}"
     if isinstance(template, Mapping):
         return ", ".join(f"{name} {template_words(item)}" for name, item in template.items())
     if isinstance(template, list | tuple):
-        return "[" + ", ".join(map(template_words, template)) + "]"
+        between = "; " if any(isinstance(item, Mapping) for item in template) else ", "
+        return "[" + between.join(map(template_words, template)) + "]"
+    if template is None:
+        return "null"
     return str(template).lower() if isinstance(template, bool) else str(template)
 
 

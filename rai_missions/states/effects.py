@@ -102,8 +102,7 @@ class Set(Effect, word="set"):
     def words(self) -> str:
         if self.add is not None:
             return f"{self.set} += {self.add:g}"
-        value = str(self.value).lower() if isinstance(self.value, bool) else self.value
-        return f"{self.set} := {self.source or value}"
+        return f"{self.set} := {self.source or template_words(self.value)}"
 
 
 class Raise(Effect, word="raise"):
