@@ -88,6 +88,23 @@ def test_a_line_that_is_not_seen_is_counted_on_the_tab(run: TalkedRun, look: Loo
     until(window, "document.querySelector('#tab-talk').textContent === 'Talk'")
 
 
+def test_in_a_window_made_smaller_the_newest_line_stays_in_view(run: TalkedRun, look: Look) -> None:
+    window = look(run.page)
+    for number in range(1, 40):
+        run.feed.talk(line(number, f"line {number}, which is long enough to take two rows on a telephone's screen"))
+    window.click("#tab-talk")
+    until(window, "document.querySelectorAll('#talk-lines .line').length === 39")
+    bottom = "(({scrollHeight, scrollTop, clientHeight}) => scrollHeight - scrollTop - clientHeight < 2)"
+    at_end = f"document.querySelector('#talk-lines').scrollTop > 0 && {bottom}(document.querySelector('#talk-lines'))"
+    until(window, at_end)
+    window.set_viewport_size({"width": 420, "height": 700})
+    until(window, f"innerWidth === 420 && {at_end}")
+    window.evaluate("document.querySelector('#talk-lines').scrollTop = 100")
+    window.set_viewport_size({"width": 900, "height": 500})
+    until(window, "innerWidth === 900")
+    assert not window.evaluate(at_end)  # who reads earlier lines stays there
+
+
 def test_on_a_phone_the_field_and_the_newest_line_are_in_view(run: TalkedRun, look: Look) -> None:
     window = look(run.page, **PHONE)
     for number in range(1, 30):

@@ -21,6 +21,18 @@ class Chat {
       this.send();
     });
     this.tab.addEventListener("click", () => this.read());
+    this.follows = true;
+    this.host.addEventListener("scroll", () => {
+      this.follows = this.near;
+    });
+    new ResizeObserver(() => {
+      if (this.follows) this.end(); // a window made smaller, or a telephone turned
+    }).observe(this.host);
+  }
+
+  /** Whether the newest line is in view, or nearly. */
+  get near() {
+    return this.host.scrollHeight - this.host.scrollTop - this.host.clientHeight < 60;
   }
 
   get open() {
@@ -35,7 +47,7 @@ class Chat {
   }
 
   add(lines) {
-    const near = this.host.scrollHeight - this.host.scrollTop - this.host.clientHeight < 60;
+    const near = this.near;
     for (const each of lines) {
       if (!this.items.has(each.number) && each.by === "robot" && !this.open) this.unread += 1;
       this.put(each);
