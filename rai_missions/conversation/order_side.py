@@ -178,14 +178,24 @@ class OrderSide:
         return (sense,) if sense is not None else ()
 
     def _answer_nothing(self, utterance: Utterance, number: int) -> Handling:
-        if self._talk.settings.has_model:
+        if self._is_to_model(utterance):
             return "unknown"
+        self._speak_nothing(utterance, number)
+        return "handled"
+
+    def _is_to_model(self, utterance: Utterance) -> bool:
+        """Whether a yes or a no may be meant for a model: its text was the last that its speaker received."""
+        turns = reversed(self._talk.turns)
+        last = next((each for each in turns if each.by == "robot" and each.channel in ("", utterance.channel)), None)
+        return self._talk.settings.has_model and last is not None and last.way == "model"
+
+    def _speak_nothing(self, utterance: Utterance, number: int) -> None:
+        """That there is nothing to confirm, and which requests wait."""
         language, text = self._talk.language, self._talk.language.text("nothing_to_confirm")
         if self._requests and may(utterance.role, "start", self._talk.settings):
             waiting = language.text("queued", requests=language.listed(self._requests.words))
             text = f"{text} {waiting} {language.text('queued_more')}"
         self._speaking.speak(text, to=utterance.channel, reply_to=number)
-        return "handled"
 
     def _chosen(self, senses: Sequence[Sense], utterance: Utterance, number: int) -> Sense | None:
         """The one sense that is meant; None where the person must decide, and is asked."""
@@ -270,7 +280,7 @@ class OrderSide:
             self._speaking.speak(sense.fault, to=utterance.channel, reply_to=number)
             self._keep(sense, utterance.speaker)
         elif pending is None:
-            self._answer_nothing(utterance, number)
+            self._speak_nothing(utterance, number)
 
     def _refuse_ask(self, utterance: Utterance, number: int) -> None:
         channel = self._talk.language.word("channels", utterance.channel)
