@@ -6,7 +6,7 @@ Rule: a value that does not fit its key is a fault in words; nothing is guessed 
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from rai_missions.conversation.language import Language, spoken
@@ -18,6 +18,7 @@ from rai_missions.planning.text.numbers import number
 
 __all__ = ("BadValue", "key_value", "read_arguments", "spoken_name")
 
+ReadValue = Callable[[Sequence[str], KeyView, Language], Any]
 IN_WORDS = frozenset({"integer", "number", "boolean", "string"})
 
 
@@ -81,11 +82,16 @@ def _amount(words: Sequence[str], key: KeyView, language: Language) -> int | flo
     if value is not None or len(words) < 2 or words[-1] not in factors:
         return value
     value = number(words[:-1], language.data)
-    return None if value is None else value * factors[words[-1]]
+    return None if value is None else _whole(value * factors[words[-1]])
+
+
+def _whole(value: float) -> int | float:
+    """`1.5 minutes` are 90 seconds, a whole number."""
+    return round(value) if value == round(value) else value
 
 
 def read_arguments(
-    words: Sequence[str], keys: Sequence[KeyView], language: Language, *, owner: str
+    words: Sequence[str], keys: Sequence[KeyView], language: Language, *, owner: str, value: ReadValue = key_value
 ) -> Mapping[str, Any]:
     """The values of a list of arguments.
 
@@ -94,6 +100,7 @@ def read_arguments(
         keys: The arguments that there are.
         language: The grammar.
         owner: Whose arguments they are, for a fault.
+        value: Reads the words for an argument.
 
     Raises:
         BadValue: A part names no argument, or its value does not fit.
@@ -101,8 +108,8 @@ def read_arguments(
     values, misfit = dict[str, Any](), None
     for chunk in _chunks(words, language):
         try:
-            key, value = _one(chunk, keys, language, owner)
-            values[key.name] = value
+            key, found = _one(chunk, keys, language, owner, value)
+            values[key.name] = found
         except BadValue as error:
             misfit = misfit or error
     if misfit is not None:
@@ -121,14 +128,16 @@ def _chunks(words: Sequence[str], language: Language) -> list[list[str]]:
     return [chunk for chunk in chunks if chunk]
 
 
-def _one(chunk: list[str], keys: Sequence[KeyView], language: Language, owner: str) -> tuple[KeyView, Any]:
+def _one(
+    chunk: list[str], keys: Sequence[KeyView], language: Language, owner: str, value: ReadValue
+) -> tuple[KeyView, Any]:
     view, misfit = StatusView(keys={key.name: key for key in keys}), None
     for slots in language.argument.match(chunk):
         path = key_named(slots["key"].split(), view, language, strict=True)
         if path not in view.keys:
             continue
         try:
-            return view.keys[path], key_value(slots["value"].split(), view.keys[path], language)
+            return view.keys[path], value(slots["value"].split(), view.keys[path], language)
         except BadValue as error:
             misfit = misfit or error
     if misfit is not None:

@@ -32,8 +32,8 @@ MOST_MENDED = 12
 """Words of the longest sentence in which misspelled words are mended."""
 MOST_PARTS = 6
 """Sentences of an utterance that are read; of more, only a stop at its beginning or end counts."""
-DRAWN_OUT = re.compile(r"(\w)\1{2,}")
-"""A letter that is written as long as it is drawn out: `stooop`."""
+DRAWN_OUT = re.compile(r"([^\W\d_])\1{2,}")
+"""A letter that is written as long as it is drawn out: `stooop`; a digit counts as often as it is written."""
 NEAREST = 5
 """Letters of the shortest word whose misspelling is mended."""
 NONE: Mapping[str, str] = {}
@@ -170,6 +170,8 @@ class Grammar:
         found += [Sense("again")] if language.again.fits(words) else []
         found += self._phrased(words, view)
         found += self._starts(words, view)
+        if _is_fault(found):  # `go to the kitchen instead` has no place of that name in it
+            found = [each for each in self._corrected(words, view, draft) if each.kind == "order"] or found
         found = found or self._corrected(words, view, draft)
         found = found or list(self._questions(words, view))
         return tuple({sense.identity: sense for sense in found}.values())
@@ -186,7 +188,10 @@ class Grammar:
         faults = list[Sense]()
         for instead in self._corrections.instead(words):
             inner = self._words(instead, view)
-            if inner and (inner[0].kind in ("order", "fault") or inner[0].name not in ("key", "value")):
+            if _is_fault(inner):
+                faults += inner
+                continue
+            if inner and (inner[0].kind == "order" or inner[0].name not in ("key", "value")):
                 return [
                     each._replace(is_partial=each.is_partial or each.name == "answer", is_correction=draft is not None)
                     for each in inner
@@ -301,7 +306,9 @@ class Grammar:
 
     def _start_with(self, mission: MissionView, arguments: list[str]) -> Sense:
         try:
-            values = read_arguments(arguments, mission.arguments, self.language, owner=mission.name)
+            values = read_arguments(
+                arguments, mission.arguments, self.language, owner=mission.name, value=self._phrases.argument
+            )
         except BadValue as error:
             lacks = (error.key,) if error.key else ()
             return Sense(

@@ -145,6 +145,19 @@ class StartPhrases:
         """The words for each value of an argument that has no other values; empty where it has any."""
         return self._names.get(argument, {})
 
+    def _is_called(self, given: str, name: str) -> bool:
+        return given in (name.lower(), self._called(name))
+
+    def argument(self, words: Sequence[str], key: KeyView, language: Language) -> Any:
+        """The value of an argument that is named: by its words, or as the mission has it.
+
+        Raises:
+            BadValue: They are none of its type.
+        """
+        given, choices = " ".join(words), self._names.get(key.name, {})
+        meant = [value for name, value in choices.items() if self._is_called(given, name)]
+        return meant[0] if meant else key_value(words, key, language)
+
     def value(self, words: Sequence[str], key: KeyView) -> Any:
         """The value that words are for a key, without the article before them.
 
@@ -153,14 +166,15 @@ class StartPhrases:
         """
         articles = self._language.data["articles"]
         given = " ".join(words)
-        if key.type == "string" and given in self._language.data["pronouns"]:
+        is_article = bool(words) and all(word in articles for word in words)
+        if key.type == "string" and (is_article or given in self._language.data["pronouns"]):
             raise BadValue(self._language.text("pronoun", given=given, name=spoken_name(key, self._language)), key.name)
         bare = list(words[1:] if len(words) > 1 and words[0] in articles else words)
         if key.name not in self._names:
             return key_value(bare, key, self._language)
         given = " ".join(bare)
         for name, value in self._names[key.name].items():
-            if given in (name.lower(), self._called(name)):
+            if self._is_called(given, name):
                 return value
         known = self._language.listed([spoken(name) for name in self._names[key.name]], "or")
         raise BadValue(self._language.text("bad_value", given=given, name=spoken_name(key, self._language), type=known))

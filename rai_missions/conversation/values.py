@@ -111,7 +111,7 @@ def _found(path: str, keys: Mapping[str, KeyView]) -> tuple[KeyView, str, Any]:
 def is_known(path: str, keys: Mapping[str, KeyView]) -> bool:
     """Whether a key, or a field of one, has a value now that can be put in words."""
     key, _, value = _found(path, keys)
-    return key.is_fresh and value is not None and not isinstance(value, Image)
+    return key.is_fresh and value is not None and value != "" and not isinstance(value, Image)
 
 
 def value_sentence(path: str, keys: Mapping[str, KeyView], language: Language) -> str:

@@ -20,7 +20,7 @@ Cut = Callable[[str, int], str]
 """Cuts a text to a number of characters."""
 QUOTES = re.compile(r"[\"“”„«»]")
 SENTENCES = re.compile(r"(?<=[.!?;])\s+")
-TOKEN = re.compile(r"\d+(?:st|nd|rd|th)\b|-?\d+(?:[.,]\d+)*|[^\W\d_]+(?:'[^\W\d_]+)*|[^\W_]+")
+TOKEN = re.compile(r"\d+(?:st|nd|rd|th)\b|-?\d+(?:[.,]\d+)*|[^\W\d_]+(?:'[^\W\d_]+)*|[^\W_]+|[@&]")
 
 
 def readable(text: str, *, by: Cut = clipped) -> str:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Numbers in words and digits: `twenty five`, `three point five`, `minus two`, `2.5`; in German `fünfundzwanzig`."""
+"""Numbers in words and digits: `twenty five`, `one and a half`, `minus two`, `2.5`; in German `fünfundzwanzig`."""
 
 from __future__ import annotations
 
@@ -27,9 +27,21 @@ def number(words: Sequence[str], data: Mapping[str, Any]) -> int | float | None:
         return None if rest is None else -rest
     if len(words) == 1 and DIGITS.fullmatch(words[0]):
         return _digits(words[0], data["decimal"])
+    if (half := _with_half(words, data)) is not None:
+        return half
     if data["point"] in words:
         return _with_decimals(words, data)
     return _whole(words, data)
+
+
+def _with_half(words: Sequence[str], data: Mapping[str, Any]) -> float | None:
+    """`half an`, `eine halbe`, `one and a half`."""
+    text = " ".join(words)
+    if text in data["halves"]:
+        return float(data["halves"][text])
+    before = text.removesuffix(f" {data['and_half']}")
+    whole = None if before == text else _whole(before.split(), data)
+    return None if whole is None else whole + 0.5
 
 
 def _digits(text: str, decimal: str) -> int | float | None:

@@ -17,7 +17,8 @@ from rai_missions.planning.text.numbers import number
         ("en", "three point five", 3.5), ("en", "two thousand", 2000), ("en", "five five", None),
         ("en", "apples", None),
         ("de", "fünfundzwanzig", 25), ("de", "drei komma fünf", 3.5), ("de", "2,5", 2.5), ("de", "1.500", 1500),
-        ("en", "1,500", 1500), ("en", "9" * 30, None),
+        ("en", "half an", 0.5), ("en", "one and a half", 1.5), ("en", "and a half", None), ("de", "eine halbe", 0.5),
+        ("de", "anderthalb", 1.5), ("en", "1,500", 1500), ("en", "9" * 30, None),
     ],
 )  # fmt: skip
 def test_numbers_are_read_in_words_and_digits(code: str, words: str, value: float | None) -> None:
