@@ -24,7 +24,7 @@ from rai_missions.engine.hold import event_of, free, is_held, keep_trigger, wait
 from rai_missions.engine.nodes import CompiledTransition, Node
 from rai_missions.engine.program import Program
 from rai_missions.engine.running import begin_starting, leave_activity, outcome_of, poll
-from rai_missions.engine.state import RunState, Trigger
+from rai_missions.engine.state import RunState, StepDraft, Trigger
 from rai_missions.engine.timers import late_s, now_of, set_timer
 from rai_missions.guards.guard import Truth
 from rai_missions.mission.mission import BUILT_IN_EVENTS
@@ -69,8 +69,9 @@ def enabled(
 def complete(program: Program, state: RunState, trigger: Trigger | None, *, made: int = 0) -> None:
     """Take what is enabled until nothing is (SCXML: mainEventLoop), after so many microsteps that were made before."""
     draft, seen = state.draft, set[Any]()
-    draft.macrosteps, draft.microsteps = draft.macrosteps + 1, made
-    while draft.microsteps < MOST_MICROSTEPS:
+    draft.macrosteps, draft.microsteps, draft.in_rounds = draft.macrosteps + 1, made, 0
+    draft.round_bounds.clear()
+    while draft.microsteps - draft.in_rounds < MOST_MICROSTEPS:
         draft.microsteps += 1
         if _is_over(program, state):
             return
@@ -229,6 +230,7 @@ def _forget_waiting(state: RunState, node: Node) -> None:
     if state.laid_by:
         state.laid_by = tuple(each for each in state.laid_by if each != name)
     if node.is_each and state.rounds.pop(name, None) is not None:
+        state.draft.round_bounds[name] = math.inf
         for trigger in [each for each in internal if each.name == "round" and each.source is node]:
             internal.remove(trigger)  # a round that is left does not begin again
 
@@ -260,6 +262,7 @@ def set_timers(state: RunState, node: Node) -> None:
 def _next_round(program: Program, state: RunState, node: Node) -> None:
     """Make the next item of a list the current one; after the last one the `each` succeeds."""
     program.surroundings.before_round(state, node)
+    _pass_round(program, state.draft, node)
     items, index = state.rounds[node.name]
     if index < len(items):
         if set_item(program, state, node, items[index]):
@@ -267,6 +270,19 @@ def _next_round(program: Program, state: RunState, node: Node) -> None:
     elif not has_reported(state, node):
         state.draft.internal.append(outcome_of(node, Outcome("succeeded")))
         complete_parallels(state, tuple(program.graph.complete(node.parent, state.config.nodes)))
+
+
+def _pass_round(program: Program, draft: StepDraft, node: Node) -> None:
+    """Let the limits of a step count for each round of a list alone: it has an end, however long.
+
+    They do for one visit to the list in a macrostep, so that a cycle of transitions round a list ends.
+    """
+    made = draft.microsteps - draft.in_rounds
+    began = draft.round_bounds.setdefault(node.name, made)
+    if made > began:
+        draft.in_rounds += int(made - began)
+        for owner in [each for each in draft.tree_rounds if program.graph.nodes[each].inside(node)]:
+            del draft.tree_rounds[owner]
 
 
 def _hold(program: Program, state: RunState) -> None:

@@ -162,6 +162,10 @@ class StepDraft:
     """How many times transitions were taken until none was enabled."""
     microsteps: int = 0
     """How many microsteps the macrostep in hand has made."""
+    in_rounds: int = 0
+    """How many of them belong to rounds of lists that others followed: a list has an end, and is no cycle."""
+    round_bounds: dict[str, float] = field(default_factory=dict)
+    """`each` → the microsteps, but for `in_rounds`, at which its rounds began; infinite once it was left."""
 
 
 def slot(default: Any, holds: Holds = "value", word: str = "") -> Any:
