@@ -36,6 +36,17 @@ def test_the_shipped_robots_are_as_large_and_fast_as_their_parts() -> None:
     assert (speed_m_s(rosbot), speed_m_s(tractor)) == (10.5 * 0.048, 2.1 * 0.78)
 
 
+@pytest.mark.parametrize(
+    ("folder", "build", "unit"), [("rosbot", "rosbot_xl", "cm"), ("tractor", "tractor", "m")]
+)  # fmt: skip
+def test_the_documents_of_the_shipped_robots_have_the_sizes_of_their_build(folder: str, build: str, unit: str) -> None:
+    identity = ROOT / "missions" / folder / "identity"
+    size = size_m(read_body("x", (identity / f"{build}.urdf").read_bytes()))
+    assert size is not None
+    words = [f"{100 * each:.0f} cm" if unit == "cm" else f"{each:.1f} m" for each in size]
+    assert all(each in (identity / "description.md").read_text() for each in words), words
+
+
 def test_shapes_and_joints_are_turned_and_moved() -> None:
     lying = '<origin xyz="1 0 0" rpy="1.5707963267948966 0 0"/>'
     assert size_m(body(box("1 2 4", lying))) == pytest.approx((1, 4, 2))
