@@ -128,6 +128,10 @@ class ConversationalAgent:
         self._attached = AttachedRun(runner, journal, self._robot, self._note_news, self._take_speech)
         self._note_news()
 
+    def continue_after(self, number: int) -> None:
+        """Count lines from the next number on: those before are of the process that this one resumes; before `run`."""
+        self._count = max(self._count, number)
+
     def report_lost(self, requests: Sequence[str]) -> None:
         """Have it reported that these requests are lost, which waited in a program that was killed; after `attach`."""
         if requests:

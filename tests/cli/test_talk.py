@@ -18,6 +18,7 @@ from typing import Any
 
 import pytest
 
+from rai_missions.agents.talk.journal import earlier_lines
 from rai_missions.cli.main import main
 from rai_missions.journal import read
 from tests.rigs.chat_server import Server, completion
@@ -292,6 +293,10 @@ def test_what_waited_when_a_run_was_killed_is_reported_by_the_one_that_resumes_i
     )  # fmt: skip
     lost = next(line for line in resumed.stdout.splitlines() if "are lost with it" in line)
     assert "with rounds 2" in lost and "with rounds 3" in lost
+    with read(screen.journal) as record:
+        lines = [(line.by, line.text) for line in earlier_lines(record)]
+    asked = lines.index(("operator", "start with rounds 2"))
+    assert asked < lines.index(("operator", "what are you doing")) < lines.index(("operator", "stop"))
 
 
 WORDS = {"--json": "--talk does not go with --json", "--managed": "--talk is of one run; a managed node has many"}

@@ -18,13 +18,15 @@ from rai_missions.journal.reader import Record
 from rai_missions.redaction import Redaction, cut, logger
 from rai_missions.runtime.runner import Runner
 
-__all__ = ("LINES", "TALK", "NoteSink", "TalkJournal", "waiting_requests")
+__all__ = ("LINES", "TALK", "NoteSink", "TalkJournal", "earlier_lines", "waiting_requests")
 
 log = logger(__name__)
 TALK, LINES = "talk", "lines"
 """The fields of a note's data: what happened in the conversation, and the lines that its page shows."""
 LONGEST = 2_000
 """Characters of one text."""
+MOST_EARLIER = 100
+"""Lines of an earlier process that are shown again."""
 
 
 class NoteSink(Protocol):
@@ -39,6 +41,26 @@ def waiting_requests(record: Record) -> tuple[str, ...]:
     rows = (row for talk in talks for row in reversed(talk) if isinstance(row, Mapping))
     last = next((row for row in rows if row.get("kind") == "waiting"), {})
     return tuple(map(str, last.get("requests") or ()))
+
+
+def earlier_lines(record: Record) -> tuple[TalkLine, ...]:
+    """The last lines of the conversation that a journal holds, as they were shown last, oldest first."""
+    found = dict[int, TalkLine]()
+    for note in record.notes():
+        given = note.data.get(LINES) if isinstance(note.data, Mapping) else None
+        for data in given if isinstance(given, list) else ():
+            line = _line_of(data)
+            if line is not None:
+                found[line.number] = line
+    return tuple(found[number] for number in sorted(found)[-MOST_EARLIER:])
+
+
+def _line_of(data: Any) -> TalkLine | None:
+    """A line as it was written; None for what is none."""
+    if not isinstance(data, Mapping) or type(data.get("number")) is not int or not isinstance(data.get("text"), str):
+        return None
+    known = {name: value for name, value in data.items() if name in TalkLine._fields}
+    return TalkLine(**{"by": "robot", **known})
 
 
 class TalkRows(NamedTuple):

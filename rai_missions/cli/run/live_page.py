@@ -223,7 +223,7 @@ class RunPage:
         talk = self._talk
         self._feed = RunFeed(self._look, self._now, self._closed, self._loose)
         on_viewers = talk.doors_changed if talk is not None else lambda: None
-        for line in self._early:
+        for line in (*(talk.earlier if talk is not None else ()), *self._early):
             self._feed.talk(line._asdict())
         self._page.start(mission, self._feed, self, about, talk, on_viewers)
         print(f"watch: {self._page.url}", file=sys.stderr, flush=True)

@@ -16,7 +16,7 @@ from rai_missions.runtime.interrupts import on_interrupts
 if TYPE_CHECKING:
     from rai_missions.agents.conversation import ConversationalAgent
     from rai_missions.agents.mission import PreparedRun, RunConfig
-    from rai_missions.agents.talk.doors import TalkDoor
+    from rai_missions.agents.talk.doors import TalkDoor, TalkLine
     from rai_missions.agents.talk.hri_door import HRIDoor
     from rai_missions.agents.talk.model import TalkModel
     from rai_missions.agents.talk.orders import OnOrderEnd
@@ -64,6 +64,8 @@ class TalkSession:
         policy = self._policy
         self._step, self._status = config.on_step, config.on_status
         self.agent: ConversationalAgent | None = None
+        self.earlier: tuple[TalkLine, ...] = ()
+        """What was talked in the process that this one resumes."""
         self._doors: list[TalkDoor] = []
         self._hri: HRIDoor | None = None
         self._voice: VoiceDoor | None = None
@@ -100,7 +102,7 @@ class TalkSession:
             ConnectorError: The robot's connector cannot carry the messages of `/conversation/hri`.
         """
         from rai_missions.agents.conversation import ConversationalAgent
-        from rai_missions.agents.talk.journal import waiting_requests
+        from rai_missions.agents.talk.journal import earlier_lines, waiting_requests
         from rai_missions.agents.talk.run_status import RobotWords
         from rai_missions.agents.talk.settings import settings_of
 
@@ -121,7 +123,10 @@ class TalkSession:
         self._runs.begin(prepared)
         agent.attach(prepared.runner, prepared.journal)
         if prepared.plan.resumed is not None:
-            agent.report_lost(waiting_requests(prepared.plan.resumed.record))
+            record = prepared.plan.resumed.record
+            self.earlier = earlier_lines(record)
+            agent.continue_after(max((line.number for line in self.earlier), default=0))
+            agent.report_lost(waiting_requests(record))
         agent.run()
         if self._hri is not None:
             try:
