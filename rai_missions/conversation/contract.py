@@ -17,7 +17,7 @@ from rai_missions.conversation.settings import Settings, permissions
 from rai_missions.conversation.spoken_starts import SpokenStart
 from rai_missions.conversation.start_phrases import StartPhrase
 from rai_missions.conversation.view import BuildView, KeyView, MissionView, ProgressView, RunEvent, StatusView
-from rai_missions.engine.decision import Offer, Question
+from rai_missions.engine.decision import Evidence, Offer, Question
 from rai_missions.errors import UsageError, suggestion
 
 __all__ = ("PlayedTurn", "check_conversation", "play_conversation", "settings_from", "view_from")
@@ -85,7 +85,8 @@ def view_from(data: Mapping[str, Any], before: StatusView = StatusView()) -> Sta
 def _question(data: Mapping[str, Any]) -> Question:
     parameters = data.get("parameters", {})
     options = tuple(Offer(name, about, parameters.get(name)) for name, about in data["options"].items())
-    return Question(data.get("number", 1), data.get("state", "asking"), "operator", data["text"], options)
+    evidence = tuple(Evidence(key, value, 0.1, fresh=True) for key, value in data.get("evidence", {}).items())
+    return Question(data.get("number", 1), data.get("state", "asking"), "operator", data["text"], options, evidence)
 
 
 def play_conversation(data: Mapping[str, Any]) -> list[PlayedTurn]:

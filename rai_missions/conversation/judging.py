@@ -10,6 +10,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from rai_missions.conversation.arguments import spoken_name
+from rai_missions.conversation.free_answers import text_option
 from rai_missions.conversation.language import Language, spoken
 from rai_missions.conversation.outputs import Mapper
 from rai_missions.conversation.senses import Sense
@@ -127,9 +128,11 @@ def order_words(sense: Sense, view: StatusView, settings: Settings, language: La
         form = "order_start_with" if arguments else "order_start"
         return language.text(form, mission=spoken(sense.mission), arguments=arguments)
     if sense.name == "answer":
-        arguments = _argument_words(sense.parameters, {}, language)
         asked = view.question(sense.question)
-        question = asked.text if asked is not None else ""
+        question, text = ("", None) if asked is None else (asked.text, text_option([asked]))
+        if text is not None and text.offer.name == sense.option and text.parameter in sense.parameters:
+            return language.text("order_answer_text", text=sense.parameters[text.parameter], question=question)
+        arguments = _argument_words(sense.parameters, {}, language)
         form = "order_answer_with" if arguments else "order_answer"
         return language.text(form, option=spoken(sense.option), arguments=arguments, question=question)
     return language.text(f"order_{sense.name}")

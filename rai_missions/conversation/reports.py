@@ -51,10 +51,11 @@ class Reports:
     Args:
         language: Their templates.
         results: The keys whose values are spoken with the end, where they have one.
+        asked_with: The evidence whose text is spoken with a question.
     """
 
-    def __init__(self, language: Language, results: Sequence[str] = ()) -> None:
-        self._language, self._results = language, results
+    def __init__(self, language: Language, results: Sequence[str] = (), asked_with: Sequence[str] = ()) -> None:
+        self._language, self._results, self._asked_with = language, results, asked_with
         self._all: dict[str, MissionReport] = {}
         self._run = ""
         self._waiting: MissionReport | None = None
@@ -108,7 +109,7 @@ class Reports:
             form = "report_start" if about else "report_start_only"
             yield f"{run}:start", language.text(form, mission=mission, about=about), "question"
         for question in view.questions if is_alive(view) else ():
-            text = language.text("report_question", question=question_text(question, language))
+            text = language.text("report_question", question=question_text(question, language, self._asked_with))
             yield f"{run}:question:{question.number}", text, "question"
         if view.mode and not is_alive(view):
             yield f"{run}:end", self._end(view), "end"

@@ -51,6 +51,8 @@ class Settings(NamedTuple):
     """The channels at which an operator is met; a refusal names them."""
     results: tuple[str, ...] = ()
     """The keys whose values are spoken with the end of a mission, where they have one."""
+    asked_with: tuple[str, ...] = ()
+    """The evidence, keys or fields of one, whose text is spoken with a question."""
     places: Mapping[str, PlaceArea] = {}
     """The name of a place → where it is."""
     questions: Mapping[str, str] = {}

@@ -6,7 +6,7 @@ Rule: nothing here comes from a model, and nothing is known that the `StatusView
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import partial
 from typing import NamedTuple
 
@@ -27,6 +27,7 @@ from rai_missions.conversation.values import (
 from rai_missions.conversation.view import KeyView, RunEvent, StatusView
 from rai_missions.engine.decision import Question
 from rai_missions.engine.modes import ALIVE
+from rai_missions.redaction import cut
 
 __all__ = (
     "ALWAYS",
@@ -51,6 +52,8 @@ MOST_CAUSES = 2
 """Lines of what came last, where it is asked why a mission stopped that runs."""
 MOST_DECIDED = 2
 """Lines of an answer to "what was decided"."""
+LONGEST_EVIDENCE = 500
+"""Characters of a text that is spoken with a question."""
 MOST_HAPPENINGS = 5
 """Lines of an answer to "what happened"."""
 
@@ -104,14 +107,32 @@ def control_text(view: StatusView, language: Language) -> str:
     return language.text("waits_control", holder=holder, wanted=language.listed(wanted)) if wanted else ""
 
 
-def question_text(question: Question, language: Language) -> str:
-    """The question with its options, numbered."""
+def question_text(question: Question, language: Language, asked_with: Sequence[str] = ()) -> str:
+    """The question with its options, numbered.
+
+    Args:
+        question: An open one.
+        language: Its templates.
+        asked_with: The evidence whose text is spoken with it.
+    """
     lines = list[str]()
     for number, offer in enumerate(question.options, start=1):
         name, about = spoken(offer.name), about_words(offer.about)
         form = "option_about" if about and about != name else "option"
         lines.append(language.text(form, number=number, name=name, about=about))
-    return language.text("question", question=question.text.strip(), options="; ".join(lines))
+    text = " ".join([question.text.strip(), *_evidence_texts(question, asked_with)])
+    return language.text("question", question=text, options="; ".join(lines))
+
+
+def _evidence_texts(question: Question, asked_with: Sequence[str]) -> Iterator[str]:
+    """The texts among its evidence that are spoken with it."""
+    values = {each.key: each.value for each in question.evidence}
+    for path in asked_with:
+        name, _, field = path.partition(".")
+        value = values.get(name)
+        value = value.get(field) if field and isinstance(value, Mapping) else value
+        if isinstance(value, str) and value.strip():
+            yield cut(value.strip(), LONGEST_EVIDENCE)
 
 
 def options_text(questions: Sequence[Question], language: Language) -> str:
@@ -127,12 +148,14 @@ class StateAnswers:
         language: Its templates.
         results: The keys whose values are the mission's result.
         places: The name of a place → where it is.
+        asked_with: The evidence whose text is spoken with a question.
     """
 
     def __init__(
-        self, language: Language, results: Sequence[str] = (), places: Mapping[str, PlaceArea] = NOWHERE
-    ) -> None:
-        self.language, self._results, self._places = language, results, places
+        self, language: Language, results: Sequence[str] = (), places: Mapping[str, PlaceArea] = NOWHERE,
+        asked_with: Sequence[str] = (),
+    ) -> None:  # fmt: skip
+        self.language, self._results, self._places, self._asked_with = language, results, places, asked_with
         self._by_name: Mapping[str, Callable[[StatusView, Asker], str]] = {
             "doing": self._doing, "progress": self._progress, "time_left": self._time_left, "where": self._where,
             "why_stopped": self._why_stopped, "waits": self._waits, "asked": self._asked, "ordered": self._ordered,
@@ -293,7 +316,7 @@ class StateAnswers:
         if not view.questions:
             decided = self._decided(view, Asker()) if any(each.kind == "answered" for each in view.happened) else ""
             return f"{self.language.text('no_question')} {decided}".rstrip()
-        return " ".join(question_text(each, self.language) for each in view.questions)
+        return " ".join(question_text(each, self.language, self._asked_with) for each in view.questions)
 
     def _ordered(self, _: StatusView, asker: Asker) -> str:
         language = self.language

@@ -32,7 +32,7 @@ class Talk:
     def __init__(self, settings: Settings, view: StatusView) -> None:
         self.settings, self.view = settings, view
         self.language = language(settings.language)
-        self.answers = StateAnswers(self.language, settings.results, settings.places)
+        self.answers = StateAnswers(self.language, settings.results, settings.places, settings.asked_with)
         self.now = float("-inf")
         self.turns: deque[TalkTurn] = deque(maxlen=settings.history)
         self._out: list[Output] = []

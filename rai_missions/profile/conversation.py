@@ -77,6 +77,9 @@ class ConversationPolicy(MissionModel):
     as a phrase is; `*` is any words. It counts in each mission that has the key."""
     places: dict[Text, NamedPlace] = Field(default_factory=dict)
     """The name of a place → where it is. A position is answered with the place in which it is, or the nearest one."""
+    asked_with: Annotated[tuple[Text, ...], LISTED] = ()
+    """Keys, or fields of one, whose text is spoken with a question that has them as evidence: what may be meant, or why
+    it is asked."""
     results: Keys = ()
     """Keys whose values are spoken with the end of a mission, where they have one; those that it lacks are left out."""
     hri: Bool = False

@@ -35,6 +35,7 @@ def settings_of(policy: ConversationPolicy | None) -> Settings:
         names=policy.names,
         places={name: PlaceArea(each.x, each.y, each.frame) for name, each in policy.places.items()},
         questions=policy.questions,
+        asked_with=policy.asked_with,
         results=policy.results,
     )
 
