@@ -202,6 +202,8 @@ class Grammar:
             if inner:
                 return list(inner)
             faults += [corrected] if corrected is not None else []
+        if draft is not None and draft.is_read_back and self.language.rejected.fits(words):
+            return [self._corrections.other(draft, view)]
         return faults[:1]
 
     # -- the open question ---------------------------------------------------------------------------------------------

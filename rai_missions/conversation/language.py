@@ -41,6 +41,7 @@ class Language(LanguageTexts):
         self.quiet, self.withdraw = Phrases(data["quiet"], parts), Phrases(data["withdraw"], parts)
         self.again = Phrases(data["again"], parts)
         self.correction, self.other = Phrases(data["correction"], parts), Phrases(data["other"], parts)
+        self.rejected = Phrases(data["rejected"], parts)
         self.start, self.answer = Phrases(data["start"], parts), Phrases(data["answer"], parts)
         self.argument = Phrases(data["argument"], parts)
         self.with_values = Phrases([data["with_values"]], parts)
@@ -49,6 +50,7 @@ class Language(LanguageTexts):
         """Every word of the grammar: what a misspelled word may be meant as."""
         alone = (
             self.yes, self.no, self.quiet, self.withdraw, self.again, self.start, self.correction, self.other,
+            self.rejected,
         )  # fmt: skip
         every = (*self.orders.values(), *self.questions.values(), *alone)
         return frozenset(word for each in every for word in each.words)
