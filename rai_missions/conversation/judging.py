@@ -25,7 +25,7 @@ from rai_missions.mission.option_parameters import parameter_faults
 from rai_missions.plain_data import listed
 
 __all__ = ("TWO_NEEDED", "binding", "is_request", "may", "must_confirm", "order_forms", "order_words", "proposed",
-           "why_not_now", "why_not_permitted")  # fmt: skip
+           "where_to_order", "why_not_now", "why_not_permitted")  # fmt: skip
 
 TWO_NEEDED = frozenset({"start", "resume", "cancel"})
 """The spoken orders that two recognisers must agree on; so must they on the confirming yes."""
@@ -40,11 +40,16 @@ def may(role: Role, what: Permission, settings: Settings) -> bool:
 
 def why_not_permitted(order: str, role: Role, channel: str, settings: Settings, language: Language) -> str:
     """The refusal, and where the order can be given."""
-    where = language.listed([language.word("channels", each) for each in settings.answer_at], "or")
+    where = where_to_order(settings, language)
     return language.text(
         "not_permitted", channel=language.word("channels", channel), role=language.word("roles", role),
         order=language.word("order_names", order), where=where,
     )  # fmt: skip
+
+
+def where_to_order(settings: Settings, language: Language) -> str:
+    """The channels at which an operator is met, in words."""
+    return language.listed([language.word("channels", each) for each in settings.answer_at], "or")
 
 
 def is_request(sense: Sense, view: StatusView) -> bool:

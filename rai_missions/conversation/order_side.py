@@ -21,6 +21,7 @@ from rai_missions.conversation.judging import (
     may,
     must_confirm,
     order_words,
+    where_to_order,
     why_not_now,
     why_not_permitted,
 )
@@ -366,7 +367,8 @@ class OrderSide:
             return
         if sense.name in TWO_NEEDED and agreeing is not None and agreeing < 2:
             self._talk.note("refused", number=number, order=sense.name, by="recognisers")
-            self._speaking.reply("two_needed", utterance, number, order=words)
+            where = where_to_order(settings, language)
+            self._speaking.reply("two_needed_order", utterance, number, order=words, where=where)
         elif must_confirm(sense, view, mapper=mapper, agreeing=agreeing):
             self._read_back(judged)
         else:
