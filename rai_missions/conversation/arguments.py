@@ -19,6 +19,7 @@ from rai_missions.planning.text.numbers import number
 __all__ = ("BadValue", "key_value", "read_arguments", "spoken_name")
 
 ReadValue = Callable[[Sequence[str], KeyView, Language], Any]
+NOTHING: Mapping[str, Any] = {}
 IN_WORDS = frozenset({"integer", "number", "boolean", "string"})
 
 
@@ -28,13 +29,12 @@ class BadValue(MissionError):
     Args:
         text: What is wrong, and what would be right.
         key: The argument that it was for, where that is known.
+        others: The values of the other parts of a list of arguments.
     """
 
-    def __init__(self, text: str, key: str = "") -> None:
+    def __init__(self, text: str, key: str = "", others: Mapping[str, Any] = NOTHING) -> None:
         super().__init__(text)
-        self.key = key
-        self.others: Mapping[str, Any] = {}
-        """The values of the other parts of a list of arguments."""
+        self.key, self.others = key, others
 
 
 def spoken_name(key: KeyView, language: Language) -> str:
@@ -113,8 +113,7 @@ def read_arguments(
         except BadValue as error:
             misfit = misfit or error
     if misfit is not None:
-        misfit.others = values
-        raise misfit
+        raise BadValue(str(misfit), misfit.key, values)
     return values
 
 
