@@ -59,7 +59,7 @@ def prove(
     loaded = load_whole(mission, python=not no_python)
     profile = load_profile(robot) if robot else None
     named = load_guards(guards, python=not no_python)
-    faults = faults_of(check(loaded, named=named) if named is not None else check(loaded))
+    faults = faults_of(check(loaded, named=named))
     if faults := [*faults, *(missing(loaded, profile) if profile is not None else ())]:
         raise DefinitionError(faults, mission)
     limits = limits_of(states, max_seconds, max_memory)

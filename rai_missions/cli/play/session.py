@@ -42,8 +42,7 @@ class PlaySession:
 
     def __init__(self, mission: Mission, files: PlayFiles | None = None, named: Predicates | None = None) -> None:
         self.files = files or PlayFiles()
-        found = check(mission, named=named) if named is not None else check(mission)
-        if faults := faults_of(found):
+        if faults := faults_of(check(mission, named=named)):
             raise DefinitionError(faults, str(self.files.source.mission) if self.files.source else mission.name)
         self.play = Play(mission, named=named)
         self.journal = self.files.journal or Path(f"{mission.name}.played.journal")
