@@ -66,7 +66,7 @@ def faults_of(error: ValidationError, model: type[Any], data: Any, known: Iterab
     for item in found[:MOST]:
         if item["type"] == "too_short" and len(item["input"]) >= item["ctx"]["min_length"]:
             continue  # its items are refused one by one
-        steps, on_name, rest = _steps(item["loc"], data)
+        steps, rest = _steps(item["loc"], data)
         place = pointer(steps)
         # The branches of a union are no places: the fault of the first of them is enough.
         of_union = rest and item["type"] != "missing"
@@ -74,7 +74,7 @@ def faults_of(error: ValidationError, model: type[Any], data: Any, known: Iterab
         if seen in reported:
             continue
         reported.add(seen)
-        yield Fault(place, _sentence(item, on_name, _model_at(model, data, steps), known if len(steps) == 1 else ()))
+        yield Fault(place, _sentence(item, _model_at(model, data, steps), known if len(steps) == 1 else ()))
     if len(found) > MOST:
         yield Fault("", f"and {len(found) - MOST} more faults; mend these first")
 
@@ -84,10 +84,10 @@ def place_of(loc: tuple[str | int, ...], data: Any) -> list[str | int]:
     return _steps(loc, data)[0]
 
 
-def _steps(loc: tuple[str | int, ...], data: Any) -> tuple[list[str | int], bool, bool]:
-    """The steps that are places in the document, whether the last one's name is meant, and whether any is left out."""
+def _steps(loc: tuple[str | int, ...], data: Any) -> tuple[list[str | int], bool]:
+    """The steps that are places in the document, and whether any is left out."""
     if loc and loc[-1] == KEY:
-        return list(loc[:-1]), True, False
+        return list(loc[:-1]), False
     steps: list[str | int] = []
     for step in loc:
         listed = isinstance(data, list | tuple) and isinstance(step, int) and step < len(data)
@@ -95,7 +95,7 @@ def _steps(loc: tuple[str | int, ...], data: Any) -> tuple[list[str | int], bool
             break
         data = data[step]
         steps.append(step)
-    return steps, False, len(steps) < len(loc)
+    return steps, len(steps) < len(loc)
 
 
 def _model_at(model: type[Any], data: Any, steps: Iterable[str | int]) -> type[Any] | None:
@@ -156,7 +156,7 @@ def _words(model: type[Any] | None) -> list[str]:
     return [field.alias or name for name, field in model.model_fields.items()] if model else []
 
 
-def _sentence(item: Any, on_name: bool, model: type[Any] | None, known: Iterable[str]) -> str:
+def _sentence(item: Any, model: type[Any] | None, known: Iterable[str]) -> str:
     kind, given, ctx = item["type"], item["input"], item.get("ctx", {})
     if kind == "int_type" and item["loc"][-1] == "int":
         kind = "float_type"  # the first branch of `int | float`

@@ -79,7 +79,7 @@ def picture(mission: Mission, steps: Iterable[Step] = ()) -> Picture:
         name=mission.name,
         version=mission.version,
         about=mission.about,
-        nodes=tuple(_node(mission, place, name, state, parents, run, ended) for place, name, state in mission.walk()),
+        nodes=tuple(_node(place, name, state, parents, run, ended) for place, name, state in mission.walk()),
         edges=(*edges, *_edges("", "", mission.transitions, None, run)),
         initials=tuple(_initials(mission, run)),
         invariants=tuple((name, guard.words()) for name, guard in mission.invariants.items()),
@@ -99,7 +99,7 @@ def parents_of(mission: Mission) -> dict[str, str]:
 
 
 def _node(
-    mission: Mission, place: str, name: str, state: State, parents: dict[str, str], run: _Run, ended: set[str]
+    place: str, name: str, state: State, parents: dict[str, str], run: _Run, ended: set[str]
 ) -> PictureNode:  # fmt: skip
     parent = parents.get(name, "")
     asked = state.decisions().get("")

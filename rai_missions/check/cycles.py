@@ -91,9 +91,7 @@ def _cycles(survey: MissionIndex) -> list[Cycle]:
     jumps = [_jump(survey, transition) for transition in survey.transitions if transition.definition.eventless]
     loops = {index for index, jump in enumerate(jumps) if not never(jump.form) and _endless((jump,))}
     cycles += [Cycle((jumps[index],), True) for index in sorted(loops)]
-    follows = _followers(
-        survey, [jump for index, jump in enumerate(jumps) if index not in loops and not never(jump.form)]
-    )
+    follows = _followers([jump for index, jump in enumerate(jumps) if index not in loops and not never(jump.form)])
     for knot in knots(follows):
         cycle = _around(follows, knot) if len(knot) > 1 else None
         if cycle is not None:
@@ -151,7 +149,7 @@ def _active(jump: Jump, name: str) -> Truth:
     return None if any(isinstance(spot.state, Parallel) for spot in jump.active) else False
 
 
-def _followers(survey: MissionIndex, jumps: list[Jump]) -> dict[Jump, list[Jump]]:
+def _followers(jumps: list[Jump]) -> dict[Jump, list[Jump]]:
     """Which jumps can be made right after which, by where they are and what is active."""
     owned: dict[StateRef | None, list[Jump]] = {}
     for jump in jumps:

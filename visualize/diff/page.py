@@ -43,7 +43,7 @@ def difference_data(given: Difference) -> Json:
     own = lenses(given.new, picture(given.new))
     return {
         "chart": chart,
-        "lenses": [*_lenses(given, chart, changes), *own],
+        "lenses": [*_lenses(chart, changes), *own],
         "findings": [],
         "runs": [],
         "coverage": {"transitions": {}, "states": {}},
@@ -84,7 +84,7 @@ def _change(change: Change, transitions: set[str], names: set[str]) -> Json:
     }
 
 
-def _lenses(given: Difference, chart: Json, changes: Iterable[Json]) -> list[Json]:
+def _lenses(chart: Json, changes: Iterable[Json]) -> list[Json]:
     """Two switches: what is for a reviewer to judge, and all that is marked."""
     unsafe = [change for change in changes if change["severity"] == "safety"]
     marked = [transition for transition in chart["transitions"] if transition.get("mark")]

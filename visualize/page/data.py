@@ -79,12 +79,12 @@ def review_data(
         "lenses": lenses(mission, drawn),
         "findings": [{"place": each.place, "sentence": each.sentence, "severity": each.severity} for each in findings],
         "runs": played,
-        "coverage": coverage(mission, runs),
+        "coverage": coverage(runs),
         "images": gallery.shown,
     }
 
 
-def coverage(mission: Mission, runs: Sequence[Run]) -> Json:
+def coverage(runs: Sequence[Run]) -> Json:
     """How often each transition was taken and each state entered, a number a run; only what was at all."""
     transitions: dict[str, list[int]] = {}
     states: dict[str, list[int]] = {}

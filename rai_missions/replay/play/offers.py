@@ -93,7 +93,7 @@ class OpenChoices:
         yield from self._start(chart)
         yield from self._answers(chart)
         yield from self._reports(chart, started)
-        yield from self._events(chart)
+        yield from self._events()
         yield from self._keys(chart)
         yield from self._time(chart)
         yield from self._control(chart)
@@ -141,7 +141,7 @@ class OpenChoices:
 
     # -- events and time ------------------------------------------------------------------------------------------
 
-    def _events(self, chart: Chart) -> Iterator[PlayChoice]:
+    def _events(self) -> Iterator[PlayChoice]:
         for name, event in self._mission.events.items():
             kinds = {**dict.fromkeys(self._payloads.get(name, ()), "json"), **event.fields}
             fields, event_here = arguments_of(kinds), Event(name)
