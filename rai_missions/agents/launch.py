@@ -24,7 +24,7 @@ from rai_missions.connectors.registry import check_connector, open_offered
 from rai_missions.engine.activities.goal_ledger import may_move
 from rai_missions.engine.decision import Answerer
 from rai_missions.errors import DefinitionError, Fault, UsageError
-from rai_missions.journal import Header, Journal, make_way, versions
+from rai_missions.journal import Header, Journal, make_folder, make_way, versions
 from rai_missions.kinds import PackageOffer
 from rai_missions.mission.files import dump
 from rai_missions.mission.mission import Mission
@@ -471,7 +471,7 @@ def _open_journal(
     elif (path := plan.config.journal_path) is None:
         return None, None
     else:
-        path.parent.mkdir(parents=True, exist_ok=True)
+        make_folder(path)
         moved = make_way(path)
         try:
             journal = Journal.create(path, header, witness=witness)

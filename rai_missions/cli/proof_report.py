@@ -10,7 +10,7 @@ from typing import Any
 
 from rai_missions.cli.long_work import WorkPace
 from rai_missions.errors import UsageError
-from rai_missions.journal import Header
+from rai_missions.journal import Header, make_folder
 from rai_missions.mission.files import dump
 from rai_missions.mission.mission import Mission
 from rai_missions.plain_data import plain
@@ -70,7 +70,7 @@ def write_journals(proof: Proof, mission: Mission, robot: Robot | None, output: 
         profile = dump_profile(robot) if robot is not None else ""
         header = Header(whole, profile, arguments, versions=mission.packages())
         path = _path(output, mission, name, only=len(proof.ways) == 1)
-        path.parent.mkdir(parents=True, exist_ok=True)
+        make_folder(path)
         of_robot = terms(robot) if robot is not None else None
         shows = record(path, header, mission, scenes, terms=of_robot)
         written[name] = {"journal": str(path), "shows": shows}

@@ -17,7 +17,19 @@ from rai_missions.journal.rows import Blob, Raw
 from rai_missions.journal.sqlite import BLOB, ROW, Lock, SqliteError, Unbegun, log_of, open_to_write
 from rai_missions.journal.verify import read
 
-__all__ = ("copied", "free_name", "make_way", "set_aside")
+__all__ = ("copied", "free_name", "make_folder", "make_way", "set_aside")
+
+
+def make_folder(path: Path) -> None:
+    """Make the folder of a journal, where there is none.
+
+    Raises:
+        UsageError: It cannot be made.
+    """
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise UsageError(f"a journal cannot be written at {path}: {error.strerror}; name another file") from None
 
 
 def make_way(path: Path) -> Path | None:

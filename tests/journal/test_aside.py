@@ -28,6 +28,19 @@ def killed(path: Path, rows: int) -> Path:
     return path
 
 
+def test_a_folder_that_cannot_be_made_is_refused_with_the_remedy(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "file").write_text("kept")
+    mission, path = tmp_path / "mission.json", tmp_path / "file/runs/run.journal"
+    mission.write_text('{"name": "brief", "initial": "over", "states": {"over": {"final": "aborted"}}}')
+    assert main(["run", str(mission), "--journal", str(path)]) == 2
+    assert capsys.readouterr().err == (
+        f"rai-missions run: a journal cannot be written at {path}: Not a directory; name another file\n"
+    )
+    assert (tmp_path / "file").read_text() == "kept"
+
+
 def test_a_killed_run_keeps_its_rows_when_its_journal_is_moved_aside(tmp_path: Path) -> None:
     path = killed(tmp_path / "run.journal", 7)
     set_aside(path, tmp_path / "run.1.journal")

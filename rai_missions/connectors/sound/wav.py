@@ -77,12 +77,19 @@ def converted(data: bytes, rate: int, channels: int = 1, what: str = "the sound"
 
 
 def write_wav(path: Path | str, samples: bytes) -> None:
-    """Write 16 kHz mono samples."""
-    with wave.open(str(path), "wb") as file:
-        file.setnchannels(1)
-        file.setsampwidth(2)
-        file.setframerate(RATE_HZ)
-        file.writeframes(samples)
+    """Write 16 kHz mono samples.
+
+    Raises:
+        UsageError: They cannot be written there.
+    """
+    try:
+        with open(path, "wb") as raw, wave.open(raw, "wb") as file:
+            file.setnchannels(1)
+            file.setsampwidth(2)
+            file.setframerate(RATE_HZ)
+            file.writeframes(samples)
+    except OSError as error:
+        raise UsageError(f"{path} cannot be written: {error.strerror}; name another file") from None
 
 
 def numpy() -> Any:

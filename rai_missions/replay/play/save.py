@@ -13,7 +13,7 @@ from typing import Any
 from rai_missions.engine.step import Step
 from rai_missions.errors import UsageError
 from rai_missions.event import Tick
-from rai_missions.journal import Header, Journal, make_way
+from rai_missions.journal import Header, Journal, make_folder, make_way
 from rai_missions.mission.files import dump
 from rai_missions.replay.play.play import Play
 
@@ -38,7 +38,7 @@ def save(play: Play, path: Path, *, replaces: bool = False) -> Path | None:
     if not play.path:
         raise UsageError("nothing has been played yet; there is nothing to save")
     mission = play.mission
-    path.parent.mkdir(parents=True, exist_ok=True)
+    make_folder(path)
     part = path.with_name(f".{path.name}.{secrets.token_hex(4)}.part")
     text = "" if mission.behaviours() else dump(mission)
     try:

@@ -108,6 +108,13 @@ def test_any_usual_rate_becomes_16_khz_mono(rate: int, tmp_path: Path) -> None:
     assert sound[8_000] == pytest.approx(2000, abs=10), "the mean of both channels"
 
 
+def test_a_sound_that_cannot_be_written_is_refused_with_the_remedy(tmp_path: Path) -> None:
+    path = tmp_path / "no_folder/a.wav"
+    with pytest.raises(UsageError) as caught:
+        write_wav(path, TONE)
+    assert str(caught.value) == f"{path} cannot be written: No such file or directory; name another file"
+
+
 def write(path: Path, data: bytes) -> Path:
     path.write_bytes(data)
     return path
