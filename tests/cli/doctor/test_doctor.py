@@ -5,14 +5,17 @@ from __future__ import annotations
 
 import importlib.util
 import os
+import tomllib
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
 import pytest
+from packaging.requirements import Requirement
 
 from rai_missions.cli.doctor import MachineFinding
 from rai_missions.cli.doctor.finding import tried
+from rai_missions.cli.doctor.machine import EXTRAS
 from rai_missions.cli.doctor.robot import reach, wanted
 from rai_missions.cli.doctor.ros import ros
 from rai_missions.cli.main import main
@@ -223,6 +226,14 @@ def test_everything_that_a_shipped_profile_names_is_looked_for() -> None:
     found = list(wanted(load_profile(ROOT / "missions/tractor/robot.nav2.json")))
     assert {("actions", "/navigate_to_pose"), ("services", "/tractor1/stop"), ("topics", "/tractor1/battery")} <= {
         (each.mode, each.name) for each in found
+    }
+
+
+def test_the_packages_of_each_extra_of_a_user_are_looked_for() -> None:
+    extras = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]["optional-dependencies"]
+    of_users = {*next(iter(Requirement(each).extras for each in extras["all"])), "ray"}
+    assert {extra: set(packages) for extra, packages, _ in EXTRAS} == {
+        extra: {Requirement(each).name for each in extras[extra]} for extra in of_users
     }
 
 
