@@ -113,6 +113,7 @@ def test_the_list_has_the_usual_one_first(capsys: pytest.CaptureFixture[str]) ->
     [
         (["mine", "--template", "deliverry"], "there is no template 'deliverry'; did you mean 'delivery'?"),
         (["My-Mission"], "'My-Mission' is none; did you mean 'my_mission'?"),
+        (["Gärten am Fluß"], "'Gärten am Fluß' is none; did you mean 'garten_am_fluss'?"),
         (["out/2nd round"], "'2nd round' is none; did you mean 'out/nd_round'?"),
         (["full"], "'full' is there and not empty; name a folder that is new"),
         (["full/file"], "'full/file' is there and not empty"),
