@@ -9,6 +9,7 @@ import math
 import re
 import sqlite3
 from collections import Counter
+from contextlib import closing
 from html.parser import HTMLParser
 from pathlib import Path
 from time import process_time
@@ -51,7 +52,7 @@ def group(figures: CampaignFigures, model: str, embodiment: str = "none") -> Gro
 
 
 def one(path: Path, query: str, *values: object) -> object:
-    with sqlite3.connect(path) as db:
+    with closing(sqlite3.connect(path)) as db:
         return db.execute(query, values).fetchone()[0]
 
 

@@ -11,6 +11,7 @@ import os
 import sqlite3
 import tempfile
 import threading
+import weakref
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple, Self
@@ -58,7 +59,7 @@ class IndexedPassage(NamedTuple):
 
 
 class IndexReader:
-    """An index that is read. Several threads may use it.
+    """An index that is read. Several threads may use it. Its file is closed with it, at the latest when it is let go.
 
     Args:
         path: Its file.
@@ -74,6 +75,7 @@ class IndexReader:
         self._connection = sqlite3.connect(
             f"{path.absolute().as_uri()}?mode=ro&immutable=1", uri=True, check_same_thread=False
         )
+        weakref.finalize(self, self._connection.close)
         try:
             self._prepare()
         except (sqlite3.Error, UnicodeDecodeError) as error:
@@ -103,7 +105,7 @@ class IndexReader:
     def passages(self, file: str | None = None) -> tuple[IndexedPassage, ...]:
         """The passages in their order, of one document or of all."""
         rows = self._rows(
-            "SELECT id, file, heading, text, vector FROM passages WHERE ?1 IS NULL OR file = ?1 ORDER BY id", file
+            "SELECT id, file, heading, text, vector FROM passages WHERE ? IS NULL OR file = ? ORDER BY id", file, file
         )
         return tuple(IndexedPassage(row[0], DocumentPassage(*row[1:4]), row[4]) for row in rows)
 
