@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
+from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -265,7 +266,7 @@ class TraceReplayer:
             if self._chart.at >= until or self._chart.outcome is not None:
                 break
             at = min([until, *self._again.values()])
-            steps.append(self._take(lambda at=at: self._chart.send(Tick(at))))  # type: ignore[misc]
+            steps.append(self._take(partial(self._chart.send, Tick(at))))
             due = [name for name, again in self._again.items() if again <= at]
             written = [self._write(name, self._facts[name]) for name in due]
             steps += [step for step in written if step is not None]

@@ -10,6 +10,7 @@ import math
 import uuid
 from collections import deque
 from collections.abc import Callable, Mapping
+from functools import partial
 from typing import Any, TypeVar
 
 from rai_missions.connectors.connector import Connector
@@ -437,7 +438,7 @@ class Runner(RunCommands):
     def _write_notes(self) -> None:
         while self._notes:
             each = self._notes.popleft()
-            if lost := raised_by(lambda each=each: self._writer.note(*each)):  # type: ignore[misc]
+            if lost := raised_by(partial(self._writer.note, *each)):
                 self._lose_journal(lost)
 
     @property

@@ -14,6 +14,7 @@ import uuid
 from collections import deque
 from collections.abc import Callable
 from concurrent.futures import Future
+from functools import partial
 from typing import Any, TypeVar
 
 import rclpy
@@ -235,7 +236,7 @@ class Runtime:
         self._deadlines.clear()
         # `destroy_node` forgets action clients: the participant would live on until a garbage collection.
         for entity in list(self._disposals):
-            guarded(lambda entity=entity: self.dispose(entity))  # type: ignore[misc]
+            guarded(partial(self.dispose, entity))
         for work in (
             lambda: self._executor.remove_node(self.node),
             self._executor.shutdown,

@@ -10,6 +10,7 @@ from collections import deque
 from collections.abc import Callable
 from concurrent.futures import Future
 from dataclasses import dataclass, field
+from functools import partial
 from typing import Any
 
 from rclpy.qos import QoSProfile
@@ -45,7 +46,7 @@ class InFlightLimit:
         while self._waiting and len(self._inside) < AT_ONCE:
             key = object()
             self._inside.add(key)
-            self._waiting.popleft()(lambda key=key: self._leave(key))  # type: ignore[misc]
+            self._waiting.popleft()(partial(self._leave, key))
 
     def _leave(self, key: object) -> None:
         if key in self._inside:

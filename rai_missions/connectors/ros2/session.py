@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable
+from functools import partial
 from typing import Any, TypeVar
 
 from rai_missions.connectors.connector import (
@@ -255,7 +256,7 @@ class Session:
         for lose in goals:
             lose(why)
         for once in calls:
-            guarded(lambda once=once: once(Reply("unavailable", {}, why)))  # type: ignore[misc]
+            guarded(partial(once, Reply("unavailable", {}, why)))
 
 
 class _Once:
