@@ -93,7 +93,7 @@ class Audio:
             with wave.open(io.BytesIO(data)) as reader:
                 width, channels, rate_hz = reader.getsampwidth(), reader.getnchannels(), reader.getframerate()
                 count, samples = reader.getnframes(), reader.readframes(MOST_BYTES)
-        except (wave.Error, EOFError, ValueError) as fault:
+        except (wave.Error, EOFError, RuntimeError, ValueError) as fault:  # RuntimeError: a piece ends beyond the file
             raise UsageError(
                 f"audio: {len(data)} bytes are no WAV file: {shown(str(fault) or 'it is cut short')}"
             ) from None

@@ -39,8 +39,9 @@ def read_wav(path: Path | str) -> bytes:
             data = file.readframes(count)
     except FileNotFoundError:
         raise UsageError(f"there is no file {path}") from None
-    except (wave.Error, EOFError, OSError, ValueError) as error:
-        raise UsageError(f"{path} is no WAV file that can be read ({cut(error, 200)}); give PCM, 16 bits") from None
+    except (wave.Error, EOFError, OSError, RuntimeError, ValueError) as error:
+        why = cut(str(error) or "it is cut short", 200)  # wave gives no text where a piece ends beyond the file
+        raise UsageError(f"{path} is no WAV file that can be read ({why}); give PCM, 16 bits") from None
     if width != 2:
         raise UsageError(f"{path} has {8 * width} bits a sample; give PCM, 16 bits")
     if len(data) < count * width * channels:

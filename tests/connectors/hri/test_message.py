@@ -62,6 +62,11 @@ def test_a_message_has_no_role() -> None:
     assert not any("role" in name for name in HRIMessage.__slots__)
 
 
+def beyond(wav: bytes) -> bytes:
+    """The file with a first piece that ends beyond it."""
+    return wav[:17] + b"\xff" + wav[18:]
+
+
 @pytest.mark.parametrize(
     ("make", "sentence"),
     [
@@ -84,6 +89,7 @@ def test_a_message_has_no_role() -> None:
         (lambda: Audio.of_wav(b"RIFF"), "audio: 4 bytes are no WAV file: 'it is cut short'"),
         (lambda: Audio.of_wav(b"no sound at all"), "audio: 15 bytes are no WAV file: 'file does not start with RIFF"),
         (lambda: Audio.of_wav(Audio(bytes(80), 8000).wav()[:-20]), "audio: a WAV file that is cut short: 30 of 40"),
+        (lambda: Audio.of_wav(beyond(Audio(bytes(80), 8000).wav())), "124 bytes are no WAV file: 'it is cut short'"),
     ],
 )  # fmt: skip
 def test_what_is_no_message_is_refused_with_its_field(make: Callable[[], Any], sentence: str) -> None:

@@ -131,6 +131,7 @@ def test_a_broken_file_is_named_with_what_is_wrong(tmp_path: Path) -> None:
         tmp_path: "is a folder, no WAV file",
         write(tmp_path / "text.wav", b"no sound at all"): "is no WAV file that can be read",
         write(tmp_path / "empty.wav", b""): "is no WAV file that can be read",
+        write(tmp_path / "beyond.wav", good[:17] + b"\xff" + good[18:]): r"can be read \(it is cut short\)",
         write(tmp_path / "cut.wav", good[:-1000]): "is cut short: 9740 of 10240 samples are there",
         tmp_path / "8bit.wav": "has 8 bits a sample; give PCM, 16 bits",
         write(tmp_path / "long.wav", good[:40] + struct.pack("<I", 2**31)): "is longer than an hour",
