@@ -20,7 +20,15 @@ from rai_missions.redaction import shown
 
 __all__ = ("from_langchain", "to_langchain")
 
-AUTHORS: Mapping[str, Author] = {"human": "human", "ai": "ai"}
+AUTHORS: Mapping[type[BaseMessage], Author] = {HumanMessage: "human", AIMessage: "ai"}
+"""Kind of message → its author; a chunk of a stream is of its message's kind."""
+OWN = frozenset(
+    {
+        "tool_use", "tool_call", "tool_call_chunk", "invalid_tool_call", "server_tool_call", "server_tool_call_chunk",
+        "server_tool_result", "function_call", "input_json_delta", "reasoning", "thinking", "redacted_thinking",
+    }
+)  # fmt: skip
+"""Blocks of a model's own thoughts and calls, which are no talk."""
 WAV = "audio/wav"
 
 
@@ -53,7 +61,8 @@ def from_langchain(message: BaseMessage) -> HRIMessage:
     Raises:
         UsageError: It is of another kind, or a part of it is none that a message carries.
     """
-    if message.type not in AUTHORS:
+    author = next((author for kind, author in AUTHORS.items() if isinstance(message, kind)), None)
+    if author is None:
         raise UsageError(f"a message of type {shown(message.type)} is no talk; there is: human, ai")
     texts: list[str] = []
     images: list[Image] = []
@@ -62,19 +71,25 @@ def from_langchain(message: BaseMessage) -> HRIMessage:
     for index, block in enumerate(content):
         _take(index, block, texts, images, audios)
     name, ident = message.name or "", message.id or ""
-    return HRIMessage("".join(texts), tuple(images), tuple(audios), AUTHORS[message.type], name, ident)
+    return HRIMessage("".join(texts), tuple(images), tuple(audios), author, name, ident)
 
 
 def _take(index: int, block: Any, texts: list[str], images: list[Image], audios: list[Audio]) -> None:
     kind = "text" if isinstance(block, str) else block.get("type")
     if kind == "text":
-        texts.append(block if isinstance(block, str) else block.get("text", ""))
+        texts.append(_text(index, block if isinstance(block, str) else block.get("text", "")))
     elif kind in ("image", "image_url"):
         images.append(_image(index, _bytes(index, block)))
     elif kind in ("audio", "input_audio"):
         audios.append(Audio.of_wav(_bytes(index, block)))
-    elif kind not in ("tool_use", "tool_call", "reasoning", "thinking"):  # a model's own, and no talk
+    elif not isinstance(kind, str) or kind not in OWN:
         raise UsageError(f"content/{index}: a block of type {shown(kind)} is none of text, image and audio")
+
+
+def _text(index: int, text: Any) -> str:
+    if not isinstance(text, str):
+        raise UsageError(f"content/{index}: {shown(text)} is given where text belongs")
+    return text
 
 
 def _picture(index: int, image: Image) -> dict[str, Any]:

@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 from hypothesis import given
-from langchain_core.messages import AIMessage, BaseMessage, HumanMessage, SystemMessage, ToolMessage
+from langchain_core.messages import AIMessage, AIMessageChunk, BaseMessage, HumanMessage, SystemMessage, ToolMessage
 
 from rai_missions.agents.hri_langchain import from_langchain, to_langchain
 from rai_missions.connectors.hri.message import Audio, HRIMessage
@@ -62,6 +62,12 @@ def test_pictures_in_the_words_of_several_providers_are_read(message: HumanMessa
 def test_a_models_thoughts_and_calls_are_no_talk() -> None:
     message = AIMessage(["I ", {"type": "text", "text": "wait"}, {"type": "tool_use", "id": "1"}, {"type": "thinking"}])
     assert from_langchain(message) == HRIMessage("I wait", author="ai")
+    own = ("tool_call_chunk", "invalid_tool_call", "server_tool_result", "function_call", "redacted_thinking")
+    assert from_langchain(AIMessage([{"type": each} for each in own])) == HRIMessage(author="ai")
+
+
+def test_a_chunk_of_a_models_stream_is_a_message_of_the_model() -> None:
+    assert from_langchain(AIMessageChunk("I wait")) == HRIMessage("I wait", author="ai")
 
 
 @pytest.mark.parametrize(
@@ -74,6 +80,7 @@ def test_a_models_thoughts_and_calls_are_no_talk() -> None:
         (block_of("image", url="file:///etc/passwd"), "is a link; nothing is fetched, send the bytes in base64"),
         (block_of("image", base64="a b"), "content/0: 3 characters are no base64"),
         (block_of("image", base64="AAAA"), "content/0: the picture is neither a PNG nor a JPEG file"),
+        (block_of("text", text=None), "content/0: null is given where text belongs"),
         (block_of("image"), "content/0: a block of type 'image' without its bytes in base64"),
         (block_of("audio", base64="AAAA"), "audio: 3 bytes are no WAV file"),
         (HumanMessage("x" * 200_000), "text: 200000 characters; there are 100000 at the most"),
