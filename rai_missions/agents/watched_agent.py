@@ -98,7 +98,7 @@ class WatchedAgent:
         """How long its `stop` may take: what it states itself, or else so many seconds."""
 
         def stated() -> float:
-            stop_s = self.agent.stop_s if isinstance(self.agent, StopsSlowly) else within_s
+            stop_s = float(self.agent.stop_s if isinstance(self.agent, StopsSlowly) else within_s)
             return stop_s if 0 < stop_s < math.inf else within_s
 
         return self._look_up("stop_s", stated, within_s)
@@ -121,11 +121,12 @@ class WatchedAgent:
     def _ask(self, agent: ReportsHealth) -> None:
         try:
             stated: object = agent.health
-        except Exception as error:  # noqa: BLE001 - an agent may be anybody's
-            stated = AgentHealth("died", f"it cannot report how it fares: {cut(in_words(error), 200)}")
-        is_health = isinstance(stated, AgentHealth) and stated.state in STATES
-        found = stated if is_health else AgentHealth("died", f"it reports {cut_repr(stated, 100)}, which is no health")
-        assert isinstance(found, AgentHealth)
+        except BaseException as error:  # noqa: BLE001 - an agent takes no other with it
+            stated = AgentHealth(
+                "died", f"it cannot report how it fares: {type(error).__name__}: {cut(in_words(error), 200)}"
+            )
+        no_health = AgentHealth("died", f"it reports {cut_repr(stated, 100)}, which is no health")
+        found = stated if isinstance(stated, AgentHealth) and _is_health(stated) else no_health
         self._asked_at = None
         if self._health.state == "running" and found.state != "ready":
             self._health = found
@@ -162,3 +163,8 @@ class WatchedAgent:
         if raised:
             return AgentHealth("died", f"{what} raised {type(raised[0]).__name__}: {cut(in_words(raised[0]), 200)}")
         return None
+
+
+def _is_health(stated: AgentHealth) -> bool:
+    """Whether its fields are what they are declared to be, so that it can be published."""
+    return stated.state in STATES and all(map(isinstance, stated, (str, str, Mapping)))

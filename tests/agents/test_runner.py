@@ -243,6 +243,8 @@ class Liar(Player):
     def stop_s(self) -> float:
         if self.kind == "raises":
             raise RuntimeError("no time")
+        if self.kind == "endless":
+            return 10**400
         return float("nan")
 
     @property
@@ -262,14 +264,18 @@ class Liar(Player):
 
     @property
     def health(self) -> Any:
-        return {"none": None, "flies": AgentHealth("flies")}.get(self.kind, AgentHealth("running"))  # type: ignore[arg-type]
+        if self.kind == "leaves":
+            raise SystemExit(3)
+        odd: dict[str, Any] = {"none": None, "flies": ("flies",), "five": ("running", 5), "flat": ("running", "", "x")}
+        stated = odd.get(self.kind, ("running",))
+        return stated and AgentHealth(*stated)
 
 
 def test_what_an_agent_states_of_itself_harms_no_other(tmp_path: Path) -> None:
     connector, inbox = LocalConnector(), Inbox[Message](10.0)
     connector.start()
     connector.subscribe(DIAGNOSTICS, DIAGNOSTIC_ARRAY, inbox)
-    kinds = ("raises", "hangs", "nan", "none", "flies")
+    kinds = ("raises", "hangs", "nan", "endless", "none", "leaves", "five", "flat", "flies")
     agents: dict[str, Agent] = {each: Liar(each, each, tmp_path / "lines") for each in kinds}
     runner = AgentRunner(
         {"first": Player("first", "plain", tmp_path / "lines"), **agents}, connector=connector, stop_s=0.1
@@ -281,9 +287,11 @@ def test_what_an_agent_states_of_itself_harms_no_other(tmp_path: Path) -> None:
 
     inbox.wait(lambda all_: any(levels(each).get("agents: flies") == 2 for each in all_), "all are still published")
     assert runner.agents["none"] == AgentHealth("died", "it reports None, which is no health")
+    assert runner.agents["leaves"] == AgentHealth("died", "it cannot report how it fares: SystemExit: 3")
     runner.stop()
     assert {name: health.state for name, health in runner.agents.items()} == {
         "first": "stopped", "raises": "stopped", "hangs": "hangs", "nan": "stopped", "none": "died", "flies": "died",
+        "endless": "stopped", "leaves": "died", "five": "died", "flat": "died",
     }  # fmt: skip
     connector.stop()
 
