@@ -14,6 +14,7 @@ from pydantic import TypeAdapter
 from rai_missions.engine.robot_facts import RobotFacts
 from rai_missions.guards import Guard
 from rai_missions.model import AnyOf
+from tests.laws.linked import link
 from tests.rigs.charts import Drawn
 from tests.strategies import SIGHTS
 
@@ -129,7 +130,8 @@ class _Draft:
             {"set": "flag", "value": False}, {"set": "m", "from": "fact"}, {"set": "n", "from": "count"},
             {"raise": "x"}, {"raise": "x", "data": {"k": {"from": "n"}}},
             {"raise": "y", "after_s": rng.choice(SPANS), "id": "one"}, {"drop": "one"},
-            {"raise": "a", "after_s": rng.choice(SPANS), "id": "two"}, {"call": "horn"},
+            {"raise": "a", "after_s": rng.choice(SPANS), "id": "two"}, {"call": "horn"}, {"drop": "two"},
+            {"raise": "c", "after_s": rng.choice(SPANS)}, {"set": "flag", "from": "clear"}, {"set": "n", "from": "m"},
             {"publish": "lamp", "message": {"n": {"from": "n"}}}, {"log": "noted"},
         ]  # fmt: skip
         known = [each for each in known if not (self.alone and each.keys() & {"call", "publish"})]
@@ -190,6 +192,10 @@ class _Draft:
             state["settle_s"] = self.rng.choice(SPANS)
         if self.some(0.4):
             state["result"] = {"m": "n"}
+        if self.some(0.3):
+            state["over_orphan"] = True
+        if self.some(0.3):
+            state["goal"] = {"n": {"from": self.rng.choice(["n", "fact"])}}
         return state
 
     def _call(self, depth: int) -> Json:
@@ -224,6 +230,8 @@ class _Draft:
         leaves += ["publish", "call", "action"] if not self.alone else []
         inner = ["sequence", "selector", "memoryless", "parallel", "inverter", "eternal_guard", "timeout", "retry"]
         word = rng.choice(leaves + inner * 2 if depth else leaves)
+        if depth and self.some(0.3):
+            return self.decorated(depth)
         if word in ("sequence", "selector", "parallel"):
             return {word: [self.node(depth - 1) for _ in range(rng.randint(1, 3))]}
         if word == "memoryless":
@@ -235,6 +243,25 @@ class _Draft:
         if word in ("timeout", "retry"):
             return {word: 2 if word == "retry" else rng.choice([1.0, 2.0]), "child": self.node(depth - 1)}
         return self.leaf(word)
+
+    def decorated(self, depth: int) -> Json:
+        """A node of a kind that goes round, that makes another status of one, or that asks what is to be done."""
+        rng, child = self.rng, self.node(depth - 1)
+        waits: Json = {"sequence": [{"wait_s": rng.choice(SPANS)}, child]}
+        asked = self.asked()
+        return rng.choice([
+            {"repeat": 2, "child": child}, {"repeat": -1, "child": waits},
+            {rng.choice(["success_is_running", "failure_is_running"]): rng.choice([child, waits])},
+            {rng.choice(["running_is_failure", "success_is_failure", "failure_is_success"]): child},
+            {"condition": rng.choice(["success", "failure"]), "child": child},
+            {"one_shot": child, "policy": rng.choice(["on_completion", "on_successful_completion"])},
+            {"status_to_blackboard": "item", "child": child},
+            {"parallel": [child, self.node(depth - 1)], "policy": rng.choice(["success_on_one", [0], [1]]),
+             "synchronise": self.some(0.5)},
+            {"selector": [child, self.node(depth - 1)], "memory": True},
+            {"set": rng.choice(["m", "n"]), "from": rng.choice(["count", "fact", "n", "m"])},
+            {"decision": asked, "then": {name: self.node(depth - 1) for name in asked["options"] if self.some(0.7)}},
+        ])  # fmt: skip
 
     def leaf(self, word: str) -> Json:
         if word == "check":
@@ -271,11 +298,20 @@ class _Draft:
             regions[name] = self._compound(depth)
             if self.some(0.5):
                 self.done.append((regions[name], "region", []))
+        if self.some(0.4):
+            name, kind = self.name("s"), self.rng.choice(["wait", "final", "decision", "tree", "each"])
+            self.names.append(name)
+            self.plain.append(name)
+            regions[name] = getattr(self, f"_{kind}")(depth)
+            if kind != "final":
+                self.dress(regions[name], kind, [])
         return {"parallel": regions}
 
     def _final(self, depth: int) -> Json:
-        requires = {"requires": self.guard(held=False)} if self.some(0.4) else {}
-        return {"final": self.rng.choice(["succeeded", "succeeded", "failed", "aborted"]), **requires}
+        requires: Json = {"requires": self.guard(held=False)} if self.some(0.4) else {}
+        if requires and self.some(0.4):
+            requires["settle_s"] = self.rng.choice([0.0, 0.5, 3.0])
+        return {"final": self.rng.choice(["succeeded", "succeeded", "failed", "aborted", "canceled"]), **requires}
 
     def _history(self, depth: int) -> Json:
         return {"history": self.rng.choice(["shallow", "deep"])}
@@ -335,6 +371,7 @@ def document(rng: random.Random, *, alone: bool = False) -> Json:
         made["invariants"] = {"always": {"possible": draft.guard()}}
     if draft.some(0.3):
         made["on_cancel"] = rng.choice([name for name in states if "history" not in states[name]])
+    link(rng, states)
     return made
 
 
@@ -386,6 +423,8 @@ def happenings(rng: random.Random, *, commands: bool = True) -> list[DrawnEvent]
             words = (rng.randint(0, 1), rng.choice(OPTIONS), rng.randint(0, 3))
         elif kind == "control":
             words = (rng.choice(["autonomy", "agent", "operator"]),)
+            if rng.random() < 0.5:
+                words = (rng.choice(["autonomy", "agent", "operator", "operator", "nobody"]), "operator")
         elif kind == "command":
             words = (rng.choice(["pause", "pause", "stop", "resume", "resume", "resume", "cancel"]),)
         script.append(DrawnEvent((kind, *words), at))
