@@ -14,10 +14,10 @@ from typing import Any
 
 from rai_missions.engine.activities.tree import is_settling, questions_in
 from rai_missions.engine.blackboard import known, note_news
-from rai_missions.engine.completion import check_invariants, end, kill
+from rai_missions.engine.completion import end, kill
 from rai_missions.engine.handover import ask_back, lay_down
 from rai_missions.engine.hold import awake, drop_reports, held_controls, holder_of, is_held, run_at, shift
-from rai_missions.engine.macrostep import complete, jump
+from rai_missions.engine.macrostep import check_stopped, complete, jump
 from rai_missions.engine.modes import refusal
 from rai_missions.engine.program import Program
 from rai_missions.engine.reports import handle_late
@@ -149,7 +149,7 @@ def _continue(program: Program, state: RunState) -> None:
     state.draft.touched = True  # what the robot has reported since was noted before
     if state.mode == "paused":
         _begin_new(program, state)
-        check_invariants(program, state)
+        check_stopped(program, state)
     elif state.mode != "ready" and state.outcome is None:
         _ask_again(program, state)
         _begin_new(program, state)

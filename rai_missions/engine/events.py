@@ -10,10 +10,9 @@ from collections.abc import Callable, Mapping
 
 from rai_missions.engine.blackboard import known, note_news
 from rai_missions.engine.commands import receive_command
-from rai_missions.engine.completion import check_invariants
 from rai_missions.engine.handover import receive_control
 from rai_missions.engine.hold import is_for_held, keep, wait_out_pause
-from rai_missions.engine.macrostep import complete, react
+from rai_missions.engine.macrostep import check_stopped, complete, react
 from rai_missions.engine.program import Program
 from rai_missions.engine.reports import WATCHED, receive_answer, receive_report, watch_goal
 from rai_missions.engine.running import poll
@@ -123,7 +122,7 @@ def _write(program: Program, state: RunState, event: Event) -> None:
     if program.has_trees:
         note_news(program, state, name, before)
     if state.mode == "paused":
-        check_invariants(program, state)
+        check_stopped(program, state)
     elif state.mode != "ready":
         poll(program, state)
         complete(program, state, None)

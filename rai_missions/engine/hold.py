@@ -199,8 +199,9 @@ def _instants(program: Program, value: Mapping[str, float], by_s: float, control
 
 
 def _since(program: Program, value: Mapping[str, float], by_s: float, controls: Controls | None) -> Any:
-    of = program.graph.keepers
-    return {each: at + by_s if _concerns(controls, of[each].control) else at for each, at in value.items()}
+    of, always = program.graph.keepers, program.always_held  # invariants are looked at in a pause, too
+    return {each: at + by_s if each not in always and _concerns(controls, of[each].control) else at
+            for each, at in value.items()}  # fmt: skip
 
 
 def _timers(program: Program, value: Mapping[Any, Any], by_s: float, controls: Controls | None) -> Any:

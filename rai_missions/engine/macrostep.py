@@ -7,6 +7,7 @@ Source: W3C SCXML (REC-scxml-20150901), appendix D, `mainEventLoop`, `selectTran
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from typing import Any
 
 from rai_missions.engine.activities.activity import Outcome
@@ -26,10 +27,10 @@ from rai_missions.engine.program import Program
 from rai_missions.engine.running import begin_starting, leave_activity, outcome_of, poll
 from rai_missions.engine.state import RunState, StepDraft, Trigger
 from rai_missions.engine.timers import late_s, now_of, set_timer
-from rai_missions.guards.guard import Truth
+from rai_missions.guards.guard import Test, Truth
 from rai_missions.mission.mission import BUILT_IN_EVENTS
 
-__all__ = ("MOST_MICROSTEPS", "complete", "enabled", "jump", "react", "set_timers")
+__all__ = ("MOST_MICROSTEPS", "check_stopped", "complete", "enabled", "jump", "react", "set_timers")
 
 MOST_MICROSTEPS = 10_000
 """Microsteps at one instant; a mission that wants more runs in circles."""
@@ -285,11 +286,23 @@ def _pass_round(program: Program, draft: StepDraft, node: Node) -> None:
             del draft.tree_rounds[owner]
 
 
+def check_stopped(program: Program, state: RunState) -> None:
+    """Check the invariants in a pause; their guards inside `held` have no time that stops."""
+    _watch(state, program.always_held)
+    check_invariants(program, state)
+
+
 def _hold(program: Program, state: RunState) -> None:
-    """Remember since when the guards inside `held` have been true."""
-    for memory, test in (*state.config.holds.items(), *program.always_held.items()):
-        if state.frozen and program.graph.keepers[memory].control in state.frozen:
-            continue
+    """Remember since when the guards inside `held` have been true; those of held states wait for the hand-back."""
+    holds, keepers = state.config.holds, program.graph.keepers
+    if state.frozen:
+        holds = {memory: test for memory, test in holds.items() if keepers[memory].control not in state.frozen}
+    _watch(state, holds)
+    _watch(state, program.always_held)
+
+
+def _watch(state: RunState, holds: Mapping[str, Test]) -> None:
+    for memory, test in holds.items():
         is_true = test(state) is True
         if is_true is not (memory in state.held):
             state.draft.touched = True

@@ -9,9 +9,9 @@ from itertools import chain
 
 from rai_missions.engine.activities import goal_ledger
 from rai_missions.engine.activities.activity import NO_KEYS, Outcome
-from rai_missions.engine.completion import check_invariants, end
+from rai_missions.engine.completion import end
 from rai_missions.engine.hold import awake
-from rai_missions.engine.macrostep import MOST_MICROSTEPS, complete, react
+from rai_missions.engine.macrostep import MOST_MICROSTEPS, check_stopped, complete, react
 from rai_missions.engine.program import Program
 from rai_missions.engine.running import leave_activity, outcome_of, poll, reads, resting, unfinished
 from rai_missions.engine.state import RunState, Timer, TimerKey, Trigger
@@ -57,7 +57,7 @@ def pass_instant(program: Program, state: RunState) -> None:
     draft.tree_rounds.clear()
     if state.mode == "paused":
         _give_up_goals(program, state)
-        check_invariants(program, state)
+        check_stopped(program, state)
         return
     if state.mode == "canceling" and now >= state.cancel_by:
         end(program, state, "canceled", "the cancel took longer than cancel_s")
