@@ -13,6 +13,7 @@ from typing import Any, NamedTuple
 
 from rai_missions.connectors.connector import Report
 from rai_missions.connectors.local import LocalConnector
+from rai_missions.engine.decision import ReadsRun
 from rai_missions.engine.step import Step
 from rai_missions.journal import Header, Journal
 from rai_missions.mission.files import dump
@@ -82,6 +83,8 @@ class Mortal:
 
     def __init__(self, what: Any, fate: Fate) -> None:
         self._what, self._fate = what, fate
+        if isinstance(what, ReadsRun):  # from Python 3.12 on, a protocol looks past __getattr__
+            self.read_from = what.read_from
 
     def __getattr__(self, name: str) -> Any:
         found = getattr(self._what, name)
