@@ -13,6 +13,8 @@ from rai_missions.conversation.phrases import Phrases
 __all__ = ("ClaimWords", "Subject", "SubjectKind")
 
 POSSESSIVE = re.compile(r"(?<=\w{3})'s\b")
+LEAST_PREDICATE = 2
+"""Words that follow a kind of things in a whole sentence: `plants need water`, but not `engines off`."""
 SubjectKind = Literal["self", "it", "work", "soft", "let"]
 
 
@@ -37,6 +39,7 @@ class ClaimWords:
         self.verb_second: bool = data["verb_second"]
         self.harmless, self.let = Phrases(data["harmless"], {}), Phrases(data["let"], {})
         self.progress = Phrases(data["progress"], {})
+        self._marks, self._marked_begin = Phrases(data["marks"], {}), Phrases(data["marked_begin"], {})
         self.idioms, self.whole_idioms = Phrases(data["idioms"], {}), Phrases(data["whole_idioms"], {})
         self._tails = [tuple(each.split()) for each in data["tails"]]
         self.allowed = {kind: Phrases(each, {}) for kind, each in data["allowed"].items()}
@@ -92,7 +95,7 @@ class ClaimWords:
             elif word in data["possessive"] and words[end : end + 1] and words[end] not in data["harmless_nouns"]:
                 end = self._last_noun(words, end, names)
                 yield Subject("work", at, end)
-            elif word in self.work or word in names:
+            elif word in self.work or word in names or self._is_of_scene(words, at):
                 end = self._last_noun(words, at, names)
                 yield Subject("work", at, end)
             elif word in self.soft:
@@ -105,6 +108,32 @@ class ClaimWords:
         while at < len(words) and (words[at] in self.work or words[at] in names):
             at += 1
         return at
+
+    def is_marked(self, words: Sequence[str]) -> bool:
+        """Whether a sentence has a mark of what is no report: a modal, a condition, a kind of things, a definition.
+
+        In a language without such marks every sentence has one.
+        """
+        words = words[: min(self.ends(words))]
+        bare = self.skip_lead(words)
+        if not self._data["marks"] or not bare or self._marks.within(words):
+            return True
+        if self._marked_begin.begin(words) or self._marked_begin.begin(bare):
+            return True
+        first, is_adjective = bare[0], len(bare) > 2 and not bare[0].endswith("s")
+        subject = bare[1] if is_adjective else first  # `wet leaves`, `plants`
+        rest = bare[2:] if is_adjective else bare[1:]
+        is_kind = subject.endswith("s") and not subject.endswith("ss") and subject not in self.auxiliaries
+        if not is_kind or first in self.articles or len(rest) < LEAST_PREDICATE:
+            return False
+        return rest[0] not in self.relative and not self.is_past(rest[0])
+
+    def _is_of_scene(self, words: Sequence[str], at: int) -> bool:
+        """Whether a noun is a certain thing around the robot: `the red cube`, `your cup`, but not `a cup`."""
+        before = words[max(0, at - 2) : at]
+        if words[at] not in self.scene or not before:
+            return False
+        return before[-1] in self.definite or (before[0] in self.definite and before[-1] not in self.articles)
 
     def is_object(self, words: Sequence[str], subject: Subject) -> bool:
         """Whether a noun is no subject: `ask the robot`, `about your mission`."""

@@ -2,8 +2,9 @@
 """Claims: which sentences of a model are about the robot or its work, and so are replaced by the status.
 
 A sentence whose subject is the robot or its work passes only with a verb of a short list; so does one that has no
-subject, or whose passive leaves open who did it. A share, such as `3 of 4`, never passes. What cannot be judged, as of
-another language, is replaced as well.
+subject, or whose passive leaves open who did it, or whose subject is a certain thing around the robot. A share, such as
+`3 of 4`, never passes. What cannot be judged, as of another language, is replaced as well. Of what is left a sentence
+passes with a mark of what is no report alone: a question, a modal, a condition, a kind of things, a definition.
 Rule: in doubt it is a claim. A harmless sentence that is replaced costs a sentence; a claim that passes costs trust.
 """
 
@@ -24,7 +25,7 @@ from rai_missions.redaction import cut
 __all__ = ("ClaimKind", "Claims")
 
 ClaimKind = Literal[
-    "", "script", "language", "idiom", "subject", "passive", "progress", "result", "fragment", "second verb"
+    "", "script", "language", "idiom", "subject", "passive", "progress", "result", "fragment", "second verb", "report"
 ]
 """Why a sentence is replaced; empty where it is not."""
 CLAUSES = re.compile(r"[,;:()\n–—…|/]+|\s-+\s|[.!?]+\s+|\b(?=that\b)")
@@ -33,6 +34,7 @@ MIXED = re.compile(r"\b(?=\w*[^\W\d_])(?=\w*\d)\w+|\b\w*[@$]\w+")
 SPACED = re.compile(r"(?<![\w'])(?:(?:[^\W\d_]|') ){2,}[^\W\d_](?![\w'])")
 SPACED_SHORT = re.compile(r"\b[^\W\d_] [^\W\d_]\b")
 ENDS = re.compile(r"[.!?…:]+[\"'”’)\]*_`]*$")
+QUESTION = re.compile(r"\?[\"'”’)\]*_`]*\s*$")
 CLOSED = re.compile(r"(?<!\.\.)[.!?][\"'”’)\]*_`]*$")
 ITEM = re.compile(r"\s*(?:[-*+•]|\d+[.)])\s")
 PAUSES = re.compile(r"[-–…!?]|\.(?!\d)")
@@ -92,6 +94,8 @@ class Claims:
                 kind = _JudgedSentence(rules, text, names).kind
                 if kind:
                     return kind
+        if not QUESTION.search(sentence) and not self._is_marked(words, text):
+            return "report"
         return self._unknown(words, share)
 
     def begun(self, before: str, sentence: str, view: StatusView) -> str:
@@ -112,6 +116,11 @@ class Claims:
         is_short = len(words) <= LONGEST_PIECE or len(rest) <= SHORT or words[-1].isdigit()
         is_begun = is_short or any(each.end == len(words) for each in rules.subjects(words, _names(view)))
         return f"{bare[-LONGEST_BEGUN:]} {sentence}" if is_open or is_continued or is_begun else ""
+
+    def _is_marked(self, words: Sequence[str], text: str) -> bool:
+        """Whether a sentence, and each longer clause of it, has a mark of what is no report."""
+        clauses = [found for part in CLAUSES.split(text) if len(found := self._own.words(part)) > LONGEST_PIECE]
+        return all(self._own.is_marked(each) for each in (words, *clauses))
 
     def _unknown(self, words: Sequence[str], share: float) -> ClaimKind:
         if len(words) <= SHORT:

@@ -91,8 +91,8 @@ def test_few_harmless_sentences_are_replaced(code: str) -> None:
 
 def test_a_claim_about_a_key_of_the_mission_is_found_by_its_name() -> None:
     view = VIEW._replace(keys={"hopper": KeyView("hopper", "number")})
-    assert Claims("en").why_replaced("The hopper holds forty apples.", view) == "subject"
-    assert Claims("en").why_replaced("The hopper holds forty apples.", VIEW) == ""
+    assert Claims("en").why_replaced("The hopper often holds forty apples.", view) == "subject"
+    assert Claims("en").why_replaced("The hopper often holds forty apples.", VIEW) == ""
 
 
 def test_what_cannot_be_judged_is_replaced() -> None:
