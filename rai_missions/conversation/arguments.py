@@ -16,11 +16,12 @@ from rai_missions.errors import MissionError
 from rai_missions.keys import is_within
 from rai_missions.planning.text.numbers import number
 
-__all__ = ("BadValue", "key_value", "read_arguments", "spoken_name")
+__all__ = ("IN_WORDS", "BadValue", "key_value", "read_arguments", "spoken_name")
 
 ReadValue = Callable[[Sequence[str], KeyView, Language], Any]
 NOTHING: Mapping[str, Any] = {}
 IN_WORDS = frozenset({"integer", "number", "boolean", "string"})
+"""The types of keys whose values can be spoken."""
 
 
 class BadValue(MissionError):

@@ -33,9 +33,11 @@ DISGUISES = str.maketrans({"0": "o", "1": "i", "3": "e", "4": "a", "5": "s", "7"
 MIXED = re.compile(r"\b(?=\w*[^\W\d_])(?=\w*\d)\w+|\b\w*[@$]\w+")
 SPACED = re.compile(r"(?<![\w'])(?:(?:[^\W\d_]|') ){2,}[^\W\d_](?![\w'])")
 SPACED_SHORT = re.compile(r"\b[^\W\d_] [^\W\d_]\b")
-ENDS = re.compile(r"[.!?…:]+[\"'”’)\]*_`]*$")
-QUESTION = re.compile(r"\?[\"'”’)\]*_`]*\s*$")
-CLOSED = re.compile(r"(?<!\.\.)[.!?][\"'”’)\]*_`]*$")
+BEHIND = r"[\"'”’)\]*_`]*"
+"""Quotes, brackets and marks behind the end of a sentence."""
+ENDS = re.compile(rf"[.!?…:]+{BEHIND}$")
+QUESTION = re.compile(rf"\?{BEHIND}\s*$")
+CLOSED = re.compile(rf"(?<!\.\.)[.!?]{BEHIND}$")
 ITEM = re.compile(r"\s*(?:[-*+•]|\d+[.)])\s")
 PAUSES = re.compile(r"[-–…!?]|\.(?!\d)")
 MARKS = re.compile(r"[*_`~#>\"“”„«»\[\]{}]+|(?<!\w)'|'(?!\w)")

@@ -10,6 +10,7 @@ import re
 from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
+from rai_missions.conversation.arguments import IN_WORDS
 from rai_missions.conversation.language import Language, spoken
 from rai_missions.conversation.values import value_words
 from rai_missions.conversation.view import KeyView
@@ -17,7 +18,6 @@ from rai_missions.conversation.view import KeyView
 __all__ = ("SpokenStart", "arguments_spoken", "spoken_start")
 
 SLOT = re.compile(r"\{(\w+)\}")
-IN_WORDS = frozenset({"integer", "number", "boolean", "string"})
 
 Names = Mapping[str, Mapping[str, Any]]
 

@@ -145,8 +145,10 @@ class StartPhrases:
         """The words for each value of an argument that has no other values; empty where it has any."""
         return self._names.get(argument, {})
 
-    def _is_called(self, given: str, name: str) -> bool:
-        return given in (name.lower(), self._called(name))
+    def _meant(self, words: Sequence[str], key: KeyView) -> list[Any]:
+        """The values of an argument that are called so."""
+        given = " ".join(words)
+        return [value for name, value in self.choices(key.name).items() if given in (name.lower(), self._called(name))]
 
     def argument(self, words: Sequence[str], key: KeyView, language: Language) -> Any:
         """The value of an argument that is named: by its words, or as the mission has it.
@@ -154,8 +156,7 @@ class StartPhrases:
         Raises:
             BadValue: They are none of its type.
         """
-        given, choices = " ".join(words), self._names.get(key.name, {})
-        meant = [value for name, value in choices.items() if self._is_called(given, name)]
+        meant = self._meant(words, key)
         return meant[0] if meant else key_value(words, key, language)
 
     def value(self, words: Sequence[str], key: KeyView) -> Any:
@@ -172,9 +173,9 @@ class StartPhrases:
         bare = list(words[1:] if len(words) > 1 and words[0] in articles else words)
         if key.name not in self._names:
             return key_value(bare, key, self._language)
-        given = " ".join(bare)
-        for name, value in self._names[key.name].items():
-            if self._is_called(given, name):
-                return value
+        if meant := self._meant(bare, key):
+            return meant[0]
         known = self._language.listed([spoken(name) for name in self._names[key.name]], "or")
-        raise BadValue(self._language.text("bad_value", given=given, name=spoken_name(key, self._language), type=known))
+        raise BadValue(
+            self._language.text("bad_value", given=" ".join(bare), name=spoken_name(key, self._language), type=known)
+        )
