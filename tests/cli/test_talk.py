@@ -294,7 +294,7 @@ def test_what_waited_when_a_run_was_killed_is_reported_by_the_one_that_resumes_i
     lost = next(line for line in resumed.stdout.splitlines() if "are lost with it" in line)
     assert "with rounds 2" in lost and "with rounds 3" in lost
     with read(screen.journal) as record:
-        lines = [(line.by, line.text) for line in earlier_lines(record)]
+        lines = [(line.by, line.text) for line in earlier_lines(record.notes())]
     asked = lines.index(("operator", "start with rounds 2"))
     assert asked < lines.index(("operator", "what are you doing")) < lines.index(("operator", "stop"))
 

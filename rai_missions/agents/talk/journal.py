@@ -8,13 +8,13 @@ has come since the note before is one note, so that much talk costs the run no m
 from __future__ import annotations
 
 import threading
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple, Protocol
 
 from rai_missions.agents.talk.doors import TalkLine
 from rai_missions.conversation import TalkNote
 from rai_missions.errors import MissionError
-from rai_missions.journal.reader import Record
+from rai_missions.journal.rows import Note
 from rai_missions.redaction import Redaction, cut, logger
 from rai_missions.runtime.runner import Runner
 
@@ -35,18 +35,18 @@ class NoteSink(Protocol):
     def note(self, text: str, data: Any = None) -> int: ...
 
 
-def waiting_requests(record: Record) -> tuple[str, ...]:
-    """The requests that waited when a journal's last word of them was written, each in words."""
-    talks = (note.data.get(TALK) or () for note in reversed(record.notes()) if isinstance(note.data, Mapping))
+def waiting_requests(notes: Sequence[Note]) -> tuple[str, ...]:
+    """The requests that waited when the last word of them was written, each in words, by a journal's notes."""
+    talks = (note.data.get(TALK) or () for note in reversed(notes) if isinstance(note.data, Mapping))
     rows = (row for talk in talks for row in reversed(talk) if isinstance(row, Mapping))
     last = next((row for row in rows if row.get("kind") == "waiting"), {})
     return tuple(map(str, last.get("requests") or ()))
 
 
-def earlier_lines(record: Record) -> tuple[TalkLine, ...]:
-    """The last lines of the conversation that a journal holds, as they were shown last, oldest first."""
+def earlier_lines(notes: Sequence[Note]) -> tuple[TalkLine, ...]:
+    """The last lines of the conversation in a journal's notes, as they were shown last, oldest first."""
     found = dict[int, TalkLine]()
-    for note in record.notes():
+    for note in notes:
         given = note.data.get(LINES) if isinstance(note.data, Mapping) else None
         for data in given if isinstance(given, list) else ():
             line = _line_of(data)

@@ -123,10 +123,10 @@ class TalkSession:
         self._runs.begin(prepared)
         agent.attach(prepared.runner, prepared.journal)
         if prepared.plan.resumed is not None:
-            record = prepared.plan.resumed.record
-            self.earlier = earlier_lines(record)
+            notes = prepared.plan.resumed.record.notes()
+            self.earlier = earlier_lines(notes)
             agent.continue_after(max((line.number for line in self.earlier), default=0))
-            agent.report_lost(waiting_requests(record))
+            agent.report_lost(waiting_requests(notes))
         agent.run()
         if self._hri is not None:
             try:
