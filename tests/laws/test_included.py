@@ -43,9 +43,9 @@ def including(rng: random.Random) -> Json:
 def seen(step: Step) -> tuple[object, ...]:
     """What a step did, but for the names of what an inclusion made private and the places of what it moved."""
     moved = [(name for name in names if name != "part") for names in (step.entered, step.exited)]
-    verdicts = [
-        each for each in step.verdicts if each.kind != "stale"
-    ]  # at the top a final that waits gives the reason
+    verdicts = [  # at the top a final that waits gives another reason
+        each._replace(why="") if each.kind == "stale" else each for each in step.verdicts
+    ]
     done = (*map(list, moved), step.writes, step.effects, verdicts, step.wake_at, step.mode, step.holder)
     return tuple(repr(each).replace("part/", "") for each in done)
 
