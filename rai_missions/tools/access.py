@@ -161,6 +161,21 @@ class AllowedConnector:
             raise UsageError(STOPPED)
         return received
 
+    def newest(
+        self, topic: str, type_name: str, max_age_s: float | None, timeout_s: float
+    ) -> tuple[Sample | None, Sample | None]:
+        """The newest message, if one came that is no older than asked; else the newest of those that are."""
+        if max_age_s is not None and not max_age_s >= 0:
+            raise UsageError(f"max_age_s: {cut_repr(max_age_s, 40)} is no age in seconds")
+        oldest_s = math.inf if max_age_s is None else max_age_s
+
+        def will_do(received: Mapping[str, Sample]) -> bool:
+            return topic in received and received[topic].age_s <= oldest_s
+
+        found = self.receive({topic: type_name}, until(timeout_s), will_do)
+        sample = found.get(topic)
+        return (sample, None) if will_do(found) else (None, sample)
+
     def publish(self, topic: str, type_name: str, message: Data) -> None:
         self.allowed.check(topic, "write")
         self._connector.publish(topic, type_name, message)

@@ -93,16 +93,11 @@ class NavigationTools:
         Raises:
             ConnectorError: None came in time.
         """
-        oldest_s = math.inf if max_age_s is None else max_age_s
-
-        def will_do(received: Mapping[str, Sample]) -> bool:
-            return topic in received and received[topic].age_s <= oldest_s
-
-        found = self._reach.receive({topic: type_name}, until(timeout_s), will_do)
-        if will_do(found):
-            return found[topic]
-        if topic in found:
-            raise ConnectorError(f"what was received on {topic} is {found[topic].age_s:.2f} s old, more than asked for")
+        newest, too_old = self._reach.newest(topic, type_name, max_age_s, timeout_s)
+        if newest is not None:
+            return newest
+        if too_old is not None:
+            raise ConnectorError(f"what was received on {topic} is {too_old.age_s:.2f} s old, more than asked for")
         raise ConnectorError(f"nothing was received on {topic} within {timeout_s:g} s; what is so now is unknown")
 
 
