@@ -6,7 +6,6 @@ Where two wait for each other's place, one is put aside for a while.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator, Sequence
 
 from rai_missions.planning.fingers import can_take, crowding
@@ -135,8 +134,7 @@ class Ordering:
         thing = self.now[name]
         taken = [other for each, other in self.now.items() if each != name]
         taken += [self.final[each] for each in self.waiting if each != name]
-        start = (thing.x, thing.y)
-        points = sorted(self.workspace.raster(), key=lambda each: (round(math.dist(each, start), 6), each))
+        points = self.workspace.places((thing.x, thing.y))
         for clearance in (*(each for each in WIDE_M if each > self.clearance), self.clearance):
             for point in points:
                 spot = thing.moved(*point, thing.size[2] / 2)

@@ -214,8 +214,7 @@ class Placement:
 
     def _raster(self, thing: Thing) -> list[Point]:
         """The places that may be chosen: the nearest first, or those farthest to the right of what a line leaves."""
-        start = (thing.x, thing.y)
-        found = sorted(self.workspace.raster(), key=lambda each: (round(math.dist(each, start), 6), each))
+        found = self.workspace.places((thing.x, thing.y))
         if not self._is_in_line(thing.name):
             return found
         right = [self.final[name] for name in self._right_of(thing.name) if name in self.final]

@@ -52,8 +52,11 @@ class Workspace:
         (from_x, to_x), (from_y, to_y) = footprint.extent(0), footprint.extent(1)
         return self.desk[0] <= from_x and self.desk[1] <= from_y and to_x <= self.desk[2] and to_y <= self.desk[3]
 
-    def raster(self) -> Iterator[Point]:
-        """The places that may be chosen: those in easy reach, from below left."""
+    def places(self, start: Point) -> list[Point]:
+        """The places that may be chosen, those in easy reach: the nearest to a point first, then from below left."""
+        return sorted(self._raster(), key=lambda each: (round(math.dist(each, start), 6), each))
+
+    def _raster(self) -> Iterator[Point]:
         counts = (int((self.desk[axis + 2] - self.desk[axis]) / self.step_m) for axis in (0, 1))
         for column, row in product(*(range(1, count + 1) for count in counts)):
             x, y = round(self.desk[0] + column * self.step_m, 4), round(self.desk[1] + row * self.step_m, 4)
