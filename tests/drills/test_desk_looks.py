@@ -13,7 +13,7 @@ import pytest
 from rai_missions.connectors.connector import Message
 from rai_missions.connectors.local import LocalConnector
 from rai_missions.worlds import open_world
-from rai_missions.worlds.desk.catalogue import class_name
+from rai_missions.worlds.desk.catalogue import free_name
 from rai_missions.worlds.desk.pixel_eye import PixelEye
 from rai_missions.worlds.desk.posture import lean_of
 from rai_missions.worlds.desk.ray_eye import RayEye
@@ -78,7 +78,7 @@ def test_no_class_is_wrong_with_one_look_in_ten_wrong() -> None:
         connector.start()
         for _ in range(120):
             world.step()
-        there = {class_name(one.kind, one.colour) for one in world.objects}
+        there = {free_name(one.kind, one.colour, ()) for one in world.objects}
         seen = {one["name"] for fact in facts for one in fact["things"]}
         if not seen <= there or {one["name"] for one in facts[-1]["things"]} != there:
             wrong.append((seed, seen ^ there))

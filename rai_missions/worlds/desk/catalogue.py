@@ -6,7 +6,8 @@ Rule: lengths are metres; the origin of a thing is the middle of its `size`, and
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
+from itertools import chain, count
 from typing import NamedTuple
 
 import numpy as np
@@ -16,7 +17,7 @@ from rai_missions.worlds.open_set_detector import Thing
 
 __all__ = (
     "CARROT", "COLOURS", "CORN", "CORN_HUSK", "CUBE_M", "KINDS", "WALL_M", "Kind", "Profile", "assets", "body",
-    "carrot_leaves", "class_name", "lookalikes",
+    "carrot_leaves", "free_name", "lookalikes",
 )  # fmt: skip
 
 CUBE_M = 0.044
@@ -122,9 +123,11 @@ LOOKALIKES: Mapping[str, tuple[str, ...]] = {
 """Kinds and colours → what each is taken for when it is taken for something else."""
 
 
-def class_name(kind: str, colour: str) -> str:
-    """What a thing of a class is called: `red_cube`, `apple`."""
-    return f"{colour}_{kind}" if colour else kind
+def free_name(kind: str, colour: str, taken: Collection[str]) -> str:
+    """The name of one more thing of a class: `red_cube` or `apple`, or `red_cube_2` where that is taken."""
+    stem = f"{colour}_{kind}" if colour else kind
+    numbered = (f"{stem}_{number}" for number in count(2))
+    return next(name for name in chain([stem], numbered) if name not in taken)
 
 
 def lookalikes(thing: Thing) -> list[Thing]:

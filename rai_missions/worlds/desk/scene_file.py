@@ -15,7 +15,7 @@ from typing import Any
 
 from rai_missions.errors import UsageError, suggestion
 from rai_missions.plain_data import is_number
-from rai_missions.worlds.desk.catalogue import COLOURS, KINDS, class_name
+from rai_missions.worlds.desk.catalogue import COLOURS, KINDS, free_name
 from rai_missions.worlds.scene_files import read_scene_file
 
 __all__ = ("DESK", "MOST", "DeskObject", "Scene", "desk_objects")
@@ -94,7 +94,7 @@ def _object(given: Any, place: str, rng: random.Random, taken: Sequence[str], fa
     faults += [f"{place}/{word}: no such field{suggestion(str(word), FIELDS)}" for word in given if word not in FIELDS]
     kind, colour = _class(given, place, rng, faults)
     pose = _pose(given.get("pose"), f"{place}/pose", faults)
-    name = given.get("name", _free_name(class_name(kind, colour), taken))
+    name = given.get("name", free_name(kind, colour, taken))
     if not isinstance(name, str) or not name:
         faults.append(f"{place}/name: {name!r} is no name")
     elif name in taken:
@@ -145,13 +145,6 @@ def _pose(given: Any, place: str, faults: list[str]) -> dict[str, float]:
     return {word: float(value) for word, value in given.items() if is_number(value)}
 
 
-def _free_name(stem: str, taken: Sequence[str]) -> str:
-    number = 1
-    while (name := stem if number == 1 else f"{stem}_{number}") in taken:
-        number += 1
-    return name
-
-
 def _drawn(rng: random.Random) -> tuple[DeskObject, ...]:
     """Four to eight things of different classes."""
     colours = rng.sample(list(COLOURS), rng.randint(2, 4))
@@ -163,7 +156,7 @@ def _drawn(rng: random.Random) -> tuple[DeskObject, ...]:
     for kind, colour in sorted(classes, key=lambda one: -_radius(one[0])):
         place = _free_place(kind, found, gap, rng)
         if place is not None:
-            name = _free_name(class_name(kind, colour), [one.name for one in found])
+            name = free_name(kind, colour, [one.name for one in found])
             yaw = rng.uniform(-math.pi, math.pi)
             found.append(DeskObject(name, kind, colour, *place, KINDS[kind].size[2] / 2, yaw))
     return tuple(found)

@@ -13,7 +13,7 @@ from collections import Counter, deque
 from collections.abc import Callable, Sequence
 from typing import Any
 
-from rai_missions.worlds.desk.catalogue import KINDS, WALL_M, class_name
+from rai_missions.worlds.desk.catalogue import KINDS, WALL_M, free_name
 from rai_missions.worlds.desk.detector import ClassifiedBody
 from rai_missions.worlds.desk.look import SeenBody
 from rai_missions.worlds.open_set_detector import Thing
@@ -217,7 +217,8 @@ class Tracks:
         for track in self._tracks:
             if track.thing is not None and not track.name:
                 carried = self._carried(track)
-                track.name = carried.name if carried else self._free_name(class_name(*track.thing))
+                taken = {each.name for each in self._tracks}
+                track.name = carried.name if carried else free_name(*track.thing, taken)
                 if carried:
                     self._tracks.remove(carried)
                     break
@@ -232,13 +233,6 @@ class Tracks:
         """The thing that this one is: it moved when it was seen last, it is the only such, and of the same class."""
         lost = [one for one in self._tracks if one.thing == found.thing and one.is_lost and one is not found]
         return lost[0] if len(lost) == 1 else None
-
-    def _free_name(self, stem: str) -> str:
-        taken = {track.name for track in self._tracks}
-        number = 1
-        while (name := stem if number == 1 else f"{stem}_{number}") in taken:
-            number += 1
-        return name
 
 
 def _is_elsewhere(before: SeenBody, now: SeenBody) -> bool:
