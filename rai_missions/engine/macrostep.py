@@ -30,7 +30,7 @@ from rai_missions.engine.timers import late_s, now_of, set_timer
 from rai_missions.guards.guard import Test, Truth
 from rai_missions.mission.mission import BUILT_IN_EVENTS
 
-__all__ = ("MOST_MICROSTEPS", "check_stopped", "complete", "enabled", "jump", "react", "set_timers")
+__all__ = ("MOST_MICROSTEPS", "check_stopped", "complete", "enabled", "jump", "react")
 
 MOST_MICROSTEPS = 10_000
 """Microsteps at one instant; a mission that wants more runs in circles."""
@@ -243,14 +243,14 @@ def _enter(program: Program, state: RunState, node: Node) -> None:
     if node.clocked:
         state.entered[node.name] = now_of(state, node.control)
     if node.timed:
-        set_timers(state, node)
+        _set_timers(state, node)
     if (node.activity or node.control) and node in state.config.atomic:
         state.draft.starting.append(node)
     if node.is_each and node in state.config.atomic:
         _next_round(program, state, node)
 
 
-def set_timers(state: RunState, node: Node) -> None:
+def _set_timers(state: RunState, node: Node) -> None:
     """Start what a state, or the mission, waits for from its entry on."""
     if node.state is not None and node.state.timeout_s is not None:
         limit_s = node.state.timeout_s

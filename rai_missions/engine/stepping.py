@@ -18,7 +18,7 @@ from rai_missions.engine.completion import enter_each, reach_final
 from rai_missions.engine.decision import stale_verdict, with_verdicts
 from rai_missions.engine.events import handle, handle_before_start
 from rai_missions.engine.hold import held_controls
-from rai_missions.engine.macrostep import complete, jump, set_timers
+from rai_missions.engine.macrostep import complete, jump
 from rai_missions.engine.nodes import Act, Content, Node
 from rai_missions.engine.program import Named, Program
 from rai_missions.engine.robot_facts import RobotFacts
@@ -72,16 +72,13 @@ def fresh(program: Program) -> RunState:
 
 def begin_run(program: Program, state: RunState, at: float) -> None:
     """Enter the mission; the step is not closed yet."""
-    board, root = state.board, program.graph.root
+    board = state.board
     state.at = max(at, state.at)
     for name, key in program.keys.items():
         if key.initial is not None and key.source != "robot" and board[name].at < state.at:
             board[name] = Stamped(board[name].value, state.at)
     state.mode, state.held_since = "running", state.at
     state.frozen = dict.fromkeys(held_controls(program, state), state.at)
-    if root.clocked:
-        state.entered[""] = state.at
-    set_timers(state, root)
     jump(program, state, program.graph.start(state.memory))
     complete(program, state, None)
 

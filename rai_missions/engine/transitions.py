@@ -110,8 +110,10 @@ class Graph(CompiledMission):
         )
 
     def start(self, memory: Memory) -> CompiledStep:
-        """The entry of the mission."""
-        return self.move(self.empty, set(), self.around(self.root.initial, self.root, memory))
+        """The entry of the mission: what it waits for begins before that of the states in it, as for any state."""
+        begun = self.move(self.empty, set(), self.around(self.root.initial, self.root, memory))
+        begun.entered = (self.root, *begun.entered)
+        return begun
 
     def jump_to(self, config: Configuration, target: Node, memory: Memory, trigger: str) -> CompiledStep:
         """From wherever it is into a state, everything left."""

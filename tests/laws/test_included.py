@@ -130,3 +130,25 @@ def test_the_keys_of_an_inclusion_are_kept_until_it_is_entered_again_unless_they
         found.append(chart.view.board["tries" if own else "part/tries"].value)
         chart.send(Tick(at))
     assert found == counts
+
+
+def test_what_entry_raises_later_comes_before_the_timers_of_the_mission_alone_and_included(tmp_path: Path) -> None:
+    inner: Json = {
+        "name": "inner", "events": ["rang"], "initial": "waiting", "transitions": [{"after_s": 1, "to": "timer"}],
+        "states": {
+            "waiting": {"entry": [{"raise": "rang", "after_s": 1}], "transitions": [{"on": "rang", "to": "raised"}]},
+            "raised": {"final": "succeeded"}, "timer": {"final": "failed"},
+        },
+    }  # fmt: skip
+    part = {
+        "mission": "inner.json",
+        "transitions": [{"on": "succeeded", "to": "raised"}, {"on": "failed", "to": "timer"}],
+    }
+    states = {"part": part, "raised": {"final": "succeeded"}, "timer": {"final": "failed"}}
+    for name, made in (("inner", inner), ("outer", {"name": "outer", "initial": "part", "states": states})):
+        (tmp_path / f"{name}.json").write_text(json.dumps({"format": 1, **made}))
+    charts = [Chart(load(tmp_path / f"{name}.json")) for name in ("inner", "outer")]
+    for chart in charts:
+        chart.start(0.0)
+        chart.send(Tick(1.0))
+    assert [chart.outcome for chart in charts] == ["succeeded", "succeeded"]
