@@ -207,8 +207,11 @@ class ConversationalAgent:
             self._waiting += 1
         words = tuple(map(redacted, readings))
         sentence = Utterance(redacted(text), role, channel, redacted(author), 0.0, words, message_id)
-        self.after_all(partial(self._take, sentence))
-        return ""
+        if self.after_all(partial(self._take, sentence)):
+            return ""
+        with self._lock:
+            self._waiting -= 1
+        return "the conversation has ended"
 
     def is_stop(self, text: str) -> bool:
         """Whether a sentence orders to stop, by the grammar alone; from any thread."""
@@ -223,16 +226,20 @@ class ConversationalAgent:
         """A door has opened or shut; from any thread."""
         self._worker.post(self._look_at_doors)
 
-    def after_all(self, do: Callable[[], object]) -> None:
+    def after_all(self, do: Callable[[], object]) -> bool:
         """Do something on the conversation's thread once all that was received so far is answered; from any thread.
 
         Nothing else waits for that: however many persons talk on, the end of a speech and that of the run come next.
+
+        Returns:
+            False where the conversation has ended, and so it is not done.
         """
         with self._lock:
             self._received.append(do)
-            is_first = len(self._received) == 1
-        if is_first and not self._worker.post(self._take_turn):
-            self._received.clear()
+            is_taken = len(self._received) > 1 or self._worker.post(self._take_turn)
+            if not is_taken:
+                self._received.clear()
+        return is_taken
 
     def add_door(self, door: TalkDoor) -> None:
         """Open another door; before `run`."""

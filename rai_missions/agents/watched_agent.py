@@ -7,6 +7,7 @@ import math
 import threading
 import time
 from collections.abc import Callable, Mapping
+from functools import partial
 from typing import TypeVar, get_args, get_type_hints
 
 from rai_missions.agents.agent import Agent, AgentHealth, HasConnectors, ReportsHealth, StopsSlowly, reports_health
@@ -77,12 +78,17 @@ class WatchedAgent:
             self._worker.post(lambda: self._ask(agent))
 
     def end(self, within_s: float, leaving: threading.Event) -> None:
-        """Stop it; where that fails or hangs, or its `run` does not return either, its health states why."""
+        """Stop it; where that fails or hangs, or its `run` does not return either, its health states why.
+
+        Of one that died the first reason stays: what cannot begin often cannot end either.
+        """
         before = self.health
         if before.state == "ready":
             return
         until = time.monotonic() + self.patience_s(within_s)
-        failure = self._attempt("stop", self.agent.stop, until - time.monotonic(), leaving)
+        failure = self._attempt("stop", partial(_stop, self.agent), until - time.monotonic(), leaving)
+        if failure is not None and failure.state == before.state == "died":
+            failure = None
         has_begun_late = before.state == "hangs" and failure is None and self._returns(until, leaving)
         is_stopped = before.state == "running" or has_begun_late
         self._health = failure or (AgentHealth("stopped") if is_stopped else before)
@@ -114,7 +120,7 @@ class WatchedAgent:
     def cut_off(self) -> None:
         """Close its ways to robots and people: it hangs, and must move nothing later."""
         for purpose, connector in self.connectors.items():
-            failure = self._attempt(f"stop of '{purpose}'", connector.stop, LOOK_S, threading.Event())
+            failure = self._attempt(f"stop of '{purpose}'", partial(_stop, connector), LOOK_S, threading.Event())
             become = failure.why if failure is not None else "was stopped"
             log.warning("%s hangs; its connector '%s': %s", self.name, purpose, become)
 
@@ -163,6 +169,11 @@ class WatchedAgent:
         if raised:
             return AgentHealth("died", f"{what} raised {type(raised[0]).__name__}: {cut(in_words(raised[0]), 200)}")
         return None
+
+
+def _stop(what: Agent | Connector) -> None:
+    """Stop it; whether it can be stopped at all is found here, where what it raises is caught."""
+    what.stop()
 
 
 def _is_health(stated: AgentHealth) -> bool:

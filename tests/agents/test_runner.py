@@ -11,7 +11,7 @@ import threading
 import time
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 import pytest
 
@@ -294,6 +294,34 @@ def test_what_an_agent_states_of_itself_harms_no_other(tmp_path: Path) -> None:
         "endless": "stopped", "leaves": "died", "five": "died", "flat": "died",
     }  # fmt: skip
     connector.stop()
+
+
+class Unended:
+    """An agent of which only the start was written."""
+
+    def run(self) -> None: ...
+
+
+class Unwired(Unended):
+    """An agent that hangs, and talks through nothing that can be stopped."""
+
+    connectors: ClassVar = {"wire": 5}
+
+    def stop(self) -> None:
+        threading.Event().wait()
+
+
+def test_what_is_no_agent_or_no_connector_is_named_and_holds_up_no_other(tmp_path: Path) -> None:
+    agents: dict[str, Any] = {"number": 5, "unended": Unended(), "unwired": Unwired()}
+    first = Player("first", "hangs", tmp_path / "lines")
+    runner = AgentRunner({"first": first, **agents}, stop_s=0.1)
+    runner.run()
+    runner.stop()
+    found = runner.agents
+    assert found["number"].why == "run raised AttributeError: 'int' object has no attribute 'run'"
+    assert found["unended"].why == "stop raised AttributeError: 'Unended' object has no attribute 'stop'"
+    assert (found["unwired"].state, found["first"].state) == ("hangs", "hangs")
+    assert not first.connectors["stage"].running, "it is cut off as well"
 
 
 class Ending:

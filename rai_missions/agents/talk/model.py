@@ -171,9 +171,14 @@ def _read(reply: ModelReply, mode: Mode, request: AskModel) -> TalkReply:
     looks = tuple(call for call in reply.calls if call["name"] not in ("answer", "propose_order"))
     if looks and not answers and not proposes:
         return TalkReply(calls=looks)
-    spoken = " ".join(_text(call["args"].get("text")) for call in answers) or (reply.text if not answers else "")
-    order = _order(proposes[0]["args"].get("order")) if len(proposes) == 1 else None
+    spoken = " ".join(_text(_given(call, "text")) for call in answers) or (reply.text if not answers else "")
+    order = _order(_given(proposes[0], "order")) if len(proposes) == 1 else None
     return TalkReply(spoken, order)
+
+
+def _given(call: Mapping[str, Any], name: str) -> Any:
+    """An argument of a call; None where there is none, or the arguments are none that are read."""
+    return (call["args"] or {}).get(name)
 
 
 def _text(given: Any) -> str:

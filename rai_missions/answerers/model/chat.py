@@ -17,7 +17,7 @@ from langchain_core.language_models import BaseChatModel
 from langchain_core.messages import AIMessage, BaseMessage
 
 from rai_missions.answerers.model.output_modes import AnswerForm, Mode, bound, calls_tools, fills_schemas, takes_images
-from rai_missions.answerers.model.parse_reply import LONGEST, ModelReply, reply_of
+from rai_missions.answerers.model.parse_reply import LONGEST, ModelReply, excess, reply_of
 from rai_missions.answerers.model.pending import PendingQuestion
 
 __all__ = (
@@ -199,8 +199,11 @@ class ThreadConversation:
             raise ModelFault.by(error) from error
         if not isinstance(answer, AIMessage):
             return None
+        reply = reply_of(answer)
+        if why := excess(reply):
+            raise BudgetExceeded(why)
         self._messages.append(answer)
-        return reply_of(answer)
+        return reply
 
 
 class StreamWatch(BaseCallbackHandler):

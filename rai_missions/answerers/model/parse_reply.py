@@ -23,6 +23,7 @@ __all__ = (
     "ModelReply",
     "ParsedReply",
     "callable_name",
+    "excess",
     "plain",
     "read",
     "reply_of",
@@ -49,7 +50,7 @@ class ModelReply(NamedTuple):
 
     text: str
     calls: Sequence[Mapping[str, Any]] = ()
-    """Calls of options and tools, as langchain has them: `name`, `args`, `id`."""
+    """Calls of options and tools, as langchain has them: `name`, `args`, `id`; `args` is None where it is not read."""
     broken: int = 0
     """Calls whose arguments are not JSON."""
     tokens_in: int = 0
@@ -63,14 +64,22 @@ def reply_of(message: AIMessage) -> ModelReply:
     used: Mapping[str, Any] = message.usage_metadata or {}
     about = message.response_metadata or {}
     name = about.get("model_name") or about.get("model")
+    calls = list(message.tool_calls or ())
     return ModelReply(
         message.text,
-        list(message.tool_calls or ()),
+        [{**call, "args": plain(call["args"])} for call in calls] if len(calls) <= CALLS else calls,
         len(message.invalid_tool_calls or ()),
         _count(used.get("input_tokens")),
         _count(used.get("output_tokens")),
         name if isinstance(name, str) and not name.startswith("/") else "",  # a local server may name a file's path
     )
+
+
+def excess(reply: ModelReply) -> str:
+    """Why a reply is not read, as one that is too long; empty where it is read."""
+    if len(reply.text) > LONGEST:
+        return too_long(len(reply.text))
+    return too_many(len(reply.calls)) if len(reply.calls) > CALLS else ""
 
 
 def _count(tokens: Any) -> int:

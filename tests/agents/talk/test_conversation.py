@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import threading
 import time
+from collections.abc import Mapping
 from typing import Any
 
 import pytest
@@ -12,8 +13,8 @@ from langchain_core.tools import StructuredTool
 
 from rai_missions.agents.agent import AgentHealth
 from rai_missions.agents.contract import check_agent
-from rai_missions.agents.conversation import ConversationalAgent
-from rai_missions.agents.talk.doors import OnSpoken
+from rai_missions.agents.conversation import MOST_WAITING, ConversationalAgent
+from rai_missions.agents.talk.doors import OnSpoken, TextDoor
 from rai_missions.agents.talk.hri_door import HRIDoor
 from rai_missions.agents.talk.model import MOST_LOOKS, TalkModel
 from rai_missions.connectors.hri.connector import FROM_HUMAN, TO_HUMAN, HRIConnector
@@ -218,6 +219,19 @@ def test_a_sentence_that_is_too_long_or_empty_is_refused_with_the_reason() -> No
         assert "no text" in receive("  ", role="operator", channel="page")
 
 
+def test_what_comes_after_the_end_of_a_conversation_is_refused_and_leaves_its_next_life_free() -> None:
+    screen = Screen()
+    agent = ConversationalAgent(doors=[TextDoor("terminal", screen.show)])
+    agent.run()
+    agent.stop()
+    for number in range(MOST_WAITING + 1):
+        assert agent.receive("hello", role="operator", channel=f"door {number}") == "the conversation has ended"
+    agent.run()
+    assert agent.receive("what are you doing?", role="operator", channel="terminal") == ""
+    assert screen.until(lambda line: line.way == "rules").text == "No mission is running."
+    agent.stop()
+
+
 def test_orders_of_a_conversation_are_events_with_role_and_sentence() -> None:
     with talked() as talk:
         running(talk)
@@ -311,6 +325,28 @@ def test_a_model_that_asks_for_a_flood_of_tools_looks_at_nothing_and_the_person_
         talk.order("what is behind the wall?")
         assert talk.screen.until(lambda line: line.way == "unknown").text == "I do not know."
     assert looked == []
+
+
+def nested(depth: int) -> dict[str, Any]:
+    made: dict[str, Any] = {}
+    for _ in range(depth):
+        made = {"order": made}
+    return made
+
+
+@pytest.mark.parametrize(
+    "given",
+    [
+        {"reply": "Apples ripen in autumn. " * 50_000},
+        {"reply": "", "calls": ({"name": "propose_order", "args": nested(5_000), "id": "1"},)},
+        {"reply": "", "calls": ({"name": "answer", "args": nested(5_000), "id": "1"},)},
+    ],
+)
+def test_a_reply_that_is_too_long_or_too_deep_is_no_reply(given: Mapping[str, Any]) -> None:
+    with talked(model=RepliesModel(**given)) as talk:
+        talk.order("I would like a story about the moon")
+        assert talk.screen.until(lambda line: line.way != "rules").text == "I do not know."
+        assert not any("no reply in time" in str(row) for row in talk.talk())
 
 
 def region(name: str, **options: Any) -> dict[str, Any]:

@@ -14,7 +14,7 @@ from typing import Any
 from langchain_core.messages import BaseMessage, HumanMessage, SystemMessage, ToolMessage
 
 from rai_missions.answerers.model.chat import Abilities, BudgetExceeded, ModelFault
-from rai_missions.answerers.model.parse_reply import CALLS, LONGEST, ModelReply, plain, too_long, too_many
+from rai_missions.answerers.model.parse_reply import CALLS, LONGEST, ModelReply, excess, plain
 from rai_missions.connectors.process.frames import Broken
 from rai_missions.redaction import Redaction, cut, redacted
 
@@ -110,10 +110,8 @@ def reply_words(answer: ModelReply | BaseException | None) -> dict[str, Any]:
         return {**words, "after_s": raised.after_s}
     if answer is None:
         return {"nothing": True}
-    if len(answer.text) > LONGEST:
-        return {"spent": too_long(len(answer.text))}
-    if len(answer.calls) > CALLS:
-        return {"spent": too_many(len(answer.calls))}
+    if why := excess(answer):
+        return {"spent": why}
     calls = [_call_words(call) for call in answer.calls]
     if len(json.dumps(calls)) > LONGEST_CALLS:
         return {"spent": f"asked for calls of tools in more than {LONGEST_CALLS} characters"}
