@@ -6,7 +6,7 @@ Imports `connectors`, `engine` and `states`, and the modules of the root.
 
 from rai_missions.journal.codec import decode, encode
 from rai_missions.journal.diff import difference
-from rai_missions.journal.files import copied, free_name, make_folder, make_way, set_aside
+from rai_missions.journal.files import copied, free_name, make_folder, make_way, set_aside, writing_at
 from rai_missions.journal.reader import Record
 from rai_missions.journal.rows import MIGRATED, Blob, Confirmation, Header, JournalRow, Note, Raw, StepRow
 from rai_missions.journal.verify import checked, opened, read, verify
@@ -36,4 +36,5 @@ __all__ = (
     "set_aside",
     "verify",
     "versions",
+    "writing_at",
 )  # fmt: skip

@@ -8,8 +8,8 @@ Rule: a copy has the rows as they were written, hashes and all; nothing is corre
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable
-from contextlib import suppress
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from rai_missions.errors import DefinitionError, Fault, UsageError
@@ -17,7 +17,7 @@ from rai_missions.journal.rows import Blob, Raw
 from rai_missions.journal.sqlite import BLOB, ROW, Lock, SqliteError, Unbegun, log_of, open_to_write
 from rai_missions.journal.verify import read
 
-__all__ = ("copied", "free_name", "make_folder", "make_way", "set_aside")
+__all__ = ("copied", "free_name", "make_folder", "make_way", "set_aside", "writing_at")
 
 
 def make_folder(path: Path) -> None:
@@ -26,10 +26,25 @@ def make_folder(path: Path) -> None:
     Raises:
         UsageError: It cannot be made.
     """
-    try:
+    with writing_at(path):
         path.parent.mkdir(parents=True, exist_ok=True)
+
+
+@contextmanager
+def writing_at(path: Path, what: str = "a journal") -> Iterator[None]:
+    """Have what the system refuses, while a file is written, name that file.
+
+    Args:
+        path: The file.
+        what: What it is, with its article.
+
+    Raises:
+        UsageError: It cannot be written.
+    """
+    try:
+        yield
     except OSError as error:
-        raise UsageError(f"a journal cannot be written at {path}: {error.strerror}; name another file") from None
+        raise UsageError(f"{what} cannot be written at {path}: {error.strerror}; name another file") from None
 
 
 def make_way(path: Path) -> Path | None:

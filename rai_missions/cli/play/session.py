@@ -9,6 +9,7 @@ from typing import NamedTuple
 
 from rai_missions.check import check, faults_of
 from rai_missions.errors import DefinitionError, UsageError
+from rai_missions.journal import writing_at
 from rai_missions.mission.files import write_atomically
 from rai_missions.mission.mission import Mission
 from rai_missions.replay.play import Click, Play, PlaySource, save, written_test
@@ -89,10 +90,12 @@ class PlaySession:
         """Write the present path as a pytest; returns so, in words.
 
         Raises:
-            UsageError: Nothing was played, or the mission has no file.
+            UsageError: Nothing was played, the mission has no file, or the test cannot be written.
         """
         if self.files.source is None:
             raise UsageError("a test needs the mission's file, and this mission has none; save a journal")
-        to.parent.mkdir(parents=True, exist_ok=True)
-        write_atomically(to, written_test(self.play, self.files.source, to).encode())
+        text = written_test(self.play, self.files.source, to)
+        with writing_at(to, "a test"):
+            to.parent.mkdir(parents=True, exist_ok=True)
+            write_atomically(to, text.encode())
         return f"wrote {to}"

@@ -13,7 +13,7 @@ from typing import Any
 from rai_missions.engine.step import Step
 from rai_missions.errors import UsageError
 from rai_missions.event import Tick
-from rai_missions.journal import Header, Journal, make_folder, make_way
+from rai_missions.journal import Header, Journal, make_folder, make_way, writing_at
 from rai_missions.mission.files import dump
 from rai_missions.replay.play.play import Play
 
@@ -45,7 +45,8 @@ def save(play: Play, path: Path, *, replaces: bool = False) -> Path | None:
         with Journal.create(part, Header(text, versions=mission.packages(), played=True)) as journal:
             _write(play, journal)
         aside = None if replaces else make_way(path)
-        part.replace(path)
+        with writing_at(path):
+            part.replace(path)
     finally:
         for left in part.parent.glob(f"{part.name}*"):
             left.unlink(missing_ok=True)

@@ -145,6 +145,25 @@ def test_a_person_is_asked_for_values_and_asked_again_after_a_fault(door: Path) 
     assert len(session.play.path) == 2
 
 
+@pytest.mark.parametrize(
+    ("order", "refusal"),
+    [
+        ("test taken/door.py", "a test cannot be written at taken/door.py: File exists; name another file"),
+        ("test folder", "a test cannot be written at folder: Is a directory; name another file"),
+        ("s folder", "a journal cannot be written at folder: Is a directory; name another file"),
+    ],
+)
+def test_a_file_that_cannot_be_written_ends_no_play(door: Path, order: str, refusal: str) -> None:
+    Path("taken").touch()
+    Path("folder").mkdir()
+    out = io.StringIO()
+    session = PlaySession(load(door), PlayFiles(PlaySource(door)))
+    lines = io.StringIO(f"readings\n{order}\ns kept.journal\nq\n")
+    TerminalPlay(session, lines, out, is_person=True).run()
+    assert f"! {refusal}" in out.getvalue() and "saved kept.journal" in out.getvalue()
+    assert sorted(path.name for path in Path().iterdir()) == ["door.json", "folder", "kept.journal", "taken"]
+
+
 def test_a_mission_in_python_is_not_played_where_python_is_refused(
     door: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
