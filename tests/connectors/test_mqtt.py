@@ -41,14 +41,14 @@ needs_broker = pytest.mark.skipif(bool(ABSENT), reason=f"no MQTT broker or clien
 class Broker:
     """A mosquitto on loopback."""
 
-    def __init__(self, folder: Path) -> None:
+    def __init__(self, folder: Path, *words: str) -> None:
         with socket.socket() as free:
             free.bind(("127.0.0.1", 0))
             self.port = free.getsockname()[1]
         self._config = folder / "mosquitto.conf"
         lines = (
             f"listener {self.port} 127.0.0.1", "allow_anonymous true", "user root", "persistence true",
-            f"persistence_location {folder}/",
+            f"persistence_location {folder}/", *words,
         )  # fmt: skip
         self._config.write_text("\n".join(lines) + "\n", encoding="utf-8")
         self.start()
@@ -199,6 +199,34 @@ def test_what_was_not_delivered_is_not_delivered_later(broker: Broker) -> None:
 
 
 @needs_broker
+def test_what_was_sent_before_the_end_is_delivered(broker: Broker, connector: MqttConnector) -> None:
+    received, sender = Inbox[Message](), MqttConnector({"port": broker.port})
+    connector.subscribe("/lights", STRING, received)
+    sender.start()
+    for number in range(100):
+        sender.publish("/lights", STRING, {"data": str(number)})
+    sender.stop()
+    received.wait(lambda all_: len(all_) == 100, "the broker has all of it")
+
+
+@needs_broker
+def test_a_message_that_is_more_than_the_broker_takes_is_refused_and_the_way_stays_open(tmp_path: Path) -> None:
+    broker, replies = Broker(tmp_path, "max_packet_size 2000"), Inbox[Reply]()
+    connector = MqttConnector({"port": broker.port})
+    connector.start()
+    connector.serve("/map", TRIGGER, lambda request: {"map": "x" * 3000} if request else {})
+    with pytest.raises(ConnectorError, match=r"^/map: a message of 3\d{3} bytes; the MQTT broker takes 2000 at most$"):
+        connector.publish("/map", STRING, {"data": "x" * 3000})
+    for request in ({"map": "x" * 3000}, {"please": True}, {}):
+        connector.call("/map", TRIGGER, request, on_reply=replies)
+    reported = replies.wait(lambda all_: len(all_) == 3, "the way stays open")
+    assert [each.outcome for each in reported] == ["failed", "failed", "succeeded"]
+    assert all("the MQTT broker takes 2000 at most" in each.why for each in reported[:2])
+    connector.stop()
+    broker.stop()
+
+
+@needs_broker
 def test_what_the_broker_keeps_is_no_request_and_no_news(broker: Broker) -> None:
     first, asked, own = Inbox[Message](), Inbox[Any](), Inbox[Message]()
     broker.keep("/event", encode({"x": 1}))
@@ -323,6 +351,32 @@ def test_a_way_that_becomes_silent_is_to_be_known_as_lost_within_seconds() -> No
             MqttConnector({"port": listening.getsockname()[1]}).start()
     after_name = received[0].index(b"MQTT") + len(b"MQTT")  # the version and the flags, then the interval in 2 bytes
     assert 0 < int.from_bytes(received[0][after_name + 2 : after_name + 4]) <= 10
+
+
+def test_why_a_broker_ends_the_way_is_reported(caplog: pytest.LogCaptureFixture) -> None:
+    pytest.importorskip("paho.mqtt", reason="pip install -e '.[mqtt]'")
+    replies, is_sent = Inbox[Reply](), threading.Event()
+    with socket.create_server(("127.0.0.1", 0)) as listening:
+
+        def leave() -> None:
+            client, _ = listening.accept()
+            with client:
+                client.recv(1000)
+                client.sendall(bytes((0x20, 3, 0, 0, 0)))  # CONNACK of MQTT 5: welcome
+                is_sent.wait(30)
+                client.sendall(bytes((0xE0, 2, 0x8B, 0)))  # DISCONNECT: server shutting down
+                while client.recv(1000):
+                    pass
+
+        threading.Thread(target=leave, daemon=True).start()
+        connector = MqttConnector({"port": listening.getsockname()[1]})
+        connector.start()
+        connector.call("/horn", TRIGGER, {}, on_reply=replies)
+        is_sent.set()
+        (reply,) = replies.wait(bool, "the broker is gone")
+    connector.stop()
+    assert reply.why == "the MQTT broker is gone: server shutting down"
+    assert any(each.message.endswith("is gone: server shutting down") for each in caplog.records)
 
 
 def test_an_unknown_option_is_reported_with_what_there_is() -> None:

@@ -72,7 +72,7 @@ class MqttConnector:
         self._now = now or time.time
         self._lock = threading.Lock()
         self._link = BrokerLink(
-            self._host, self._port, on_open=self._subscribe_all, on_lost=lambda: self._give_up(GONE),
+            self._host, self._port, on_open=self._subscribe_all, on_lost=self._lost,
             on_message=self._arrived, on_publish=self._taken,
         )  # fmt: skip
         self._replies_to = ""
@@ -138,14 +138,14 @@ class MqttConnector:
         """Publish; what cannot be sent now is not sent later.
 
         Raises:
-            ConnectorError: The message is no plain data, or the broker is gone.
+            ConnectorError: The message is no plain data, larger than the broker takes, or the broker is gone.
         """
         payload = encode(message)
         if not self.running:
             return
         self._types["topics", topic] = type_name
-        client = self._link.client
-        if client is None or client.publish(topic, payload, qos=1).rc:
+        sent = self._link.publish(topic, payload)
+        if sent is None or sent.rc:
             raise ConnectorError(f"nothing can be published on {topic}: {GONE}")
 
     def call(
@@ -162,11 +162,11 @@ class MqttConnector:
         except ConnectorError as fault:
             on_reply(Reply("failed", {}, str(fault)))
             return
-        client, key = self._link.client, uuid.uuid4().bytes
-        if client is None:
+        if self._link.client is None:
             why = GONE if self.running else "the connector is not started"
             on_reply(Reply("unavailable", {}, f"no server offers {service}: {why}"))
             return
+        key = uuid.uuid4().bytes
         late = Reply("timed_out", {}, f"{service} has not answered within {timeout_s} s")
         timer = None if timeout_s is None else threading.Timer(timeout_s, lambda: self._end(key, late))
         self._calls[key] = call = _Call(service, on_reply, timer)
@@ -176,18 +176,23 @@ class MqttConnector:
         words = _properties(ResponseTopic=self._replies_to, CorrelationData=key)
         with self._lock:
             self._entering += 1
-        sent = client.publish(f"{service}/request", payload, qos=1, properties=words)
-        call.mid = sent.mid
+        sent, end = None, Reply("unavailable", {}, GONE)
+        try:
+            sent = self._link.publish(f"{service}/request", payload, words)
+        except ConnectorError as fault:
+            end = Reply("failed", {}, str(fault))
+        call.mid = sent.mid if sent is not None else 0
         with self._lock:
-            self._sent[call.mid] = key
+            if sent is not None:
+                self._sent[call.mid] = key
             is_refused = call.mid in self._refused  # the broker was quicker than this thread
             self._entering -= 1
             if not self._entering:
                 self._refused.clear()
         if is_refused:
             self._end(key, _no_server(service))
-        elif sent.rc:  # it never left, and its connection is over
-            self._end(key, Reply("unavailable", {}, GONE))
+        elif sent is None or sent.rc:  # it never left
+            self._end(key, end)
 
     def serve(self, service: str, type_name: str, answer: Answer) -> Close:
         topic = f"{service}/request"
@@ -299,10 +304,13 @@ class MqttConnector:
     def _send(self, request: Any, answer: Data) -> None:
         """Answer a request, where its sender states where, and the way that it came is still there."""
         to = getattr(request.properties, "ResponseTopic", "")
-        client = self._link.client
-        if to and client is not None:
+        if to:
             words = _properties(CorrelationData=getattr(request.properties, "CorrelationData", b""))
-            client.publish(to, encode(answer), qos=1, properties=words)
+            try:
+                self._link.publish(to, encode(answer), words)
+            except ConnectorError as fault:
+                log.warning("%s", fault)
+                self._link.publish(to, encode({"why": str(fault)}), words)
 
     def _answered(self, message: Any, answer: Data) -> None:
         key = getattr(message.properties, "CorrelationData", b"")
@@ -338,6 +346,9 @@ class MqttConnector:
         call = self._calls.get(key) if key is not None else None
         if key is not None and call is not None:
             self._end(key, _no_server(call.service))
+
+    def _lost(self, why: str) -> None:
+        self._give_up(f"{GONE}: {why}" if why else GONE)
 
     def _give_up(self, why: str) -> None:
         for key in tuple(self._calls):

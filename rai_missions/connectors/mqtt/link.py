@@ -2,11 +2,13 @@
 """The way to a broker, opened again whenever it is lost.
 
 Rule: each connection has a client of its own. What one could not deliver ends with it, so that no request and no
-command is carried out long after those who gave it have received that it failed.
+command is carried out long after those who gave it have received that it failed. What was sent before the end is
+acknowledged before the way is closed: a socket that closes with unread words in it drops what it was about to send.
 """
 
 from __future__ import annotations
 
+import contextlib
 import socket
 import threading
 from collections.abc import Callable
@@ -24,6 +26,10 @@ PATIENCE_S = 5.0
 """How long a broker may take to let a client in."""
 AGAIN_S, LONGEST_S = 0.5, 8.0
 """Seconds between two attempts to reach a broker that is gone: at first, and at most."""
+FAREWELL_S = 1.0
+"""How long a broker may take at the end to acknowledge what was sent."""
+FRAME = 10
+"""Bytes of a message at the most that are no topic, property or content."""
 KEEPALIVE_S = 10
 """How often the way is tried where nothing is sent: one that has become silent counts as lost within twice that."""
 
@@ -35,13 +41,13 @@ class BrokerLink:
         host: Where the broker is.
         port: Its port.
         on_open: Called with the client of each new connection.
-        on_lost: Called when a connection is lost.
+        on_lost: Called when a connection is lost, with the reason that the broker gave, empty where it gave none.
         on_message: Paho's `on_message`.
         on_publish: Paho's `on_publish`.
     """
 
     def __init__(
-        self, host: str, port: int, *, on_open: Callable[[Any], object], on_lost: Callable[[], object],
+        self, host: str, port: int, *, on_open: Callable[[Any], object], on_lost: Callable[[str], object],
         on_message: Callable[..., object], on_publish: Callable[..., object],
     ) -> None:  # fmt: skip
         self._host, self._port = host, port
@@ -51,6 +57,9 @@ class BrokerLink:
         self._worker = Worker("way to the MQTT broker")
         self._made: Any = None
         self._client: Any = None
+        self._largest: int | None = None
+        self._sent_last: Any = None
+        self._reader: int | None = None
         self._is_open = False
         self._again_s = AGAIN_S
 
@@ -93,19 +102,47 @@ class BrokerLink:
             self.close()
             raise ConnectorError(f"the MQTT broker at {self._host}:{self._port} does not let us in: {why}")
 
+    def publish(self, topic: str, payload: bytes, properties: Any = None) -> Any:
+        """Send a message with quality 1.
+
+        Returns:
+            Paho's word on what becomes of it; None while the broker is away.
+
+        Raises:
+            ConnectorError: It is larger than what the broker takes, which would end the way for all others.
+        """
+        client, largest = self._client, self._largest
+        if client is None:
+            return None
+        size = len(payload) + len(topic.encode()) + (0 if properties is None else len(properties.pack())) + FRAME
+        if largest is not None and size > largest:
+            raise ConnectorError(f"{topic}: a message of {size} bytes; the MQTT broker takes {largest} at most")
+        self._sent_last = sent = client.publish(topic, payload, qos=1, properties=properties)
+        return sent
+
     def close(self) -> None:
-        """Disconnect; closed already, nothing happens."""
+        """Disconnect, once the broker has what was sent; closed already, nothing happens."""
+        self._await_broker()
         with self._lock:
             self._is_open = False
             made, self._made, self._client = self._made, None, None
         self._worker.close(0.0)
         _end(made)
 
+    def _await_broker(self) -> None:
+        """Wait until the broker has the message sent last, and so all before it; not on the thread that would read."""
+        last, self._sent_last = self._sent_last, None
+        if last is not None and self._client is not None and threading.get_ident() != self._reader:
+            with contextlib.suppress(RuntimeError, ValueError):  # it never left
+                last.wait_for_publish(FAREWELL_S)
+
     def _connect(self, on_answer: Callable[[Any], object] = lambda code: None) -> None:
         client = _client()
 
-        def connected(_client: Any, _data: Any, _flags: Any, code: Any, _properties: Any) -> None:
+        def connected(_client: Any, _data: Any, _flags: Any, code: Any, properties: Any) -> None:
             with self._lock:
+                self._largest = getattr(properties, "MaximumPacketSize", None)
+                self._reader = threading.get_ident()
                 is_ours = self._made is client and not code.is_failure
                 self._client = client if is_ours else self._client
             if is_ours:
@@ -114,7 +151,9 @@ class BrokerLink:
             on_answer(code)
 
         client.on_connect, client.on_message, client.on_publish = connected, self._on_message, self._on_publish
-        client.on_disconnect = lambda *_: self._lost(client)
+        client.on_disconnect = lambda _client, _data, flags, code, _properties: self._lost(
+            client, str(code).lower() if flags.is_disconnect_packet_from_server else ""
+        )
         client.on_socket_open = _hurry
         client.connect(self._host, self._port, keepalive=KEEPALIVE_S)
         with self._lock:
@@ -125,15 +164,15 @@ class BrokerLink:
         else:
             _end(client)
 
-    def _lost(self, client: Any) -> None:
+    def _lost(self, client: Any, why: str) -> None:
         with self._lock:
             if self._made is not client:
                 return
             was, self._client, self._made = self._client, None, None
             is_wanted = self._is_open
         if was is not None:
-            log.warning("the MQTT broker at %s:%s is gone", self._host, self._port)
-            self._on_lost()
+            log.warning("the MQTT broker at %s:%s is gone%s", self._host, self._port, f": {why}" if why else "")
+            self._on_lost(why)
         if is_wanted:
             self._try_later()
 
