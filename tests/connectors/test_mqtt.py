@@ -210,6 +210,29 @@ def test_what_was_sent_before_the_end_is_delivered(broker: Broker, connector: Mq
 
 
 @needs_broker
+def test_a_request_is_of_use_as_long_as_its_call_waits(broker: Broker, connector: MqttConnector) -> None:
+    import paho.mqtt.client as mqtt
+
+    requests, replies, is_listening = Inbox[Any](), Inbox[Reply](), Inbox[bool]()
+    device = mqtt.Client(mqtt.CallbackAPIVersion.VERSION2, protocol=mqtt.MQTTv5)
+    device.on_message = lambda _client, _data, message: requests(message)
+    device.on_subscribe = lambda *_: is_listening(True)
+    device.connect("127.0.0.1", broker.port)
+    device.subscribe("/valve/request", 1)
+    device.loop_start()
+    is_listening.wait(bool, "the device is there")
+    for timeout_s in (2.5, 0.2, 5e9, None):
+        connector.call("/valve", TRIGGER, {}, on_reply=replies, timeout_s=timeout_s)
+    expiries = [
+        getattr(each.properties, "MessageExpiryInterval", None)
+        for each in requests.wait(lambda all_: len(all_) == 4, "each is delivered")
+    ]
+    assert expiries == [3, 1, 0xFFFF_FFFF, None]
+    device.disconnect()
+    device.loop_stop()
+
+
+@needs_broker
 def test_a_message_that_is_more_than_the_broker_takes_is_refused_and_the_way_stays_open(tmp_path: Path) -> None:
     broker, replies = Broker(tmp_path, "max_packet_size 2000"), Inbox[Reply]()
     connector = MqttConnector({"port": broker.port})

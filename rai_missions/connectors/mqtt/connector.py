@@ -8,6 +8,7 @@ request, and no news to one who has received it.
 
 from __future__ import annotations
 
+import math
 import threading
 import time
 import uuid
@@ -33,6 +34,8 @@ NO_SUBSCRIBERS = 0x10
 """MQTT 5, 3.4.2.1: no matching subscribers."""
 MOST_ANSWERED = 256
 """Calls whose answer came, and by which a second server of the same service is known."""
+LONGEST_EXPIRY_S = 0xFFFF_FFFF
+"""MQTT 5, 3.3.2.3.3: a number of four bytes."""
 GONE = "the MQTT broker is gone"
 
 
@@ -173,7 +176,7 @@ class MqttConnector:
         if timer is not None:
             timer.daemon = True
             timer.start()
-        words = _properties(ResponseTopic=self._replies_to, CorrelationData=key)
+        words = _properties(ResponseTopic=self._replies_to, CorrelationData=key, **_expiry(timeout_s))
         with self._lock:
             self._entering += 1
         sent, end = None, Reply("unavailable", {}, GONE)
@@ -404,6 +407,11 @@ class _Call:
 
 def _no_server(service: str) -> Reply:
     return Reply("unavailable", {}, f"no server offers {service}")
+
+
+def _expiry(timeout_s: float | None) -> dict[str, int]:
+    """The broker drops a request once no one awaits its reply, in whole seconds: a device may come back much later."""
+    return {} if timeout_s is None else {"MessageExpiryInterval": math.ceil(min(max(timeout_s, 1), LONGEST_EXPIRY_S))}
 
 
 def _properties(**words: Any) -> Any:
