@@ -13,6 +13,7 @@ from rai_missions.conversation.inputs import ModelText, OrderEnd, SpeechEnd, Utt
 from rai_missions.conversation.model_side import ModelSide
 from rai_missions.conversation.order_side import OrderSide
 from rai_missions.conversation.outputs import Output, TalkTurn
+from rai_missions.conversation.sentence_side import SentenceSide
 from rai_missions.conversation.settings import Settings
 from rai_missions.conversation.speaking import SpeechSide
 from rai_missions.conversation.talk import Talk
@@ -38,6 +39,7 @@ class Dialogue:
         self._talk = Talk(settings, view)
         self._speaking = SpeechSide(self._talk)
         self._orders = OrderSide(self._talk, self._speaking)
+        self._sentences = SentenceSide(self._talk, self._speaking, self._orders)
         self._models = ModelSide(self._talk, self._speaking, self._orders)
 
     @property
@@ -79,9 +81,9 @@ class Dialogue:
         """
         self._begin(utterance.at)
         self._follow(view)
-        if self._talk.is_new(utterance) or self._orders.is_stop(utterance):
+        if self._talk.is_new(utterance) or self._sentences.is_stop(utterance):
             number = self._talk.add_person(utterance)
-            handling = self._orders.on_utterance(utterance, number)
+            handling = self._sentences.on_utterance(utterance, number)
             if handling == "unknown":
                 self._models.ask(utterance, number)
             elif handling == "stopped":
@@ -158,6 +160,7 @@ class Dialogue:
         before = self._talk.follow(view)
         self._speaking.follow()
         self._speaking.speak_due(now=False)
+        self._sentences.follow(before)
         self._orders.follow(before)
 
     def snapshot(self) -> dict[str, Any]:

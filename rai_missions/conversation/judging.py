@@ -14,7 +14,7 @@ from rai_missions.conversation.free_answers import text_option
 from rai_missions.conversation.language import Language, spoken
 from rai_missions.conversation.outputs import Mapper
 from rai_missions.conversation.senses import Sense
-from rai_missions.conversation.settings import ORDERS, Permission, Settings
+from rai_missions.conversation.settings import ORDERS, Settings
 from rai_missions.conversation.spoken_starts import spoken_start
 from rai_missions.conversation.state_answers import is_alive, state_of_run
 from rai_missions.conversation.values import value_words
@@ -33,8 +33,8 @@ CONFIRMED = frozenset({"start", "cancel"})
 JSON_TYPE = {"integer": "integer", "number": "number", "boolean": "boolean", "string": "string", "list": "array"}
 
 
-def may(role: Role, what: Permission, settings: Settings) -> bool:
-    """Whether a role may do this; a role that is not listed may do nothing."""
+def may(role: Role, what: str, settings: Settings) -> bool:
+    """Whether a role has a permission, by its name; a role that is not listed may do nothing."""
     return what in settings.may.get(role, frozenset())
 
 

@@ -1,18 +1,17 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Sentences that the rules understand: orders, confirmations and questions of state.
+"""Orders on their way to the run: judged, read back, confirmed, given out, or kept for the next run.
 
-Rule: this is the only place that gives out an `Order`; whatever leads to one passes `_take` or `_confirm`.
+Rule: this is the only place that gives out an `Order`; whatever leads to one passes `take`, `stop` or `decide`.
 """
 
 from __future__ import annotations
 
 from collections import defaultdict, deque
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from typing import Literal, NamedTuple
 
 from rai_missions.conversation.confirmation import Confirmable
-from rai_missions.conversation.corrections import Draft
-from rai_missions.conversation.grammar import STOP, Grammar
+from rai_missions.conversation.grammar import STOP
 from rai_missions.conversation.inputs import OrderEnd, SpeechEnd, Utterance
 from rai_missions.conversation.judging import (
     TWO_NEEDED,
@@ -26,31 +25,24 @@ from rai_missions.conversation.judging import (
     why_not_permitted,
 )
 from rai_missions.conversation.language import spoken
-from rai_missions.conversation.named import option_place
-from rai_missions.conversation.outputs import Mapper, Order, TalkTurn
+from rai_missions.conversation.outputs import Mapper, Order
 from rai_missions.conversation.request_queue import JudgedOrder, RequestQueue, order_data
 from rai_missions.conversation.senses import Sense
-from rai_missions.conversation.settings import ORDERS
 from rai_missions.conversation.speaking import SpeechSide
-from rai_missions.conversation.start_phrases import StartPhrases
-from rai_missions.conversation.state_answers import Asker, is_alive
+from rai_missions.conversation.state_answers import is_alive
 from rai_missions.conversation.talk import Talk
-from rai_missions.conversation.values import capital, is_known
+from rai_missions.conversation.values import capital
 from rai_missions.conversation.view import StatusView
-from rai_missions.engine.decision import Question
 from rai_missions.redaction import cut
 
-__all__ = ("Handling", "OrderSide")
+__all__ = ("EarlierOrder", "OrderSide")
 
-Handling = Literal["handled", "stopped", "unknown"]
-"""What became of a sentence: rules answered it, it stopped the run, or the rules do not know it."""
 REMEMBERED = 10
 """Orders of one speaker that it can ask about; speakers and orders under way that are remembered."""
 STARTING_S = 30.0
 """Seconds that an ordered start may take until the run is seen; then the next request is possible."""
 LONGEST_REASON = 200
-LATE_S = 30.0
-"""Seconds after the end of a question, or after a start was taken, within which a sentence may be meant for it."""
+"""Characters of a reason that is spoken."""
 CROSSING_S = 1.0
 """Seconds after the end of one question within which a person may still answer it, while the next is asked."""
 STOPPING = frozenset({"stop", "pause", "cancel"})
@@ -66,7 +58,7 @@ class EarlierOrder(NamedTuple):
 
 
 class OrderSide:
-    """Reads sentences by the grammar, judges orders, and keeps what waits for a confirmation or for its turn.
+    """Judges orders, and keeps what waits for a confirmation or for its turn.
 
     Args:
         talk: What the sides share.
@@ -75,16 +67,12 @@ class OrderSide:
 
     def __init__(self, talk: Talk, speaking: SpeechSide) -> None:
         self._talk, self._speaking = talk, speaking
-        phrases = StartPhrases(talk.settings.phrases, talk.settings.names, talk.language)
-        self._grammar = Grammar(talk.language, phrases, talk.settings.questions)
         self._count = 0
-        self._pending: Confirmable | None = None
-        self._unfinished: EarlierOrder | None = None
-        """The order that the last sentence of its speaker had refused or dropped, and which the next may complete."""
-        self._taken: EarlierOrder | None = None
+        self.pending: Confirmable | None = None
+        """What was read back, and waits for a yes."""
+        self.taken: EarlierOrder | None = None
         """The start that was taken last."""
         self._ended_at, self._ended_by = float("-inf"), ("", "")
-        self._closed, self._closed_at = tuple[Question, ...](), float("-inf")
         self._requests = RequestQueue(talk, speaking)
         self._under_way: dict[int, JudgedOrder] = {}
         self._ordered: dict[tuple[str, str], deque[str]] = defaultdict(lambda: deque(maxlen=REMEMBERED))
@@ -95,102 +83,22 @@ class OrderSide:
         self._is_last = False
         """No run follows the one that there is."""
 
-    # -- sentences -----------------------------------------------------------------------------------------------------
+    # -- what speakers may ask about -----------------------------------------------------------------------------------
 
-    def is_stop(self, utterance: Utterance) -> bool:
-        """Whether one of its readings orders to stop."""
-        return any(STOP in senses for senses in self._senses(utterance))
+    @property
+    def waiting(self) -> tuple[str, ...]:
+        """The requests that wait, in words."""
+        return self._requests.words
 
-    def _senses(self, utterance: Utterance) -> list[tuple[Sense, ...]]:
-        """What each of its readings may mean."""
-        readings, draft = utterance.readings or (utterance.text,), self._draft(utterance)
-        return [self._grammar.senses(cut(text, 10_000), self._talk.view, draft) for text in readings]
+    def ordered_by(self, speaker: tuple[str, str]) -> tuple[str, ...]:
+        """The last orders of a speaker that were given out, in words, oldest first."""
+        return tuple(self._ordered.get(speaker, ()))
 
-    def _draft(self, utterance: Utterance) -> Draft | None:
-        """The order that this sentence may correct: its speaker's last, one that is read back, or one just taken."""
-        unfinished = self._of(utterance, self._unfinished, self._talk.settings.confirm_s)
-        if unfinished is not None:
-            return Draft(unfinished, is_asked_for=True)
-        if self._pending is not None:
-            return None if self._pending.is_request else Draft(self._pending.sense, is_read_back=True)
-        taken = self._of(utterance, self._taken, LATE_S)
-        return None if taken is None else Draft(taken)
+    def last_start_of(self, speaker: tuple[str, str]) -> Sense | None:
+        """The last start that a speaker ordered."""
+        return self._starts.get(speaker)
 
-    def _of(self, utterance: Utterance, given: EarlierOrder | None, within_s: float) -> Sense | None:
-        """An order, where the speaker of this sentence gave it, less than so many seconds ago."""
-        if given is None or given.speaker != utterance.speaker or self._talk.now - given.at >= within_s:
-            return None
-        return given.sense
-
-    def _keep(self, sense: Sense, speaker: tuple[str, str]) -> None:
-        """The next sentence of this speaker may correct or complete this order."""
-        self._unfinished = EarlierOrder(speaker, sense, self._talk.now)
-
-    def on_utterance(self, utterance: Utterance, number: int) -> Handling:
-        """A person's sentence."""
-        each = self._senses(utterance)
-        if self._unfinished is not None and self._unfinished.speaker == utterance.speaker:
-            self._unfinished = None
-        if any(STOP in senses for senses in each):
-            return self._stop(utterance, number)
-        self._speaking.speak_due(now=True)
-        senses = each[0]
-        if any(sense.kind in ("yes", "no") for sense in senses) and self._pending is not None:
-            meant = next(sense.kind for sense in senses if sense.kind in ("yes", "no"))
-            is_agreed = len(each) > 1 and all(any(sense.kind == meant for sense in others) for others in each)
-            self._decide(utterance, number, is_yes=meant == "yes", is_agreed=is_agreed)
-            return "handled"
-        self._distract(utterance)
-        senses = tuple(sense for sense in senses if sense.kind not in ("yes", "no")) or senses
-        senses = senses or self._free_answer(utterance)
-        if self._is_late(utterance, senses):
-            self._speaking.speak(self._talk.answers.closed(self._talk.view), to=utterance.channel, reply_to=number)
-            return "handled"
-        if not senses:
-            return "unknown"
-        if senses[0].kind in ("yes", "no"):
-            return self._answer_nothing(utterance, number)
-        sense = self._chosen((*senses, *self._others(senses[0], *each)), utterance, number)
-        if sense is not None and self._is_for_model(sense):
-            return "unknown"
-        if sense is not None:
-            agreeing = sum(any(sense.identity == other.identity for other in others) for others in each)
-            self._handle(sense, utterance, number, agreeing if utterance.is_spoken else None)
-        return "handled"
-
-    def _is_late(self, utterance: Utterance, senses: Sequence[Sense]) -> bool:
-        """Whether a sentence that means nothing else, but a key by its name, answers a question that just closed."""
-        is_free = all(sense.kind == "question" and sense.name == "key" for sense in senses)
-        is_recent = self._talk.now - self._closed_at < LATE_S
-        return is_free and is_recent and self._grammar.answers(utterance.text, self._closed)
-
-    def _others(self, meant: Sense, senses: Sequence[Sense], *others: Sequence[Sense]) -> Iterator[Sense]:
-        """The orders that other readings are instead, to be read back; none where what is meant is, in any case."""
-        if meant.kind == "order" and not must_confirm(meant, self._talk.view, mapper="grammar", agreeing=None):
-            found = {sense.identity: sense for each in others for sense in each if sense.kind == "order"}
-            known = {sense.identity for sense in senses}
-            yield from (sense._replace(is_partial=True) for key, sense in found.items() if key not in known)
-
-    def _free_answer(self, utterance: Utterance) -> tuple[Sense, ...]:
-        """What no rule reads, as the text that a question asks for; a model, which reads more, comes first."""
-        if self._talk.settings.has_model or not may(utterance.role, "answer", self._talk.settings):
-            return ()
-        sense = self._grammar.free_answer(utterance.text, self._talk.view)
-        return (sense,) if sense is not None else ()
-
-    def _answer_nothing(self, utterance: Utterance, number: int) -> Handling:
-        if self._is_to_model(utterance):
-            return "unknown"
-        self._speak_nothing(utterance, number)
-        return "handled"
-
-    def _is_to_model(self, utterance: Utterance) -> bool:
-        """Whether a yes or a no may be meant for a model: its text was the last that its speaker received."""
-        turns = reversed(self._talk.turns)
-        last = next((each for each in turns if each.by == "robot" and each.channel in ("", utterance.channel)), None)
-        return self._talk.settings.has_model and last is not None and last.way == "model"
-
-    def _speak_nothing(self, utterance: Utterance, number: int) -> None:
+    def speak_nothing(self, utterance: Utterance, number: int) -> None:
         """That there is nothing to confirm, and which requests wait."""
         language, text = self._talk.language, self._talk.language.text("nothing_to_confirm")
         if self._requests and may(utterance.role, "start", self._talk.settings):
@@ -198,145 +106,50 @@ class OrderSide:
             text = f"{text} {waiting} {language.text('queued_more')}"
         self._speaking.speak(text, to=utterance.channel, reply_to=number)
 
-    def _chosen(self, senses: Sequence[Sense], utterance: Utterance, number: int) -> Sense | None:
-        """The one sense that is meant; None where the person must decide, and is asked."""
-        view, language, settings = self._talk.view, self._talk.language, self._talk.settings
-        if len(senses) == 1:
-            return senses[0]
-        possible = [
-            sense
-            for sense in senses
-            if sense.kind == "order" and may(utterance.role, sense.name, settings)  # type: ignore[arg-type]
-            and (not why_not_now(sense, view, language) or is_request(sense, view))
-        ]  # fmt: skip
-        if len(possible) < 2:
-            return possible[0] if possible else senses[0]
-        choices = language.listed([self._choice(sense) for sense in possible], "or")
-        self._speaking.reply("ambiguous", utterance, number, choices=choices)
-        return None
-
-    def _is_for_model(self, sense: Sense) -> bool:
-        """Whether it is a question of the robot's own that nothing answers now, and a model may know more."""
-        view = self._talk.view
-        is_answered = (
-            is_known(sense.key, view.keys) if sense.name == "value" else self._talk.answers.knows(sense.name, view)
-        )
-        return sense.kind == "question" and self._talk.settings.has_model and not is_answered
-
-    def _choice(self, sense: Sense) -> str:
-        language, question = self._talk.language, self._talk.view.question(sense.question)
-        if sense.name != "answer" or question is None:
-            return language.text("choice_order", order=language.word("order_names", sense.name))
-        return language.text(
-            "choice_option", number=option_place(sense.option, question.options), option=spoken(sense.option)
-        )
-
-    def _handle(self, sense: Sense, utterance: Utterance, number: int, agreeing: int | None) -> None:
-        if sense.kind == "quiet":
-            self._speaking.silence(is_total=False)
-        elif sense.kind == "question":
-            self._answer(sense, utterance, number)
-        elif sense.kind == "withdraw":
-            self._withdraw(utterance, number)
-        elif sense.kind == "again":
-            self._again(utterance, number, agreeing)
-        elif sense.kind == "other":
-            self._other(sense, utterance, number)
-        elif not may(utterance.role, sense.name, self._talk.settings):  # type: ignore[arg-type]
-            self._refuse_permission(sense.name, utterance, number)
-        elif sense.kind == "fault":
-            self._talk.note("refused", number=number, order=sense.name, why=sense.fault, by="grammar")
-            self._speaking.speak(sense.fault, to=utterance.channel, reply_to=number)
-            self._keep(sense, utterance.speaker)
-        else:
-            if sense.rest:
-                self._speaking.reply("one_at_a_time", utterance, number, rest=cut(sense.rest, LONGEST_REASON))
-            self.take(sense, utterance, number, mapper="grammar", agreeing=agreeing)
-
-    def _answer(self, sense: Sense, utterance: Utterance, number: int) -> None:
-        if not may(utterance.role, "ask", self._talk.settings):
-            self._refuse_ask(utterance, number)
-            return
-        pending, settings = self._pending, self._talk.settings
-        if sense.name == "repeat" and pending is not None and may(utterance.role, pending.sense.name, settings):  # type: ignore[arg-type]
-            self._ask(pending.asked_again(), utterance, number)
-            return
-        text = self._talk.answers.answer(sense, self._talk.view, self._asker(utterance))
-        self._speaking.speak(text, to=utterance.channel, reply_to=number)
-
-    def _again(self, utterance: Utterance, number: int, agreeing: int | None) -> None:
-        """The speaker's last start, read back; where there is none, or one is asked about, what was spoken."""
-        last = self._starts.get(utterance.speaker)
-        if last is None or self._pending is not None:
-            self._answer(Sense("question", "repeat"), utterance, number)
-        else:
-            self.take(last, utterance, number, mapper="grammar", agreeing=agreeing)
-
-    def _other(self, sense: Sense, utterance: Utterance, number: int) -> None:
-        """Another one than was read back, or asked for last; the person is asked which."""
-        pending = self._pending
-        if pending is not None:
-            self._decide(utterance, number, is_yes=False, is_agreed=True)
-        if sense.fault and self._pending is None:
-            self._speaking.speak(sense.fault, to=utterance.channel, reply_to=number)
-            self._keep(sense, utterance.speaker)
-        elif pending is None:
-            self._speak_nothing(utterance, number)
-
-    def _refuse_ask(self, utterance: Utterance, number: int) -> None:
-        channel = self._talk.language.word("channels", utterance.channel)
-        self._talk.note("refused", number=number, order="ask", role=utterance.role, by="role")
-        self._speaking.reply("ask_not_permitted", utterance, number, channel=channel)
-
-    def _refuse_permission(self, order: str, utterance: Utterance, number: int) -> None:
-        language, settings = self._talk.language, self._talk.settings
-        why = why_not_permitted(order, utterance.role, utterance.channel, settings, language)
-        self._talk.note("refused", number=number, order=order, role=utterance.role, by="role")
-        self._speaking.speak(why, to=utterance.channel, reply_to=number)
-
-    def _asker(self, utterance: Utterance) -> Asker:
-        language, settings = self._talk.language, self._talk.settings
-        names = tuple(language.word("order_names", each) for each in ORDERS if may(utterance.role, each, settings))
-        ordered = tuple(self._ordered.get(utterance.speaker, ()))
-        last = next((each.text for each in reversed(self._talk.turns) if _is_spoken(each, utterance)), "")
-        return Asker(ordered, self._requests.words, names, self._stopping_by, last, self._speaking.reports.last_end)
-
     @property
-    def _stopping_by(self) -> str:
+    def stopping_by(self) -> str:
         """Who gave an order to stop, pause or cancel that the run has not taken yet; empty where there is none."""
         stopping = (each for each in self._under_way.values() if each.sense.name in STOPPING)
         return next((each.utterance.by for each in stopping), "")
 
     # -- orders --------------------------------------------------------------------------------------------------------
 
-    def _stop(self, utterance: Utterance, number: int) -> Handling:
+    def refuse_permission(self, order: str, utterance: Utterance, number: int) -> None:
+        """The role of a sentence may not order this; the reply names where it can be ordered."""
+        language, settings = self._talk.language, self._talk.settings
+        why = why_not_permitted(order, utterance.role, utterance.channel, settings, language)
+        self._talk.note("refused", number=number, order=order, role=utterance.role, by="role")
+        self._speaking.speak(why, to=utterance.channel, reply_to=number)
+
+    def stop(self, utterance: Utterance, number: int) -> bool:
+        """A sentence that orders to stop: it needs no confirmation; whether its role may."""
         if not may(utterance.role, "stop", self._talk.settings):
-            self._refuse_permission("stop", utterance, number)
-            return "handled"
+            self.refuse_permission("stop", utterance, number)
+            return False
         language, view = self._talk.language, self._talk.view
         words, is_idle = language.text("order_stop"), not is_alive(view)
         self._put(JudgedOrder(STOP, utterance, number, "grammar", words, is_reported=is_idle))
         self._speaking.silence(is_total=True)
         asked = self._asked_request
-        if self._pending is not None:
+        if self.pending is not None:
             self._void("stop")
         text = language.text("stop_no_run" if is_idle else "done_stop")
         if not is_idle and may(utterance.role, "resume", self._talk.settings):
             text = f"{text} {language.text('stop_more')}"
         self._speaking.speak(text, to=utterance.channel, reply_to=number)
         self._requests.drop("requests_stopped", asked)
-        return "stopped"
+        return True
 
     @property
     def _asked_request(self) -> tuple[str, ...]:
         """In words, the request whose turn it is, while a person is asked whether it may begin."""
-        return (self._pending.words,) if self._pending is not None and self._pending.is_request else ()
+        return (self.pending.words,) if self.pending is not None and self.pending.is_request else ()
 
-    def _withdraw(self, utterance: Utterance, number: int) -> None:
+    def withdraw(self, utterance: Utterance, number: int) -> None:
         """What waits is dropped; a role that may order a start may do so."""
         asked = self._asked_request
         if not may(utterance.role, "start", self._talk.settings):
-            self._refuse_permission("start", utterance, number)
+            self.refuse_permission("start", utterance, number)
         elif not asked and not self._requests:
             self._speaking.reply("queued_none", utterance, number)
         else:
@@ -357,8 +170,8 @@ class OrderSide:
             agreeing: Of a spoken one that the grammar read, how many recognisers agree.
         """
         view, language, settings = self._talk.view, self._talk.language, self._talk.settings
-        if not may(utterance.role, sense.name, settings):  # type: ignore[arg-type]
-            self._refuse_permission(sense.name, utterance, number)
+        if not may(utterance.role, sense.name, settings):
+            self.refuse_permission(sense.name, utterance, number)
             return
         words = order_words(sense, view, settings, language)
         judged = JudgedOrder(sense, utterance, number, mapper, words)
@@ -391,7 +204,7 @@ class OrderSide:
                 self._refuse(judged, form, count=len(self._requests), order=judged.words)
             return bool(form)
         why = why_not_now(sense, self._talk.view, self._talk.language)
-        if why and sense.name == "resume" and self._stopping_by:
+        if why and sense.name == "resume" and self.stopping_by:
             why = self._talk.language.text("why_stopping")
         if why:
             self._refuse(judged, "not_now", why=why.rstrip("."))
@@ -404,7 +217,7 @@ class OrderSide:
     def _settle(self, judged: JudgedOrder) -> None:
         """The order counts: it is given out, or waits for the end of the mission."""
         if judged.sense.name == "start":
-            self._taken = EarlierOrder(judged.utterance.speaker, judged.sense, self._talk.now)
+            self.taken = EarlierOrder(judged.utterance.speaker, judged.sense, self._talk.now)
         if self._is_request(judged.sense):
             self._requests.add(judged)
             return
@@ -443,8 +256,8 @@ class OrderSide:
     # -- confirmations -------------------------------------------------------------------------------------------------
 
     def _read_back(self, judged: JudgedOrder, *, is_request: bool = False) -> None:
-        if self._pending is not None:
-            is_same = judged.sense.identity == self._pending.sense.identity
+        if self.pending is not None:
+            is_same = judged.sense.identity == self.pending.sense.identity
             by: Literal["corrected", "replaced"] = "corrected" if judged.sense.is_correction or is_same else "replaced"
             self._void(by, by_speaker=judged.utterance.speaker)
         rests_on = self._binding(judged.sense, is_request=is_request)
@@ -453,27 +266,27 @@ class OrderSide:
             is_crossing=self._talk.now - self._ended_at < CROSSING_S, understood_by=self._ended_by,
             is_request=is_request,
         )  # fmt: skip
-        self._ask(pending, judged.utterance, judged.number)
+        self.ask_to_confirm(pending, judged.utterance, judged.number)
 
     def _binding(self, sense: Sense, *, is_request: bool) -> tuple[object, ...]:
         """What a confirmation rests on; a request's on nothing: it is for the run after the one that ended."""
         return () if is_request else binding(sense, self._talk.view)
 
-    def _ask(self, pending: Confirmable, to: Utterance, number: int) -> None:
+    def ask_to_confirm(self, pending: Confirmable, to: Utterance, number: int) -> None:
         """Read an order back, for the first time or again."""
         form = "read_back_model" if pending.mapper == "model" else "read_back"
         form = "request_asked" if pending.is_request else form
         speech = self._speaking.reply(form, to, number, order=pending.words)
         until = self._talk.now + self._talk.settings.confirm_s
-        self._pending = pending._replace(until=until, key=speech.key)
+        self.pending = pending._replace(until=until, key=speech.key)
         self._talk.note("read_back", number=number, order=order_data(pending.sense), mapper=pending.mapper)
 
-    def _distract(self, utterance: Utterance) -> None:
+    def distract(self, utterance: Utterance) -> None:
         """A sentence that is neither yes nor no: what its speaker may confirm is to be read back again."""
-        pending = self._pending
-        if pending is None or not may(utterance.role, pending.sense.name, self._talk.settings):  # type: ignore[arg-type]
+        pending = self.pending
+        if pending is None or not may(utterance.role, pending.sense.name, self._talk.settings):
             return
-        self._pending = pending._replace(distracted=pending.distracted | {utterance.speaker})
+        self.pending = pending._replace(distracted=pending.distracted | {utterance.speaker})
 
     def _end_pending(self, by_speaker: tuple[str, str] = ("", "")) -> Confirmable | None:
         """No confirmation is asked for any more; the one that was.
@@ -481,7 +294,7 @@ class OrderSide:
         Args:
             by_speaker: Who has ended it; empty where no speaker has.
         """
-        pending, self._pending = self._pending, None
+        pending, self.pending = self.pending, None
         if pending is not None:
             self._ended_at, self._ended_by = self._talk.now, by_speaker
         return pending
@@ -501,12 +314,16 @@ class OrderSide:
         if by in ("time", "unspoken") and pending.is_request:
             self._requests.drop("requests_unanswered")
 
-    def _decide(self, utterance: Utterance, number: int, *, is_yes: bool, is_agreed: bool) -> None:
-        """A yes or a no to what was read back; of a spoken one, whether all readings are, of two or more."""
-        pending = self._pending
+    def decide(self, utterance: Utterance, number: int, *, is_yes: bool, is_agreed: bool) -> Sense | None:
+        """A yes or a no to what was read back; of a spoken one, whether all readings are, of two or more.
+
+        Returns:
+            The order that a no has dropped.
+        """
+        pending = self.pending
         if pending is None:
-            return
-        if not may(utterance.role, pending.sense.name, self._talk.settings):  # type: ignore[arg-type]
+            return None
+        if not may(utterance.role, pending.sense.name, self._talk.settings):
             role = self._talk.language.word("roles", utterance.role)
             self._talk.note("refused", number=number, order="confirm", role=utterance.role, by="role")
             self._speaking.reply("not_yours", utterance, number, role=capital(role))
@@ -514,14 +331,15 @@ class OrderSide:
             self._end_pending(utterance.speaker)
             self._talk.note("void", order=order_data(pending.sense), by="no", number=number)
             self._speaking.reply("dropped", utterance, number)
-            self._keep(pending.sense, utterance.speaker)
+            return pending.sense
         elif utterance.is_spoken and not is_agreed:
             self._talk.note("refused", number=number, order="confirm", by="recognisers")
             self._speaking.reply("two_needed", utterance, number, order=pending.words)
         elif pending.is_unclear_from(utterance.speaker):
-            self._ask(pending.asked_again(), utterance, number)
+            self.ask_to_confirm(pending.asked_again(), utterance, number)
         else:
             self._confirm(pending, utterance, number)
+        return None
 
     def _confirm(self, pending: Confirmable, utterance: Utterance, number: int) -> None:
         self._end_pending(utterance.speaker)
@@ -539,22 +357,20 @@ class OrderSide:
         """No run follows the one that there is: what would begin one is dropped, and is refused from now on."""
         self._is_last = True
         asked = self._asked_request
-        if self._pending is not None and self._pending.sense.name == "start":
+        if self.pending is not None and self.pending.sense.name == "start":
             self._void("last")
         self._requests.drop("requests_last", asked)
 
     def follow(self, before: StatusView) -> None:
         """The run's status is new: what was read back may be void, and a request's turn may have come."""
         view = self._talk.view
-        if closed := tuple(each for each in before.questions if view.question(each.number) is None):
-            self._closed, self._closed_at = closed, self._talk.now
-        pending = self._pending
+        pending = self.pending
         if (
             pending is not None
             and (now := self._binding(pending.sense, is_request=pending.is_request)) != pending.binding
         ):
             if self._has_become_possible(pending.sense):
-                self._ask(pending._replace(binding=now), pending.utterance, 0)
+                self.ask_to_confirm(pending._replace(binding=now), pending.utterance, 0)
             else:
                 self._void("changed")
         if is_alive(view) and view.run != before.run:
@@ -572,7 +388,7 @@ class OrderSide:
 
     def begin_requests(self) -> None:
         """The next request has its turn where no mission runs or is about to, and no one is asked for another."""
-        while self._requests and self._pending is None and self._talk.now >= self._starting_until:
+        while self._requests and self.pending is None and self._talk.now >= self._starting_until:
             if is_alive(self._talk.view):
                 return
             self._next_request()
@@ -617,34 +433,29 @@ class OrderSide:
     def on_speech_end(self, end: SpeechEnd) -> None:
         """The time to confirm counts from the end of the reading back; what was not spoken cannot be confirmed."""
         self._requests.on_speech_end()
-        pending = self._pending
+        pending = self.pending
         if pending is None or pending.key != end.key:
             return
         if end.result == "failed" and pending.utterance.is_spoken:
             self._void("unspoken")
         else:
-            self._pending = pending._replace(until=self._talk.now + self._talk.settings.confirm_s)
+            self.pending = pending._replace(until=self._talk.now + self._talk.settings.confirm_s)
 
     def on_time(self) -> None:
         """A confirmation that was not given in time is void."""
-        if self._pending is not None and self._talk.now >= self._pending.until:
+        if self.pending is not None and self._talk.now >= self.pending.until:
             self._void("time")
 
     @property
     def asks_to_begin(self) -> bool:
         """Whether a mission is over and a start, of a request or ordered since, waits for a person's yes."""
-        return self._pending is not None and self._pending.sense.name == "start" and not is_alive(self._talk.view)
+        return self.pending is not None and self.pending.sense.name == "start" and not is_alive(self._talk.view)
 
     def wake_at(self) -> float | None:
         """When a confirmation expires."""
-        return None if self._pending is None else self._pending.until
+        return None if self.pending is None else self.pending.until
 
 
 def _is_locked(view: StatusView) -> bool:
     """Whether the run is over by an e-stop: no other begins until an operator has taken control."""
     return bool(view.mode) and not is_alive(view) and view.control == "nobody"
-
-
-def _is_spoken(turn: TalkTurn, to: Utterance) -> bool:
-    """Whether the rules have spoken it to the speaker of a sentence, or to all."""
-    return turn.by == "robot" and turn.way != "model" and turn.channel in ("", to.channel)

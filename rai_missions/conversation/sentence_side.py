@@ -1,0 +1,262 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Sentences that the rules understand: questions of state are answered, orders and confirmations are handed on.
+
+Rule: nothing is ordered here; whatever a sentence may order goes to the `OrderSide`, which judges it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import Literal
+
+from rai_missions.conversation.corrections import Draft
+from rai_missions.conversation.grammar import STOP, Grammar
+from rai_missions.conversation.inputs import Utterance
+from rai_missions.conversation.judging import is_request, may, must_confirm, why_not_now
+from rai_missions.conversation.language import spoken
+from rai_missions.conversation.named import option_place
+from rai_missions.conversation.order_side import LONGEST_REASON, EarlierOrder, OrderSide
+from rai_missions.conversation.outputs import TalkTurn
+from rai_missions.conversation.senses import Sense
+from rai_missions.conversation.settings import ORDERS
+from rai_missions.conversation.speaking import SpeechSide
+from rai_missions.conversation.start_phrases import StartPhrases
+from rai_missions.conversation.state_answers import Asker
+from rai_missions.conversation.talk import Talk
+from rai_missions.conversation.values import is_known
+from rai_missions.conversation.view import StatusView
+from rai_missions.engine.decision import Question
+from rai_missions.redaction import cut
+
+__all__ = ("Handling", "SentenceSide")
+
+Handling = Literal["handled", "stopped", "unknown"]
+"""What became of a sentence: rules answered it, it stopped the run, or the rules do not know it."""
+LATE_S = 30.0
+"""Seconds after the end of a question, or after a start was taken, within which a sentence may be meant for it."""
+
+
+class SentenceSide:
+    """Reads sentences by the grammar, and finds the one thing that each means.
+
+    Args:
+        talk: What the sides share.
+        speaking: Where texts go out.
+        orders: Where orders, and what confirms them, are judged.
+    """
+
+    def __init__(self, talk: Talk, speaking: SpeechSide, orders: OrderSide) -> None:
+        self._talk, self._speaking, self._orders = talk, speaking, orders
+        phrases = StartPhrases(talk.settings.phrases, talk.settings.names, talk.language)
+        self._grammar = Grammar(talk.language, phrases, talk.settings.questions)
+        self._unfinished: EarlierOrder | None = None
+        """The order that the last sentence of its speaker had refused or dropped, and which the next may complete."""
+        self._closed, self._closed_at = tuple[Question, ...](), float("-inf")
+
+    def follow(self, before: StatusView) -> None:
+        """The run's status is new: questions may have closed."""
+        if closed := tuple(each for each in before.questions if self._talk.view.question(each.number) is None):
+            self._closed, self._closed_at = closed, self._talk.now
+
+    def is_stop(self, utterance: Utterance) -> bool:
+        """Whether one of its readings orders to stop."""
+        return any(STOP in senses for senses in self._senses(utterance))
+
+    def _senses(self, utterance: Utterance) -> list[tuple[Sense, ...]]:
+        """What each of its readings may mean."""
+        readings, draft = utterance.readings or (utterance.text,), self._draft(utterance)
+        return [self._grammar.senses(cut(text, 10_000), self._talk.view, draft) for text in readings]
+
+    def _draft(self, utterance: Utterance) -> Draft | None:
+        """The order that this sentence may correct: its speaker's last, one that is read back, or one just taken."""
+        unfinished = self._of(utterance, self._unfinished, self._talk.settings.confirm_s)
+        if unfinished is not None:
+            return Draft(unfinished, is_asked_for=True)
+        if self._orders.pending is not None:
+            return None if self._orders.pending.is_request else Draft(self._orders.pending.sense, is_read_back=True)
+        taken = self._of(utterance, self._orders.taken, LATE_S)
+        return None if taken is None else Draft(taken)
+
+    def _of(self, utterance: Utterance, given: EarlierOrder | None, within_s: float) -> Sense | None:
+        """An order, where the speaker of this sentence gave it, less than so many seconds ago."""
+        if given is None or given.speaker != utterance.speaker or self._talk.now - given.at >= within_s:
+            return None
+        return given.sense
+
+    def _keep(self, sense: Sense, speaker: tuple[str, str]) -> None:
+        """The next sentence of this speaker may correct or complete this order."""
+        self._unfinished = EarlierOrder(speaker, sense, self._talk.now)
+
+    def on_utterance(self, utterance: Utterance, number: int) -> Handling:
+        """A person's sentence."""
+        each = self._senses(utterance)
+        if self._unfinished is not None and self._unfinished.speaker == utterance.speaker:
+            self._unfinished = None
+        if any(STOP in senses for senses in each):
+            return "stopped" if self._orders.stop(utterance, number) else "handled"
+        self._speaking.speak_due(now=True)
+        senses = each[0]
+        if any(sense.kind in ("yes", "no") for sense in senses) and self._orders.pending is not None:
+            meant = next(sense.kind for sense in senses if sense.kind in ("yes", "no"))
+            is_agreed = len(each) > 1 and all(any(sense.kind == meant for sense in others) for others in each)
+            self._decide(utterance, number, is_yes=meant == "yes", is_agreed=is_agreed)
+            return "handled"
+        self._orders.distract(utterance)
+        senses = tuple(sense for sense in senses if sense.kind not in ("yes", "no")) or senses
+        senses = senses or self._free_answer(utterance)
+        if self._is_late(utterance, senses):
+            self._speaking.speak(self._talk.answers.closed(self._talk.view), to=utterance.channel, reply_to=number)
+            return "handled"
+        if not senses:
+            return "unknown"
+        if senses[0].kind in ("yes", "no"):
+            return self._answer_nothing(utterance, number)
+        sense = self._chosen((*senses, *self._others(senses[0], *each)), utterance, number)
+        if sense is not None and self._is_for_model(sense):
+            return "unknown"
+        if sense is not None:
+            agreeing = sum(any(sense.identity == other.identity for other in others) for others in each)
+            self._handle(sense, utterance, number, agreeing if utterance.is_spoken else None)
+        return "handled"
+
+    def _decide(self, utterance: Utterance, number: int, *, is_yes: bool, is_agreed: bool) -> None:
+        """A yes or a no to what was read back; the next sentence may correct what a no has dropped."""
+        dropped = self._orders.decide(utterance, number, is_yes=is_yes, is_agreed=is_agreed)
+        if dropped is not None:
+            self._keep(dropped, utterance.speaker)
+
+    def _is_late(self, utterance: Utterance, senses: Sequence[Sense]) -> bool:
+        """Whether a sentence that means nothing else, but a key by its name, answers a question that just closed."""
+        is_free = all(sense.kind == "question" and sense.name == "key" for sense in senses)
+        is_recent = self._talk.now - self._closed_at < LATE_S
+        return is_free and is_recent and self._grammar.answers(utterance.text, self._closed)
+
+    def _others(self, meant: Sense, senses: Sequence[Sense], *others: Sequence[Sense]) -> Iterator[Sense]:
+        """The orders that other readings are instead, to be read back; none where what is meant is, in any case."""
+        if meant.kind == "order" and not must_confirm(meant, self._talk.view, mapper="grammar", agreeing=None):
+            found = {sense.identity: sense for each in others for sense in each if sense.kind == "order"}
+            known = {sense.identity for sense in senses}
+            yield from (sense._replace(is_partial=True) for key, sense in found.items() if key not in known)
+
+    def _free_answer(self, utterance: Utterance) -> tuple[Sense, ...]:
+        """What no rule reads, as the text that a question asks for; a model, which reads more, comes first."""
+        if self._talk.settings.has_model or not may(utterance.role, "answer", self._talk.settings):
+            return ()
+        sense = self._grammar.free_answer(utterance.text, self._talk.view)
+        return (sense,) if sense is not None else ()
+
+    def _answer_nothing(self, utterance: Utterance, number: int) -> Handling:
+        if self._is_to_model(utterance):
+            return "unknown"
+        self._orders.speak_nothing(utterance, number)
+        return "handled"
+
+    def _is_to_model(self, utterance: Utterance) -> bool:
+        """Whether a yes or a no may be meant for a model: its text was the last that its speaker received."""
+        turns = reversed(self._talk.turns)
+        last = next((each for each in turns if each.by == "robot" and each.channel in ("", utterance.channel)), None)
+        return self._talk.settings.has_model and last is not None and last.way == "model"
+
+    def _chosen(self, senses: Sequence[Sense], utterance: Utterance, number: int) -> Sense | None:
+        """The one sense that is meant; None where the person must decide, and is asked."""
+        view, language, settings = self._talk.view, self._talk.language, self._talk.settings
+        if len(senses) == 1:
+            return senses[0]
+        possible = [
+            sense
+            for sense in senses
+            if sense.kind == "order" and may(utterance.role, sense.name, settings)
+            and (not why_not_now(sense, view, language) or is_request(sense, view))
+        ]  # fmt: skip
+        if len(possible) < 2:
+            return possible[0] if possible else senses[0]
+        choices = language.listed([self._choice(sense) for sense in possible], "or")
+        self._speaking.reply("ambiguous", utterance, number, choices=choices)
+        return None
+
+    def _is_for_model(self, sense: Sense) -> bool:
+        """Whether it is a question of the robot's own that nothing answers now, and a model may know more."""
+        view = self._talk.view
+        is_answered = (
+            is_known(sense.key, view.keys) if sense.name == "value" else self._talk.answers.knows(sense.name, view)
+        )
+        return sense.kind == "question" and self._talk.settings.has_model and not is_answered
+
+    def _choice(self, sense: Sense) -> str:
+        language, question = self._talk.language, self._talk.view.question(sense.question)
+        if sense.name != "answer" or question is None:
+            return language.text("choice_order", order=language.word("order_names", sense.name))
+        return language.text(
+            "choice_option", number=option_place(sense.option, question.options), option=spoken(sense.option)
+        )
+
+    def _handle(self, sense: Sense, utterance: Utterance, number: int, agreeing: int | None) -> None:
+        if sense.kind == "quiet":
+            self._speaking.silence(is_total=False)
+        elif sense.kind == "question":
+            self._answer(sense, utterance, number)
+        elif sense.kind == "withdraw":
+            self._orders.withdraw(utterance, number)
+        elif sense.kind == "again":
+            self._again(utterance, number, agreeing)
+        elif sense.kind == "other":
+            self._other(sense, utterance, number)
+        elif not may(utterance.role, sense.name, self._talk.settings):
+            self._orders.refuse_permission(sense.name, utterance, number)
+        elif sense.kind == "fault":
+            self._talk.note("refused", number=number, order=sense.name, why=sense.fault, by="grammar")
+            self._speaking.speak(sense.fault, to=utterance.channel, reply_to=number)
+            self._keep(sense, utterance.speaker)
+        else:
+            if sense.rest:
+                self._speaking.reply("one_at_a_time", utterance, number, rest=cut(sense.rest, LONGEST_REASON))
+            self._orders.take(sense, utterance, number, mapper="grammar", agreeing=agreeing)
+
+    def _answer(self, sense: Sense, utterance: Utterance, number: int) -> None:
+        if not may(utterance.role, "ask", self._talk.settings):
+            self._refuse_ask(utterance, number)
+            return
+        pending, settings = self._orders.pending, self._talk.settings
+        if sense.name == "repeat" and pending is not None and may(utterance.role, pending.sense.name, settings):
+            self._orders.ask_to_confirm(pending.asked_again(), utterance, number)
+            return
+        text = self._talk.answers.answer(sense, self._talk.view, self._asker(utterance))
+        self._speaking.speak(text, to=utterance.channel, reply_to=number)
+
+    def _again(self, utterance: Utterance, number: int, agreeing: int | None) -> None:
+        """The speaker's last start, read back; where there is none, or one is asked about, what was spoken."""
+        last = self._orders.last_start_of(utterance.speaker)
+        if last is None or self._orders.pending is not None:
+            self._answer(Sense("question", "repeat"), utterance, number)
+        else:
+            self._orders.take(last, utterance, number, mapper="grammar", agreeing=agreeing)
+
+    def _other(self, sense: Sense, utterance: Utterance, number: int) -> None:
+        """Another one than was read back, or asked for last; the person is asked which."""
+        pending = self._orders.pending
+        if pending is not None:
+            self._decide(utterance, number, is_yes=False, is_agreed=True)
+        if sense.fault and self._orders.pending is None:
+            self._speaking.speak(sense.fault, to=utterance.channel, reply_to=number)
+            self._keep(sense, utterance.speaker)
+        elif pending is None:
+            self._orders.speak_nothing(utterance, number)
+
+    def _refuse_ask(self, utterance: Utterance, number: int) -> None:
+        channel = self._talk.language.word("channels", utterance.channel)
+        self._talk.note("refused", number=number, order="ask", role=utterance.role, by="role")
+        self._speaking.reply("ask_not_permitted", utterance, number, channel=channel)
+
+    def _asker(self, utterance: Utterance) -> Asker:
+        language, settings = self._talk.language, self._talk.settings
+        names = tuple(language.word("order_names", each) for each in ORDERS if may(utterance.role, each, settings))
+        ordered = self._orders.ordered_by(utterance.speaker)
+        last = next((each.text for each in reversed(self._talk.turns) if _is_spoken(each, utterance)), "")
+        return Asker(
+            ordered, self._orders.waiting, names, self._orders.stopping_by, last, self._speaking.reports.last_end
+        )
+
+
+def _is_spoken(turn: TalkTurn, to: Utterance) -> bool:
+    """Whether the rules have spoken it to the speaker of a sentence, or to all."""
+    return turn.by == "robot" and turn.way != "model" and turn.channel in ("", to.channel)
