@@ -13,10 +13,10 @@ from rai_missions.errors import DefinitionError, suggestion
 from rai_missions.event import Origin
 from rai_missions.mission.json_reader import parse_json
 from rai_missions.redaction import Redaction, cut, redacted, shown
+from rai_missions.runtime.requests import GOOD_FOR_S
 from rai_missions.states.state import HOLDERS
 
 __all__ = (
-    "GOOD_FOR_S",
     "LONGEST",
     "Command",
     "CommandReply",
@@ -34,8 +34,6 @@ __all__ = (
 LONGEST = 65_536
 """Characters of an order; longer ones are not read."""
 LONGEST_ID = 128
-GOOD_FOR_S = 5.0
-"""Seconds on the wall within which a run has to take an order: anyone who gave it has continued since."""
 LASTING = frozenset({"e_stop", "cancel", "post"})
 """Orders that are carried out however late they are taken."""
 LONGEST_NAME = 64

@@ -6,10 +6,7 @@ Rule: an order is an event in the run's mailbox like any other; its reply is wha
 
 from __future__ import annotations
 
-import math
 import threading
-import time
-import uuid
 from collections.abc import Callable, Iterator, Mapping
 from typing import Any, NamedTuple
 
@@ -18,12 +15,13 @@ from rai_missions.engine.step import Ask, Step
 from rai_missions.errors import suggestion
 from rai_missions.event import Event
 from rai_missions.keys import stale_at
-from rai_missions.node.command import GOOD_FOR_S, Command, CommandReply, ReplyCallback, lasts, overdue
+from rai_missions.node.command import Command, CommandReply, ReplyCallback, lasts, overdue
 from rai_missions.node.status_message import OpenQuestion
 from rai_missions.profile import Robot
 from rai_missions.redaction import Redaction, cut, logger
 from rai_missions.runtime.lifecycle import HOLDERS, Status
 from rai_missions.runtime.readings import SourceState
+from rai_missions.runtime.requests import OVER, RunRequests, refusal_text
 from rai_missions.runtime.runner import Result, Runner
 
 __all__ = ("RunSession",)
@@ -33,7 +31,6 @@ log = logger(__name__)
 
 COMMANDS = {"pause": "pause", "resume": "resume", "cancel": "cancel", "e_stop": "kill"}
 """Order → the engine's command."""
-OVER = "the mission has ended"
 
 
 class PendingCommand(NamedTuple):
@@ -41,15 +38,15 @@ class PendingCommand(NamedTuple):
 
     order: Command
     on_reply: ReplyCallback
-    until: float
-    """By `time.monotonic`: when it is too late for it."""
 
-    def drops(self) -> bool:
-        """Whether it is too late now; then that is reported."""
-        late_s = time.monotonic() - self.until
-        if late_s > 0:
-            self.on_reply(overdue(self.order, late_s + GOOD_FOR_S))
-        return late_s > 0
+    def take(self, step: Step) -> None:
+        self.on_reply(_reply_of(self.order, step))
+
+    def drop(self, waited_s: float) -> None:
+        self.on_reply(overdue(self.order, waited_s))
+
+    def end(self) -> None:
+        self.on_reply(CommandReply(False, OVER, self.order.id))
 
 
 class RunSession:
@@ -68,12 +65,14 @@ class RunSession:
         self.error = ""
         """Why it broke off, if it did."""
         self._lock = threading.Lock()
-        self._waiting: dict[str, PendingCommand] = {}
-        runner.drop_if(self.is_overdue)
+        self.requests: RunRequests[PendingCommand] = RunRequests(runner)
         self._asked = {each.number: each for each in runner.view.questions}
         self._thread: threading.Thread | None = None
         self._is_news = False
-        self.is_over = False
+
+    @property
+    def is_over(self) -> bool:
+        return self.requests.is_over
 
     @property
     def mode(self) -> str:
@@ -143,15 +142,13 @@ class RunSession:
             self._post(order, on_reply)
 
     def _post(self, order: Command, on_reply: ReplyCallback) -> None:
-        request = uuid.uuid4().hex[:12]
-        with self._lock:
-            is_over, is_full = self.is_over, len(self._waiting) >= MOST_WAITING and order.command != "e_stop"
-            if not is_over and not is_full:
-                until = math.inf if lasts(order) else time.monotonic() + GOOD_FOR_S
-                self._waiting[request] = PendingCommand(order, on_reply, until)
-        if is_over or is_full:
-            on_reply(CommandReply(False, OVER if is_over else "too many orders wait already; ask again", order.id))
-        elif order.command == "e_stop":
+        if len(self.requests) >= MOST_WAITING and order.command != "e_stop":
+            on_reply(CommandReply(False, "too many orders wait already; ask again", order.id))
+            return
+        request = self.requests.add(PendingCommand(order, on_reply), lasts=lasts(order))
+        if not request:
+            return
+        if order.command == "e_stop":
             self.runner.post_urgent(self._event(order, request))
         elif order.command == "control":
             self.runner.call_soon(lambda: self._hand_over(request))
@@ -160,19 +157,10 @@ class RunSession:
 
     def _hand_over(self, request: str) -> None:
         """Ask for control as an order wants it, on the run's thread."""
-        waiting = self._waiting.pop(request, None)
-        if waiting is not None and not waiting.drops():
+        waiting = self.requests.taken(request)
+        if waiting is not None:
             why = self.runner.control(waiting.order.to, _signed(waiting.order), waiting.order.role)
             waiting.on_reply(CommandReply(not why, why, waiting.order.id))
-
-    def is_overdue(self, event: Event) -> bool:
-        """An order that the run takes too late is dropped, and that is reported."""
-        request = _request(event) if self._waiting else ""
-        waiting = self._waiting.get(request)
-        if waiting is None or not waiting.drops():
-            return False
-        self._waiting.pop(request, None)
-        return True
 
     def _event(self, order: Command, request: str) -> Event:
         at, origin = self.runner.view.now(), {"by": order.by, "request": request}
@@ -227,7 +215,7 @@ class RunSession:
         else:
             return self.result
         finally:
-            self._end()
+            self.requests.close()
 
     def follow(self, status: Status) -> None:
         """The run's status has changed."""
@@ -240,9 +228,7 @@ class RunSession:
 
     def receive(self, step: Step) -> None:
         """Report to the client of an order what this step did."""
-        waiting = self._waiting.pop(_request(step.event), None) if self._waiting else None
-        if waiting is not None:
-            waiting.on_reply(_reply_of(waiting.order, step))
+        self.requests.step(step)
 
     def _follow_questions(self, step: Step) -> bool:
         if not self._asked and not any(isinstance(effect, Ask) for effect in step.effects):
@@ -251,13 +237,6 @@ class RunSession:
         with self._lock:
             self._asked = {each.number: each for each in self.runner.view.questions}
         return before != tuple(self._asked)
-
-    def _end(self) -> None:
-        with self._lock:
-            self.is_over = True
-            left, self._waiting = tuple(self._waiting.values()), {}
-        for each in left:
-            each.on_reply(CommandReply(False, OVER, each.order.id))
 
 
 def _harmless(on_reply: ReplyCallback) -> ReplyCallback:
@@ -272,12 +251,6 @@ def _harmless(on_reply: ReplyCallback) -> ReplyCallback:
     return reply
 
 
-def _request(event: Event) -> str:
-    """Which order an event comes of; a robot, too, may call something so, and mean anything by it."""
-    request = event.data.get("request")
-    return request if isinstance(request, str) else ""
-
-
 def _signed(order: Command) -> str:
     """Who asks for control, as people read it: an operator's name follows that word."""
     is_signed = order.role != "operator" or order.by == "operator" or order.by.startswith("operator ")
@@ -285,16 +258,10 @@ def _signed(order: Command) -> str:
 
 
 def _reply_of(order: Command, step: Step) -> CommandReply:
-    if order.command == "answer":
-        if step.kept:
-            return CommandReply(True, "it is judged once the run is resumed, or control is given back", order.id)
-        verdict = step.verdict
-        if verdict is not None and verdict.accepted:
-            return CommandReply(True, "", order.id)
-        words = step.notes[verdict.note] if verdict is not None and verdict.note is not None else ""
-        return CommandReply(False, words or step.why or "its time was over", order.id)
-    if step.ignored and step.why:
-        return CommandReply(False, step.why, order.id)
+    if why := refusal_text(step):
+        return CommandReply(False, why, order.id)
+    if order.command == "answer" and step.kept:
+        return CommandReply(True, "it is judged once the run is resumed, or control is given back", order.id)
     remark = "nothing in the mission reacts to it now" if order.command == "post" and step.ignored else ""
     return CommandReply(True, remark, order.id)
 

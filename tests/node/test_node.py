@@ -395,7 +395,7 @@ def test_orders_that_a_busy_run_takes_too_late_are_dropped_but_those_that_end_it
     scene: Scene, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     is_free = kept_busy(scene)
-    monkeypatch.setattr("rai_missions.node.run_session.GOOD_FOR_S", -1.0)  # as if it had been busy for longer
+    monkeypatch.setattr("rai_missions.runtime.requests.GOOD_FOR_S", -1.0)  # as if it had been busy for longer
     course, reported = scene.node.session, Inbox[CommandReply]()
     assert course is not None
     orders = (Command("pause", id="a"), Command("control", to="operator", id="b", role="operator"), Command("control", to="nobody", id="c", role="operator"),  # noqa: E501

@@ -87,7 +87,7 @@ def test_what_a_robot_calls_a_request_is_none_of_the_orders(reported: Any) -> No
     answered_at, receipts = AskingRun(), list[CommandReply]()
     answered_at.session.submit(Command("pause"), receipts.append)
     event = Event("robot_reports", 0.0, {"request": reported})
-    assert not answered_at.session.is_overdue(event)
+    assert not answered_at.session.requests.drops(event)
     answered_at.session.receive(answered_at.chart.send(event))
     assert receipts == []
 
