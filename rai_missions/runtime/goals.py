@@ -54,7 +54,6 @@ class Goals:
         self._ids: dict[int, str] = {}
         self._composed: dict[str, CancelGoal] = {}
         """Action → its last start: that it has ended is known to guards alone."""
-        self._entries: dict[int, ActionEntry] = {}
         self._unwanted: set[int] = set()
         """Goals whose end was asked for: while one is looked for, its server may know nothing of it yet."""
         self._starting: set[int] = set()
@@ -214,9 +213,8 @@ class Goals:
 
     def _sent(self, entry: ActionEntry, effect: StartGoal) -> tuple[str, Callable[[Report], None]]:
         """A goal's id, and what its reports go to."""
-        self._entries[effect.number] = entry
         goal_id = self._ids[effect.number] = self.goal_id(effect.number, effect.owner)
-        return goal_id, lambda report: self._reported(effect, goal_id, report)
+        return goal_id, lambda report: self._reported(entry, effect, goal_id, report)
 
     def _compose(self, entry: ActionEntry, effect: StartGoal) -> None:
         """An action made of services: its `start` accepts, its guards end it, its `cancel` confirms."""
@@ -265,7 +263,7 @@ class Goals:
         elif outcome == "succeeded" and number not in self._starting:
             self._end(number, "canceled", {})
 
-    def _reported(self, effect: StartGoal, goal_id: str, report: Report) -> None:
+    def _reported(self, entry: ActionEntry, effect: StartGoal, goal_id: str, report: Report) -> None:
         number = effect.number
         if report.goal_id != goal_id:
             log.warning("goal %d: a report of the goal '%s' is not one of it", number, report.goal_id)
@@ -278,19 +276,12 @@ class Goals:
             why = {"why": in_words(report.why)} if report.why else {}
             if report.status == "lost" and report.may_run:
                 self._on_event("lost", effect.action, number, why)
-            self._end(number, outcome, {**self._result_of(number, report), **why})
+            self._end(number, outcome, {**_result_of(entry, report), **why})
         elif report.status in WATCHED:
             why = {"why": in_words(report.why)} if report.why else {}
             self._on_event(WATCHED[report.status], effect.action, number, {"owner": effect.owner, **why})
         else:
             log.warning("goal %d: its server reports '%s', which is no end and no progress", number, report.status)
-
-    def _result_of(self, number: int, report: Report) -> Mapping[str, Any]:
-        entry = self._entries.pop(number, None)
-        try:
-            return entry.result_of(report.data) if entry is not None else {}
-        except Exception as error:  # noqa: BLE001 - whatever a server reports, its goal has ended
-            return {"why": f"its result was not understood: {cut(error, 250)}"}
 
     def _end(self, number: int, outcome: str, data: Mapping[str, Any]) -> None:
         self._ids.pop(number, None)
@@ -300,6 +291,13 @@ class Goals:
             if cancel.number == number:
                 del self._composed[action]
         self._on_event("result", outcome, number, data)
+
+
+def _result_of(entry: ActionEntry, report: Report) -> Mapping[str, Any]:
+    try:
+        return entry.result_of(report.data)
+    except Exception as error:  # noqa: BLE001 - whatever a server reports, its goal has ended
+        return {"why": f"its result was not understood: {cut(error, 250)}"}
 
 
 def outcome_of(entry: ServiceEntry, reply: Reply) -> tuple[str, str]:

@@ -208,7 +208,7 @@ class Lifecycle:
         self._position = Position(mode_machine(), MODES[0])
         self.control = Control()
         self.revision = 0
-        self._last: tuple[Any, ...] = ()
+        self._last: Status | None = None
 
     @property
     def mode(self) -> str:
@@ -238,17 +238,18 @@ class Lifecycle:
         if target != self.mode:
             self._go(step, target)
         self.control.follow(holder, taken=taken)
-        outcome, why = step.outcome, step.why if step.outcome else ""
-        if self._last and self._last[3]:  # it has ended: what comes too late has a reason of its own
-            outcome, why = self._last[3:5]
+        last, why = self._last, step.why if step.outcome else ""
+        outcome: str | None = step.outcome
+        if last is not None and last.outcome:  # it has ended: what comes too late has a reason of its own
+            outcome, why = last.outcome, last.why
         waits = _waits(waiting, holder, held_by) if mode != "ended" else ""
         shown = tuple(sorted(active) if isinstance(active, AbstractSet) else active)
-        status = (target, holder, shown, outcome, why, waits, open_goals, held_by, held_since)
-        if status == self._last:
+        status = Status(self.revision, target, holder, shown, outcome, why, waits, open_goals, held_by, held_since)
+        if status == last:
             return None
-        self._last = status
         self.revision += 1
-        return Status(self.revision, *status)
+        self._last = status._replace(revision=self.revision)
+        return self._last
 
     def _go(self, step: Step, target: str) -> None:
         """Fire what the step names: its command, and the outcome with which the mission ended in it.
@@ -256,7 +257,7 @@ class Lifecycle:
         A command that leads neither there nor on the way there was refused. The step that is seen first may be of a
         run that began in another process.
         """
-        if not self._last:
+        if self._last is None:
             self._position.state = target
             return
         command = step.event.name if step.event.kind == "command" else ""
