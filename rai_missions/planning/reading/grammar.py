@@ -322,7 +322,7 @@ class Rules:
         if len(subjects) < 2 or len(whole) > 1:
             raise Unread("order", self.lexicon.text("order"))
         subjects = subjects if is_from_left else subjects[::-1]
-        return [Clause("in_order", subjects, whole[0] if whole else None, is_ordered=True)]
+        return [Clause("in_order", subjects, whole[0] if whole else None)]
 
 
 def _listed(cursor: Cursor) -> tuple[Phrase, ...]:

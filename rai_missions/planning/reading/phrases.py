@@ -68,7 +68,5 @@ class Clause:
     gap_m: float | None = None
     levels: tuple[tuple[Phrase, int | None], ...] = field(default=())
     """Of a tower: things of a level, counted from below, negative from above; None: in the middle."""
-    is_ordered: bool = False
-    """Whether the subjects are in their order, from below or from the left."""
     by: str = ""
     """What groups are made by: `colour` or `type`."""

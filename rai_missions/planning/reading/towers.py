@@ -111,7 +111,7 @@ def _upward(cursor: Cursor, unread: Callable[[], Unread]) -> Clause:
         members += more
     if len(members) < 2:
         raise unread()
-    return Clause("stack", tuple(members if is_up else members[::-1]), is_ordered=True)
+    return Clause("stack", tuple(members if is_up else members[::-1]))
 
 
 def _levels(
