@@ -3,11 +3,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 
 from rai_missions.check.index import KeyWrite, MissionIndex
 from rai_missions.check.name_table import Lexicon
-from rai_missions.check.paths import key_of, meaning
+from rai_missions.check.paths import key_of, meaning, parameter_types
 from rai_missions.check.pointers import pointer
 from rai_missions.states.effects import Raise
 from rai_missions.states.state import ANY_EVENT
@@ -84,12 +84,10 @@ def _parameters(survey: MissionIndex) -> set[str] | None:
     names: set[str] = set()
     for asked, _, _ in survey.asked:
         for option in asked.options.values():
-            if option.parameters is None:
-                continue
-            properties = option.parameters.get("properties")
-            if not isinstance(properties, Mapping):
+            own = parameter_types(option)
+            if own is None:
                 return None
-            names.update(properties)
+            names.update(own)
     return names
 
 

@@ -12,7 +12,7 @@ from rai_missions.keys import Key
 from rai_missions.states import Option
 from rai_missions.states.state import ANY_EVENT
 
-__all__ = ("Meaning", "key_of", "meaning")
+__all__ = ("Meaning", "key_of", "meaning", "parameter_types")
 
 POSE = {"x": "number", "y": "number", "z": "number", "yaw": "number", "frame": "string"}
 SCHEMA_TYPES = {"array": "list"}
@@ -101,7 +101,7 @@ def _answer(survey: MissionIndex, scope: Scope, fields: list[str]) -> Meaning:
         return Meaning("object")
     kinds: set[str | None] = set()
     for option in options.values():
-        known = _properties(option)
+        known = parameter_types(option)
         if known is None:
             return Meaning()
         if fields[0] in known:
@@ -109,7 +109,7 @@ def _answer(survey: MissionIndex, scope: Scope, fields: list[str]) -> Meaning:
     if not kinds:
         name, option = next(iter(options.items()))
         lexicon = Lexicon(
-            f"parameter of option '{name}'", _properties(option) or {}, "add it to the option's 'parameters'"
+            f"parameter of option '{name}'", parameter_types(option) or {}, "add it to the option's 'parameters'"
         )
         return Meaning(None, lexicon.missing(fields[0]))
     return Meaning(kinds.pop() if len(kinds) == 1 and len(fields) == 1 else None)
@@ -127,7 +127,7 @@ def _options(survey: MissionIndex, scope: Scope) -> dict[str, Option]:
     return {word: options[word] for word in transition.on if word in options}
 
 
-def _properties(option: Option) -> dict[str, str | None] | None:
+def parameter_types(option: Option) -> dict[str, str | None] | None:
     """The names of an option's parameters and their types; None where any name will do."""
     if option.parameters is None:
         return {}
