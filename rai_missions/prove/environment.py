@@ -229,14 +229,12 @@ class Environment:
                 if known and value == (None if now is None else now.value):
                     continue
                 if value is None:
-                    gone = self.time.elapse(self._forget_it(key), beyond=key)
-                    yield Stimulus(f"{key} goes stale", "write", gone, stale=key, key=key)
+                    yield self._goes_stale(key)
                 else:
                     yield Stimulus(f"{key} is {_in_words(value)}", "write", self._report(key, value), key=key)
         for key, written in self.chart.mission.blackboard.items():
             if written.max_age_s is not None and written.source != "robot" and board.known(key) is not None:
-                gone = self.time.elapse(self._forget_it(key), beyond=key)
-                yield Stimulus(f"{key} goes stale", "write", gone, stale=key, key=key)
+                yield self._goes_stale(key)
         running = state.running if state.mode != "paused" else ()
         trees = [name for name in running if isinstance(self.chart.program.machines[name], TreeMachine)]
         if trees or self.world.predicates:
@@ -246,6 +244,10 @@ class Environment:
                 lambda: self.time.time_passes(*trees),
                 is_tick=True,
             )
+
+    def _goes_stale(self, key: str) -> Stimulus:
+        gone = self.time.elapse(self._forget_it(key), beyond=key)
+        return Stimulus(f"{key} goes stale", "write", gone, stale=key, key=key)
 
     def _others(self, key: str, now: Any) -> Iterator[Any]:
         """What it can be next; of an object the fields alone that someone looks at."""
