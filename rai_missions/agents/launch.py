@@ -6,109 +6,39 @@ Rule: what is opened enters one `ExitStack` at once, which closes it in the oppo
 
 from __future__ import annotations
 
-import math
 import uuid
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Mapping
 from contextlib import ExitStack
 from dataclasses import dataclass
-from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING
 
-from rai_missions.agents.python_robot import open_python_robot
 from rai_missions.agents.run_config import RunConfig
-from rai_missions.check import check, faults_of, load_whole
+from rai_missions.agents.run_environment import RunEnvironment, open_environment
+from rai_missions.agents.run_plan import CleanupStack, RunPlan, read_plan
 from rai_missions.connectors.connector import Connector, SupportsRawMessages
-from rai_missions.connectors.local import LocalConnector
-from rai_missions.connectors.python_robot import PythonRobot, PythonRobotConnector, RobotTime
-from rai_missions.connectors.registry import check_connector, open_offered
 from rai_missions.engine.activities.goal_ledger import may_move
 from rai_missions.engine.decision import Answerer
-from rai_missions.errors import DefinitionError, Fault, UsageError
+from rai_missions.errors import UsageError
 from rai_missions.journal import Header, Journal, make_folder, make_way, versions
 from rai_missions.kinds import PackageOffer
 from rai_missions.mission.files import dump
 from rai_missions.mission.mission import Mission
-from rai_missions.profile import (
-    Robot,
-    dump_profile,
-    identity_folder,
-    is_program,
-    lacking,
-    load_profile,
-    missing,
-    unknown_fields,
-)
-from rai_missions.profile.python_robot import KIND
+from rai_missions.profile import Robot, dump_profile
 from rai_missions.redaction import Redaction, logger
 from rai_missions.runtime.arguments import accepted
-from rai_missions.runtime.clock import Clock, ContinuedClock, PublishedClock, SimulatedClock, WallClock
-from rai_missions.runtime.robot_clock import RobotClock
+from rai_missions.runtime.clock import Clock
 from rai_missions.runtime.run_options import NewRun, RunObserver
 from rai_missions.runtime.runner import Runner
-from rai_missions.worlds.world import World, check_local, open_world, world_offer
+from rai_missions.worlds.world import World
 
 if TYPE_CHECKING:
     from langchain_core.language_models import BaseChatModel
 
     from rai_missions.recording import Recording
-    from rai_missions.replay.open_run import OpenedRun
 
 __all__ = ("PreparedRun", "prepare", "prepare_next")
 
 log = logger(__name__)
-
-
-class CleanupStack(ExitStack):
-    """What is open, and closed in the opposite order; what cannot be closed is logged and keeps nothing else open."""
-
-    def closes(self, close: Callable[[], object]) -> None:
-        """Have something closed at the end."""
-
-        def quietly() -> None:
-            try:
-                close()
-            except Exception:
-                log.exception("something of the run could not be closed")
-
-        self.callback(quietly)
-
-
-class RunPlan(NamedTuple):
-    """What a run is made of, read and checked; nothing of it is open but the journal of a run that continues."""
-
-    config: RunConfig
-    mission: Mission
-    robot: Robot | None
-    identity: Path | None
-    """The folder of the robot's identity."""
-    resumed: OpenedRun | None
-    python: PythonRobot | None = None
-    """The robot, where it is one in Python; `robot` is then its profile."""
-
-    def refuse(self, faults: Iterable[Fault], *named: object) -> None:
-        """Raise the faults of a file, if there are any.
-
-        Args:
-            faults: Every one.
-            named: What may be named by a path; the first that is, is where they are to be mended.
-        """
-        if found := tuple(faults):
-            paths = (each for each in (*named, self.config.resume) if isinstance(each, str | Path))
-            raise DefinitionError(found, str(next(paths, "")))
-
-    def continued(self, clock: Clock) -> Clock:
-        """A clock on which a run that continues has the time that it had left."""
-        return clock if self.resumed is None else ContinuedClock(clock, self.resumed.resumption.at)
-
-
-class RunEnvironment(NamedTuple):
-    """The world, how it is reached, and whose time counts."""
-
-    world: World | None
-    connector: Connector | None
-    clock: Clock
-    packages: Mapping[str, str] = {}
-    """Other packages that they and the answerers come from, and their versions."""
 
 
 @dataclass(frozen=True)
@@ -204,8 +134,8 @@ def prepare(config: RunConfig) -> PreparedRun:
         UsageError: Something named is not there.
     """
     with CleanupStack() as closing:
-        plan = _read(config, closing)
-        environment = _open_environment(plan, closing)
+        plan = read_plan(config, closing)
+        environment = open_environment(plan, closing)
         answerers, packages = _open_answerers(plan, environment.connector, environment.clock, closing)
         environment = environment._replace(packages={**environment.packages, **packages})
         return _made(plan, environment, answerers, closing)
@@ -259,107 +189,6 @@ def _made(
     return PreparedRun(
         plan, environment, runner, answerers, recording, journal, moved_aside, closing.pop_all(), reached
     )
-
-
-def _read(config: RunConfig, closing: CleanupStack) -> RunPlan:
-    mission = load_whole(config.mission) if isinstance(config.mission, str | Path) else config.mission
-    given, identity = config.robot, None
-    if isinstance(given, str | Path) and not is_program(given):
-        robot: Robot | None = load_profile(given)
-        identity = identity_folder(robot, given) if robot is not None else None
-    else:
-        robot = given if isinstance(given, Robot) else None
-    resumed = None
-    if config.resume is not None:
-        from rai_missions.replay.open_run import open_run
-
-        resumed = open_run(config.resume, mission=mission, robot=robot, named=config.named, programs=config.programs)
-        closing.closes(resumed.record.close)
-        mission, robot = resumed.mission, robot or resumed.robot
-    if robot is not None and "world" in robot.connector and config.seed is not None:  # the journal has it with the rest
-        robot = robot.model_copy(update={"connector": {**robot.connector, "seed": config.seed}})
-    if mission is None:
-        raise UsageError("no mission was named, and no run to resume")
-    plan = RunPlan(config, mission, robot, identity, resumed)
-    plan.refuse(faults_of(check(mission)), config.mission)
-    if resumed is None:
-        accepted(mission, config.arguments, whole=not config.waits)
-    if (chosen := open_python_robot(given, mission, resumed.robot if resumed is not None else None)) is not None:
-        plan = plan._replace(python=chosen.robot, robot=chosen.profile)
-    needed = mission.needed_facts() if resumed is None and config.connector is None else ()
-    if plan.robot is None and needed:
-        raise UsageError(f"the mission must receive {', '.join(needed)} from a robot, and none was given")
-    plan.refuse(missing(mission, plan.robot) if plan.robot is not None else (), config.robot)
-    return plan
-
-
-def _open_environment(plan: RunPlan, closing: CleanupStack) -> RunEnvironment:
-    config = plan.config
-    if plan.python is not None and config.connector is None:
-        return _open_python(plan, plan.python)
-    if config.connector is not None or plan.robot is None:
-        return RunEnvironment(None, config.connector, plan.continued(config.clock or WallClock()))
-    options = dict(plan.robot.connector)
-    kind, world = str(options.pop("kind")), options.pop("world", None)
-    if (offer := check_connector(kind)) is not None:
-        return _open_connector(plan, plan.robot, offer, options, closing)
-    if kind == KIND:
-        raise UsageError("a profile cannot name a robot in Python; a person does: --robot FILE.py")
-    if world is None:
-        check_local(options)
-        clock = plan.continued(config.clock or WallClock())
-        return RunEnvironment(None, LocalConnector(now=clock.now), clock)
-    return _open_world(plan, str(world), options, closing)
-
-
-def _open_python(plan: RunPlan, robot: PythonRobot) -> RunEnvironment:
-    """A robot whose functions execute in this process: by the wall, or as fast as they wait."""
-    given, speed = plan.config.clock, plan.config.speed
-    robot_time = RobotTime(steered=given is None and speed not in (None, 1.0))
-    steered = RobotClock(robot_time, speed or math.inf) if robot_time.is_steered else WallClock()
-    clock = plan.continued(given or steered)
-    keys = [name for name, key in plan.mission.blackboard.items() if key.source == "robot"]
-    connector = PythonRobotConnector(robot, now=clock.now, robot_time=robot_time, events=plan.mission.events, keys=keys)
-    return RunEnvironment(None, connector, clock)
-
-
-def _open_connector(
-    plan: RunPlan, robot: Robot, offer: PackageOffer, options: Mapping[str, Any], closing: CleanupStack
-) -> RunEnvironment:
-    """A robot that is reached by a middleware."""
-    given = plan.config.clock
-    published = PublishedClock() if given is None and options.get("sim_time") is True else None
-    clock, package = plan.continued(published or given or WallClock()), offer.load()
-    connector = open_offered(offer, options, now=clock.now)
-    if hasattr(package, "why_absent"):
-        absent = lacking(plan.mission, robot, package.why_absent)
-        plan.refuse((*absent, *unknown_fields(plan.mission, robot, package.fields_of)), plan.config.robot)
-    if published is not None:
-        connector.start()
-        closing.closes(connector.stop)
-        published.follow(connector)
-    return RunEnvironment(None, connector, clock, _packages(offer))
-
-
-def _open_world(plan: RunPlan, name: str, options: dict[str, Any], closing: CleanupStack) -> RunEnvironment:
-    """A simulated world."""
-    config = plan.config
-    if plan.resumed is not None:  # its clock continues, and all else in it begins again
-        options["start_s"] = plan.resumed.resumption.at
-    world = open_world(name, **options)
-    closing.closes(world.close)
-    connector = LocalConnector(now=lambda: world.at)
-    world.open(connector)
-    return RunEnvironment(
-        world,
-        connector,
-        config.clock or SimulatedClock(world, math.inf if config.speed is None else config.speed),
-        _packages(world_offer(name)),
-    )
-
-
-def _packages(offer: PackageOffer | None) -> Mapping[str, str]:
-    return {offer.package: offer.version} if offer is not None and offer.version else {}
 
 
 def _header(plan: RunPlan, packages: Mapping[str, str]) -> Header:

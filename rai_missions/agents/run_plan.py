@@ -1,0 +1,111 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What a run is made of, read and checked before anything is opened.
+
+Rule: every fault of a file is refused at once, under the path of the file that mends it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from contextlib import ExitStack
+from pathlib import Path
+from typing import TYPE_CHECKING, NamedTuple
+
+from rai_missions.agents.python_robot import open_python_robot
+from rai_missions.agents.run_config import RunConfig
+from rai_missions.check import check, faults_of, load_whole
+from rai_missions.connectors.python_robot import PythonRobot
+from rai_missions.errors import DefinitionError, Fault, UsageError
+from rai_missions.mission.mission import Mission
+from rai_missions.profile import Robot, identity_folder, is_program, load_profile, missing
+from rai_missions.redaction import logger
+from rai_missions.runtime.arguments import accepted
+from rai_missions.runtime.clock import Clock, ContinuedClock
+
+if TYPE_CHECKING:
+    from rai_missions.replay.open_run import OpenedRun
+
+__all__ = ("CleanupStack", "RunPlan", "read_plan")
+
+log = logger(__name__)
+
+
+class CleanupStack(ExitStack):
+    """What is open, and closed in the opposite order; what cannot be closed is logged and keeps nothing else open."""
+
+    def closes(self, close: Callable[[], object]) -> None:
+        """Have something closed at the end."""
+
+        def quietly() -> None:
+            try:
+                close()
+            except Exception:
+                log.exception("something of the run could not be closed")
+
+        self.callback(quietly)
+
+
+class RunPlan(NamedTuple):
+    """What a run is made of, read and checked; nothing of it is open but the journal of a run that continues."""
+
+    config: RunConfig
+    mission: Mission
+    robot: Robot | None
+    identity: Path | None
+    """The folder of the robot's identity."""
+    resumed: OpenedRun | None
+    python: PythonRobot | None = None
+    """The robot, where it is one in Python; `robot` is then its profile."""
+
+    def refuse(self, faults: Iterable[Fault], *named: object) -> None:
+        """Raise the faults of a file, if there are any.
+
+        Args:
+            faults: Every one.
+            named: What may be named by a path; the first that is, is where they are to be mended.
+        """
+        if found := tuple(faults):
+            paths = (each for each in (*named, self.config.resume) if isinstance(each, str | Path))
+            raise DefinitionError(found, str(next(paths, "")))
+
+    def continued(self, clock: Clock) -> Clock:
+        """A clock on which a run that continues has the time that it had left."""
+        return clock if self.resumed is None else ContinuedClock(clock, self.resumed.resumption.at)
+
+
+def read_plan(config: RunConfig, closing: CleanupStack) -> RunPlan:
+    """Read and check what a run is made of; nothing moves yet.
+
+    Raises:
+        DefinitionError: The mission or the profile is at fault, every fault at once.
+        UsageError: Something named is not there.
+    """
+    mission = load_whole(config.mission) if isinstance(config.mission, str | Path) else config.mission
+    given, identity = config.robot, None
+    if isinstance(given, str | Path) and not is_program(given):
+        robot: Robot | None = load_profile(given)
+        identity = identity_folder(robot, given) if robot is not None else None
+    else:
+        robot = given if isinstance(given, Robot) else None
+    resumed = None
+    if config.resume is not None:
+        from rai_missions.replay.open_run import open_run
+
+        resumed = open_run(config.resume, mission=mission, robot=robot, named=config.named, programs=config.programs)
+        closing.closes(resumed.record.close)
+        mission, robot = resumed.mission, robot or resumed.robot
+    if robot is not None and "world" in robot.connector and config.seed is not None:  # the journal has it with the rest
+        robot = robot.model_copy(update={"connector": {**robot.connector, "seed": config.seed}})
+    if mission is None:
+        raise UsageError("no mission was named, and no run to resume")
+    plan = RunPlan(config, mission, robot, identity, resumed)
+    plan.refuse(faults_of(check(mission)), config.mission)
+    if resumed is None:
+        accepted(mission, config.arguments, whole=not config.waits)
+    if (chosen := open_python_robot(given, mission, resumed.robot if resumed is not None else None)) is not None:
+        plan = plan._replace(python=chosen.robot, robot=chosen.profile)
+    needed = mission.needed_facts() if resumed is None and config.connector is None else ()
+    if plan.robot is None and needed:
+        raise UsageError(f"the mission must receive {', '.join(needed)} from a robot, and none was given")
+    plan.refuse(missing(mission, plan.robot) if plan.robot is not None else (), config.robot)
+    return plan
