@@ -20,7 +20,7 @@ from typing import Any, NamedTuple
 
 from rai_missions.errors import MissionError
 from rai_missions.planning import Goal, Scene, feasible, read_goal, read_scene
-from rai_missions.planning.reading import goal_parameters, is_said, reading_of
+from rai_missions.planning.reading import RequestReading, goal_parameters, is_said, reading_of
 from rai_missions.planning.relations import without_swaps
 
 FOLDER = Path(__file__).parents[1] / "tests/data/requests"
@@ -62,10 +62,14 @@ def _stored(name: str) -> Any:
 
 def by_rule(request: Request) -> Outcome:
     """What the rules read, judged by feasibility."""
-    found = reading_of(request.text, request.scene)
+    return read_outcome(reading_of(request.text, request.scene), request.scene)
+
+
+def read_outcome(found: RequestReading, scene: Scene) -> Outcome:
+    """What was read, judged by feasibility."""
     if found.goal is None:
         return Outcome(refused="" if found.question else found.reason)
-    return judged(found.goal, request.scene)
+    return judged(found.goal, scene)
 
 
 def judged(goal: Goal, scene: Scene) -> Outcome:
