@@ -106,6 +106,7 @@ class Library:
             question: In free words, English.
             count: Passages at most; 1 to 20.
         """
+        question = question.encode("utf-8", "replace").decode()  # bytes of a shell that are no text come as surrogates
         shelf, terms = self._open_shelf(), key_terms(question)
         by_words = shelf.reader.with_words(terms, CANDIDATES)
         by_meaning = self._by_meaning(shelf, question)

@@ -18,6 +18,8 @@ __all__ = ("Body", "BodyJoint", "BodyLink", "BodyShape", "read_body")
 MOST = 2_000
 """Links, joints or shapes that are read."""
 LONGEST_NAME = 100
+MOST_VALUE = 1e100
+"""No measure, mass or limit is beyond that; all that is reckoned with such numbers stays finite."""
 SHOWN = 40
 SHAPES = {"box": ("size",), "cylinder": ("radius", "length"), "sphere": ("radius",), "mesh": ()}
 """Shape → its measures, as attributes; a mesh is a file, which is not opened."""
@@ -181,8 +183,12 @@ def _mass(attributes: Mapping[str, str], line: int) -> float:
 
 def _measures(tag: str, attributes: Mapping[str, str], line: int) -> tuple[float, ...]:
     if tag == "box":
-        return _numbers(attributes.get("size", ""), 3, "the size of the box", line)
-    return tuple(_number(attributes.get(name, ""), f"the {name} of the {tag}", line) for name in SHAPES[tag])
+        measures = _numbers(attributes.get("size", ""), 3, "the size of the box", line)
+    else:
+        measures = tuple(_number(attributes.get(name, ""), f"the {name} of the {tag}", line) for name in SHAPES[tag])
+    if any(measure < 0 for measure in measures):
+        raise RefusedXml(f"has a {tag} of negative size in line {line}: {', '.join(map(str, measures))}")
+    return measures
 
 
 def _numbers(text: str, count: int, what: str, line: int) -> tuple[float, ...]:
@@ -199,4 +205,6 @@ def _number(text: str, what: str, line: int) -> float:
         value = math.nan
     if not math.isfinite(value):
         raise RefusedXml(f"{what} in line {line} is {cut_repr(text, 40)}, which is no number")
+    if abs(value) > MOST_VALUE:
+        raise RefusedXml(f"{what} in line {line} is {cut_repr(text, 40)}; at most {MOST_VALUE:g} is read")
     return value

@@ -126,6 +126,12 @@ def test_any_question_is_answered_or_refused(any_library: Library, question: str
     assert isinstance(found, FoundPassages) and len(found.passages) <= 5
 
 
+@needs_minilm
+def test_a_question_with_bytes_that_are_no_text_is_answered(folder: Path) -> None:
+    found = Library(folder).recall("the tyres\udcff")
+    assert found.passages[0].text == "The tyres take 1.2 bar."
+
+
 @pytest.fixture(scope="module")
 def any_library(tmp_path_factory: pytest.TempPathFactory) -> Library:
     home = tmp_path_factory.mktemp("identity")

@@ -154,6 +154,21 @@ ENTITY_BOMB = zipped({"word/document.xml": f"{BOMB}<w>&b;</w>"})
             "the mass in line 2 is 'x', which is no number",
         ),
         ("a.urdf", b"<robot><link name='a'><inertial><mass value='-1'/>", "has a negative mass in line 1: -1.0"),
+        (
+            "a.urdf",
+            b"<robot><link name='a'><inertial><mass value='1.7e308'/>",
+            "the mass in line 1 is '1.7e308'; at most 1e+100 is read",
+        ),
+        (
+            "a.urdf",
+            b"<robot><joint name='a'><limit upper='-1e300'/>",
+            "the limit 'upper' in line 1 is '-1e300'; at most 1e+100 is read",
+        ),
+        (
+            "a.urdf",
+            b"<robot><link name='a'><collision><geometry><box size='1 -1 2'/>",
+            "has a box of negative size in line 1: 1.0, -1.0, 2.0",
+        ),
         ("a.urdf", b"<robot><joint name='a'><axis xyz='1 0'/>", "the axis in line 1 is '1 0'; it is 3 numbers"),
         ("a.urdf", b"<robot><joint name='a'><limit lower='nan'/>", "the limit 'lower' in line 1 is 'nan', which is no"),
     ],
