@@ -41,7 +41,7 @@ from rai_missions.conversation import (
 from rai_missions.conversation.inputs import SpeechResult
 from rai_missions.engine.step import Step
 from rai_missions.event import Role
-from rai_missions.redaction import logger, redacted
+from rai_missions.redaction import cut, logger, redacted
 from rai_missions.runtime.lifecycle import Status
 from rai_missions.runtime.runner import Runner
 
@@ -50,6 +50,8 @@ __all__ = ("LONGEST", "ConversationalAgent", "StartRun")
 log = logger(__name__)
 LONGEST = 2_000
 """Characters of a sentence; a longer one is refused at its door."""
+LONGEST_NAME = 200
+"""Characters of an author's name that are kept."""
 LONGEST_STOP = 200
 """Characters of a sentence that may be an order to stop."""
 MOST_WAITING = 64
@@ -206,7 +208,7 @@ class ConversationalAgent:
                 return f"{MOST_WAITING} sentences wait already; speak again in a moment"
             self._waiting += 1
         words = tuple(map(redacted, readings))
-        sentence = Utterance(redacted(text), role, channel, redacted(author), 0.0, words, message_id)
+        sentence = Utterance(redacted(text), role, channel, cut(author, LONGEST_NAME), 0.0, words, message_id)
         if self.after_all(partial(self._take, sentence)):
             return ""
         with self._lock:

@@ -335,7 +335,7 @@ class OrderSide:
         elif utterance.is_spoken and not is_agreed:
             self._talk.note("refused", number=number, order="confirm", by="recognisers")
             self._speaking.reply("two_needed", utterance, number, order=pending.words)
-        elif pending.is_unclear_from(utterance.speaker):
+        elif pending.is_unclear_from(utterance.speaker) or self._talk.ends_with_model(utterance.channel):
             self.ask_to_confirm(pending.asked_again(), utterance, number)
         else:
             self._confirm(pending, utterance, number)

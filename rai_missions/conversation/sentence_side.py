@@ -15,7 +15,7 @@ from rai_missions.conversation.inputs import Utterance
 from rai_missions.conversation.judging import is_request, may, must_confirm, why_not_now
 from rai_missions.conversation.language import spoken
 from rai_missions.conversation.named import option_place
-from rai_missions.conversation.order_side import LONGEST_REASON, EarlierOrder, OrderSide
+from rai_missions.conversation.order_side import CROSSING_S, LONGEST_REASON, EarlierOrder, OrderSide
 from rai_missions.conversation.outputs import TalkTurn
 from rai_missions.conversation.senses import Sense
 from rai_missions.conversation.settings import ORDERS
@@ -128,8 +128,12 @@ class SentenceSide:
     def _is_late(self, utterance: Utterance, senses: Sequence[Sense]) -> bool:
         """Whether a sentence that means nothing else, but a key by its name, answers a question that just closed."""
         is_free = all(sense.kind == "question" and sense.name == "key" for sense in senses)
-        is_recent = self._talk.now - self._closed_at < LATE_S
-        return is_free and is_recent and self._grammar.answers(utterance.text, self._closed)
+        return is_free and self._answers_closed(utterance, LATE_S)
+
+    def _answers_closed(self, utterance: Utterance, within_s: float) -> bool:
+        """Whether it would have answered a question that closed less than so many seconds ago."""
+        is_recent = self._talk.now - self._closed_at < within_s
+        return is_recent and self._grammar.answers(utterance.text, self._closed)
 
     def _others(self, meant: Sense, senses: Sequence[Sense], *others: Sequence[Sense]) -> Iterator[Sense]:
         """The orders that other readings are instead, to be read back; none where what is meant is, in any case."""
@@ -146,16 +150,10 @@ class SentenceSide:
         return (sense,) if sense is not None else ()
 
     def _answer_nothing(self, utterance: Utterance, number: int) -> Handling:
-        if self._is_to_model(utterance):
+        if self._talk.ends_with_model(utterance.channel):
             return "unknown"
         self._orders.speak_nothing(utterance, number)
         return "handled"
-
-    def _is_to_model(self, utterance: Utterance) -> bool:
-        """Whether a yes or a no may be meant for a model: its text was the last that its speaker received."""
-        turns = reversed(self._talk.turns)
-        last = next((each for each in turns if each.by == "robot" and each.channel in ("", utterance.channel)), None)
-        return self._talk.settings.has_model and last is not None and last.way == "model"
 
     def _chosen(self, senses: Sequence[Sense], utterance: Utterance, number: int) -> Sense | None:
         """The one sense that is meant; None where the person must decide, and is asked."""
@@ -210,6 +208,8 @@ class SentenceSide:
         else:
             if sense.rest:
                 self._speaking.reply("one_at_a_time", utterance, number, rest=cut(sense.rest, LONGEST_REASON))
+            if sense.name == "answer" and self._answers_closed(utterance, CROSSING_S):
+                sense = sense._replace(is_partial=True)  # it may be meant for that question, and is read back
             self._orders.take(sense, utterance, number, mapper="grammar", agreeing=agreeing)
 
     def _answer(self, sense: Sense, utterance: Utterance, number: int) -> None:

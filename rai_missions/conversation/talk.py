@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from collections import deque
+from itertools import islice
 from typing import Any
 
 from rai_missions.conversation.inputs import Utterance
@@ -73,6 +74,11 @@ class Talk:
         """The robot's turn."""
         self._number += 1
         self.turns.append(TalkTurn(self._number, "robot", speech.text, speech.way, speech.to, self.now))
+
+    def ends_with_model(self, channel: str) -> bool:
+        """Whether the robot's last text there was a model's: a yes or a no may be meant for that."""
+        robot = (each for each in reversed(self.turns) if each.by == "robot" and each.channel in ("", channel))
+        return any(each.way == "model" for each in islice(robot, 1))
 
     def put(self, output: Output) -> None:
         """Something goes out."""

@@ -241,6 +241,10 @@ def test_orders_of_a_conversation_are_events_with_role_and_sentence() -> None:
         assert [(each.data["by"], each.data["role"]) for each in commands] == [("operator Anna (terminal)", "operator")]
         rows = [row for row in talk.talk() if row["kind"] == "heard"]
         assert rows and rows[0]["text"] == "pause" and rows[0]["role"] == "operator"
+        talk.order("resume", author="A" * 1_000_000)
+        talk.until(lambda: any(step.event.name == "resume" for step in tuple(talk.steps)))
+        (resume,) = [step.event for step in talk.steps if step.event.name == "resume"]
+        assert resume.data["by"] == f"operator {'A' * 200} (terminal)"
 
 
 class Aloud(Screen):
