@@ -144,7 +144,7 @@ class Graph(CompiledMission):
         leap.shifts = frozenset(presence(node.name) for node in exited ^ entered)
         leap.remember = tuple(self._remembered(config, out))
         quiet = not any(node.timed or node.activity or node.clocked or node.control for node in (*out, *into))
-        ends = any(node.is_final or node.is_each for node in into) or any(node.is_final for node in out)
+        ends = any(node.is_final or node.is_each for node in (*out, *into))
         watched = config.watchful or target.watchful or self.invariants
         leap.plain = quiet and not (ends or leap.remember or watched)
         return leap

@@ -37,6 +37,21 @@ def test_a_tree_that_begins_in_a_step_sees_what_the_step_has_left() -> None:
         agree(short, long, Event(name, float(at)))
 
 
+def test_a_list_that_is_left_is_forgotten() -> None:
+    rounds = {"each": "items", "as": "item", "initial": "x", "states": {"x": {}},
+              "transitions": [{"on": "a", "to": "t"}]}  # fmt: skip
+    mission = Mission.model_validate({
+        "name": "m", "events": ["a", "b"], "initial": "s",
+        "blackboard": {"items": {"type": "list", "initial": [1, 2]}, "item": {"type": "integer"}},
+        "states": {"s": rounds, "t": {"transitions": [{"on": "b", "to": "s"}]}},
+    })  # fmt: skip
+    short, long = Chart(mission), LongWay(mission)
+    assert short.start(0.0) == long.start(0.0)
+    for name in "abab":
+        agree(short, long, Event(name, 0.0))
+        assert short.snapshot() == long.snapshot()
+
+
 def test_a_round_that_begins_with_a_reading_may_end_with_an_event() -> None:
     seen, unseen = {"key": "f", "==": True}, {"key": "f", "==": False}
     waits = [{"key": "n", "==": 1}, {"any": [unseen, {"key": "n", "==": 0}]}, seen]
