@@ -23,8 +23,8 @@ from rai_missions.states.compound import Each
 from rai_missions.states.final import Final, FinalOutcome, worst
 
 __all__ = (
-    "check_invariants", "complete_parallels", "end", "enter_each", "has_reported", "kill", "reach_final", "set_item",
-    "settle_final", "settle_nested",
+    "check_invariants", "complete_parallels", "current_round", "end", "enter_each", "has_reported", "kill",
+    "reach_final", "set_item", "settle_final", "settle_nested",
 )  # fmt: skip
 
 
@@ -36,9 +36,17 @@ def has_reported(state: RunState, node: Node) -> bool:
 # -- lists ------------------------------------------------------------------------------------------------------------
 
 
-def enter_each(program: Program, state: RunState, node: Node) -> None:
-    """Copy the list of an `each`; its first item is current from here on."""
+def enter_each(program: Program, state: RunState, node: Node, history: Node | None) -> None:
+    """Copy the list of an `each`; its first item is current from here on.
+
+    A history that leads back into it leads back to the items and the item that were current when it was left.
+    """
     assert isinstance(node.state, Each)
+    was = state.lists.get((history.name, node.name)) if history is not None else None
+    if was is not None and was[0]:
+        state.rounds[node.name] = items, index = was
+        set_item(program, state, node, items[index])
+        return
     value = Operand(node.state.each, Site(node.place, program.keys)).read(state)
     state.rounds[node.name] = (tuple(value) if isinstance(value, list | tuple) else (), 0)
     if not isinstance(value, list | tuple):
@@ -46,6 +54,13 @@ def enter_each(program: Program, state: RunState, node: Node) -> None:
         state.draft.internal.append(outcome_of(node, Outcome("failed", why=why)))
     elif value:
         set_item(program, state, node, value[0])
+
+
+def current_round(state: RunState, node: Node) -> tuple[tuple[Any, ...], int]:
+    """The items of an `each`, and which of them its active states are about: that of a final is not over yet."""
+    items, index = state.rounds[node.name]
+    finals = (final for final in _reached(state, node) if final.name not in state.settling)
+    return items, index - any(_counted(state, final) == "succeeded" for final in finals)
 
 
 def set_item(program: Program, state: RunState, node: Node, item: Any) -> bool:
@@ -103,7 +118,8 @@ def _finish(state: RunState, final: Node, outcome: str, complete: tuple[Node, ..
             internal.append(Trigger("round", {}, parent))
             return
     in_region = parent.parent is not None and parent.parent.is_parallel
-    internal.append(outcome_of(parent, Outcome(outcome, why=why))._replace(climbs=not in_region))
+    if not (parent.is_each and has_reported(state, parent)):
+        internal.append(outcome_of(parent, Outcome(outcome, why=why))._replace(climbs=not in_region))
     complete_parallels(state, complete)
 
 

@@ -18,7 +18,7 @@ class CompiledStep:
     """What taking certain transitions in a configuration does: a `Move` and all that the chart needs to make it."""
 
     __slots__ = (
-        "acts", "config", "entered", "exited", "move", "moves", "plain", "remember", "shifts", "write",
+        "acts", "config", "entered", "exited", "lists", "move", "moves", "plain", "remember", "shifts", "write",
     )  # fmt: skip
 
     def __init__(self, move: Move, config: Configuration, acts: tuple[Act, ...]) -> None:
@@ -30,6 +30,8 @@ class CompiledStep:
         self.entered: tuple[Node, ...] = ()
         self.remember: tuple[tuple[int, tuple[Node, ...]], ...] = ()
         """History state and what it leads back to from now on."""
+        self.lists: tuple[tuple[Node, Node], ...] = ()
+        """History state and each `each` that it leads back into from now on."""
         self.shifts: frozenset[str] = frozenset()
         """The states that it makes active or inactive, by their `presence`."""
         self.plain = False

@@ -14,6 +14,7 @@ from rai_missions.engine.activities.activity import Outcome
 from rai_missions.engine.completion import (
     check_invariants,
     complete_parallels,
+    current_round,
     end,
     has_reported,
     set_item,
@@ -177,10 +178,10 @@ def jump(program: Program, state: RunState, step: CompiledStep) -> None:
     """Make one microstep."""
     if not program.surroundings.before_step(state, step):
         return _end_circle(program, state)
+    if step.remember:
+        _remember(state, step)
     for node in step.exited:
         _exit(program, state, node)
-    if step.remember:
-        state.memory.update(step.remember)
     state.config = step.config
     state.active = step.config.active
     state.draft.presence_changes |= step.shifts
@@ -189,6 +190,13 @@ def jump(program: Program, state: RunState, step: CompiledStep) -> None:
         act(program, state)
     for node in step.entered:
         _enter(program, state, node)
+
+
+def _remember(state: RunState, step: CompiledStep) -> None:
+    """Note what histories lead back to, and where in their lists the states are that they lead back into."""
+    state.memory.update(step.remember)
+    for history, node in step.lists:
+        state.lists[history.name, node.name] = current_round(state, node)
 
 
 def _exit(program: Program, state: RunState, node: Node) -> None:
@@ -248,6 +256,8 @@ def _enter(program: Program, state: RunState, node: Node) -> None:
         state.draft.starting.append(node)
     if node.is_each and node in state.config.atomic:
         _next_round(program, state, node)
+    elif node.is_each and not state.rounds[node.name][0]:
+        _end_list(program, state, node)
 
 
 def _set_timers(state: RunState, node: Node) -> None:
@@ -268,7 +278,13 @@ def _next_round(program: Program, state: RunState, node: Node) -> None:
     if index < len(items):
         if set_item(program, state, node, items[index]):
             jump(program, state, program.graph.reenter(state.config, node, state.memory))
-    elif not has_reported(state, node):
+    else:
+        _end_list(program, state, node)
+
+
+def _end_list(program: Program, state: RunState, node: Node) -> None:
+    """A list has no further item: its `each` succeeds, unless it has reported something else."""
+    if not has_reported(state, node):
         state.draft.internal.append(outcome_of(node, Outcome("succeeded")))
         complete_parallels(state, tuple(program.graph.complete(node.parent, state.config.nodes)))
 

@@ -52,8 +52,8 @@ class Content(NamedTuple):
 
     effect: Callable[[Any, str, str], Act]
     """Of an effect, the place where it is written and its state."""
-    enter_each: Callable[[Any], Act]
-    """Of a state that goes through a list, as it is entered."""
+    enter_each: Callable[[Any, Any], Act]
+    """Of a state that goes through a list, as it is entered, and the history that leads back into it, if one does."""
     reach_final: Callable[[Any, tuple[Any, ...]], Act]
     """Of a final, as it is entered, and the parallel states that have all their regions in a final then."""
 

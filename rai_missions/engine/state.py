@@ -49,8 +49,8 @@ TimerKey = tuple[str, Any]
 
 Holds = Literal[
     "value", "number", "past", "end", "passing", "payload", "controls", "configuration", "memory", "state", "states",
-    "begins", "invariants", "events", "deadline", "deadlines", "settling", "timers", "activities", "rounds", "calls",
-    "goals", "board", "ages", "since",
+    "begins", "invariants", "events", "deadline", "deadlines", "settling", "timers", "activities", "rounds", "lists",
+    "calls", "goals", "board", "ages", "since",
 ]  # fmt: skip
 """What a field holds, which decides how it is stored, moved in time, migrated and compared:
 
@@ -76,6 +76,7 @@ Holds = Literal[
 | `timers`        | what comes later                                                         |
 | `activities`    | state → the state of its activity                                        |
 | `rounds`        | state → items, and which of them is current                              |
+| `lists`         | history state and `each` → the same of a list that it leads back into     |
 | `calls`         | number → service, for effects whose reply no activity waits for          |
 | `goals`         | number → goal                                                            |
 | `board`         | the blackboard                                                           |
@@ -235,6 +236,7 @@ class RunState:
     """All goals whose end is not confirmed."""
     calls: dict[int, str] = slot(dict, "calls", "_calls")
     memory: dict[int, tuple[Node, ...]] = slot(dict, "memory")
+    lists: dict[tuple[str, str], tuple[tuple[Any, ...], int]] = slot(dict, "lists")
     order: int = slot(0, "number", "_order")
     """Of the timer that was set last."""
     number: int = slot(0, "number", "_number")

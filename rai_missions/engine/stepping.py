@@ -54,7 +54,7 @@ def compiled(
 
     content = Content(
         lambda effect, place, state: act_of(effect, place, state, keys, has_trees=has_trees),
-        lambda node: lambda program, state: enter_each(program, state, node),
+        lambda node, history: lambda program, state: enter_each(program, state, node, history),
         reaching,
     )
     return Program(mission, content, ticker, has_trees=has_trees, facts=facts, named=named, surroundings=surroundings)

@@ -7,7 +7,7 @@ Source: W3C SCXML (REC-scxml-20150901), appendix D; the docstrings give the name
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 from rai_missions.engine.compile import CompiledMission
@@ -17,7 +17,16 @@ from rai_missions.engine.step import Move
 from rai_missions.guards.guard import presence
 from rai_missions.states.history import History
 
-__all__ = ("Graph", "is_done")
+__all__ = ("EnteredStates", "Graph", "is_done")
+
+
+class EnteredStates(set[Node]):
+    """The states that a move enters."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.recalled: dict[Node, Node] = {}
+        """`each` → the history that leads back into it."""
 
 
 class Graph(CompiledMission):
@@ -91,7 +100,7 @@ class Graph(CompiledMission):
         if remembered := dict(self._remembered(config, exited)):
             memory = {**memory, **remembered}  # SCXML leaves, and remembers, before it enters
             domains = [self._domain(transition, memory) for transition in transitions]
-        entered: set[Node] = set()
+        entered = EnteredStates()
         for transition, domain in zip(transitions, domains, strict=True):
             if domain is None:
                 continue
@@ -111,9 +120,7 @@ class Graph(CompiledMission):
 
     def start(self, memory: Memory) -> CompiledStep:
         """The entry of the mission: what it waits for begins before that of the states in it, as for any state."""
-        begun = self.move(self.empty, set(), self.around(self.root.initial, self.root, memory))
-        begun.entered = (self.root, *begun.entered)
-        return begun
+        return self.move(self.empty, set(), self.around(self.root.initial, self.root, memory), outer=(self.root,))
 
     def jump_to(self, config: Configuration, target: Node, memory: Memory, trigger: str) -> CompiledStep:
         """From wherever it is into a state, everything left."""
@@ -126,37 +133,44 @@ class Graph(CompiledMission):
         return self.move(config, exited, self.around(node.initial, node, memory), trigger=trigger)
 
     def move(
-        self, config: Configuration, exited: set[Node], entered: set[Node], *, taken: tuple[str, ...] = (),
-        acts: tuple[Act, ...] = (), trigger: str = "",
+        self, config: Configuration, exited: set[Node], entered: EnteredStates, *, taken: tuple[str, ...] = (),
+        acts: tuple[Act, ...] = (), trigger: str = "", outer: tuple[Node, ...] = (),
     ) -> CompiledStep:  # fmt: skip
-        """A leap from what is left and entered: exit innermost first, the transitions' acts, entry outermost first."""
+        """A leap from what is left and entered: exit innermost first, the transitions' acts, entry outermost first.
+
+        What `outer` waits for begins with it, without being named among the states that are entered.
+        """
         out = tuple(sorted(exited, key=lambda node: -node.index))
         into = tuple(sorted(entered, key=lambda node: node.index))
         nodes = (config.nodes - exited) | entered
         parents = {node.parent for node in nodes}
         atomic = [node for node in nodes if node not in parents and node.state is not None]
         target = self.configuration(atomic)
-        entering = tuple(act for index, node in enumerate(into) for act in self._entering(config, exited, into, index))
+        kept, back = config.nodes - exited, entered.recalled
+        entering = tuple(act for index in range(len(into)) for act in self._entering(kept, into, index, back))
         every = tuple(act for node in out for act in node.exit) + acts + entering
         move = Move(taken, tuple(node.name for node in out), tuple(node.name for node in into), trigger)
         leap = CompiledStep(move, target, every)
-        leap.exited, leap.entered = out, into
+        leap.exited, leap.entered = out, (*outer, *into)
         leap.shifts = frozenset(presence(node.name) for node in exited ^ entered)
         leap.remember = tuple(self._remembered(config, out))
+        leap.lists = tuple((self.order[at], each) for at, states in leap.remember for each in self._lists(at, states))
         quiet = not any(node.timed or node.activity or node.clocked or node.control for node in (*out, *into))
         ends = any(node.is_final or node.is_each for node in (*out, *into))
         watched = config.watchful or target.watchful or self.invariants
         leap.plain = quiet and not (ends or leap.remember or watched)
         return leap
 
-    def _entering(self, config: Configuration, exited: set[Node], into: tuple[Node, ...], index: int) -> Iterable[Act]:
+    def _entering(
+        self, kept: set[Node], into: tuple[Node, ...], index: int, recalled: Mapping[Node, Node]
+    ) -> Iterable[Act]:  # fmt: skip
         """The acts of entering one node; a final reports its parent's end, and a parallel state's with it."""
         node = into[index]
         if node.is_each:
-            yield self._content.enter_each(node)
+            yield self._content.enter_each(node, recalled.get(node))
         yield from node.entry
         if node.is_final and node.parent is not None:
-            so_far = (config.nodes - exited) | set(into[: index + 1])
+            so_far = kept | set(into[: index + 1])
             outer = node.parent if node.parent.is_parallel else node.parent.parent
             complete = tuple(self.complete(outer, so_far))
             yield self._content.reach_final(node, complete)
@@ -177,13 +191,20 @@ class Graph(CompiledMission):
                     states = [each for each in config.nodes if each.parent is node]
                 yield history.index, tuple(sorted(states, key=lambda each: each.index))
 
-    def around(self, targets: Iterable[Node], domain: Node, memory: Memory) -> set[Node]:
+    def _lists(self, history: int, states: Iterable[Node]) -> Iterable[Node]:
+        """Each `each` that a history leads back into, if these are the states that it leads back to."""
+        parent = self.order[history].parent
+        assert parent is not None
+        inner = {outer for state in states for outer in state.ancestors if outer is parent or outer.inside(parent)}
+        return sorted([each for each in inner if each.is_each], key=lambda each: each.index)
+
+    def around(self, targets: Iterable[Node], domain: Node, memory: Memory) -> EnteredStates:
         """These states, what contains them up to the domain, and what is entered inside them by default."""
-        entered: set[Node] = set()
+        entered = EnteredStates()
         self._into(targets, domain, entered, memory)
         return entered
 
-    def _into(self, targets: Iterable[Node], domain: Node, entered: set[Node], memory: Memory) -> None:
+    def _into(self, targets: Iterable[Node], domain: Node, entered: EnteredStates, memory: Memory) -> None:
         """Targets, what is entered inside them by default, and what lies between them and the domain."""
         targets = tuple(targets)
         for target in targets:
@@ -191,11 +212,13 @@ class Graph(CompiledMission):
         for target in targets:
             self._climb(target, domain, entered, memory)
 
-    def _descend(self, node: Node, entered: set[Node], memory: Memory) -> None:
+    def _descend(self, node: Node, entered: EnteredStates, memory: Memory) -> None:
         """A target and what is entered inside it by default (addDescendantStatesToEnter)."""
         if node.is_history:
             assert node.parent is not None
-            targets = memory.get(node.index) or node.initial
+            remembered = memory.get(node.index, ())
+            targets = remembered or node.initial
+            entered.recalled |= dict.fromkeys(self._lists(node.index, remembered), node)
             self._into(targets, node.parent, entered, memory)
             return
         entered.add(node)
@@ -204,7 +227,7 @@ class Graph(CompiledMission):
         elif node.is_compound and not node.is_each:
             self._into(node.initial, node, entered, memory)
 
-    def _climb(self, node: Node, domain: Node, entered: set[Node], memory: Memory) -> None:
+    def _climb(self, node: Node, domain: Node, entered: EnteredStates, memory: Memory) -> None:
         """What lies between a target and the domain (addAncestorStatesToEnter)."""
         for ancestor in node.ancestors:
             if ancestor is domain:
@@ -213,7 +236,7 @@ class Graph(CompiledMission):
             if ancestor.is_parallel:
                 self._regions(ancestor, entered, memory)
 
-    def _regions(self, parallel: Node, entered: set[Node], memory: Memory) -> None:
+    def _regions(self, parallel: Node, entered: EnteredStates, memory: Memory) -> None:
         """The regions of a parallel state in which nothing is entered yet, by default."""
         for child in parallel.children:
             if not any(each is child or each.inside(child) for each in entered):

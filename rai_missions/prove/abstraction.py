@@ -29,7 +29,7 @@ from rai_missions.prove.counts import Count
 from rai_missions.prove.instruments import Instruments
 from rai_missions.prove.liveness import ALL, Later, LiveReads, LooksAhead
 from rai_missions.prove.nondeterminism import OpenFields, Payload
-from rai_missions.prove.open_rounds import OpenRounds
+from rai_missions.prove.open_rounds import OpenRounds, Round
 from rai_missions.prove.open_world import NOW, OpenWorld
 from rai_missions.prove.parts import guards_in, writes_in
 from rai_missions.prove.store import ALL_GOALS, MANY, Rivals
@@ -81,6 +81,7 @@ class Abstraction:
         rests: Mapping[Holds, Callable[[Any], Any]] = {
             "timers": _rest_timers, "deadlines": _rest_instants, "settling": _rest_instants, "deadline": _soon,
             "goals": _rest_goals, "activities": self._rest_activities, "rounds": _rest_rounds,
+            "lists": _rest_lists,
         }  # fmt: skip
         self._rests = [(each.name, rests[each.holds]) for each in TABLE if each.holds in rests]
 
@@ -326,6 +327,10 @@ def _rest_goals(goals: dict[int, Goal]) -> dict[int, Goal]:
 def _rest_rounds(rounds: OpenRounds) -> OpenRounds:
     rounds.rest()
     return rounds
+
+
+def _rest_lists(lists: dict[tuple[str, str], Round]) -> dict[tuple[str, str], Round]:
+    return {key: (items[at:], 0) for key, (items, at) in lists.items()}
 
 
 def _waiting(config: Configuration) -> Iterator[CompiledGuard]:

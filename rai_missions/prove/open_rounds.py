@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-__all__ = ("PREFIX", "OpenRounds", "list_name")
+__all__ = ("PREFIX", "OpenRounds", "Round", "list_name")
 
 PREFIX = "each "
 """No key has a blank in its name."""

@@ -94,8 +94,8 @@ class StateCodec:
             "configuration": lambda config: config.key, "state": lambda node: node.index, "events": _events_key,
             "memory": self._memory_key, "deadline": _is_never, "deadlines": _deadlines_key, "settling": list,
             "controls": sorted, "invariants": sorted, "timers": _timers_key, "rounds": sorted,
-            "activities": _activities_key, "calls": _calls_key, "goals": _pursued_key, "board": self._board_key,
-            "ages": self._ages_key, "since": _since_key, "payload": _payload_key,
+            "lists": self._lists_key, "activities": _activities_key, "calls": _calls_key, "goals": _pursued_key,
+            "board": self._board_key, "ages": self._ages_key, "since": _since_key, "payload": _payload_key,
         }  # fmt: skip
         keyed = [(each.name, keys_by_kind[each.holds]) for each in TABLE if each.holds in keys_by_kind]
         plain_fields = [each.name for each in TABLE if each.holds in AS_IT_IS]
@@ -252,6 +252,10 @@ class StateCodec:
     def _memory_key(self, memory: Mapping[int, Any]) -> Any:
         recalls = self._rest.later.recalls
         return [(at, [node.index for node in nodes]) for at, nodes in sorted(memory.items()) if at in recalls]
+
+    def _lists_key(self, lists: Mapping[tuple[str, str], tuple[tuple[Any, ...], int]]) -> Any:
+        recalls = {self._chart.program.graph.order[at].name for at in self._rest.later.recalls}
+        return sorted((key, repr(items[at:])) for key, (items, at) in lists.items() if key[0] in recalls)
 
     def _board_key(self, board: Any) -> Any:
         idle, kept, own = self._rest.idle, self._rest.later.roots, self._world.own_keys

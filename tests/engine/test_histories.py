@@ -3,14 +3,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import pytest
 from pydantic import ValidationError
 
 from rai_missions.engine import Chart
+from rai_missions.engine.snapshot_json import packed, unpacked
 from rai_missions.errors import UsageError
 from rai_missions.mission.mission import Mission
+from rai_missions.prove import prove
 from rai_missions.states import Compound, History
 from tests.rigs.charts import mission, sent, transition
 from visualize.build import picture
@@ -57,6 +60,88 @@ def test_a_default_is_forgotten_with_the_first_memory_in_every_snapshot() -> Non
     sent(made, "go", "next", "stop")
     again = Chart.restore(made.mission, made.snapshot())
     assert sent(again, "go").entered == ("up", "box", "c")
+
+
+def tour(kind: str = "deep", items: Sequence[Any] = (1, 2, 3), **words: Any) -> Mission:
+    """A list is gone over in `work`, which `away` leaves and `back` leads back into, to `y` or `z` of the same item."""
+    inside = {
+        "x": {"transitions": [transition("next", "y")]},
+        "y": {"transitions": [transition("next", "z")]},
+        "z": {"final": "succeeded"},
+    }
+    ways, invariants = [transition("succeeded", "over"), *words.pop("rounds", [])], words.pop("invariants", {})
+    rounds = {"each": "items", "as": "item", "initial": "x", "states": inside, "transitions": ways}
+    work = {"initial": "tour", "states": {"tour": rounds, "over": {}, "kept": {"history": kind}}}
+    off = {"transitions": [transition("back", "kept"), transition("inside", "y"), transition("again", "tour")]}
+    return mission(
+        {"work": {**work, "transitions": [transition("away", "off")]}, "off": off},
+        blackboard={"items": {"type": "list", "initial": list(items)}, "item": {"type": "integer"}, **words},
+        invariants=invariants,
+    )
+
+
+def item_of(chart: Chart) -> Any:
+    return chart.view.board["item"].value
+
+
+def test_a_deep_history_leads_back_to_the_item_that_was_current() -> None:
+    made = Chart(tour())
+    made.start()
+    sent(made, "next", "next", "next", "away")
+    made.write("items", [7, 8, 9])
+    assert sent(made, "back").entered == ("work", "tour", "y")
+    assert item_of(made) == 2
+    sent(made, "next")
+    assert (made.active, item_of(made)) == ({"work", "tour", "x"}, 3)
+
+
+def test_a_list_that_no_history_leads_back_into_begins_with_its_first_item() -> None:
+    for kind, event, where in (("shallow", "back", "x"), ("deep", "inside", "y"), ("deep", "again", "x")):
+        made = Chart(tour(kind))
+        made.start()
+        sent(made, "next", "next", "next", "away")
+        assert sent(made, event).entered == ("work", "tour", where)
+        assert item_of(made) == 1
+
+
+def test_an_item_whose_final_was_left_before_the_next_round_is_over_once() -> None:
+    way = {"when": {"all": [{"in": "z"}, {"key": "hurried", "==": True}]}, "to": "off"}
+    made = Chart(tour(rounds=[way], hurried={"type": "boolean", "initial": False}))
+    made.start()
+    sent(made, "next", "next", "next")
+    made.write("hurried", True)
+    assert sent(made, "next").entered == ("z", "off")
+    made.write("hurried", False)
+    sent(made, "back")
+    assert (made.active, item_of(made)) == ({"work", "tour", "x"}, 3)
+
+
+def test_the_item_that_a_history_leads_back_to_outlives_its_process() -> None:
+    made = Chart(tour())
+    made.start()
+    sent(made, "next", "next", "next", "away")
+    again = Chart.restore(made.mission, unpacked(packed(made.snapshot())))
+    assert again.snapshot() == made.snapshot()
+    sent(again, "back")
+    assert item_of(again) == 2
+
+
+def test_a_state_in_the_round_of_a_list_without_items_is_left_at_once() -> None:
+    made = Chart(tour(items=()))
+    made.start()
+    assert made.active == {"work", "over"}
+    sent(made, "away")
+    assert sent(made, "inside").entered == ("work", "tour", "y", "over")
+
+
+def test_a_proof_follows_a_history_back_to_the_item() -> None:
+    is_first = {"key": "item", "==": 1}
+    ways = tour(invariants={"y_is_left_out_first": {"not": {"all": [{"in": "y"}, is_first]}}}).model_dump()
+    inside = ways["states"]["work"]["states"]["tour"]["states"]
+    inside["x"]["transitions"] = [{"when": is_first, "to": "z"}, {"when": {"not": is_first}, "to": "y"}]
+    ways["states"]["off"]["transitions"] = [transition("back", "kept")]
+    proof = prove(Mission.model_validate(ways))
+    assert next(claim for claim in proof.claims if claim.name == "invariants").verdict == "proved"
 
 
 def test_a_history_that_leads_to_itself_is_refused_with_the_cure() -> None:

@@ -18,6 +18,7 @@ from hypothesis import strategies as st
 from rai_missions.cli.main import main
 from rai_missions.engine import Chart
 from rai_missions.errors import UsageError
+from rai_missions.event import Event
 from rai_missions.journal import Header, Journal, read
 from rai_missions.mission.files import dump
 from rai_missions.mission.mission import Mission
@@ -25,6 +26,7 @@ from rai_missions.mission.renaming import Names, renamed
 from rai_missions.profile import Robot
 from rai_missions.replay.migrate import Map, migrate
 from rai_missions.replay.replay import replay
+from rai_missions.replay.resume import resumption
 from tests.replay.mortal import Fate, live
 from tests.replay.test_kills import has_ended, holds
 from tests.replay.trial import ROBOT, WatchedFate, Yard, fates, thinkers, worth_a_trial
@@ -120,6 +122,31 @@ def test_runs_of_renamed_missions_end_as_they_would_have(tmp_path: Path, capsys:
     finally:
         logging.disable(logging.NOTSET)
     assert found["same"] >= 100
+
+
+def test_a_history_of_a_renamed_mission_leads_back_into_its_list(tmp_path: Path) -> None:
+    rounds = {"x": {"transitions": [{"on": "next", "to": "z"}]}, "z": {"final": "succeeded"}}
+    tour = {"each": "items", "as": "item", "initial": "x", "states": rounds}
+    work = {"initial": "tour", "states": {"tour": tour, "kept": {"history": "deep"}}}
+    mission = Mission.model_validate({
+        "name": "tour", "initial": "work", "events": ["next", "away", "back"],
+        "blackboard": {"items": {"type": "list", "initial": [1, 2, 3]}, "item": {"type": "integer"}},
+        "states": {"work": {**work, "transitions": [{"on": "away", "to": "off"}]},
+                   "off": {"transitions": [{"on": "back", "to": "kept"}]}},
+    })  # fmt: skip
+    chart, path, new = Chart(mission), tmp_path / "run.journal", tmp_path / "new.journal"
+    with Journal.create(path, Header(dump(mission))) as journal:
+        journal.write(chart.start(), since=0.0)
+        for name in ("next", "away"):
+            journal.write(chart.send(Event(name)), since=0.0)
+    now, map_ = otherwise(mission)
+    migrate(path, now, map_, to=new)
+    with read(new) as record:
+        again = resumption(record, now).chart
+    again.settle_holds()
+    again.send(Event("resume", kind="command"))
+    again.send(Event("back" + TWO))
+    assert "x" + TWO in again.active and again.view.board["item" + TWO].value == 2
 
 
 RESTING = {

@@ -79,6 +79,7 @@ class _Transfer:
             "states": lambda names: tuple(new for new, old in self.unchanged.items() if old in names),
             "activities": lambda running: self.running, "deadlines": lambda was: _kept(was, self.unchanged),
             "settling": lambda was: _kept(was, self.found.origins), "rounds": self._rounds, "timers": self._timers,
+            "lists": self._lists,
             "goals": lambda goals_then: goals, "calls": dict, "events": self._queue,
             "invariants": lambda names: frozenset(names).intersection(self.naming.now.invariants),
             "memory": self._memory, "ages": self._ages, "since": self._since,
@@ -208,6 +209,15 @@ class _Transfer:
     def _rounds(self, was: Mapping[str, Any]) -> dict[str, Any]:
         states = self.naming.states_now
         return {new: each for new, each in _kept(was, self.found.origins).items() if isinstance(states[new][1], Each)}
+
+    def _lists(self, was: Mapping[tuple[str, str], Any]) -> dict[tuple[str, str], Any]:
+        """The lists that histories lead back into."""
+        found, states = {}, self.naming.states_now
+        for (old, old_list), each in was.items():
+            history, name = self.naming.state(old), self.naming.state(old_list)
+            if history is not None and name is not None and isinstance(states[name][1], Each):
+                found[history, name] = each
+        return found
 
     def _memory(self, was: Mapping[str, Collection[str]]) -> dict[str, tuple[str, ...]]:
         """Where histories lead back to."""
