@@ -16,7 +16,7 @@ from rai_missions.connectors.local import LocalConnector
 from rai_missions.engine import Chart
 from rai_missions.engine.decision import Answerer, Question
 from rai_missions.engine.step import StartGoal, Step
-from rai_missions.errors import UsageError
+from rai_missions.errors import UsageError, unescaped
 from rai_missions.event import Event
 from rai_missions.journal.in_flight import InFlight
 from rai_missions.mission.files import dump
@@ -276,7 +276,7 @@ def _ready(decision: OpenDecision, option: str, *, offered: bool) -> tuple[Chart
     question = decision.question
     if offered:
         return decision.chart.branch(), question
-    chart = _unguarded(decision.chart, question.state, option)
+    chart = _unguarded(decision.chart, question.owner, option)
     chart.send(
         Event(question.asked, chart.at, {"failed": "asked again, with every option"}, "proposal", question.number)
     )
@@ -286,13 +286,12 @@ def _ready(decision: OpenDecision, option: str, *, offered: bool) -> tuple[Chart
     return chart, again[0]
 
 
-def _unguarded(chart: Chart, state: str, option: str) -> Chart:
+def _unguarded(chart: Chart, owner: str, option: str) -> Chart:
     """The run in the same mission without the guards of a decision's options, and with an attempt more."""
     written = json.loads(dump(chart.mission))
-    spec = _spec_of(written, state)
-    if spec is None or option not in spec["options"]:
-        known = ", ".join(spec["options"]) if spec is not None else "none"
-        raise UsageError(f"'{state}' has no option '{option}'; there are: {known}")
+    spec = _spec_of(chart.mission, written, owner)
+    if option not in spec["options"]:
+        raise UsageError(f"'{owner}' has no option '{option}'; there are: {', '.join(spec['options'])}")
     for each in spec["options"].values():
         each.pop("when", None)
     spec["attempts"] = 100
@@ -300,16 +299,21 @@ def _unguarded(chart: Chart, state: str, option: str) -> Chart:
     return Chart.restore(mission, chart.snapshot(), terms=chart.terms, named=chart.program.named)
 
 
-def _spec_of(written: Any, state: str) -> dict[str, Any] | None:
-    """The decision of a state, in a mission as JSON."""
-    states = written.get("states", {}) if isinstance(written, dict) else {}
-    for name, each in states.items():
-        if name == state and "decision" in each:
-            found: dict[str, Any] = each["decision"]
-            return found
-        if (inside := _spec_of(each, state)) is not None:
-            return inside
-    return None
+def _spec_of(mission: Mission, written: Any, owner: str) -> dict[str, Any]:
+    """What a state, or a leaf of its tree, asks, in its mission as JSON.
+
+    Raises:
+        UsageError: It is made by a package, and so is nowhere in the JSON.
+    """
+    name, sign, leaf = owner.partition("#")
+    place, state = next((place, state) for place, each, state in mission.walk() if each == name)
+    here = written
+    for step in f"{place}{state.within(sign + leaf)}".split("/")[1:]:
+        here = here[int(step)] if isinstance(here, list) else here[unescaped(step)]
+    if "decision" not in here:
+        raise UsageError(f"'{owner}' is asked by a package; an option whose guard is false cannot be tried there")
+    found: dict[str, Any] = here["decision"]
+    return found
 
 
 def _continued(chart: Chart, run: str) -> Resumption:

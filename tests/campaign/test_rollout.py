@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Mapping
+from copy import deepcopy
 from pathlib import Path
 from typing import Any
 
@@ -199,6 +200,25 @@ def test_a_goal_that_is_under_way_comes_to_its_end_in_a_rollout(option: str, ver
     assert (found[0].verdict, found[0].outcome, found[0].why) == (verdict, result.outcome, result.why)
     if option == "let_it":
         assert found[0].seconds == pytest.approx(end[0] - began[0], abs=1e-6), "as long as in the run"
+
+
+@pytest.mark.parametrize("is_leaf", [False, True])
+def test_an_option_that_is_not_offered_is_tried_wherever_the_decision_is(tmp_path: Path, *, is_leaf: bool) -> None:
+    """It is in a region, and may be a leaf of a tree there."""
+    written = deepcopy(TWO_THINGS)
+    states = written["states"]["both"]["parallel"]["deciding"]["states"]
+    states["asking"]["decision"]["options"]["let_it"]["when"] = {"key": "alleys_driven", "<": 0}
+    if is_leaf:
+        asked = states["asking"]["decision"]
+        states["asking"] = {
+            "tree": {"sequence": [{"wait_s": 1}, {"decision": asked}]}, "timeout_s": 30,
+            "transitions": [{"on": "succeeded", "to": "left_alone"}, {"on": "failed", "to": "quit"}],
+        }  # fmt: skip
+    file = tmp_path / "mission.json"
+    file.write_text(json.dumps(written))
+    found: list[Rollout] = []
+    run(Agent("end_it", lambda decision: found.append(rollout(decision, "let_it"))), robot("none"), file)
+    assert (found[0].offered, found[0].verdict) == (False, "completes")
 
 
 @pytest.mark.long
