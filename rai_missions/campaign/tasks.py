@@ -33,6 +33,7 @@ from rai_missions.campaign.store import (
 )
 from rai_missions.errors import MissionError, UsageError
 from rai_missions.redaction import cut, first_line
+from rai_missions.worlds.world import load_world
 
 __all__ = ("SceneTask", "TaskRecord", "WorkSettings", "Workplace")
 
@@ -81,12 +82,13 @@ class Workplace:
 
     Raises:
         DefinitionError: The campaign's file is at fault.
-        UsageError: Something named is not there.
+        UsageError: Something named is not there, or does not load, as the scenes' world may.
     """
 
     def __init__(self, settings: WorkSettings, is_over: threading.Event | None = None) -> None:
         loaded = load_campaign(settings.campaign, models=settings.models)
         file, subject = loaded.file, loaded.subject
+        load_world(file.scenes.world)
         self._subject, self.is_over = subject, is_over or threading.Event()
         self._closing = ExitStack()
         models = self._closing.enter_context(CampaignModels(file, subject.robot, subject.mission.blackboard))

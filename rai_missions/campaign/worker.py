@@ -69,6 +69,7 @@ def _do_tasks(
     settings: list[Any], orders: queue.SimpleQueue[Mapping[str, Any] | None], is_over: threading.Event, reply_fd: int
 ) -> None:  # fmt: skip
     from rai_missions.campaign.tasks import Workplace, WorkSettings
+    from rai_missions.errors import MissionError
     from rai_missions.redaction import cut
 
     try:
@@ -80,7 +81,8 @@ def _do_tasks(
                         _send(reply_fd, message)
                 _send(reply_fd, {"done": order["number"]})
     except BaseException as error:  # noqa: BLE001 - whatever it is, it is reported, and the campaign ends with it
-        _send(reply_fd, {"fault": cut(f"{type(error).__name__}: {error}", 2000)})
+        what = str(error) if isinstance(error, MissionError) else f"{type(error).__name__}: {error}"
+        _send(reply_fd, {"fault": cut(what, 2000)})
 
 
 def _send(fd: int, message: Mapping[str, Any]) -> None:

@@ -20,7 +20,7 @@ from rai_missions.errors import UsageError, install_command, suggestion
 from rai_missions.kinds import PackageOffer, offered
 from rai_missions.worlds.options import check_names
 
-__all__ = ("WORLDS", "World", "check_local", "check_world", "open_world", "world_offer")
+__all__ = ("WORLDS", "World", "check_local", "check_world", "load_world", "open_world", "world_offer")
 
 WORLDS: Mapping[str, str] = {
     "desk": "rai_missions.worlds.desk:Desk",
@@ -91,12 +91,21 @@ def open_world(name: str, **options: Any) -> World:
         UsageError: No such world or option, an option's value does not fit, or the packages that the world needs are
             not installed.
     """
-    make = _checked(name, _class_of(name, check_world(name)), options)
+    make = _checked(name, load_world(name), options)
     try:
         made: World = make(**options)
     except (ArithmeticError, AttributeError, LookupError, TypeError, ValueError) as error:
         raise UsageError(f"{_not_opened(name, options)}: {error}") from error
     return made
+
+
+def load_world(name: str) -> Any:
+    """A world's class, or the function that makes it.
+
+    Raises:
+        UsageError: No such world, or the packages that it needs are not installed.
+    """
+    return _class_of(name, check_world(name))
 
 
 def check_local(options: Mapping[str, Any]) -> None:

@@ -42,6 +42,19 @@ def test_check_reports_what_no_world_takes(
     assert fault in capsys.readouterr().err
 
 
+def test_a_world_that_lacks_its_package_is_refused_and_no_cell_fails(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path, store = write_campaign(tmp_path, campaign_data()), tmp_path / "a.db"
+    (tmp_path / "mujoco.py").write_text("raise ModuleNotFoundError('gone', name='mujoco')", encoding="utf-8")
+    monkeypatch.syspath_prepend(tmp_path)
+    assert main(["campaign", "run", str(path), "--store", str(store), "--jobs", "1"]) == 2
+    refusal = "a worker of the campaign cannot work: the world 'orchard' needs the package 'mujoco'"
+    assert refusal in capsys.readouterr().err
+    with ResultStore(store) as opened:
+        assert list(opened.cells()) == []
+
+
 def test_the_schema_is_printed(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["schema", "campaign"]) == 0
     assert json.loads(capsys.readouterr().out)["title"] == "A campaign of rai_missions"
