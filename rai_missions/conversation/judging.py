@@ -62,7 +62,7 @@ def why_not_now(sense: Sense, view: StatusView, language: Language) -> str:
     state = state_of_run(view, language)
     possible = {
         "stop": True,
-        "pause": view.mode == "running",
+        "pause": view.mode == "running" or (view.mode == "ready" and not view.awaits_start),
         "resume": view.mode == "paused",
         "cancel": view.mode in ("ready", "running", "paused"),
         "start": _can_start(sense, view),

@@ -209,9 +209,8 @@ class StateAnswers:
         mode = self.language.word("modes", view.mode)
         if not view.active:
             return self.language.text("mode", mission=_mission(view), mode=mode)
-        state = next((name for name in reversed(view.active) if view.states.get(name)), "")
-        about = about_words(view.states.get(state, ""))
-        values = {"mission": _mission(view), "mode": mode, "state": spoken(view.active[-1])}
+        about = about_words(view.states.get(view.named_state, ""))
+        values = {"mission": _mission(view), "mode": mode, "state": spoken(view.named_state)}
         return self.language.text("mode_state_about" if about else "mode_state", **values, about=about)
 
     def _ended(self, view: StatusView) -> str:
@@ -286,7 +285,7 @@ class StateAnswers:
             parts.append(self._mode_by(view, "paused"))
         elif view.active and view.since is not None:
             time = duration(view.at - view.since, self.language)
-            parts.append(self.language.text("since", state=spoken(view.active[-1]), time=time))
+            parts.append(self.language.text("since", state=spoken(view.named_state), time=time))
         return " ".join(parts) or self.status(view)
 
     def _repeat(self, view: StatusView, asker: Asker) -> str:
@@ -309,7 +308,7 @@ class StateAnswers:
         if view.mode == "paused":
             return language.text("waits_resume")
         if is_alive(view) and view.active:
-            return language.text("waits_state", state=spoken(view.active[-1]))
+            return language.text("waits_state", state=spoken(view.named_state))
         return language.text("waits_nothing")
 
     def _asked(self, view: StatusView, _: Asker) -> str:

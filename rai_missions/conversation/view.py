@@ -99,6 +99,8 @@ class StatusView(NamedTuple):
     """Who holds control."""
     active: tuple[str, ...] = ()
     """The active states, outer before inner, as in `Status.active`."""
+    state: str = ""
+    """The active state that is named for all of them; empty: the last of `active`."""
     awaits_start: bool = False
     """It waits for the order to start, or is paused before its start; of one that is over: it never began."""
     outcome: str | None = None
@@ -116,7 +118,7 @@ class StatusView(NamedTuple):
     """Their options that have `"confirm": true`, each with the number of its question."""
     keys: Mapping[str, KeyView] = {}
     states: Mapping[str, str] = {}
-    """State → its `about`."""
+    """State → its `about`, or that of the nearest state around it that has one."""
     events: Mapping[str, str] = {}
     """Event → its `about`."""
     mission: str = ""
@@ -137,10 +139,15 @@ class StatusView(NamedTuple):
     began: float | None = None
     """When it was started, on the run's clock; None before that, and where another process started it."""
     since: float | None = None
-    """Since when the active states are as they are, on the run's clock."""
+    """Since when the state that is named is active, on the run's clock."""
     mode_by: str = ""
     """Who brought it into this mode: of a pause, cancel or e-stop."""
     mode_since: float | None = None
+
+    @property
+    def named_state(self) -> str:
+        """The active state that is named for all of them; empty where none is active."""
+        return self.state or (self.active[-1] if self.active else "")
 
     def question(self, number: int) -> Question | None:
         """The open question of this number; None where it is closed."""

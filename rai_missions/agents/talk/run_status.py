@@ -19,7 +19,7 @@ from rai_missions.keys import Blackboard, Key, stale_at
 from rai_missions.mission.mission import Mission
 from rai_missions.runtime.lifecycle import Status
 from rai_missions.runtime.runner import Runner
-from rai_missions.states import Final
+from rai_missions.states import Final, State
 
 __all__ = ("RobotWords", "RunStatus", "arguments_of", "mission_view")
 
@@ -47,11 +47,13 @@ class RunStatus:
     def __init__(self, runner: Runner, robot: RobotWords = RobotWords()) -> None:  # noqa: B008 - a frozen value
         self._runner, self._mission, self._robot = runner, runner.mission, robot
         self._states = {name: state.about for _, name, state in self._mission.walk()}
+        self._abouts = dict(_abouts(self._mission.states))
+        self._acting = tuple(name for _, name, state in self._mission.walk() if state.activity())
         self._events = {name: event.about for name, event in self._mission.events.items()}
         self._missions = (mission_view(self._mission),)
         self._happened: deque[RunEvent] = deque(maxlen=MOST_HAPPENINGS)
         self._status: Status | None = None
-        self._since: float | None = None
+        self._entered = dict[str, float]()
         self._mode, self._mode_by = runner.view.mode, runner.view.resumed_mode_by
         self._mode_since = runner.view.paused_at
         self._began: float | None = None
@@ -72,8 +74,7 @@ class RunStatus:
         """Follow a step; whether a dialogue is to look again."""
         for each in happenings(step, self._states, self._events):
             self._happened.append(each)
-        if any(move.entered or move.exited for move in step.moves):
-            self._since = step.at
+        self._entered.update(dict.fromkeys(step.entered, step.at))
         if step.event.kind == "command" and step.event.name == "start" and not step.refusal:
             self._began = step.at
         mode = str(step.outcome or step.mode or self._mode)
@@ -99,19 +100,21 @@ class RunStatus:
         active = status.active if status is not None else tuple(
             name for _, name, _ in mission.walk() if name in run.active
         )  # fmt: skip
+        state = next((name for name in self._acting if name in active), active[-1] if active else "")
         return StatusView(
             at=now, run=self._runner.run_id, is_resumed=self._runner.is_resumed,
             revision=status.revision if status is not None else 0,
-            mode=run.outcome or run.mode, awaits_start=self._runner.waits, control=run.holder, active=active,
+            mode=run.outcome or run.mode, awaits_start=self._runner.waits, control=run.holder,
+            active=active, state=state,
             outcome=run.outcome, why=_why(mission, run.outcome, active) or run.why, began=self._began,
             wanted=tuple(sorted(run.wanted)), held_by=run.held_by, held_since=run.held_since,
             open_goals=tuple(dict.fromkeys(goal.action for goal in run.loose_goals)),
             questions=questions, confirm=frozenset(one for each in questions for one in _confirmed(mission, each)),
             keys={name: key_view(name, key, board, now) for name, key in mission.blackboard.items()},
-            states=self._states, events=self._events, mission=mission.name, about=mission.about,
+            states=self._abouts, events=self._events, mission=mission.name, about=mission.about,
             robot=self._robot.name, identity=self._robot.identity, build=self._robot.build, missions=self._missions,
             progress=tuple(progress(mission, frozenset(active), board)), happened=tuple(self._happened),
-            since=self._since, mode_by=self._mode_by, mode_since=self._mode_since,
+            since=self._entered.get(state), mode_by=self._mode_by, mode_since=self._mode_since,
         )  # fmt: skip
 
 
@@ -119,6 +122,14 @@ def _why(mission: Mission, outcome: str | None, active: Iterable[str]) -> str:
     """The mission's own sentence about the end that it reached; empty where it has none, or ended in another way."""
     ends = [state for name in active if isinstance(state := mission.states.get(name), Final)]
     return next((state.about for state in ends if state.final == outcome), "")
+
+
+def _abouts(states: Mapping[str, State], around: str = "") -> Iterator[tuple[str, str]]:
+    """Each state with its sentence, or that of the nearest state around it that has one."""
+    for name, state in states.items():
+        about = state.about or around
+        yield name, about
+        yield from _abouts(state.children(), about)
 
 
 def mission_view(mission: Mission) -> MissionView:

@@ -21,6 +21,7 @@ from rai_missions.connectors.hri.connector import FROM_HUMAN, TO_HUMAN, HRIConne
 from rai_missions.connectors.hri.message import HRIMessage
 from rai_missions.connectors.local import LocalConnector
 from rai_missions.conversation import Settings, Speech, permissions
+from rai_missions.event import Role
 from rai_missions.runtime.clock import WallClock
 from rai_missions.testing import Inbox
 from tests.agents.talk.scenes import RepliesModel, Screen, Talk
@@ -70,10 +71,11 @@ def test_a_typed_stop_pauses_and_cancels_a_kept_goal_at_once() -> None:
         assert talk.rig.runner.view.mode == "paused"
 
 
-def test_a_stop_before_the_start_keeps_the_robot_where_it_is_until_it_is_resumed() -> None:
+@pytest.mark.parametrize(("order", "role"), [("stop", "person"), ("pause", "operator")])
+def test_a_stop_before_the_start_keeps_the_robot_where_it_is_until_it_is_resumed(order: str, role: Role) -> None:
     needed = {**KEYS, "there": {"type": "boolean", "source": "robot"}}
     with Talk(mission(MOVING, blackboard=needed), clock=WallClock()) as talk:
-        talk.order("stop", "person")
+        talk.order(order, role)
         talk.until(lambda: talk.rig.runner.view.mode == "paused")
         talk.rig.publish("/there", data=False)
         assert "paused" in talk.ask("what are you doing?").text
@@ -360,6 +362,16 @@ def region(name: str, **options: Any) -> dict[str, Any]:
         f"{name}_over": {"final": "succeeded"},
     }
     return {"initial": f"{name}_asks", "states": states}
+
+
+def test_the_state_that_acts_is_named_where_a_region_waits() -> None:
+    moving, over = MOVING["moving"], MOVING["over"]
+    work = {"about": "it works", "initial": "moving", "states": {"moving": {**moving, "about": ""}}}
+    power = {"initial": "fine", "states": {"fine": {"about": "the battery is full"}}}
+    with talked({"both": {"parallel": {"work": work, "power": power}}, "over": over}) as talk:
+        running(talk)
+        assert "in the state 'moving': it works." in talk.ask("what are you doing?").text
+        assert "It has been in the state 'moving' for" in talk.ask("how long have you been doing this?").text
 
 
 def test_two_regions_ask_at_the_same_time_and_each_is_answered_by_its_own_option() -> None:
