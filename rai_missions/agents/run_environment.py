@@ -17,7 +17,7 @@ from rai_missions.connectors.python_robot import PythonRobot, PythonRobotConnect
 from rai_missions.connectors.registry import check_connector, open_offered
 from rai_missions.errors import UsageError
 from rai_missions.kinds import PackageOffer
-from rai_missions.profile import Robot, lacking, unknown_fields
+from rai_missions.profile import Robot, lacking, misnamed, unknown_fields
 from rai_missions.profile.python_robot import KIND
 from rai_missions.runtime.clock import Clock, PublishedClock, SimulatedClock, WallClock
 from rai_missions.runtime.robot_clock import RobotClock
@@ -80,6 +80,8 @@ def _open_connector(
     published = PublishedClock() if given is None and options.get("sim_time") is True else None
     clock, package = plan.continued(published or given or WallClock()), offer.load()
     connector = open_offered(offer, options, now=clock.now)
+    if hasattr(package, "why_no_name"):
+        plan.refuse(misnamed(robot, package.why_no_name), plan.config.robot)
     if hasattr(package, "why_absent"):
         absent = lacking(plan.mission, robot, package.why_absent)
         plan.refuse((*absent, *unknown_fields(plan.mission, robot, package.fields_of)), plan.config.robot)

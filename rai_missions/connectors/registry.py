@@ -25,7 +25,7 @@ def connector_offer(kind: str) -> PackageOffer | None:
     """Who opens connectors of a kind; None for those of `IN_PROCESS`, and where no package does.
 
     What it loads has `open_connector(options, *, now)`; where it also has `why_absent` and `fields_of`, a profile is
-    compared with the types of messages that are there.
+    compared with the types of messages that are there, and where it has `why_no_name`, with the names that it takes.
 
     Raises:
         UsageError: Two packages do.

@@ -13,6 +13,7 @@ from rai_missions.profile.message_fields import absent_field, unknown_fields, wh
 from rai_missions.profile.message_types import lacking
 from rai_missions.profile.profile import Robot, Rule, terms
 from rai_missions.profile.python_robot import RobotProgram, lacking_functions, profile_of, read_program
+from rai_missions.profile.robot_names import RobotEntry, misnamed, wanted
 from rai_missions.profile.sources import EventSource, Source
 
 __all__ = (
@@ -23,6 +24,7 @@ __all__ = (
     "EventSource",
     "OrderName",
     "Robot",
+    "RobotEntry",
     "RobotProgram",
     "Rule",
     "ServiceEntry",
@@ -36,6 +38,7 @@ __all__ = (
     "lacking",
     "lacking_functions",
     "load_profile",
+    "misnamed",
     "missing",
     "parse_profile",
     "plain",
@@ -43,5 +46,6 @@ __all__ = (
     "read_program",
     "terms",
     "unknown_fields",
+    "wanted",
     "why_unreadable",
 )  # fmt: skip

@@ -19,6 +19,7 @@ import pytest
 from rai_missions.cli.commands.run import run
 from rai_missions.cli.main import main
 from rai_missions.mission.files import load
+from tests.ros2 import on_ros
 
 LAMP: dict[str, Any] = {
     "name": "lamp",
@@ -435,7 +436,7 @@ def test_check_reports_what_it_checked_and_each_fault_in_its_own_file(
         ({"kind": "local", "world": "house", "blocked": 2}, "/connector: the world 'house' cannot be opened with blo"),
         ({"kind": "local", "world": "orchard", "seed": 7}, ""),
         ({"kind": "local", "world": "orchard"}, ""),
-        ({"kind": "mqtt"}, ""),
+        ({"kind": "mqtt"}, "/actions/drive: MQTT carries no actions, and so not /drive; compose it of services"),
         ({"kind": "mqtt", "prot": 1883}, "no option 'prot'; there is: host, port"),
         ({"kind": "mqtt", "port": "1883"}, "connector/port: '1883' is no port; give a whole number from 1 to 65535"),
         ({"kind": "mqtt", "port": None}, "connector/port: null is no port"),
@@ -457,3 +458,48 @@ def test_check_reports_a_connector_a_world_or_an_option_that_there_is_not(
     path.write_text(json.dumps(json.loads(path.read_text()) | {"connector": connector}))
     assert main(["check", "mine/mission.json", "--robot", str(path)]) == (2 if sentence else 0)
     assert sentence in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("kind", "battery", "faults"),
+    [
+        pytest.param(
+            "ros2", "/Fahrwerk/Füllstand",
+            {
+                "/blackboard/battery": "no name in ROS from 'üllstand' on: topic name must not contain characters",
+                "/services/horn": "no name in ROS from '/' on: topic name must not end with a forward slash",
+                "/control/operator": "no name in ROS from '2nd/agent' on: topic name token must not start with",
+                "/alive": "no name in ROS: topic name must not be empty string",
+            },
+            marks=on_ros,
+        ),
+        (
+            "mqtt", "/+/battery",
+            {
+                "/blackboard/battery": "'/+/battery' is no name in MQTT: '+' and '#' mean many topics",
+                "/actions/drive": "MQTT carries no actions, and so not /drive; compose it of services",
+                "/alive": "a name of MQTT has at least one character",
+            },
+        ),
+    ],
+)  # fmt: skip
+def test_check_and_run_report_all_names_that_the_middleware_does_not_take(
+    kind: str, battery: str, faults: dict[str, str], folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    profile = {
+        "format": 1, "name": "robot", "connector": {"kind": kind},
+        "blackboard": {"battery": {"topic": battery, "type": "std_msgs/msg/Float64"}},
+        "actions": {"drive": {"action": "/drive", "type": "test_msgs/action/Fibonacci"}},
+        "services": {"horn": {"service": "horn/"}},
+        "control": {"operator": "/2nd/{by}"}, "alive": {"topic": ""},
+    }  # fmt: skip
+    mission = {**LAMP, "blackboard": {"battery": {"type": "number", "source": "robot"}}, "events": {}}
+    for name, content in (("robot.json", profile), ("lamp.json", mission)):
+        (folder / name).write_text(json.dumps(content))
+    for command in ("check", "run"):
+        assert main([command, "lamp.json", "--robot", "robot.json"]) == 2
+        printed = [line for line in capsys.readouterr().err.splitlines() if line.startswith("robot.json: /")]
+        found = dict(line.removeprefix("robot.json: ").split(": ", 1) for line in printed)
+        assert found.keys() == faults.keys()
+        assert all(faults[place] in found[place] for place in faults), found
+    assert not list(folder.rglob("*.journal"))

@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from hypothesis import given
+from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from rai_missions.connectors.connector import Connector, Message, Reply, Report
@@ -23,6 +23,7 @@ from rai_missions.connectors.contract import Inbox, check_connector
 from rai_missions.connectors.hri.connector import FROM_HUMAN, VOICE_COMMANDS, HRIConnector
 from rai_missions.connectors.mqtt.codec import decode, encode
 from rai_missions.connectors.mqtt.connector import MqttConnector
+from rai_missions.connectors.mqtt.names import why_no_name
 from rai_missions.errors import ConnectorError, UsageError
 from rai_missions.image import Image
 
@@ -400,6 +401,49 @@ def test_why_a_broker_ends_the_way_is_reported(caplog: pytest.LogCaptureFixture)
     connector.stop()
     assert reply.why == "the MQTT broker is gone: server shutting down"
     assert any(each.message.endswith("is gone: server shutting down") for each in caplog.records)
+
+
+@pytest.mark.parametrize(
+    ("name", "kind", "why"),
+    [
+        ("/rooms/+/light", "msg", "'/rooms/+/light' is no name in MQTT: '+' and '#' mean many topics; name each "
+         "by itself"),
+        ("#", "srv", "'#' is no name in MQTT: '+' and '#' mean many topics; name each by itself"),
+        ("", "msg", "a name of MQTT has at least one character"),
+        ("a\x01b", "srv", "'a\\x01b' is no name in MQTT: U+0001 in it is no character of a text"),
+        ("x" * 65_528, "msg", "x is no name in MQTT: it has more than 65527 bytes"),
+        ("/dock", "action", "MQTT carries no actions, and so not /dock; compose it of services"),
+        ("/grün/Tür 3", "msg", ""),
+    ],
+)  # fmt: skip
+def test_a_name_that_mqtt_does_not_take_is_reported_with_the_reason(name: str, kind: Any, why: str) -> None:
+    assert why_no_name(name, kind).endswith(why) and bool(why) == bool(why_no_name(name, kind))
+
+
+def test_no_use_of_such_a_name_reaches_the_broker() -> None:
+    connector, replies = MqttConnector(), Inbox[Reply]()
+    for use in (
+        lambda: connector.subscribe("/a/#", STRING, lambda message: None),
+        lambda: connector.publish("/a/#", STRING, {"data": "x"}),
+        lambda: connector.serve("/a/#", TRIGGER, lambda request: {}),
+    ):
+        with pytest.raises(ConnectorError, match="'/a/#' is no name in MQTT"):
+            use()
+    connector.call("/a/#", TRIGGER, {}, on_reply=replies)
+    assert [(each.outcome, each.why) for each in replies.all] == [("failed", why_no_name("/a/#", "srv"))]
+
+
+@needs_broker
+@given(name=st.text(min_size=1, max_size=20))
+@settings(max_examples=40, suppress_health_check=[HealthCheck.function_scoped_fixture])
+def test_every_other_name_is_carried(connector: MqttConnector, name: str) -> None:
+    if why_no_name(name, "msg") or name.startswith("$"):  # names of the broker's own
+        return
+    received = Inbox[Message]()
+    close = connector.subscribe(name, STRING, received)
+    connector.publish(name, STRING, {"data": "x"})
+    assert received.wait(bool, f"{name!r} is a name")[0].topic == name
+    close()
 
 
 def test_an_unknown_option_is_reported_with_what_there_is() -> None:

@@ -3,8 +3,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING
 
 from rai_missions.cli.command import GuardsFile, MissionFile, RobotFile, command
 
@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from rai_missions.check import CheckedFile, FileFinding
     from rai_missions.errors import Fault
     from rai_missions.mission.mission import Mission
+    from rai_missions.profile import Robot
 
 __all__ = ("check",)
 
@@ -86,16 +87,18 @@ def _checked_profile(path: str, mission: Mission | None) -> tuple[str, tuple[Fil
     except DefinitionError as error:
         return "", tuple(FileFinding(error.source or path, Finding(*each)) for each in error.faults)
     names = missing(mission, profile) if mission is not None else ()
-    lacking = (*_connector_faults(profile.connector), *names, *conversation_faults(profile, mission))
+    lacking = (*_connector_faults(profile), *names, *conversation_faults(profile, mission))
     return profile.name, tuple(FileFinding(path, Finding(*each)) for each in lacking)
 
 
-def _connector_faults(connector: Mapping[str, Any]) -> Iterator[Fault]:
-    """A kind of connector, a simulated world, or an option of one that there is not."""
+def _connector_faults(robot: Robot) -> Iterator[Fault]:
+    """A kind of connector, a simulated world, an option of one, or a name there, that there is not."""
     from rai_missions.connectors.registry import check_connector, check_options
     from rai_missions.errors import Fault, UsageError
+    from rai_missions.profile import misnamed
     from rai_missions.worlds.world import check_local
 
+    connector = robot.connector
     kind, options = str(connector["kind"]), {word: each for word, each in connector.items() if word != "kind"}
     try:
         offer = check_connector(kind)
@@ -105,6 +108,8 @@ def _connector_faults(connector: Mapping[str, Any]) -> Iterator[Fault]:
     try:
         if offer is not None:
             check_options(offer, options)
+            if why_no_name := getattr(offer.load(), "why_no_name", None):
+                yield from misnamed(robot, why_no_name)
         elif kind == "local":
             check_local(options)
     except UsageError as error:

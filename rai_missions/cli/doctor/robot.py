@@ -9,38 +9,17 @@ from __future__ import annotations
 import os
 from collections.abc import Iterator, Mapping
 from pathlib import Path
-from typing import NamedTuple
 
 from rai_missions.cli.doctor.finding import MachineFinding, ProbeResult, tried
-from rai_missions.connectors.connector import Mode
 from rai_missions.connectors.registry import CONNECTORS, connector_offer
 from rai_missions.errors import suggestion
-from rai_missions.profile import Robot, unknown_fields
+from rai_missions.profile import Robot, RobotEntry, unknown_fields, wanted
 from rai_missions.profile.message_types import Kind, listened, typed
 from rai_missions.worlds.world import WORLDS, world_offer
 
-__all__ = ("loads", "reach", "wanted")
+__all__ = ("loads", "reach")
 
 WITHIN_S = 10.0
-
-
-class RobotEntry(NamedTuple):
-    """Something that a profile names."""
-
-    place: str
-    """Where: `blackboard/battery`."""
-    mode: Mode
-    name: str
-    type: str
-    is_listener: bool = False
-    """The mission publishes on it: no subscriber is needed."""
-    may_be_silent: bool = False
-    """An event: its publisher may appear when it happens."""
-
-    @property
-    def how(self) -> str:
-        """How it must be present: `offered` by a server or publisher, or, where that is enough, `listed`."""
-        return "listed" if self.is_listener else "offered"
 
 
 def reach(
@@ -85,36 +64,6 @@ def loads(program: Path) -> MachineFinding:
         return MachineFinding("missing", f"the robot {program} does not load", found.fault)
     offers = ", ".join(f"{sort} {', '.join(names) or 'none'}" for sort, names in found.value.items())
     return MachineFinding("ok", f"the robot {program} loads: {offers or 'it is made by robot(), once a run'}")
-
-
-def wanted(robot: Robot) -> Iterator[RobotEntry]:
-    """All topics, services and actions that a profile names; a handover's, whose name depends on who asks, left out."""
-    yield from _received(robot)
-    yield from _done(robot)
-    for name, topic in robot.topics.items():
-        yield RobotEntry(f"topics/{name}", "topics", topic.topic, topic.type, is_listener=True)
-
-
-def _received(robot: Robot) -> Iterator[RobotEntry]:
-    received = (("blackboard", robot.blackboard), ("events", robot.events), ("", {"holder": robot.holder}))
-    for sort, sources in received:
-        for name, source in sources.items():
-            place = f"{sort}/{name}".lstrip("/")
-            if source is not None and source.topic is not None:
-                yield RobotEntry(place, "topics", source.topic, source.type, may_be_silent=sort == "events")
-            elif source is not None and source.service is not None:
-                yield RobotEntry(place, "services", source.service, source.type)
-
-
-def _done(robot: Robot) -> Iterator[RobotEntry]:
-    services = {f"services/{name}": service for name, service in robot.services.items()}
-    for name, action in robot.actions.items():
-        if action.action is not None:
-            yield RobotEntry(f"actions/{name}", "actions", action.action, action.type)
-        parts = (("start", action.start), ("cancel", action.cancel))
-        services |= {f"actions/{name}/{word}": part for word, part in parts if part is not None}
-    services |= {f"control/{name}": each for name, each in robot.control.items() if "{" not in each.service}
-    yield from (RobotEntry(place, "services", each.service, each.type) for place, each in services.items())
 
 
 def _local(kind: str, robot: Robot) -> MachineFinding:

@@ -11,8 +11,9 @@ from typing import Any
 
 from rai_missions.connectors.connector import Connector
 from rai_missions.connectors.mqtt.connector import MqttConnector, read_options
+from rai_missions.connectors.mqtt.names import why_no_name
 
-__all__ = ("check_options", "open_connector")
+__all__ = ("check_options", "open_connector", "why_no_name")
 
 
 def open_connector(options: Mapping[str, Any], *, now: Callable[[], float] | None = None) -> Connector:

@@ -21,6 +21,7 @@ from rai_missions.connectors.answers import ask, failure
 from rai_missions.connectors.connector import ActionServer, Answer, Close, Data, Message, Mode, Reply, Report
 from rai_missions.connectors.mqtt.codec import decode, encode
 from rai_missions.connectors.mqtt.link import BrokerLink
+from rai_missions.connectors.mqtt.names import REQUEST, check_name, why_no_name
 from rai_missions.connectors.stamps import ReadingDate, dated, stamp_of
 from rai_missions.errors import ConnectorError, UsageError
 from rai_missions.redaction import cut, logger, shown
@@ -130,6 +131,7 @@ class MqttConnector:
 
     def subscribe(self, topic: str, type_name: str, on_message: Callable[[Message], None]) -> Close:
         key = object()
+        check_name(topic)
         self._check_open()
         with self._lock:
             self._listeners[topic][key] = _Listener(on_message)
@@ -141,8 +143,10 @@ class MqttConnector:
         """Publish; what cannot be sent now is not sent later.
 
         Raises:
-            ConnectorError: The message is no plain data, larger than the broker takes, or the broker is gone.
+            ConnectorError: The message is no plain data, larger than the broker takes, or the broker is gone; MQTT does
+                not take the name.
         """
+        check_name(topic)
         payload = encode(message)
         if not self.running:
             return
@@ -161,6 +165,7 @@ class MqttConnector:
         timeout_s: float | None = None,
     ) -> None:
         try:
+            check_name(service)
             payload = encode(request)
         except ConnectorError as fault:
             on_reply(Reply("failed", {}, str(fault)))
@@ -181,7 +186,7 @@ class MqttConnector:
             self._entering += 1
         sent, end = None, Reply("unavailable", {}, GONE)
         try:
-            sent = self._link.publish(f"{service}/request", payload, words)
+            sent = self._link.publish(f"{service}{REQUEST}", payload, words)
         except ConnectorError as fault:
             end = Reply("failed", {}, str(fault))
         call.mid = sent.mid if sent is not None else 0
@@ -198,7 +203,8 @@ class MqttConnector:
             self._end(key, end)
 
     def serve(self, service: str, type_name: str, answer: Answer) -> Close:
-        topic = f"{service}/request"
+        topic = f"{service}{REQUEST}"
+        check_name(service)
         self._check_open()
         with self._lock:
             if topic in self._services:
@@ -212,13 +218,11 @@ class MqttConnector:
         self, action: str, type_name: str, goal: Data, *, goal_id: str, on_report: Callable[[Report], None]
     ) -> None:
         """MQTT has no actions: rejected."""
-        on_report(
-            Report(goal_id, "rejected", {}, f"MQTT carries no actions, and so not {action}; compose it of services")
-        )
+        on_report(Report(goal_id, "rejected", {}, why_no_name(action, "action")))
 
     def find_goal(self, action: str, type_name: str, *, goal_id: str, on_report: Callable[[Report], None]) -> None:
         """MQTT has no actions: lost."""
-        on_report(Report(goal_id, "lost", {}, f"MQTT carries no actions, and so not {action}"))
+        on_report(Report(goal_id, "lost", {}, why_no_name(action, "action")))
 
     def cancel_goal(self, goal_id: str) -> None:
         """MQTT has no actions: nothing happens."""

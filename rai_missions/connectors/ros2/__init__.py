@@ -14,7 +14,15 @@ from typing import Any, Literal
 from rai_missions.connectors.connector import Connector
 from rai_missions.errors import ConnectorError, UsageError, install_command
 
-__all__ = ("check_options", "fields_of", "how_to_install", "installation", "open_connector", "why_absent")
+__all__ = (
+    "check_options",
+    "fields_of",
+    "how_to_install",
+    "installation",
+    "open_connector",
+    "why_absent",
+    "why_no_name",
+)
 
 
 def open_connector(options: Mapping[str, Any], *, now: Callable[[], float] | None = None) -> Connector:
@@ -85,3 +93,16 @@ def why_absent(type_name: str, kind: Literal["msg", "srv", "action"]) -> str:
     from rai_missions.connectors.ros2 import names
 
     return names.why_absent(type_name, kind)
+
+
+def why_no_name(name: str, kind: Literal["msg", "srv", "action"]) -> str:
+    """Why ROS takes no such name, in a sentence; empty if it does, and on a machine without rclpy."""
+    from rai_missions.connectors.ros2 import names
+
+    try:
+        names.check_name(name, kind)
+    except (ImportError, OSError):
+        return ""
+    except ConnectorError as fault:
+        return str(fault)
+    return ""

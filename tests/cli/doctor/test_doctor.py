@@ -16,11 +16,11 @@ from packaging.requirements import Requirement
 from rai_missions.cli.doctor import MachineFinding
 from rai_missions.cli.doctor.finding import tried
 from rai_missions.cli.doctor.machine import EXTRAS
-from rai_missions.cli.doctor.robot import reach, wanted
+from rai_missions.cli.doctor.robot import reach
 from rai_missions.cli.doctor.ros import ros
 from rai_missions.cli.main import main
 from rai_missions.errors import install_command
-from rai_missions.profile import Robot, load_profile
+from rai_missions.profile import Robot, load_profile, wanted
 from tests.ros2 import lock_free_domain
 
 ROOT = Path(__file__).parents[3]
