@@ -64,6 +64,8 @@ SHAPES = re.compile(
     r"|(?<=://)[^\s/@:\"']*:[^\s/@\"']+(?=@)"
     r"|(?i:(?<=bearer )|(?<=basic ))(?=\S*[0-9=]|\S+[A-Z])[A-Za-z0-9_\-.+/=]{6,}"
     r"|(?i:(?<=api[-_ ]key[:=])|(?<=apikey[:=])|(?<=api[-_ ]key[:=] ))[^\s\"',;&]{6,}"
+    r"|-----BEGIN [A-Z0-9 ]{0,30}PRIVATE KEY[A-Z ]{0,10}-----"
+    r"[\s\S]*?(?:-----END [A-Z0-9 ]{0,30}PRIVATE KEY[A-Z ]{0,10}-----|\Z)"
 )
 """What keys look like, by the prefixes that their issuers give them, or by the words before them."""
 _living: weakref.WeakSet[Redaction] = weakref.WeakSet()

@@ -8,6 +8,7 @@ from collections.abc import Iterator
 
 from rai_missions.embodiment.document import TextDocument
 from rai_missions.embodiment.passage import DocumentPassage
+from rai_missions.redaction import redacted
 
 __all__ = ("LONGEST_PASSAGE", "passages_of")
 
@@ -20,14 +21,14 @@ SENTENCE_END = re.compile(r"(?<=[.!?;:])\s+")
 
 
 def passages_of(name: str, document: TextDocument) -> Iterator[DocumentPassage]:
-    """The passages of a document, in its order.
+    """The passages of a document, in its order. Secrets are hidden first: half of one would be known by no shape.
 
     Args:
         name: The document's file, as it is cited.
         document: What was read from it.
     """
     for section in document.sections:
-        for text in _packed(section.text):
+        for text in _packed(redacted(section.text)):
             yield DocumentPassage(name, " › ".join(section.heading), text)
 
 

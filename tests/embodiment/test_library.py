@@ -112,6 +112,15 @@ def test_a_secret_in_a_document_is_not_quoted(folder: Path) -> None:
     assert "tyre service has the key [hidden]" in quotes and "Zk3m" not in quotes
 
 
+def test_a_private_key_that_is_longer_than_a_passage_is_not_quoted(folder: Path) -> None:
+    lines = "\n".join(f"MIIE{number:02}{'q7' * 29}" for number in range(50))
+    key = f"-----BEGIN RSA PRIVATE KEY-----\n{lines}\n-----END RSA PRIVATE KEY-----"
+    (folder / "keys.md").write_text(f"# Keys\n\nThe service has this key:\n\n{key}\n\nKeep it dry.\n")
+    passages = Library(folder, folder / "x.index", embedder=LetterVectors()).recall("service key", 20).passages
+    quotes = " ".join(each.text for each in passages)
+    assert "this key:\n[hidden]\nKeep it dry." in quotes and "q7q7" not in quotes
+
+
 def test_an_index_is_for_its_user_alone_whatever_the_file_before_was(folder: Path) -> None:
     index = folder.parent / "x.index"
     index.touch(mode=0o666)

@@ -23,7 +23,7 @@ __all__ = ("IndexReader", "IndexedDocument", "IndexedPassage", "write_index")
 
 APPLICATION = 0x52414949
 """`RAII` in the file's header."""
-FORMAT = 1
+FORMAT = 2
 """Of the tables, and of how documents are read and cut: another one is built again from the documents."""
 SCHEMA = (
     "CREATE TABLE about (name TEXT PRIMARY KEY, value TEXT NOT NULL)",
