@@ -10,6 +10,7 @@ from __future__ import annotations
 import re
 import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cache
 from importlib import import_module
@@ -18,7 +19,7 @@ from pkgutil import iter_modules
 from types import UnionType
 from typing import TYPE_CHECKING, Annotated, Any, Literal, NamedTuple, Union, get_args, get_origin
 
-from rai_missions.errors import UsageError, escaped
+from rai_missions.errors import MissionError, UsageError, escaped, in_words
 
 if TYPE_CHECKING:
     from importlib.metadata import Distribution
@@ -365,6 +366,20 @@ class PackageOffer(NamedTuple):
             return EntryPoint(self.name, self.value, self.group).load()
         except Exception as error:
             raise UsageError(f"{self} does not load ({type(error).__name__}: {error})") from error
+
+    @contextmanager
+    def opening(self) -> Iterator[None]:
+        """Opens it inside: what its code raises refuses it by its name and package.
+
+        Raises:
+            UsageError: Its code has raised; a `MissionError` of its own is passed on as it is.
+        """
+        try:
+            yield
+        except MissionError:
+            raise
+        except Exception as error:
+            raise UsageError(f"{self} cannot be opened ({type(error).__name__}: {in_words(error)})") from error
 
 
 def _sort(group: str) -> str:

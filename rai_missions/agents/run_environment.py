@@ -21,7 +21,7 @@ from rai_missions.profile import Robot, lacking, misnamed, unknown_fields
 from rai_missions.profile.python_robot import KIND
 from rai_missions.runtime.clock import Clock, PublishedClock, SimulatedClock, WallClock
 from rai_missions.runtime.robot_clock import RobotClock
-from rai_missions.worlds.world import World, check_local, open_world, world_offer
+from rai_missions.worlds.world import World, check_local, open_world, put_on, world_offer
 
 __all__ = ("RunEnvironment", "open_environment")
 
@@ -100,7 +100,7 @@ def _open_world(plan: RunPlan, name: str, options: dict[str, Any], closing: Clea
     world = open_world(name, **options)
     closing.closes(world.close)
     connector = LocalConnector(now=lambda: world.at)
-    world.open(connector)
+    put_on(connector, name, world)
     return RunEnvironment(
         world,
         connector,

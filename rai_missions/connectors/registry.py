@@ -10,7 +10,7 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from rai_missions.connectors.connector import Connector
-from rai_missions.errors import MissionError, UsageError, in_words, suggestion
+from rai_missions.errors import UsageError, suggestion
 from rai_missions.kinds import PackageOffer, offered
 
 __all__ = ("CONNECTORS", "IN_PROCESS", "check_connector", "check_options", "connector_offer", "open_offered")
@@ -70,10 +70,6 @@ def open_offered(
     Raises:
         UsageError: It does not load, or does not open, with its kind and package; an option is not understood.
     """
-    try:
+    with offer.opening():
         connector: Connector = offer.load().open_connector(options, now=now)
-    except MissionError:
-        raise
-    except Exception as error:
-        raise UsageError(f"{offer} cannot be opened ({type(error).__name__}: {in_words(error)})") from error
     return connector

@@ -12,6 +12,7 @@ import inspect
 import json
 import math
 from collections.abc import Mapping, Sequence
+from contextlib import AbstractContextManager, nullcontext
 from types import UnionType
 from typing import Any, Protocol, Union, get_args, get_origin, get_type_hints
 
@@ -20,7 +21,7 @@ from rai_missions.errors import UsageError, install_command, suggestion
 from rai_missions.kinds import PackageOffer, offered
 from rai_missions.worlds.options import check_names
 
-__all__ = ("WORLDS", "World", "check_local", "check_world", "load_world", "open_world", "world_offer")
+__all__ = ("WORLDS", "World", "check_local", "check_world", "load_world", "open_world", "put_on", "world_offer")
 
 WORLDS: Mapping[str, str] = {
     "desk": "rai_missions.worlds.desk:Desk",
@@ -91,9 +92,11 @@ def open_world(name: str, **options: Any) -> World:
         UsageError: No such world or option, an option's value does not fit, or the packages that the world needs are
             not installed.
     """
-    make = _checked(name, load_world(name), options)
+    offer = check_world(name)
+    make = _checked(name, _class_of(name, offer), options)
     try:
-        made: World = make(**options)
+        with _opening(name, offer):
+            made: World = make(**options)
     except (ArithmeticError, AttributeError, LookupError, TypeError, ValueError) as error:
         raise UsageError(f"{_not_opened(name, options)}: {error}") from error
     return made
@@ -106,6 +109,21 @@ def load_world(name: str) -> Any:
         UsageError: No such world, or the packages that it needs are not installed.
     """
     return _class_of(name, check_world(name))
+
+
+def put_on(connector: Connector, name: str, world: World) -> None:
+    """Have the world of a name put its robot on a connector.
+
+    Raises:
+        UsageError: One of another package has raised.
+    """
+    with _opening(name, check_world(name)):
+        world.open(connector)
+
+
+def _opening(name: str, offer: PackageOffer) -> AbstractContextManager[None]:
+    """Opens a world inside; what ours raises is for its caller."""
+    return offer.opening() if name not in WORLDS else nullcontext()
 
 
 def check_local(options: Mapping[str, Any]) -> None:

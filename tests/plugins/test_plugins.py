@@ -177,6 +177,27 @@ def test_a_foreign_connector_that_cannot_be_opened_is_refused_by_name(tmp_path: 
         sys.modules.pop("radio", None)
 
 
+@pytest.mark.parametrize(
+    ("code", "why"),
+    [
+        ("def __init__(self): raise OSError('no licence')", "cannot be opened (OSError: no licence)"),
+        ("def __init__(self): 1 / 0", "cannot be opened (ZeroDivisionError: division by zero)"),
+        ("def open(self, connector): raise RuntimeError('no room')", "cannot be opened (RuntimeError: no room)"),
+    ],
+)
+def test_a_foreign_world_that_cannot_be_opened_is_refused_by_name(tmp_path: Path, code: str, why: str) -> None:
+    world = f"class World:\n    at, period_s = 0.0, 0.1\n    def close(self): ...\n    {code}\n"
+    laid_out(tmp_path, "moon", "1.0", offers="[rai_missions.worlds]\nmoon = moon:World\n", code=world)
+    sys.path.insert(0, str(tmp_path))
+    try:
+        connector = {"kind": "local", "world": "moon"}
+        robot = parse_profile(ROBOT.read_text(encoding="utf-8")).model_copy(update={"connector": connector})
+        assert fault(lambda: run(MISSION, robot=robot)) == f"the world 'moon' of moon 1.0 {why}"
+    finally:
+        del sys.path[0]
+        sys.modules.pop("moon", None)
+
+
 @pytest.mark.parametrize("options", [{"humid": 0.2}, {"humidity": "much"}])
 def test_check_finds_the_options_of_a_foreign_connector_that_a_run_refuses(
     tmp_path: Path, options: dict[str, Any], capsys: pytest.CaptureFixture[str]
