@@ -20,7 +20,7 @@ from rai_missions.connectors.local import LocalConnector
 from rai_missions.event import Event
 from rai_missions.journal import Header, Journal
 from rai_missions.mission.files import dump
-from rai_missions.recording import Recording, observers, recorded
+from rai_missions.recording import Recording, recorded
 from rai_missions.runtime.run_options import RunObserver
 from rai_missions.runtime.runner import Runner
 
@@ -52,7 +52,8 @@ def flood(folder: Path, *, is_recorded: bool, is_journaled: bool) -> Flood:
         journal = Journal.create(folder / "run.journal", Header(dump(made)), witness=witness)
     runner = Runner(
         made, robot=ROBOT, connector=recorded(connector, recording) if recording is not None else connector,
-        journal=journal, observer=observers(recording, RunObserver()) if recording is not None else RunObserver(),
+        journal=journal,
+        observer=RunObserver(recording.step, recording.status) if recording is not None else RunObserver(),
     )  # fmt: skip
     thread = threading.Thread(target=runner.run)
     for _ in range(EVENTS):

@@ -175,11 +175,12 @@ def _made(
             undo.callback(recording.withdraw)
         journal, moved_aside = _open_journal(plan, header, recording, closing)
         undo.pop_all()
-    reached, observer = environment.connector, RunObserver(config.on_step, config.on_status)
+    reached, observer = environment.connector, config.observer
     if recording is not None:
-        from rai_missions.recording import observers, recorded
+        from rai_missions.recording import recorded
 
-        reached, observer = recorded(reached, recording), observers(recording, observer)
+        reached = recorded(reached, recording)
+        observer = RunObserver(recording.step, recording.status).before(observer)
     new = NewRun(header.arguments, config.named, run=header.run, moved_aside=moved_aside, waits=config.waits)
     continued = resumed and resumed.resumption._replace(fresh=environment.world is not None, waits=config.waits)
     runner = Runner(

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -17,6 +17,7 @@ from rai_missions.mission.mission import Mission
 from rai_missions.profile import Robot, RobotProgram
 from rai_missions.runtime.clock import Clock
 from rai_missions.runtime.lifecycle import Status
+from rai_missions.runtime.run_options import RunObserver
 
 if TYPE_CHECKING:
     from langchain_core.language_models import BaseChatModel
@@ -71,6 +72,16 @@ class RunConfig:
     clock: Clock | None = None
     on_step: Callable[[Step], None] | None = None
     on_status: Callable[[Status], None] | None = None
+
+    @property
+    def observer(self) -> RunObserver:
+        """Who follows the run."""
+        return RunObserver(self.on_step, self.on_status)
+
+    def observed_by(self, observer: RunObserver) -> RunConfig:
+        """A run that one more observer follows, which is notified before the others."""
+        both = observer.before(self.observer)
+        return replace(self, on_step=both.on_step, on_status=both.on_status)
 
     @property
     def journal_path(self) -> Path | None:

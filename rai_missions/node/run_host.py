@@ -24,6 +24,7 @@ from rai_missions.profile import Robot
 from rai_missions.redaction import logger
 from rai_missions.runtime.clock import Clock, PublishedClock, WallClock
 from rai_missions.runtime.lifecycle import Status
+from rai_missions.runtime.run_options import RunObserver
 from rai_missions.runtime.runner import Runner
 
 __all__ = ("RunHost",)
@@ -111,20 +112,12 @@ class RunHost:
         setting = replace(setting, arguments={**self.arguments(), **setting.arguments})
         if setting.operator is None and self._is_operator:
             setting = replace(setting, operator=Clients())
-        on_made, on_status = setting.on_step, setting.on_status
 
-        def step(made: Step) -> None:
-            on_step(made)
-            if on_made is not None:
-                on_made(made)
-
-        def status(now: Status) -> None:
+        def follow(now: Status) -> None:
             if self.session is not None:
                 self.session.follow(now)  # what it changes is published with its step, which follows at once
-            if on_status is not None:
-                on_status(now)
 
-        return replace(setting, on_step=step, on_status=status)
+        return setting.observed_by(RunObserver(on_step, follow))
 
     def begin(
         self, order: Command, join: Callable[[RunConfig], RunConfig], ended: Callable[[RunSession], None]

@@ -12,7 +12,6 @@ from __future__ import annotations
 from rai_missions.recording.connector import RecordedConnector, recorded
 from rai_missions.recording.file import check_name, is_mcap
 from rai_missions.recording.journal import JournalSource, journal_of
-from rai_missions.recording.observers import observers
 from rai_missions.recording.recording import Recording, Summary
 
 __all__ = (
@@ -23,6 +22,5 @@ __all__ = (
     "check_name",
     "is_mcap",
     "journal_of",
-    "observers",
     "recorded",
 )

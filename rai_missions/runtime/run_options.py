@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeVar
 
 from rai_missions.engine import Named
 from rai_missions.engine.activities.ticker import Trees
@@ -13,6 +13,8 @@ from rai_missions.engine.step import Step
 from rai_missions.runtime.lifecycle import Status
 
 __all__ = ("NewRun", "RunObserver")
+
+T = TypeVar("T")
 
 
 @dataclass(frozen=True)
@@ -40,3 +42,18 @@ class RunObserver(NamedTuple):
     """Called with each step, after its effects."""
     on_status: Callable[[Status], None] | None = None
     """Called with each change of mode, control or active states."""
+
+    def before(self, other: RunObserver) -> RunObserver:
+        """An observer that passes each step and each status on to both, to this one first."""
+        return RunObserver(_both(self.on_step, other.on_step), _both(self.on_status, other.on_status))
+
+
+def _both(first: Callable[[T], None] | None, second: Callable[[T], None] | None) -> Callable[[T], None] | None:
+    if first is None or second is None:
+        return first or second
+
+    def notify(what: T) -> None:
+        first(what)
+        second(what)
+
+    return notify

@@ -17,6 +17,7 @@ from rai_missions.cli.command import PAGE_PORT
 from rai_missions.cli.inputs import warn
 from rai_missions.errors import UsageError, install_command
 from rai_missions.runtime.interrupts import on_signals
+from rai_missions.runtime.run_options import RunObserver
 
 if TYPE_CHECKING:
     from rai_missions.agents.mission import PreparedRun, RunConfig
@@ -158,8 +159,7 @@ class RunPage:
         self._feed: RunFeed | None = None
         self._early: list[TalkLine] = []
         """What was talked before the page was served."""
-        self._step, self._status = config.on_step, config.on_status
-        self.config = replace(config, on_step=self._stepped, on_status=self._changed)
+        self.config = config.observed_by(RunObserver(self._follow_step, self._follow_status))
         """What the run is to be made of instead."""
         self._talk: TalkSession | None = None
         if operator:
@@ -269,20 +269,16 @@ class RunPage:
     def _asked(self) -> list[Question]:
         return [each.question for each in self._shown.course.questions()] if self._shown is not None else []
 
-    def _stepped(self, step: Step) -> None:
+    def _follow_step(self, step: Step) -> None:
         shown, feed = self._shown, self._feed
         if shown is not None and feed is not None:
             shown.course.step(step)
             feed.step(step)
             shown.course.receive(step)
-        if self._step is not None:
-            self._step(step)
 
-    def _changed(self, status: Status) -> None:
+    def _follow_status(self, status: Status) -> None:
         if self._shown is not None:
             self._shown.course.follow(status)
-        if self._status is not None:
-            self._status(status)
 
 
 @contextmanager

@@ -12,6 +12,7 @@ from rai_missions.cli.inputs import warn
 from rai_missions.cli.run.talk_runs import TalkRuns
 from rai_missions.errors import ConnectorError, DefinitionError, MissionError, UsageError
 from rai_missions.runtime.interrupts import on_interrupts
+from rai_missions.runtime.run_options import RunObserver
 
 if TYPE_CHECKING:
     from rai_missions.agents.conversation import ConversationalAgent
@@ -62,7 +63,6 @@ class TalkSession:
     def __init__(self, options: RunOptions, config: RunConfig, profile: Robot | None) -> None:
         self._options, self._policy = options, None if profile is None else profile.conversation
         policy = self._policy
-        self._step, self._status = config.on_step, config.on_status
         self.agent: ConversationalAgent | None = None
         self.earlier: tuple[TalkLine, ...] = ()
         """What was talked in the process that this one resumes."""
@@ -76,7 +76,7 @@ class TalkSession:
         """No node serves the run; one that does has this run alone."""
         self._runs: TalkRuns | None = None
         self.config = replace(
-            config, on_step=self._stepped, on_status=self._changed, waits=self._begins_ready,
+            config.observed_by(RunObserver(self._follow_step, self._follow_status)), waits=self._begins_ready,
             operator=None if options.no_operator else HeldOpen(),
             speed=1.0 if config.speed is None and _is_simulated(profile) else config.speed,
         )  # fmt: skip
@@ -274,19 +274,15 @@ class TalkSession:
         if self._ear is not None:
             self._ear.stop()
 
-    def _stepped(self, step: Step) -> None:
+    def _follow_step(self, step: Step) -> None:
         if self.agent is not None:
             self.agent.step(step)
-        if self._step is not None:
-            self._step(step)
 
-    def _changed(self, status: Status) -> None:
+    def _follow_status(self, status: Status) -> None:
         if self.agent is not None:
             self.agent.changed(status)
         if self._runs is not None:
             self._runs.changed()
-        if self._status is not None:
-            self._status(status)
 
 
 def normalise_voice_args(options: RunOptions) -> RunOptions:
