@@ -157,6 +157,10 @@ class GoalWriter:
 
     def _to(self, clause: Clause) -> Iterator[Plain]:
         names, target = self._names(clause.subjects, clause.target), self._one(clause.target)
+        yield from self._put(names, target)
+
+    def _put(self, names: Names, target: str) -> Iterator[Plain]:
+        """Onto the desk, or into a container."""
         if target != DESK and not self._is_container(target):
             raise self._ask("where", self._listed(names))
         yield from ({"on": [name, target]} if target == DESK else {"in": [name, target]} for name in names)
@@ -307,9 +311,7 @@ class GoalWriter:
         if self._last is None or self._last.kind not in ("in", "to", "on") or len(self._target) != 1:
             raise self._ask("where", self._listed(names))
         target = self._target[0]
-        if target != DESK and not self._is_container(target):
-            raise self._ask("where", self._listed(names))
-        yield from ({"on": [name, target]} if target == DESK else {"in": [name, target]} for name in names)
+        yield from self._put(names, target)
 
 
 def _tower(names: Names) -> Iterator[Plain]:
