@@ -76,9 +76,7 @@ class StepCircles:
 
     def is_new_round(self, state: RunState, node: Node) -> bool:
         """Whether another item of a list may lead to what the items before have not led to in the same step."""
-        macrostep = (state.draft, state.draft.macrosteps)
-        if self._macrostep != macrostep:
-            self._begin(macrostep)
+        self._follow(state)
         items, index = state.rounds[node.name]
         last, places = self._lists.get(node.name, (index, None))
         if places is None or index <= last:
@@ -97,9 +95,12 @@ class StepCircles:
         places.add(place)
         return is_new
 
-    def _begin(self, macrostep: tuple[Any, int]) -> None:
-        self._macrostep, self._jumps, self._passed, self._lists = macrostep, 0, {}, {}
-        self._chains.begin()
+    def _follow(self, state: RunState) -> None:
+        """Forget what was passed where another macrostep is in hand."""
+        macrostep = (state.draft, state.draft.macrosteps)
+        if self._macrostep != macrostep:
+            self._macrostep, self._jumps, self._passed, self._lists = macrostep, 0, {}, {}
+            self._chains.begin()
 
     def _look(self) -> None:
         """Everything is looked at."""
@@ -108,9 +109,7 @@ class StepCircles:
 
     def may_step(self, state: RunState, step: CompiledStep) -> bool:
         """Whether a microstep may be made: not where the step goes round until the limit of microsteps."""
-        macrostep = (state.draft, state.draft.macrosteps)
-        if self._macrostep != macrostep:
-            self._begin(macrostep)
+        self._follow(state)
         self._jumps += 1
         if self._jumps <= PATIENCE or state.outcome is not None or self._passed is None:
             return True
