@@ -81,7 +81,7 @@ class EffectExecutor:
         self._open: dict[int, str] = {}
         self.handovers = Handovers(robot, connector, scheduler, self._lose_handover)
         self._behaviours = Behaviours(mission.behaviours(), scheduler)
-        self._senses = RobotListener(robot, connector, scheduler, mission.blackboard, note)
+        self._listener = RobotListener(robot, connector, scheduler, mission.blackboard, note)
         self._perform: Mapping[type, Callable[[Any], None]] = {
             StartGoal: self._start, CancelGoal: self._cancel, CallService: self._call,
             PublishMessage: self._publish, Ask: self._ask, Withdraw: self._withdraw, Handover: self._request_control,
@@ -92,11 +92,11 @@ class EffectExecutor:
     @property
     def holder(self) -> str | None:
         """Who holds control, as the robot reports it; empty if it has yet to, None if it never will."""
-        return self._senses.holder
+        return self._listener.holder
 
     def source(self, key: str) -> SourceState:
         """What is known of the source of a robot key."""
-        return self._senses.source(key)
+        return self._listener.source(key)
 
     @property
     def thinking(self) -> bool:
@@ -106,7 +106,7 @@ class EffectExecutor:
     def open(self) -> None:
         """Start to listen to the robot, and have those found who will be asked."""
         self._expect()
-        self._senses.open()
+        self._listener.open()
         self.handovers.open()
 
     def _expect(self) -> None:
@@ -118,7 +118,7 @@ class EffectExecutor:
 
     def close(self) -> None:
         """Stop listening, and take back every question."""
-        self._senses.close()
+        self._listener.close()
         self._goals.close()
         self._behaviours.close()
         for number in list(self._open):
@@ -126,7 +126,7 @@ class EffectExecutor:
 
     def begin(self) -> None:
         """The mission starts."""
-        self._senses.begin()
+        self._listener.begin()
 
     @property
     def hosts_actions(self) -> bool:
@@ -187,7 +187,7 @@ class EffectExecutor:
             wanted: Who must have control for what the mission waits with.
             fresh: The surroundings know of nothing that was done: a simulated world that starts again.
         """
-        self._senses.resume()
+        self._listener.resume()
         for number, effect in under.open.items():
             if number in awaited and not isinstance(effect, Ask):
                 self._guarded(effect, partial(self._continue, effect, under, fresh=fresh))
@@ -214,7 +214,7 @@ class EffectExecutor:
         if fresh:
             self._perform[type(effect)](effect)
         elif isinstance(effect, StartGoal):
-            self._senses.continue_action(effect.action)
+            self._listener.continue_action(effect.action)
             known = effect.number in under.accepted or effect.number in under.canceled
             if not self._goals.resume(effect, accepted=known):
                 self._doubt("action", effect.action, effect.number, "failed" if known else "rejected")
@@ -261,11 +261,11 @@ class EffectExecutor:
     # -- goals, calls and messages ------------------------------------------------------------------------------------
 
     def _start(self, effect: StartGoal) -> None:
-        self._senses.begin_action(effect.action)
+        self._listener.begin_action(effect.action)
         self._goals.start(effect)
 
     def _cancel(self, effect: CancelGoal) -> None:
-        self._senses.end_action(effect.action)
+        self._listener.end_action(effect.action)
         self._goals.cancel(effect)
 
     def _call(self, effect: CallService) -> None:

@@ -136,7 +136,7 @@ def _check_mission(journal: Path) -> None:
 class ShownRun(NamedTuple):
     """A run as a page shows it."""
 
-    course: RunSession
+    session: RunSession
     closed: ClosedOptions
     desk: WebCommands
     """Carries orders to it."""
@@ -188,12 +188,12 @@ class RunPage:
         from rai_missions.node.web_operator import WebCommands
 
         runner, journal = prepared.runner, prepared.journal
-        course = RunSession(runner, prepared.robot)
+        session = RunSession(runner, prepared.robot)
         path = str(journal.path) if journal is not None else ""
         about = {"run": runner.run_id, "journal": path, "answers": self._operator}
         shown = ShownRun(
-            course, ClosedOptions(prepared.mission),
-            WebCommands(course, answers=self._operator, note=runner.note, on_late_stop=self._stop_late),
+            session, ClosedOptions(prepared.mission),
+            WebCommands(session, answers=self._operator, note=runner.note, on_late_stop=self._stop_late),
             f"run {runner.run_id} · {path}",
         )  # fmt: skip
         self._shown, is_first = shown, self._shown is None
@@ -205,7 +205,7 @@ class RunPage:
             path,
             {**about, "url": self._page.url, "viewer_url": self._page.viewer_url, "mission": prepared.mission.name},
         ):
-            return course.run(lambda: run(runner))
+            return session.run(lambda: run(runner))
 
     def submit(self, text: str, on_reply: ReplyCallback) -> None:
         """Carry a page's order to the run that it shows."""
@@ -244,41 +244,41 @@ class RunPage:
     @property
     def _run(self) -> Runner:
         assert self._shown is not None
-        return self._shown.course.runner
+        return self._shown.session.runner
 
     def _look(self) -> RunScene:
         """How the run is; read while it continues, so the step's number is read first."""
         from visualize.live import RunScene
 
         assert self._shown is not None
-        course = self._shown.course
-        chart = course.runner.view
-        seq, mode = chart.seq, course.mode
+        session = self._shown.session
+        chart = session.runner.view
+        seq, mode = chart.seq, session.mode
         questions = self._asked()
         board = {key: (entry.value, entry.at) for key, entry in chart.board.items()}
         scene = RunScene(
             seq=seq, at=chart.now(), mode=mode, control=chart.holder, active=chart.active, board=board,
             questions=questions, outcome=chart.outcome or "", why=chart.why if chart.outcome else "",
         )  # fmt: skip
-        scene.run, scene.where = course.runner.run_id, self._shown.where
+        scene.run, scene.where = session.runner.run_id, self._shown.where
         if mode == "paused" and chart.paused_at is not None:
             scene.paused_at, scene.paused_by = chart.paused_at, chart.resumed_mode_by
         scene.held_by, scene.held_since = chart.held_by, chart.held_since
         return scene
 
     def _asked(self) -> list[Question]:
-        return [each.question for each in self._shown.course.questions()] if self._shown is not None else []
+        return [each.question for each in self._shown.session.questions()] if self._shown is not None else []
 
     def _follow_step(self, step: Step) -> None:
         shown, feed = self._shown, self._feed
         if shown is not None and feed is not None:
-            shown.course.step(step)
+            shown.session.step(step)
             feed.step(step)
-            shown.course.receive(step)
+            shown.session.receive(step)
 
     def _follow_status(self, status: Status) -> None:
         if self._shown is not None:
-            self._shown.course.follow(status)
+            self._shown.session.follow(status)
 
 
 @contextmanager

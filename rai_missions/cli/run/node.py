@@ -82,9 +82,9 @@ def serve_managed(options: RunOptions, config: RunConfig, journals: Callable[[],
     return 0
 
 
-def _report(course: RunSession) -> None:
-    result, run = course.result, course.runner.run_id
+def _report(session: RunSession) -> None:
+    result, run = session.result, session.runner.run_id
     if result is None:
-        print(f"run {run}: broke off: {course.error}", flush=True)
+        print(f"run {run}: broke off: {session.error}", flush=True)
     else:
         print(f"run {run}: {result.outcome}: {result.why} · journal: {result.journal}", flush=True)
