@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable
+from dataclasses import dataclass, field
 from functools import partial
 from typing import NamedTuple
 
@@ -77,6 +78,42 @@ class OfferReplies(NamedTuple):
     spoken_s: float | None = None
     """How long the person spoke, pauses included."""
 
+    @property
+    def is_whole(self) -> bool:
+        return self.first is not None and self.second is not None
+
+    @property
+    def fault(self) -> str:
+        """Why there is no transcript; empty if there is one."""
+        return self.first.fault if self.first is not None else ""
+
+
+@dataclass(slots=True)
+class OpenTurn:
+    """A turn that has no transcript yet."""
+
+    began: float
+    replies: dict[int, OfferReplies] = field(default_factory=dict)
+    """Number of an offer → what the recognisers made of it; the last offer counts."""
+    settled: set[int] = field(default_factory=set)
+    """The offers that count, if they are a phrase that counts at once."""
+    is_given: bool = False
+    """A phrase of it was given at once."""
+    end: TurnEvent | None = None
+    awake_until: float = -1.0
+    """Until when a turn might begin after the wake word, when this one ended: what wakes later is none of its own."""
+
+    def latest(self, offer: int) -> OfferReplies | None:
+        """What is made of an offer, once that is whole and unless another has followed."""
+        known = self.replies.get(offer)
+        return known if known is not None and known.is_whole and offer == next(reversed(self.replies)) else None
+
+    @property
+    def times(self) -> tuple[float, float, float]:
+        """When it began, when the person stopped speaking, and when it was known to have ended."""
+        end = self.end
+        return (self.began, end.spoken_until, end.at) if end is not None else (self.began, self.began, self.began)
+
 
 class SpeechListener:
     """Listens to one stream of frames; what it finds is given on threads of its processes, one thing at a time.
@@ -102,17 +139,9 @@ class SpeechListener:
         self._detector = TurnDetector(settings.turns)
         self._recognisers = {"first": first} | ({"second": second} if second is not None else {})
         self._offers = {which: OfferQueue() for which in self._recognisers}
-        self._replies: dict[TurnOffer, OfferReplies] = {}
-        self._ends: dict[int, TurnEvent] = {}
-        self._began: dict[int, float] = {}
-        self._latest: dict[int, int] = {}
-        self._settled: set[TurnOffer] = set()
-        self._given: set[int] = set()
-        """Turns of which a phrase was given at once."""
+        self._turns: dict[int, OpenTurn] = {}
         self._woken_until = self._passed_until = -1.0
         """Until when a turn may begin after the wake word, and after a turn that passed."""
-        self._awake: dict[int, float] = {}
-        """The first of them when a turn ended: what wakes later is none of its own."""
         self._pending = 0
         self._rest = threading.Condition()
 
@@ -174,27 +203,28 @@ class SpeechListener:
 
     def _turn_event(self, event: TurnEvent) -> None:
         if event.kind == "began":
-            self._began[event.number] = event.at
+            self._turns[event.number] = OpenTurn(event.at)
         elif event.kind == "present":
             self._on_present(event.at)
         elif event.kind == "offered":
-            self._latest[event.number] = event.offer
             self._transcribe(event)
         elif event.kind == "settled":
-            self._settled.add(TurnOffer(event.number, event.offer))
+            self._turns[event.number].settled.add(event.offer)
             self._give_at_once(TurnOffer(event.number, event.offer))
         elif event.kind == "void":
             for queue in self._offers.values():
                 self._count(-queue.void(TurnOffer(event.number, event.offer)))
         elif event.kind == "ended":
-            self._ends[event.number], self._awake[event.number] = event, self._woken_until
+            turn = self._turns[event.number]
+            turn.end, turn.awake_until = event, self._woken_until
             self._conclude(event.number)
 
     def _transcribe(self, event: TurnEvent) -> None:
         offer = TurnOffer(event.number, event.offer)
-        spoken_s = event.spoken_until - self._began[event.number] + self._settings.turns.begin_frames * FRAME_S
+        turn = self._turns[event.number]
+        spoken_s = event.spoken_until - turn.began + self._settings.turns.begin_frames * FRAME_S
         second = None if "second" in self._offers else SpeechReply()
-        self._replies[offer] = OfferReplies(second=second, spoken_s=spoken_s)
+        turn.replies[event.offer] = OfferReplies(second=second, spoken_s=spoken_s)
         is_short = len(event.quiet) <= 2 * RATE_HZ * SHORT_S
         for which, queue in self._offers.items():
             self._count(1)
@@ -214,12 +244,13 @@ class SpeechListener:
     def _read(self, offer: TurnOffer, which: str, reply: SpeechReply) -> None:
         self._offers[which].done()
         self._ask(which)
-        known = self._replies.get(offer)
-        if known is None:
+        turn = self._turns.get(offer.number)
+        if turn is None:
             return
-        known = known._replace(first=reply) if which == "first" else known._replace(second=reply)
-        self._replies[offer] = known
-        if self._latest.get(offer.number) != offer.offer or known.first is None or known.second is None:
+        before = turn.replies[offer.offer]
+        turn.replies[offer.offer] = before._replace(first=reply) if which == "first" else before._replace(second=reply)
+        known = turn.latest(offer.offer)
+        if known is None:
             return
         if words_of(known, self._settings).text in self._settings.closed:
             self._detector.end_sooner(offer.number, offer.offer)
@@ -228,47 +259,31 @@ class SpeechListener:
 
     def _give_at_once(self, offer: TurnOffer) -> None:
         """Give a phrase that does not wait for the end of its turn, once the person is quiet and it is transcribed."""
-        known = self._replies.get(offer)
-        if offer not in self._settled or known is None or known.first is None or known.second is None:
-            return
-        if self._latest.get(offer.number) != offer.offer or offer.number in self._given or offer.number in self._ends:
+        turn = self._turns[offer.number]
+        known = turn.latest(offer.offer)
+        if known is None or offer.offer not in turn.settled or turn.is_given or turn.end is not None:
             return
         text, readings = words_of(known, self._settings)
         if text in self._settings.at_once:
-            self._given.add(offer.number)
-            self._on_transcript(Transcript(text, readings, offer.number, *self._times(offer.number)))
-
-    def _times(self, number: int) -> tuple[float, float, float]:
-        end = self._ends.get(number)
-        began = self._began.get(number, 0.0)
-        return (began, end.spoken_until, end.at) if end is not None else (began, began, began)
+            turn.is_given = True
+            self._on_transcript(Transcript(text, readings, offer.number, *turn.times))
 
     def _conclude(self, number: int) -> None:
         """Give the transcript of a turn, once it has ended and what it ended with is transcribed."""
-        end = self._ends.get(number)
-        if end is None:
-            return
-        known = self._replies.get(TurnOffer(number, end.offer))
-        if known is None or known.first is None or known.second is None:
+        turn = self._turns[number]
+        known = turn.latest(turn.end.offer) if turn.end is not None else None
+        if known is None:
             return
         text, readings = words_of(known, self._settings)
-        times = self._times(number)
-        was_given, is_awake = number in self._given, times[0] <= max(self._awake[number], self._passed_until)
-        self._forget(number)
-        if was_given and text in self._settings.at_once:
+        is_awake = turn.began <= max(turn.awake_until, self._passed_until)
+        self._turns = {each: other for each, other in self._turns.items() if each > number}
+        if turn.is_given and text in self._settings.at_once:
             return
         if self._settings.needs_wake_word and not is_awake and text not in self._settings.at_once:
             text, readings = "", ()
         elif text and is_awake:
-            self._passed_until = times[2] + AWAKE_S
-        self._on_transcript(Transcript(text, readings, number, *times, fault=known.first.fault))
-
-    def _forget(self, number: int) -> None:
-        self._replies = {offer: reply for offer, reply in self._replies.items() if offer.number > number}
-        for known in (self._ends, self._awake, self._began, self._latest):
-            known.pop(number, None)
-        self._given.discard(number)
-        self._settled = {offer for offer in self._settled if offer.number > number}
+            self._passed_until = turn.times[2] + AWAKE_S
+        self._on_transcript(Transcript(text, readings, number, *turn.times, fault=known.fault))
 
 
 def words_of(known: OfferReplies, settings: ListenSettings) -> FusedTurn:
