@@ -19,7 +19,7 @@ from rai_missions.connectors.connector import Message, RawMessage, Reply, Report
 from rai_missions.connectors.worker import Worker
 from rai_missions.engine.step import Step
 from rai_missions.errors import UsageError
-from rai_missions.journal import Blob, Journal, Raw, Record
+from rai_missions.journal import Blob, Raw, Record
 from rai_missions.mission.mission import Mission
 from rai_missions.recording.encoder import JOURNAL_TOPIC, TOPIC, MessageEncoder, When
 from rai_missions.recording.file import RecordingFile, cannot_write, make_file
@@ -199,10 +199,6 @@ class Recording:
                 lost = ", ".join(f"{topic} {count}" for topic, count in sorted(dropped.items()))
                 log.warning("%s lacks messages that came faster than they can be written: %s", self.path, lost)
         return self.summary
-
-    def end(self, journal: Journal | None = None) -> None:
-        """Close it after the run's journal, if there is one."""
-        self.close(journal.path if journal is not None else None)
 
     def _put(self, route: int, name: str, size: int, at: float | None, given: Any) -> None:
         """Have something written, with its times."""

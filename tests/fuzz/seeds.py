@@ -68,7 +68,7 @@ def written_run(folder: Path, *, record: bool = False) -> Path:
     ):
         journal.write(step, since=step.at)
     if recording is not None:
-        recording.end(journal)
+        recording.close(journal.path)
     journal.close()
     return file
 

@@ -184,7 +184,7 @@ def rewritten(path: Path, change: Callable[[dict[str, Any]], dict[str, Any] | No
 def test_rows_that_were_altered_are_reported_with_their_place(tmp_path: Path, change: Any, reported: str) -> None:
     path = tmp_path / "run.mcap"
     made = recording(path)
-    made.end(journaled(tmp_path, made, 5))
+    made.close(journaled(tmp_path, made, 5).path)
     rewritten(path, change)
     with pytest.raises(DefinitionError) as error, journal_of(path) as replayed, read(replayed.path):
         pass
@@ -215,7 +215,7 @@ def test_a_full_disk_ends_the_recording_and_not_the_mission(
         made.received(Message("/battery", {"percentage": 1.0}, 0.0), "")
         until(lambda: "the mission continues" in caplog.text)
         assert runner.run().outcome == "aborted"
-    made.end(journal)
+    made.close(journal.path)
     assert made.summary is not None and "No space left on device" in made.summary.why
     assert "broken off" in str(made.summary)
     assert len(raw_rows_of(tmp_path / "run.journal")) == 3
@@ -317,7 +317,7 @@ def test_rows_for_which_there_was_no_room_are_read_from_the_journal(
     )
     journal = journaled(tmp_path, made, 20)
     held.set()
-    made.end(journal)
+    made.close(journal.path)
     assert made.summary is not None and made.summary.dropped == {}
     with journal_of(tmp_path / "run.mcap") as replayed:
         rows = raw_rows_of(replayed.path)

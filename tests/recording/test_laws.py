@@ -36,7 +36,7 @@ def written(folder: Path, run: list[tuple[Step, Any]]) -> tuple[Path, Path]:
             journal.write(step, since=1.25, quiet=quiet)
         journal.confirm(3, "succeeded")
         journal.note("it is over", {"after": 3})
-    made.end(journal)
+    made.close(journal.path)
     return folder / "run.journal", folder / "run.mcap"
 
 
@@ -68,7 +68,7 @@ def test_a_recording_is_replayed_as_its_journal_is(
             runner.post(Event(name))
         runner.kill()
         runner.run()
-    made.end(journal)
+    made.close(journal.path)
     with journal_of(folder / "run.mcap") as replayed:
         assert replay(replayed.path) == replay(folder / "run.journal")
     assert len(kept(folder / "run.mcap").messages["/rai_missions/journal"]) == len(raw_rows_of(folder / "run.journal"))
