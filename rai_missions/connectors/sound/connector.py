@@ -105,12 +105,11 @@ class FrameLoop:
         if source is None:
             return SILENCE
         try:
-            frame = source(at)
+            return bytes(memoryview(source(at)).cast("B")[:FRAME_BYTES]).ljust(FRAME_BYTES, b"\0")
         except Exception:
             log.exception("what is played failed; it is played no more")
             self._source = None
             return SILENCE
-        return frame[:FRAME_BYTES].ljust(FRAME_BYTES, b"\0")
 
     def give(self, frame: SoundFrame) -> None:
         """Give a frame to all who listen; one that fails listens no more."""

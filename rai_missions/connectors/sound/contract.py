@@ -82,13 +82,18 @@ def _outlives_what_fails(sound: SoundConnector, pass_time: PassTime) -> None:
     def fail(_: object) -> bytes:
         raise ValueError("no sound")
 
-    frames: list[SoundFrame] = []
-    sound.play(fail)
-    sound.listen(fail)
-    sound.listen(frames.append)
-    pass_time(sound, 3)
-    assert len(frames) >= 3, "a source or a listener that raises takes nothing else along"
-    assert not any(any(frame.played) for frame in frames), "a source that raises is silence"
+    def give_text(_: object) -> bytes:
+        return "no sound"  # type: ignore[return-value]
+
+    for source in (fail, give_text):
+        frames: list[SoundFrame] = []
+        close = sound.play(source)
+        sound.listen(fail)
+        sound.listen(frames.append)
+        pass_time(sound, 3)
+        close()
+        assert len(frames) >= 3, "a source or a listener that fails takes nothing else along"
+        assert not any(any(frame.played) for frame in frames), "a source that fails is silence"
 
 
 def _refuses_a_second_source(sound: SoundConnector, _: PassTime) -> None:

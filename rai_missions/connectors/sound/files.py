@@ -106,5 +106,7 @@ class FileSound(FrameLoop):
         pace.after(max(0.0, self._due - time.monotonic()), self._paced_step)
 
     def _paced_step(self) -> None:
-        self.step()
-        self._next()
+        try:
+            self.step()
+        finally:
+            self._next()  # whatever a listener raises, time passes

@@ -64,13 +64,16 @@ class TopicSound(PieceSound):
         super().stop()
 
     def _receive(self, message: HRIMessage) -> None:
+        """The sound of a message, as one piece: of pieces only some may wait."""
+        pieces = list[bytes]()
         for audio in message.audios:
             try:
-                sound = converted(audio.samples, audio.rate_hz, audio.channels, f"a message on {self._topics[0]}")
+                pieces.append(
+                    converted(audio.samples, audio.rate_hz, audio.channels, f"a message on {self._topics[0]}")
+                )
             except UsageError as fault:
                 log.warning("%s", fault)
-                continue
-            self.take(sound)
+        self.take(b"".join(pieces))
 
     def _passed(self, played: bytes) -> None:
         """Send what is played, half a second at a time; what is only silence is not sent."""

@@ -14,6 +14,7 @@ import pytest
 from rai_missions.connectors.hri.connector import HRIConnector
 from rai_missions.connectors.hri.message import Audio, HRIMessage
 from rai_missions.connectors.local import LocalConnector
+from rai_missions.connectors.sound import wav
 from rai_missions.connectors.sound.connector import FRAME_BYTES, FRAME_S, SoundConnector, SoundFrame
 from rai_missions.connectors.sound.contract import check_sound_connector
 from rai_missions.connectors.sound.files import FileSound
@@ -134,13 +135,44 @@ def test_a_broken_file_is_named_with_what_is_wrong(tmp_path: Path) -> None:
         write(tmp_path / "beyond.wav", good[:17] + b"\xff" + good[18:]): r"can be read \(it is cut short\)",
         write(tmp_path / "cut.wav", good[:-1000]): "is cut short: 9740 of 10240 samples are there",
         tmp_path / "8bit.wav": "has 8 bits a sample; give PCM, 16 bits",
-        write(tmp_path / "long.wav", good[:40] + struct.pack("<I", 2**31)): "is longer than an hour",
+        write(
+            tmp_path / "piped.wav", good[:40] + struct.pack("<I", 2**32 - 1) + good[44:-100]
+        ): "is cut short: 10190 of 2147483647 samples are there",
         write(tmp_path / "slow.wav", good[:24] + struct.pack("<I", 100) + good[28:]): "has a rate of 100 Hz",
     }
     for path, sentence in faults.items():
         with pytest.raises(UsageError, match=sentence) as caught:
             read_wav(path)
         assert str(path) in str(caught.value)
+
+
+def test_a_file_that_is_longer_than_an_hour_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(wav, "LONGEST_S", 0.5)
+    write_wav(tmp_path / "half.wav", bytes(16_000))
+    assert len(read_wav(tmp_path / "half.wav")) == 16_000
+    write_wav(tmp_path / "longer.wav", bytes(16_002))
+    with pytest.raises(UsageError, match="is longer than an hour; give a shorter file"):
+        read_wav(tmp_path / "longer.wav")
+
+
+def test_time_passes_whatever_a_listener_raises() -> None:
+    asked, done = list[float](), threading.Event()
+
+    def leave(_: SoundFrame) -> None:
+        raise SystemExit
+
+    def source(at: float) -> bytes:
+        asked.append(at)
+        if len(asked) == 3:
+            done.set()
+        return b""
+
+    sound = FileSound(paced=True)
+    sound.listen(leave)
+    sound.play(source)
+    sound.start()
+    assert done.wait(5.0)
+    sound.stop()
 
 
 @pytest.mark.parametrize(
@@ -184,6 +216,16 @@ def published(sound: SoundConnector, frames: int) -> None:
 
 def test_sound_on_topics_keeps_the_contract() -> None:
     check_sound_connector(lambda: topic_sound()[0], published)
+
+
+def test_all_pieces_of_a_message_pass() -> None:
+    sound, hri = topic_sound()
+    frames, done = list[SoundFrame](), threading.Event()
+    sound.start()
+    sound.listen(lambda frame: (frames.append(frame), len(frames) == 60 and done.set()))
+    hri.send(HRIMessage(audios=tuple(Audio(bytes(FRAME_BYTES), 16_000) for _ in range(60))), "/mic")
+    assert done.wait(5.0), f"{len(frames)} of 60"
+    sound.stop()
 
 
 def test_what_is_played_is_sent_and_broken_sound_is_left_out(caplog: pytest.LogCaptureFixture) -> None:
