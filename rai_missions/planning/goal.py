@@ -6,7 +6,7 @@ Rule: nothing but what is declared here can be asked for; unknown words are refu
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Hashable, Iterator, Mapping
 from typing import Annotated, Any, ClassVar
 
 from pydantic import AfterValidator, Field, PlainSerializer, Strict, field_validator
@@ -39,10 +39,17 @@ class Predicate(TaggedModel, family="predicate"):
 
     named_in: ClassVar[str] = ""
     """The field that has the names."""
+    is_mutual: ClassVar[bool] = False
+    """Whether it asks for the same in whatever order the things are named."""
 
-    def __init_subclass__(cls, *, named_in: str = "", **rest: Any) -> None:
+    def __init_subclass__(cls, *, named_in: str = "", is_mutual: bool = False, **rest: Any) -> None:
         super().__init_subclass__(**rest)
-        cls.named_in = named_in or cls.word
+        cls.named_in, cls.is_mutual = named_in or cls.word, is_mutual
+
+    @property
+    def meaning(self) -> Hashable:
+        """What it asks for: the same for two that hold of the same desks."""
+        return (self.word, frozenset(self.things())) if self.is_mutual else self
 
 
 def _different(names: tuple[str, ...]) -> tuple[str, ...]:
@@ -118,7 +125,7 @@ class LeftOf(Predicate, word="left_of"):
     _separate = field_validator("left_of")(_no_desk)
 
 
-class NextTo(Predicate, word="next_to"):
+class NextTo(Predicate, word="next_to", is_mutual=True):
     """Two things side by side, neither on the other: `{"next_to": ["a", "b"]}`."""
 
     next_to: Pair
@@ -129,7 +136,7 @@ class NextTo(Predicate, word="next_to"):
     _separate = field_validator("next_to")(_no_desk)
 
 
-class Grouped(Predicate, word="grouped"):
+class Grouped(Predicate, word="grouped", is_mutual=True):
     """Things close together, each with a near neighbour of the group: `{"grouped": ["a", "b", "c"]}`."""
 
     grouped: Several
@@ -140,7 +147,7 @@ class Grouped(Predicate, word="grouped"):
     _separate = field_validator("grouped")(_no_desk)
 
 
-class Apart(Predicate, word="apart"):
+class Apart(Predicate, word="apart", is_mutual=True):
     """Things of which no two are near each other: `{"apart": ["a", "b"]}`."""
 
     apart: Several
@@ -151,7 +158,7 @@ class Apart(Predicate, word="apart"):
     _separate = field_validator("apart")(_no_desk)
 
 
-class Swapped(Predicate, word="swapped"):
+class Swapped(Predicate, word="swapped", is_mutual=True):
     """Two things, each where the other was first seen: `{"swapped": ["a", "b"]}`.
 
     It depends on poses that are gone once a thing has moved: `without_swaps` rewrites it when the goal is read.
@@ -180,6 +187,11 @@ class Goal(MissionModel):
     def things(self) -> tuple[str, ...]:
         """The names of all things in it, `desk` not counted, each once, in the order of their first mention."""
         return tuple(dict.fromkeys(name for each in self.all for name in each.things() if name != "desk"))
+
+    @property
+    def meaning(self) -> Hashable:
+        """What is wanted, in whatever order it is written."""
+        return frozenset(each.meaning for each in self.all)
 
 
 class Refusal(MissionModel):

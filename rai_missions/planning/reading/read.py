@@ -6,7 +6,7 @@ Rule: a goal comes out only where every word is accounted for and one reading is
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Hashable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -78,8 +78,8 @@ def reading_of(request: str, scene: Scene, languages: Sequence[str] = ()) -> Req
     codes = languages or sorted(lexicons(), key=lambda code: code != PREFERRED)
     attempts = [_read(request, scene, lexicon(code)) for code in codes]
     best = min(attempts, key=lambda attempt: attempt.unknown)
-    goals = {attempt.reading.goal for attempt in attempts if attempt.reading.goal is not None}
-    return best.reading if len(goals) < 2 else _asked([*goals], lexicon(codes[0]))
+    goals = {goal.meaning: goal for attempt in attempts if (goal := attempt.reading.goal) is not None}
+    return best.reading if len(goals) < 2 else _asked([*goals.values()], lexicon(codes[0]))
 
 
 def language_of(request: str) -> str:
@@ -200,23 +200,25 @@ def _refuse_forbidden(found: Sequence[Symbol], words: Vocabulary) -> None:
 def _goals(found: tuple[Clause, ...], scene: Scene, words: Vocabulary) -> tuple[list[Goal], bool]:
     """Every goal that the clauses may mean, and whether no other meaning was left out because it makes no goal.
 
+    Of two that ask for the same the first is one of them.
+
     Raises:
         Unread: Of the first meaning, where none makes a goal.
     """
     things = Things(scene, words, [*_phrases(found)])
-    goals, faults = dict[Goal, None](), list[Unread]()
+    goals, faults = dict[Hashable, Goal](), list[Unread]()
     count = 0
     for each in tries(lambda picks: _goal(things, found, picks, words), MOST_TRIES):
         count += 1
         if isinstance(each, Goal):
-            goals[each] = None
+            goals.setdefault(each.meaning, each)
         else:
             faults.append(each)
     if not goals:
         raise faults[0]
     if count == MOST_TRIES:
         raise Unread("ambiguous", words.text("unread"))
-    return list(goals), not faults
+    return list(goals.values()), not faults
 
 
 def _goal(things: Things, found: tuple[Clause, ...], picks: Picks, words: Vocabulary) -> Goal | Unread:

@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from rai_missions.planning.reading import reading_of
+from rai_missions.planning.reading import read_request, reading_of
 from tests.planning.reading.stored import SCENES, goal
 from tests.planning.scenes import scene
 from tests.planning.scenes import thing as placed
@@ -40,6 +40,22 @@ def test_one_of_a_colour_may_be_a_thing_whose_colour_is_not_seen() -> None:
 
 def test_a_thing_is_not_taken_for_one_of_a_colour_that_its_kind_never_has() -> None:
     assert reading_of("put the blue apple in the bin", SEEN).outcome == "refused"
+
+
+@pytest.mark.parametrize(
+    ("request_", "words"),
+    [
+        ("put an apple next to an apple", [{"next_to": ["apple", "apple_2"]}]),
+        (
+            "swap an apple and the other apple",
+            [{"at": "apple", "x": 0.6, "y": 0.0}, {"at": "apple_2", "x": 0.6, "y": 0.2}],
+        ),
+        ("keep one apple and the other apple apart", [{"apart": ["apple", "apple_2"]}]),
+    ],
+)
+def test_two_ways_to_write_one_goal_are_asked_back_as_one(request_: str, words: list[Any]) -> None:
+    found = read_request(request_, scene(placed("apple", 0.6, 0.2), placed("apple_2", 0.6, 0.0)))
+    assert found["candidates"] == [{"all": words}] and " or " not in found["question"]
 
 
 @pytest.mark.parametrize("request_", ["make two towers", "build towers of the cubes", "stack the cubes in two towers"])
