@@ -21,7 +21,7 @@ from rai_missions.profile import Robot, lacking, misnamed, unknown_fields
 from rai_missions.profile.python_robot import KIND
 from rai_missions.runtime.clock import Clock, PublishedClock, SimulatedClock, WallClock
 from rai_missions.runtime.robot_clock import RobotClock
-from rai_missions.worlds.world import World, check_local, open_world, put_on, world_offer
+from rai_missions.worlds.world import World, check_local, continued_options, open_world, put_on, world_offer
 
 __all__ = ("RunEnvironment", "open_environment")
 
@@ -96,7 +96,7 @@ def _open_world(plan: RunPlan, name: str, options: dict[str, Any], closing: Clea
     """A simulated world."""
     config = plan.config
     if plan.resumed is not None:  # its clock continues, and all else in it begins again
-        options["start_s"] = plan.resumed.resumption.at
+        options = continued_options(name, options, plan.resumed.resumption.at)
     world = open_world(name, **options)
     closing.closes(world.close)
     connector = LocalConnector(now=lambda: world.at)

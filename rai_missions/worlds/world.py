@@ -21,7 +21,17 @@ from rai_missions.errors import UsageError, install_command, suggestion
 from rai_missions.kinds import PackageOffer, offered
 from rai_missions.worlds.options import check_names
 
-__all__ = ("WORLDS", "World", "check_local", "check_world", "load_world", "open_world", "put_on", "world_offer")
+__all__ = (
+    "WORLDS",
+    "World",
+    "check_local",
+    "check_world",
+    "continued_options",
+    "load_world",
+    "open_world",
+    "put_on",
+    "world_offer",
+)
 
 WORLDS: Mapping[str, str] = {
     "desk": "rai_missions.worlds.desk:Desk",
@@ -109,6 +119,20 @@ def load_world(name: str) -> Any:
         UsageError: No such world, or the packages that it needs are not installed.
     """
     return _class_of(name, check_world(name))
+
+
+def continued_options(name: str, options: Mapping[str, Any], at: float) -> dict[str, Any]:
+    """The options of a world whose clock continues at this time, in which a run is resumed.
+
+    Raises:
+        UsageError: As `load_world`, or its clock always starts at 0.
+    """
+    if "start_s" not in inspect.signature(load_world(name)).parameters:
+        raise UsageError(
+            f"{check_world(name)} takes no option 'start_s', at which its clock would continue: a run in it is not "
+            "resumed; start a new one"
+        )
+    return {**options, "start_s": at}
 
 
 def put_on(connector: Connector, name: str, world: World) -> None:

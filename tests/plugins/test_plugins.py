@@ -26,7 +26,7 @@ from rai_missions.errors import DefinitionError, UsageError
 from rai_missions.event import Event
 from rai_missions.guards import Compare, Fresh, Guard, Site
 from rai_missions.guards.guard import Operand
-from rai_missions.journal import read
+from rai_missions.journal import Header, Journal, read
 from rai_missions.keys import Key
 from rai_missions.mission.files import dump, load
 from rai_missions.mission.mission import Mission
@@ -193,6 +193,27 @@ def test_a_foreign_world_that_cannot_be_opened_is_refused_by_name(tmp_path: Path
         connector = {"kind": "local", "world": "moon"}
         robot = parse_profile(ROBOT.read_text(encoding="utf-8")).model_copy(update={"connector": connector})
         assert fault(lambda: run(MISSION, robot=robot)) == f"the world 'moon' of moon 1.0 {why}"
+    finally:
+        del sys.path[0]
+        sys.modules.pop("moon", None)
+
+
+def test_a_foreign_world_whose_clock_cannot_continue_refuses_a_resume_by_name(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    world = "class World:\n    at, period_s = 0.0, 0.1\n    def open(self, connector): ...\n    def close(self): ...\n"
+    laid_out(tmp_path, "moon", "1.0", offers="[rai_missions.worlds]\nmoon = moon:World\n", code=world)
+    sys.path.insert(0, str(tmp_path))
+    try:
+        robot = json.loads(ROBOT.read_text()) | {"connector": {"kind": "local", "world": "moon"}}
+        header = Header(dump(load(MISSION)), json.dumps(robot), versions={"orchard-kinds": "1.2"})
+        with Journal.create(tmp_path / "run.journal", header) as journal:
+            chart = Chart(load(MISSION))
+            for step in (chart.write("humidity", 0.5), chart.start()):
+                journal.write(step, since=0.0)
+        assert main(["run", "--resume", str(tmp_path / "run.journal"), "--no-operator"]) == 2
+        why = "the world 'moon' of moon 1.0 takes no option 'start_s', at which its clock would continue"
+        assert why in capsys.readouterr().err
     finally:
         del sys.path[0]
         sys.modules.pop("moon", None)
