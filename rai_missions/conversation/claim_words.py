@@ -15,6 +15,8 @@ __all__ = ("ClaimWords", "Subject", "SubjectKind")
 POSSESSIVE = re.compile(r"(?<=\w{3})'s\b")
 LEAST_PREDICATE = 2
 """Words that follow a kind of things in a whole sentence: `plants need water`, but not `engines off`."""
+CERTAIN_WITHIN = 4
+"""Words of a sentence about a kind of things among which a certain thing makes it a report."""
 SubjectKind = Literal["self", "it", "work", "soft", "let"]
 
 
@@ -39,6 +41,10 @@ class ClaimWords:
         self.verb_second: bool = data["verb_second"]
         self.harmless, self.let = Phrases(data["harmless"], {}), Phrases(data["let"], {})
         self.progress = Phrases(data["progress"], {})
+        self.addresses: Mapping[str, Any] = data["addresses"]
+        """What `Addresses` reads."""
+        self._place = re.compile(data["place_pattern"])
+        self._kind_noun, self._kind_verb = re.compile(data["kind_noun"]), re.compile(data["kind_verb"])
         self._marks, self._marked_begin = Phrases(data["marks"], {}), Phrases(data["marked_begin"], {})
         self.idioms, self.whole_idioms = Phrases(data["idioms"], {}), Phrases(data["whole_idioms"], {})
         self._tails = [tuple(each.split()) for each in data["tails"]]
@@ -95,12 +101,18 @@ class ClaimWords:
             elif word in data["possessive"] and words[end : end + 1] and words[end] not in data["harmless_nouns"]:
                 end = self._last_noun(words, end, names)
                 yield Subject("work", at, end)
-            elif word in self.work or word in names or self._is_of_scene(words, at):
+            elif (word in self.work and not self._is_verb(words, at)) or word in names or self._is_of_scene(words, at):
                 end = self._last_noun(words, at, names)
                 yield Subject("work", at, end)
             elif word in self.soft:
                 yield Subject("soft", at, end)
             at = end
+
+    def _is_verb(self, words: Sequence[str], at: int) -> bool:
+        """Whether a noun of the work is the verb of a kind of things here: `tractors run on diesel`."""
+        if at not in (1, 2) or words[at] not in self.also_verbs or words[at - 1] in self.work:
+            return False
+        return self._kind_noun.fullmatch(words[at - 1]) is not None and not set(words[:at]) & self.definite
 
     def _last_noun(self, words: Sequence[str], at: int, names: frozenset[str]) -> int:
         """Behind a compound: `mission plan`, `battery status`."""
@@ -110,23 +122,46 @@ class ClaimWords:
         return at
 
     def is_marked(self, words: Sequence[str]) -> bool:
-        """Whether a sentence has a mark of what is no report: a modal, a condition, a kind of things, a definition.
-
-        In a language without such marks every sentence has one.
-        """
+        """Whether a sentence has a mark of what is no report: a modal, a condition, a kind of things, a definition."""
         words = words[: min(self.ends(words))]
         bare = self.skip_lead(words)
-        if not self._data["marks"] or not bare or self._marks.within(words):
+        if not bare or self._marks.within(words):
             return True
         if self._marked_begin.begin(words) or self._marked_begin.begin(bare):
             return True
-        first, is_adjective = bare[0], len(bare) > 2 and not bare[0].endswith("s")
-        subject = bare[1] if is_adjective else first  # `wet leaves`, `plants`
-        rest = bare[2:] if is_adjective else bare[1:]
-        is_kind = subject.endswith("s") and not subject.endswith("ss") and subject not in self.auxiliaries
-        if not is_kind or first in self.articles or len(rest) < LEAST_PREDICATE:
+        if self.is_gerund(bare):
+            return True
+        if self.quantities & {*words[: len(words) - len(bare)], bare[0]}:  # `both doors are shut`
             return False
-        return rest[0] not in self.relative and not self.is_past(rest[0])
+        is_any = bare[0] in self.indefinite
+        certain = self.definite - self.relative
+        if certain & set(bare[1 : CERTAIN_WITHIN + is_any]):  # `a truck blocks the road`
+            return False
+        return is_any or self._is_kind(bare) or self._is_kind(bare[1:])  # `wet leaves`
+
+    def _is_kind(self, words: Sequence[str]) -> bool:
+        """Whether a sentence is about a kind of things: `plants need water`."""
+        noun, rest = words[:1], words[1:]
+        if len(rest) < LEAST_PREDICATE or noun[0] in self.articles or noun[0] in self.auxiliaries:
+            return False
+        if not self._kind_noun.fullmatch(noun[0]) or not self._kind_verb.fullmatch(rest[0]):
+            return False
+        return (
+            rest[0] not in self.relative
+            and not self.is_past(rest[0])
+            and not self.states & set(self.skip(rest[1:])[:1])
+        )
+
+    def is_placed(self, words: Sequence[str]) -> bool:
+        """Whether a clause puts something at a certain place: `in front of the gate`, `in row three`.
+
+        A condition or a wish does not: `if the cup is on the table`.
+        """
+        return not self.hypothetical & set(words) and self.has_place(words)
+
+    def has_place(self, words: Sequence[str]) -> bool:
+        """Whether a clause has a certain place."""
+        return self._place.search(" ".join(words)) is not None
 
     def _is_of_scene(self, words: Sequence[str], at: int) -> bool:
         """Whether a noun is a certain thing around the robot: `the red cube`, `your cup`, but not `a cup`."""
@@ -142,7 +177,31 @@ class ClaimWords:
 
     def is_generic(self, words: Sequence[str], subject: Subject) -> bool:
         """Whether a noun is any of its kind: `a robot`, `most robots`."""
-        return bool(subject.start) and words[subject.start - 1] in self.generic and words[subject.start] in self.work
+        before, after = words[max(0, subject.start - 2) : subject.start], list(words[subject.end :])
+        if before and before[-1] in self.generic and words[subject.start] in self.work:
+            return True
+        is_kind = self._kind_noun.fullmatch(words[subject.end - 1]) and not (
+            self.definite | set(self.possessive)
+        ) & set(before)
+        return bool(is_kind) and any(word in self.stative for word in after[: 3 if after[1:2] == ["not"] else 1])
+
+    def is_habit(self, words: Sequence[str]) -> bool:
+        """Whether a clause has what is so with any of a kind: `apples are usually harvested in autumn`."""
+        certain = self.definite | self.self_words | set(self.possessive) | self.second - self.present
+        return bool(self.habits & set(words)) and not certain & set(words) and not self.progress.within(words)
+
+    def is_asked(self, words: Sequence[str], subject: Subject) -> bool:
+        """Whether the robot is only whom the person may ask: `Sie könnten mich fragen`."""
+        before = set(words[: subject.start])
+        return words[subject.start] in self.objects and bool(before & self.modals) and bool(before & self.person)
+
+    def is_gerund(self, words: Sequence[str]) -> bool:
+        """Whether an act is only spoken of: `waiting is the safest choice`."""
+        after = words[1:]
+        at = next((at for at, word in enumerate(after) if word in self.stative or word in self.gerund_verbs), None)
+        if at is None or not self.is_progressive(words[0]) or self.objects & set(words):
+            return False
+        return not (self.acts | self.states | self.strong) & set(after[at:]) and not self.progress.within(words)
 
     def reports(self, after: Sequence[str], *, is_relative: bool) -> bool:
         """Whether what follows a word reports an act or a state: `has arrived`, `is done`, `went well`."""

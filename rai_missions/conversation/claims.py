@@ -16,6 +16,7 @@ from collections.abc import Iterator, Sequence
 from itertools import pairwise
 from typing import Literal
 
+from rai_missions.conversation.addresses import Addresses
 from rai_missions.conversation.claim_words import ClaimWords, Subject
 from rai_missions.conversation.language import language, languages, spoken
 from rai_missions.conversation.view import StatusView
@@ -25,10 +26,22 @@ from rai_missions.redaction import cut
 __all__ = ("ClaimKind", "Claims")
 
 ClaimKind = Literal[
-    "", "script", "language", "idiom", "subject", "passive", "progress", "result", "fragment", "second verb", "report"
+    "",
+    "script",
+    "language",
+    "idiom",
+    "subject",
+    "passive",
+    "progress",
+    "result",
+    "fragment",
+    "second verb",
+    "place",
+    "report",
 ]
 """Why a sentence is replaced; empty where it is not."""
-CLAUSES = re.compile(r"[,;:()\n–—…|/]+|\s-+\s|[.!?]+\s+|\b(?=that\b)")
+CLAUSES = re.compile(r"[,;:()\n–—…|/]+|\s-+\s|[.!?]+\s+|(?<!\b[ioa][nft] )\b(?=that\b(?!\s\w+\W*$))", re.IGNORECASE)
+"""Where a clause ends; `in that case` and `I know that name` are one."""
 DISGUISES = str.maketrans({"0": "o", "1": "i", "3": "e", "4": "a", "5": "s", "7": "t", "@": "a", "$": "s"})
 MIXED = re.compile(r"\b(?=\w*[^\W\d_])(?=\w*\d)\w+|\b\w*[@$]\w+")
 SPACED = re.compile(r"(?<![\w'])(?:(?:[^\W\d_]|') ){2,}[^\W\d_](?![\w'])")
@@ -62,7 +75,7 @@ class Claims:
 
     def __init__(self, code: str) -> None:
         own = ClaimWords(language(code))
-        self._own = own
+        self._own, self._addresses = own, Addresses(own)
         self._letters = frozenset("".join(language(each).data["claims"]["letters"] for each in languages()))
         self._every = (own, *(ClaimWords(language(each)) for each in languages() if each != code))
 
@@ -89,6 +102,20 @@ class Claims:
             return ""
         if any(not each.isascii() and each not in self._letters for each in text.lower() if each.isalpha()):
             return "language"
+        return self._why_stated(words, self._addresses.known(text), view, is_question=_is_question(sentence))
+
+    def _why_stated(self, words: Sequence[str], text: str, view: StatusView, *, is_question: bool) -> ClaimKind:
+        """Why what a sentence states is replaced.
+
+        Args:
+            words: All of the sentence.
+            text: It without what it leaves unknown.
+            view: The run.
+            is_question: Whether it ends with a question mark.
+        """
+        clauses = self._clauses(text)
+        if self._is_address(words, clauses, is_question=is_question):
+            return ""
         names, share = _names(view), self._own.share(words)
         for rules in self._every:
             theirs = rules.words(text)
@@ -96,8 +123,10 @@ class Claims:
                 kind = _JudgedSentence(rules, text, names).kind
                 if kind:
                     return kind
-        if not QUESTION.search(sentence) and not self._is_marked(words, text):
+        if not is_question and not self._is_marked(clauses):
             return "report"
+        if any(self._own.is_placed(each) for each in clauses):
+            return "place"
         return self._unknown(words, share)
 
     def begun(self, before: str, sentence: str, view: StatusView) -> str:
@@ -113,21 +142,37 @@ class Claims:
         is_calm = rules.harmless.fits(words) and not rules.self_words & set(words)
         if not words or is_calm or rules.harmless.fits(rest):
             return ""
+        if self._is_address(rest, self._clauses(sentence), is_question=_is_question(sentence)):
+            return ""
         is_open = not CLOSED.search(before.strip()) and not ITEM.match(sentence)
         is_continued = next((each for each in sentence if each.isalpha()), "").islower()
         is_short = len(words) <= LONGEST_PIECE or len(rest) <= SHORT or words[-1].isdigit()
         is_begun = is_short or any(each.end == len(words) for each in rules.subjects(words, _names(view)))
         return f"{bare[-LONGEST_BEGUN:]} {sentence}" if is_open or is_continued or is_begun else ""
 
-    def _is_marked(self, words: Sequence[str], text: str) -> bool:
+    def _clauses(self, text: str) -> list[list[str]]:
+        return [words for part in CLAUSES.split(text) if (words := self._own.words(part))]
+
+    def _is_address(self, words: Sequence[str], clauses: Sequence[Sequence[str]], *, is_question: bool) -> bool:
+        is_idiom = self._own.whole_idioms.fits(words)
+        return not is_idiom and self._addresses.is_address(clauses, is_question=is_question)
+
+    def _is_marked(self, clauses: Sequence[Sequence[str]]) -> bool:
         """Whether a sentence, and each longer clause of it, has a mark of what is no report."""
-        clauses = [found for part in CLAUSES.split(text) if len(found := self._own.words(part)) > LONGEST_PIECE]
-        return all(self._own.is_marked(each) for each in (words, *clauses))
+        clauses = self._addresses.main(clauses)
+        whole = [word for each in clauses for word in each]
+        return self._own.is_marked(whole) and all(
+            self._own.is_marked(each) for each in clauses if len(each) > LONGEST_PIECE
+        )
 
     def _unknown(self, words: Sequence[str], share: float) -> ClaimKind:
         if len(words) <= SHORT:
             return "" if share else "fragment"
         return "" if share >= LEAST_SHARE else "language"
+
+
+def _is_question(sentence: str) -> bool:
+    return QUESTION.search(sentence) is not None
 
 
 def _plain(sentence: str) -> str:
@@ -191,6 +236,10 @@ class _JudgedSentence:
             return bool(after) and not rules.let.begin(after)
         allowed = rules.allowed.get(subject.kind)
         before = words[subject.start - 1] if subject.start else ""
+        if rules.is_asked(words, subject) or rules.is_habit(words):
+            return False
+        if subject.kind == "it" and after and after[0] in rules.objects_after:
+            return False  # `bring it to me`
         if subject.kind in ("self", "it"):
             if before in rules.inverted or (allowed and (allowed.begin(after) or allowed.begin(predicate))):
                 return False
@@ -225,6 +274,8 @@ class _JudgedSentence:
     def _has_passive(self, words: Sequence[str]) -> bool:
         """`The cup has been placed`, `der Becher wurde gefunden`: an act, and no word of who did it."""
         rules = self._rules
+        if rules.is_habit(words):
+            return False
         for at, word in enumerate(words):
             if word not in rules.perfect:
                 continue
@@ -251,6 +302,8 @@ class _JudgedSentence:
         rules = self._rules
         words = rules.skip_lead(words)
         if not words:
+            return False
+        if rules.is_gerund(words):
             return False
         first, after = words[0], set(rules.skip(words[1:])[:1])
         if first in rules.second and not rules.verb_second and after & (rules.acts | rules.places):

@@ -101,3 +101,37 @@ def test_what_cannot_be_judged_is_replaced() -> None:
     assert claims.why_replaced("✅", VIEW) == "script"
     assert claims.why_replaced("La mission est terminée depuis longtemps déjà.", VIEW) != ""
     assert claims.why_replaced("…", VIEW) == ""
+
+
+@pytest.mark.parametrize(
+    ("code", "sentence"),
+    [
+        ("en", "Should the robot bring it to the office or to the kitchen?"),
+        ("en", "Do not touch the wheels while they turn."),
+        ("en", "In that case, choose another room."),
+        ("en", "If the path is blocked, a person has to decide."),
+        ("en", "Apples are usually harvested in autumn."),
+        ("de", "Soll ich die Treppe oder den Aufzug nehmen?"),
+        ("de", "Äpfel werden meist im Herbst geerntet."),
+        ("de", "Wenn der Weg versperrt ist, muss ein Mensch entscheiden."),
+    ],
+)
+def test_what_asks_or_bids_or_leaves_open_is_spoken(code: str, sentence: str) -> None:
+    assert Claims(code).why_replaced(sentence, VIEW) == ""
+
+
+@pytest.mark.parametrize(
+    ("code", "sentence"),
+    [
+        ("en", "Are you happy with the box on the shelf?"),
+        ("en", "Did you know that the parcel is in the lobby?"),
+        ("en", "If you look outside, a truck blocks the road."),
+        ("en", "Perhaps it helps that three carts wait in row three."),
+        ("en", "Both doors are shut."),
+        ("de", "Im Flur liegt ein Eimer."),
+        ("de", "Falls Sie Hunger haben, das Essen steht am Empfang."),
+        ("de", "Beide Türen sind zu."),
+    ],
+)
+def test_what_a_question_or_a_condition_states_is_replaced(code: str, sentence: str) -> None:
+    assert Claims(code).why_replaced(sentence, VIEW) != ""

@@ -1,0 +1,85 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Addresses: sentences that only ask or bid the person, and what a sentence leaves unknown.
+
+Rule: an address states nothing. With a second verb, a past, a negated question or a verb of knowing ("do you know that
+…") it may state something, and is judged as any other sentence.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+
+from rai_missions.conversation.claim_words import ClaimWords
+from rai_missions.conversation.phrases import Phrases
+
+__all__ = ("Addresses",)
+
+LONGEST_SETTING = 7
+"""Words up to which what precedes a main clause is a setting of it: `in that case, …`."""
+
+SHORT = 2
+"""Words up to which a clause behind a question is an aside: `, roughly?`."""
+
+
+class Addresses:
+    """Finds the addresses of one language.
+
+    Args:
+        rules: The language's words.
+    """
+
+    def __init__(self, rules: ClaimWords) -> None:
+        self._rules, data = rules, rules.addresses
+        self._asking, self._bidding = Phrases(data["asking"], {}), Phrases(data["bidding"], {})
+        self._settings, self._knowing = Phrases(data["settings"], {}), frozenset(data["knowing"])
+        self._unknown = re.compile(data["unknown_pattern"], re.IGNORECASE)
+        self._condition = re.compile(data["condition_pattern"], re.IGNORECASE)
+
+    def known(self, text: str) -> str:
+        """A text without what it leaves unknown: a condition, and what follows `I do not know where`."""
+        known = self._unknown.sub(r"\1", text)
+        main = self._condition.sub(" ", known)
+        return main if self._rules.words(main) else known
+
+    def main(self, clauses: Sequence[Sequence[str]]) -> list[Sequence[str]]:
+        """The clauses from the main one on: without `in that case`, `to start a mission`."""
+        at = 0
+        while at + 1 < len(clauses) and self._is_setting(clauses[at]):
+            at += 1
+        return list(clauses[at:])
+
+    def is_address(self, clauses: Sequence[Sequence[str]], *, is_question: bool) -> bool:
+        """Whether a sentence only asks, or only bids.
+
+        Args:
+            clauses: The words of each clause.
+            is_question: Whether it ends with a question mark.
+        """
+        words, *others = [self._rules.skip_lead(each) or each for each in self.main(clauses)] or [[]]
+        if not all(self._is_aside(each) for each in others) or self._states(words[2 if is_question else 1 :]):
+            return False
+        if self._rules.has_place(words):
+            return False
+        if is_question:
+            return self._asking.begin(words) and not self._rules.negations & set(words)
+        return self._bidding.begin(words) and not self._rules.speaker & set(words)
+
+    def _is_aside(self, words: Sequence[str]) -> bool:
+        rules = self._rules
+        return len(words) <= SHORT and not (rules.states | rules.acts | rules.strong | rules.work | rules.scene) & set(
+            words
+        )
+
+    def _is_setting(self, words: Sequence[str]) -> bool:
+        if self._rules.harmless.fits(words):
+            return True
+        is_short = len(words) <= LONGEST_SETTING and self._settings.begin(words)
+        return is_short and not (self._rules.second | self._rules.self_words) & set(words)
+
+    def _states(self, words: Sequence[str]) -> bool:
+        """Whether another verb may state something."""
+        rules = self._rules
+        if rules.relative & set(words[:-1]):
+            return True
+        return any(word in rules.second or word in self._knowing or rules.is_past(word) for word in words)
