@@ -42,7 +42,7 @@ class Comparisons:
         self.atoms: dict[str, list[tuple[str, Any]]] = {}
         """Path → operator and operand of each comparison with constants."""
         self.kin: dict[str, set[str]] = {}
-        """Path → those that it is compared with or copied to, itself among them."""
+        """Path → its kin, of each that was ever joined with another; see `kin_of`."""
         self.near: dict[str, set[float]] = {}
         """Path of a pose → the distances that guards ask for."""
         self.judged: dict[str, set[str]] = {}
@@ -149,9 +149,13 @@ class Comparisons:
                 self._join(name, f"answer.{name}")
 
     def _join(self, one: str, other: str) -> None:
-        kin = self.kin.get(one, {one}) | self.kin.get(other, {other})
+        kin = self.kin_of(one) | self.kin_of(other)
         for each in kin:
             self.kin[each] = kin
+
+    def kin_of(self, path: str) -> set[str]:
+        """Those that it is compared with or copied to, itself among them."""
+        return self.kin.get(path, {path})
 
     def _spread(self) -> None:
         """Objects that are copied are kin field by field."""
@@ -176,7 +180,7 @@ class Comparisons:
 
         What no guard looks at, however often it is copied, makes no step another: one value represents all.
         """
-        kin = self.kin.get(path, {path})
+        kin = self.kin_of(path)
         return any(each in kin or each.partition(".")[0] in kin for each in self._asked | self.fresh)
 
     @property
@@ -192,13 +196,13 @@ class Comparisons:
     def _reckoned(self) -> Iterator[str]:
         """Numbers that are compared with a key that is counted or copied, and poses with several distances."""
         for path in self._met:
-            kin = self.kin.get(path, {path})
+            kin = self.kin_of(path)
             if kin & (self.steps.keys() | self._copied) and self.kind_of(path) not in ("boolean", "string"):
                 yield path
 
     def _far(self) -> Iterator[str]:
         for path, radii in self.near.items():
-            kin = self.kin.get(path, {path})
+            kin = self.kin_of(path)
             if len(kin) > 2 or (len(radii) > 1 and kin & self._copied):
                 yield path
 
@@ -215,27 +219,27 @@ class Comparisons:
 
     def asked_of_goals(self, path: str) -> frozenset[str]:
         """What is asked of goals by the value there, or by one that it is copied to; empty if it is no sight."""
-        kin = self.kin.get(path, {path})
+        kin = self.kin_of(path)
         return frozenset[str]().union(*(self.judging.get(each, ()) for each in kin))
 
     def is_goal(self, path: str) -> bool:
         """Whether the value there, or one that it is copied to, is judged as a goal."""
-        return not self.judged.keys().isdisjoint(self.kin.get(path, {path}))
+        return not self.judged.keys().isdisjoint(self.kin_of(path))
 
     @property
     def goals_change(self) -> bool:
         """Whether a goal can be replaced in a run: not if all are given at the start."""
-        goals = {each for path in self.judged for each in self.kin.get(path, {path})}
+        goals = {each for path in self.judged for each in self.kin_of(path)}
         return any(each not in self.keys or self.keys[each].source != "argument" for each in goals)
 
     def is_sampled(self, path: str) -> bool:
         """Whether it or its kin are."""
-        return not self.kin.get(path, {path}).isdisjoint(self.sampled)
+        return not self.kin_of(path).isdisjoint(self.sampled)
 
     def kind_of(self, path: str) -> str:
         """The type of the value there: as written, or by what it is compared with, or goes into."""
         root, _, rest = path.partition(".")
-        for kin in (path, *sorted(self.kin.get(path, {path}))):
+        for kin in (path, *sorted(self.kin_of(path))):
             if kin in self.keys:
                 return self.keys[kin].type
         if root in self.keys and (kind := (self.keys[root].fields or {}).get(rest)):
@@ -257,7 +261,7 @@ class Comparisons:
 
     def operands(self, path: str) -> list[Any]:
         """The constants that it or its kin is compared with."""
-        return [constant for kin in sorted(self.kin.get(path, {path})) for _, constant in self.constants(kin)]
+        return [constant for kin in sorted(self.kin_of(path)) for _, constant in self.constants(kin)]
 
     def constants(self, path: str) -> Iterator[tuple[str, Any]]:
         """Operator and constant of each comparison; of a list each item, to which the value may be equal."""

@@ -92,7 +92,7 @@ class Values:
     def is_sight(self, key: str) -> bool:
         """Whether guards look at its fields, or judge goals by it, and nothing else is done with it as a whole."""
         learned = self.learned
-        is_alone = len(learned.kin.get(key, {key})) == 1 and not learned.atoms.get(key)
+        is_alone = len(learned.kin_of(key)) == 1 and not learned.atoms.get(key)
         if self.shape(key):
             return is_alone and len(self.of(key)) <= MOST_MIXTURES
         if self._keys[key].type != "object" or not learned.asked_of_goals(key) or learned.is_goal(key):
@@ -107,7 +107,7 @@ class Values:
     def item(self, path: str) -> tuple[Any, ...]:
         """The values of an item of a list, for all who go over it or a copy of it."""
         learned, found = self.learned, list[Any]()
-        for kin in sorted(learned.kin.get(path, {path})):
+        for kin in sorted(learned.kin_of(path)):
             for item in learned.items.get(kin, ()):
                 found += [value for value in self._made(item, self._keys[item].type) if value not in found]
         return tuple(found) or (0,)
@@ -118,7 +118,7 @@ class Values:
         for key, steps in learned.steps.items():
             if key not in learned.atoms:
                 continue
-            linked = len(learned.kin.get(key, {key})) > 1
+            linked = len(learned.kin_of(key)) > 1
             high = [_past(op, each, 1) for op, each in learned.constants(key) if isinstance(each, int | float)]
             low = [_past(op, each, -1) for op, each in learned.constants(key) if isinstance(each, int | float)]
             if linked:
@@ -145,7 +145,7 @@ class Values:
         quoted |= {path.split(".")[0] for path in (*learned.items, *learned.near, *learned.judged, *learned.judging)}
         return {
             key: partial(_found_out, tuple(learned.atoms.get(key, ()))) for key, written in self._keys.items()
-            if written.type in SCALARS and len(learned.kin.get(key, ())) < 2 and not learned.within(key)
+            if written.type in SCALARS and len(learned.kin_of(key)) < 2 and not learned.within(key)
             and key not in quoted and not learned.is_sampled(key)
         }  # fmt: skip
 
@@ -167,7 +167,7 @@ class Values:
     def _lists(self, path: str) -> Iterator[list[Any]]:
         """Of no, one or two items; of one that no one goes over, two for all."""
         learned = self.learned
-        most = 2 if any(kin in learned.items for kin in learned.kin.get(path, {path})) else 1
+        most = 2 if any(kin in learned.items for kin in learned.kin_of(path)) else 1
         for many in range(most + 1):
             yield from (list(mixture) for mixture in product(self.item(path), repeat=many))
 
@@ -177,7 +177,7 @@ class Values:
         fixed = [each for each in learned.operands(path) if isinstance(each, Mapping)]
         frame = {"frame": key.frame} if key is not None and key.frame else {}
         bases = fixed or [{"x": 0.0, "y": 0.0, **frame}]
-        radii = sorted({radius for kin in learned.kin.get(path, {path}) for radius in learned.near.get(kin, ())})
+        radii = sorted({radius for kin in learned.kin_of(path) for radius in learned.near.get(kin, ())})
         offsets = [0.0, *((low + high) / 2 for low, high in pairwise(radii))]
         offsets += [FAR_M] if radii else []
         if self._is_met(path):
@@ -199,7 +199,7 @@ class Values:
 
     def _others(self, path: str) -> list[str]:
         """The sources of what it is compared with; empty for what is no key."""
-        others = self.learned.kin.get(path, {path}) - {path}
+        others = self.learned.kin_of(path) - {path}
         return [self._keys[each].source if each in self._keys else "" for each in others]
 
     def _objects(self, path: str, key: Key | None) -> Iterator[Any]:
@@ -237,7 +237,7 @@ class Values:
         elif kind in NUMBERS:
             yield from self._numbers(path, whole=kind == "integer")
         else:
-            others = len(learned.kin.get(path, {path}))
+            others = len(learned.kin_of(path))
             known = sorted({each for each in learned.operands(path) if isinstance(each, str)})
             known += [f"{OTHER} {number}" if number else OTHER for number in range(others)]
             yield from known if others > 1 or learned.is_sampled(path) else self._apart(path, known)
@@ -245,7 +245,7 @@ class Values:
     def _numbers(self, path: str, *, whole: bool) -> Iterator[float]:
         """Every constant that it or its kin is compared with, and enough numbers between them to order the kin."""
         learned = self.learned
-        kin = learned.kin.get(path, {path})
+        kin = learned.kin_of(path)
         numbers = set(filter(is_number, learned.operands(path)))
         constants, many = sorted(numbers), len(kin)
         if learned.is_sampled(path):
