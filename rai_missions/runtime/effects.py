@@ -38,9 +38,9 @@ from rai_missions.runtime.behaviours import Behaviours
 from rai_missions.runtime.control_handover import Handovers
 from rai_missions.runtime.goals import Goals, journaled, outcome_of
 from rai_missions.runtime.lifecycle import Control
-from rai_missions.runtime.observers import RobotListener
 from rai_missions.runtime.readings import SourceState
 from rai_missions.runtime.rivalry import Rivalry
+from rai_missions.runtime.robot_listener import RobotListener
 from rai_missions.runtime.scheduler import Scheduler
 
 __all__ = ("MISSION_LINE", "EffectExecutor")

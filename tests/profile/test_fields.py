@@ -18,7 +18,7 @@ from rai_missions.mission.files import load
 from rai_missions.profile import Robot, load_profile, unknown_fields
 from rai_missions.runtime.clock import WallClock
 from rai_missions.runtime.mailbox import Mailbox
-from rai_missions.runtime.observers import RobotListener
+from rai_missions.runtime.robot_listener import RobotListener
 from rai_missions.runtime.scheduler import Scheduler
 
 MISSIONS = Path(__file__).parents[2] / "missions"

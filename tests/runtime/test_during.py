@@ -13,7 +13,7 @@ from rai_missions.connectors.local import LocalConnector
 from rai_missions.profile import Robot
 from rai_missions.runtime.clock import SimulatedClock
 from rai_missions.runtime.mailbox import Mailbox
-from rai_missions.runtime.observers import RobotListener
+from rai_missions.runtime.robot_listener import RobotListener
 from rai_missions.runtime.scheduler import Scheduler
 
 TYPE = "std_msgs/msg/String"

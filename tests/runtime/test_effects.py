@@ -13,7 +13,7 @@ from rai_missions.connectors.local import LocalConnector
 from rai_missions.engine import Chart
 from rai_missions.errors import UsageError
 from rai_missions.profile import Robot
-from rai_missions.runtime.observers import RobotListener
+from rai_missions.runtime.robot_listener import RobotListener
 from rai_missions.runtime.scheduler import Scheduler
 from tests.rigs.runs import Mailbox, ManualClock, Rig, robot
 

@@ -38,7 +38,7 @@ def test_log_lines_are_published_with_their_level(
         client = open_client(node.name.path)
         client.activate()
         client.start()
-        logging.getLogger("rai_missions.runtime.observers").warning("'%s' is odd", "battery")
+        logging.getLogger("rai_missions.runtime.robot_listener").warning("'%s' is odd", "battery")
 
         def line(text: str) -> Any:
             return next((each.data for each in received.all if each.data["msg"] == text), None)
