@@ -17,6 +17,7 @@ __all__ = (
     "Close",
     "Connector",
     "HostsActions",
+    "ListsItself",
     "Message",
     "Mode",
     "RawMessage",
@@ -145,6 +146,13 @@ class SupportsDiscoveryCount(Protocol):
 
     def offered(self, mode: Mode) -> Mapping[str, int]:
         """Name → how many publish on the topic, or serve the service or action."""
+
+
+@runtime_checkable
+class ListsItself(Protocol):
+    """A connector whose middleware keeps to itself what others offer: `listed` has what it does itself."""
+
+    lists_itself: bool
 
 
 @runtime_checkable

@@ -33,6 +33,11 @@ class RobotEntry(NamedTuple):
     """An event: its publisher may appear when it happens."""
 
     @property
+    def what(self) -> str:
+        """In words: `blackboard/battery: topic /battery`."""
+        return f"{self.place}: {self.mode[:-1]} {self.name}"
+
+    @property
     def how(self) -> str:
         """How it must be present: `offered` by a server or publisher, or, where that is enough, `listed`."""
         return "listed" if self.is_listener else "offered"

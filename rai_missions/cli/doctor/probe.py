@@ -12,9 +12,17 @@ import sys
 import time
 import uuid
 from collections.abc import Callable, Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from rai_missions.errors import MissionError
+
+if TYPE_CHECKING:
+    from rai_missions.connectors.connector import Connector, Message, Mode
+
+    Graph = dict[str, dict[Mode, dict[str, str]]]
+    """`listed` or `offered` → mode → name → type; without `listed` where no one reports what others do."""
+    Wanted = dict[Mode, list[tuple[str, str, str]]]
+    """Mode → names, each with how it must be there, and its type."""
 
 __all__ = ("main",)
 
@@ -88,42 +96,63 @@ def sound_devices(_: Any) -> list[Any]:
     return [list(each) for each in found()]
 
 
-def graph(given: Mapping[str, Any]) -> dict[str, dict[str, dict[str, str]]]:
+def graph(given: Mapping[str, Any]) -> Graph:
     """What is there by mode, waited for as long as something wanted is not: `listed`, and of that what is `offered`.
 
-    What is listed and not offered has only subscribers or clients.
+    What is listed and not offered has only subscribers or clients. Where the middleware does not report what others do,
+    a topic is there once a message of it was received, and nothing else is known to be.
     """
-    from rai_missions.connectors.connector import SupportsDiscoveryCount
+    from rai_missions.connectors.connector import ListsItself
     from rai_missions.connectors.registry import connector_offer, open_offered
 
     options = dict(given["connector"])
     offer = connector_offer(options.pop("kind"))
     assert offer is not None
     connector = open_offered(offer, options)
-    wanted: dict[Any, list[tuple[str, str]]] = {
-        mode: names for mode, names in given["wanted"].items() if mode in connector.modes
-    }
+    wanted: Wanted = {mode: names for mode, names in given["wanted"].items() if mode in connector.modes}
     connector.start()
     try:
-
-        def looked() -> dict[str, dict[str, dict[str, str]]]:
-            listed = {mode: dict(connector.listed(mode)) for mode in wanted}
-            if not isinstance(connector, SupportsDiscoveryCount):
-                return {"listed": listed, "offered": listed}
-            offered = {
-                mode: {name: types[name] for name in connector.offered(mode) if name in types}
-                for mode, types in listed.items()
-            }
-            return {"listed": listed, "offered": offered}
+        if isinstance(connector, ListsItself):
+            wanted = {"topics": [each for each in wanted.get("topics", ()) if each[1] == "offered"]}
+            look = _received(connector, wanted)
+        else:
+            look = _listed(connector, wanted)
 
         def is_there() -> bool:
-            now = looked()
-            return all(name in now[how][mode] for mode, names in wanted.items() for name, how in names)
+            now = look()
+            return all(name in now[how][mode] for mode, names in wanted.items() for name, how, _ in names)
 
         _awaited(is_there, float(given["within_s"]))
-        return looked()
+        return look()
     finally:
         connector.stop()
+
+
+def _listed(connector: Connector, wanted: Wanted) -> Callable[[], Graph]:
+    from rai_missions.connectors.connector import SupportsDiscoveryCount
+
+    def look() -> Graph:
+        listed = {mode: dict(connector.listed(mode)) for mode in wanted}
+        if not isinstance(connector, SupportsDiscoveryCount):
+            return {"listed": listed, "offered": listed}
+        offered = {
+            mode: {name: types[name] for name in connector.offered(mode) if name in types}
+            for mode, types in listed.items()
+        }
+        return {"listed": listed, "offered": offered}
+
+    return look
+
+
+def _received(connector: Connector, wanted: Wanted) -> Callable[[], Graph]:
+    there: dict[str, str] = {}
+
+    def receive(message: Message) -> None:
+        there[message.topic] = ""
+
+    for name, _, type_name in wanted["topics"]:
+        connector.subscribe(name, type_name, receive)
+    return lambda: {"offered": {"topics": dict(there)}}
 
 
 def _awaited(is_so: Callable[[], bool], within_s: float) -> bool:

@@ -41,7 +41,7 @@ def reach(
         yield from _types(robot, given)
     names = list(wanted(robot))
     by_mode = {
-        mode: [(each.name, each.how) for each in names if each.mode == mode]
+        mode: [(each.name, each.how, each.type) for each in names if each.mode == mode]
         for mode in ("topics", "services", "actions")
     }
     wishes = {"connector": robot.connector, "wanted": by_mode, "within_s": within_s}
@@ -50,11 +50,18 @@ def reach(
         yield MachineFinding("missing", f"the robot '{robot.name}' cannot be reached over {kind}", found.fault)
         return
     there: dict[str, dict[str, dict[str, str]]] = found.value
-    if not any(each.name in there[each.how].get(each.mode, ()) for each in names):
-        remedy = "start the robot or its simulation, and compare the domain and the discovery range of both"
+    visible = [each for each in names if "listed" in there or (each.mode == "topics" and not each.is_listener)]
+    if visible and not any(each.name in there[each.how].get(each.mode, ()) for each in visible):
+        same = "the domain and the discovery range" if kind == "ros2" else "what the connector names"
+        remedy = f"start the robot or its simulation, and compare {same} of both"
         yield MachineFinding("missing", f"nothing of the robot '{robot.name}' is there over {kind}", remedy)
         return
-    yield from (_looked_for(each, there[each.how].get(each.mode, {})) for each in names)
+    for each in names:
+        if each in visible:
+            yield _looked_for(each, there[each.how].get(each.mode, {}))
+        else:
+            verb = "listens" if each.is_listener else "serves it"
+            yield MachineFinding("absent", f"{each.what} cannot be looked for: {kind} keeps to itself who {verb}")
 
 
 def loads(program: Path) -> MachineFinding:
@@ -111,7 +118,7 @@ def _fields(robot: Robot, given: Mapping[str, str]) -> Iterator[MachineFinding]:
 
 
 def _looked_for(each: RobotEntry, there: Mapping[str, str]) -> MachineFinding:
-    what = f"{each.place}: {each.mode[:-1]} {each.name}"
+    what = each.what
     if each.name not in there:
         if each.is_listener:
             return MachineFinding("absent", f"{what} has no listener")

@@ -70,6 +70,7 @@ class MqttConnector:
     """
 
     modes: frozenset[Mode] = frozenset({"topics", "services"})
+    lists_itself = True
 
     def __init__(self, options: Mapping[str, Any] | None = None, *, now: Callable[[], float] | None = None) -> None:
         self._host, self._port = read_options(options or {})

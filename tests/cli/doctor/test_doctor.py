@@ -21,6 +21,7 @@ from rai_missions.cli.doctor.ros import ros
 from rai_missions.cli.main import main
 from rai_missions.errors import install_command
 from rai_missions.profile import Robot, load_profile, wanted
+from tests.connectors.test_mqtt import Broker, needs_broker
 from tests.ros2 import lock_free_domain
 
 ROOT = Path(__file__).parents[3]
@@ -205,6 +206,27 @@ def test_a_broker_that_is_not_there_is_reported() -> None:
     profile = robot(connector={"kind": "mqtt", "port": 1}, services={"flash": {"service": "flash"}})
     (only,) = reach(profile, dict(os.environ))
     assert only.status == "missing" and "mqtt" in only.what
+
+
+@needs_broker
+def test_a_robot_behind_a_broker_is_known_by_what_it_publishes(tmp_path: Path) -> None:
+    broker = Broker(tmp_path)
+    battery = {"topic": "/battery", "type": "std_msgs/msg/Float64"}
+    profile = robot(
+        connector={"kind": "mqtt", "port": broker.port}, blackboard={"battery": battery},
+        services={"flash": {"service": "/flash"}}, topics={"lamp": {"topic": "/lamp", "type": "std_msgs/msg/Bool"}},
+    )  # fmt: skip
+    (nothing,) = reach(profile, dict(os.environ), within_s=0.1)
+    assert "nothing of the robot 'beacon' is there over mqtt" in nothing.what
+    assert nothing.remedy == "start the robot or its simulation, and compare what the connector names of both"
+    broker.keep("/battery", b'{"data": 0.5}')
+    found = {each.what: each.status for each in reach(profile, dict(os.environ))}
+    assert found == {
+        "blackboard/battery: topic /battery": "ok",
+        "services/flash: service /flash cannot be looked for: mqtt keeps to itself who serves it": "absent",
+        "topics/lamp: topic /lamp cannot be looked for: mqtt keeps to itself who listens": "absent",
+    }
+    broker.stop()
 
 
 @pytest.mark.parametrize(
