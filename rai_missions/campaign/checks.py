@@ -12,7 +12,7 @@ from rai_missions.errors import DefinitionError, Fault, UsageError, pointer, sug
 from rai_missions.redaction import shown
 from rai_missions.runtime.arguments import accepted
 from rai_missions.states.decision import DecisionSpec
-from rai_missions.worlds.world import check_local, check_world
+from rai_missions.worlds.world import WORLDS, check_local, check_world
 
 __all__ = ("faults_in", "scene_faults")
 
@@ -55,6 +55,12 @@ def _of_world(file: CampaignFile) -> Iterator[Fault]:
         check_world(world)
     except UsageError as error:
         yield Fault("/scenes/world", str(error))
+        return
+    try:
+        if world not in WORLDS:  # ours take one
+            check_local({"world": world, "seed": 0})
+    except UsageError as error:
+        yield Fault("/scenes/world", f"{error}; a campaign gives each world the seed of its scene")
         return
     if file.labels == "trials":
         from rai_missions.campaign.labels import TRIALS  # loads the world

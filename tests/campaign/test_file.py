@@ -77,6 +77,21 @@ def test_scenes_have_one_source_and_names_of_their_own(tmp_path: Path, scenes: d
     assert fault in faults(tmp_path, {"scenes": scenes})
 
 
+def test_a_world_of_another_package_that_takes_no_seed_is_refused(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "tubs.py").write_text("class Tub:\n    def __init__(self, warm: bool = False): ...\n")
+    (tmp_path / "tubs-1.0.dist-info").mkdir()
+    (tmp_path / "tubs-1.0.dist-info/METADATA").write_text("Metadata-Version: 2.1\nName: tubs\nVersion: 1.0\n")
+    (tmp_path / "tubs-1.0.dist-info/entry_points.txt").write_text("[rai_missions.worlds]\ntub = tubs:Tub\n")
+    monkeypatch.syspath_prepend(str(tmp_path))
+    scenes = {"world": "tub", "given": [{"scene": "a", "kind": "b", "seed": 1, "options": {"warm": True}}]}
+    assert faults(tmp_path, {"scenes": scenes, "labels": "rollouts", "models": ["rules"], "scripts": {}}) == (
+        "/scenes/world: the world 'tub' has no option 'seed'; there are: warm; a campaign gives each world the seed of "
+        "its scene"
+    )
+
+
 def test_a_file_that_is_not_there_is_named(tmp_path: Path) -> None:
     with pytest.raises(UsageError, match="there is no file"):
         load_campaign(tmp_path / "none.json")
