@@ -11,7 +11,7 @@ from typing import Any, get_args, get_type_hints
 from rai_missions.errors import UsageError, suggestion
 from rai_missions.redaction import shown
 
-__all__ = ("CONVENTIONS", "Options", "QosProfile", "read_options")
+__all__ = ("CONVENTIONS", "DEFAULT", "Options", "QosProfile", "read_options")
 
 RELIABILITIES = ("reliable", "best_effort")
 DURABILITIES = ("volatile", "latched")
@@ -57,6 +57,7 @@ class Options:
 
 
 DEFAULT = QosProfile()
+"""How a topic travels where neither the profile nor a convention states it."""
 MAP = QosProfile(durability="latched", depth=1)
 TALK = QosProfile(depth=1000)
 """No part of a long message may be lost because another came at the same time."""

@@ -14,11 +14,11 @@ from dataclasses import replace
 from typing import Any
 
 from rclpy.event_handler import SubscriptionEventCallbacks
-from rclpy.qos import QoSPolicyKind
+from rclpy.qos import DurabilityPolicy, QoSPolicyKind
 from rclpy.serialization import deserialize_message
 
 from rai_missions.connectors.connector import Close, Message, RawMessage
-from rai_missions.connectors.ros2.config import CONVENTIONS, QosProfile
+from rai_missions.connectors.ros2.config import CONVENTIONS, DEFAULT, QosProfile
 from rai_missions.connectors.ros2.messages import name_of, to_data
 from rai_missions.connectors.ros2.mixed import MessageSorter
 from rai_missions.connectors.ros2.node_thread import Runtime, guarded
@@ -179,21 +179,31 @@ class _Reader:
         return self._offers
 
     def _look_after(self, waits: tuple[float, ...]) -> None:
-        """State it if what is published there is of another type: ROS itself keeps silent."""
+        """State why what is published there is not received: ROS itself keeps silent."""
 
         def look() -> None:
             if self._has_arrived or not self._is_open:
                 return
-            name = name_of(self._class)
-            others = sorted({each.topic_type for each in self._publishers()} - {name})
-            if others:
-                log.warning("%s is published as %s, and so not received as the %s that is asked for; mend the type",
-                            self._topic, " and ".join(others), name)  # fmt: skip
+            if why := self._why_silent():
+                log.warning("%s %s", self._topic, why)
             else:
                 self._look_after(waits[1:])
 
         if waits:
             self._runtime.later(waits[0], look)
+
+    def _why_silent(self) -> str:
+        """What is wrong where no message comes although there are publishers, and the remedy; empty if nothing is."""
+        publishers, name = self._publishers(), name_of(self._class)
+        others = sorted({each.topic_type for each in publishers} - {name})
+        if others:
+            given = " and ".join(others)
+            return f"is published as {given}, and so not received as the {name} that is asked for; mend the type"
+        is_latched = any(each.qos_profile.durability == DurabilityPolicy.TRANSIENT_LOCAL for each in publishers)
+        if is_latched and self._quality is DEFAULT:
+            remedy = f'"qos": {{"{self._topic}": {{"durability": "latched"}}}}'
+            return f"is latched, and what was published before is not received; add to the connector: {remedy}"
+        return ""
 
     def _on_mismatch(self, found: Any) -> None:
         """A publisher offers less than is asked for, and would never be received."""

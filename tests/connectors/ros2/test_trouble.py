@@ -61,6 +61,20 @@ def test_a_topic_of_another_type_is_not_received_and_one_sentence_states_it(open
     assert received.all == []
 
 
+def test_a_latched_topic_that_is_read_as_another_is_reported_with_the_remedy(open_ros: Open, peer: Peer) -> None:
+    with Warned() as warned:
+        received = Inbox[Message]()
+        open_ros().subscribe("/peer/latched", STRING, received)
+        warned.lines.wait(
+            lambda reported: (
+                "/peer/latched is latched, and what was published before is not received; add to the connector: "
+                '"qos": {"/peer/latched": {"durability": "latched"}}' in reported
+            ),
+            "it is published once, before",
+        )
+    assert received.all == []
+
+
 @pytest.mark.usefixtures("alone")
 def test_what_is_no_number_arrives_as_such(open_ros: Open) -> None:
     connector, received = open_ros(), Inbox[Message]()
