@@ -77,10 +77,10 @@ class TextToSpeech:
         with self._lock:
             if self._closes:
                 return
+            self._closes = [self._sound.play(self._speaker.frame)]  # first: nothing is left of one that is refused
             for process in self._processes:
                 process.open()
             self._speaker.open()
-            self._closes = [self._sound.play(self._speaker.frame)]
             if self._hri is not None:
                 self._closes.append(self._hri.listen(self._topic, self._receive))
                 self._closes.append(self._hri.listen_to_voice_commands(self._steer))

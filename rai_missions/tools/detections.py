@@ -59,10 +59,12 @@ def _detection(given: Any) -> Detection:
         score = best.get("score", given.get("score", given.get("confidence")))
         box = _box(given)
         score = None if score is None else float(score)
-    except (KeyError, TypeError, ValueError, AttributeError) as fault:
+    except (KeyError, TypeError, ValueError, OverflowError, AttributeError) as fault:
         raise ConnectorError(
             f"{cut_repr(given, 80)} is no detection with a name and a box: {cut_repr(fault, 60)}"
         ) from None
+    if score is not None and not math.isfinite(score):
+        raise ConnectorError(f"{score} is no score of a detection; it is 0 to 1")
     if not all(map(math.isfinite, box)) or box[0] > box[2] or box[1] > box[3]:
         raise ConnectorError(f"{box} is no box of left, top, right and bottom")
     return Detection(cut(name, LONGEST_NAME), score, box)

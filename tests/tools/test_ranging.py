@@ -247,6 +247,9 @@ def test_detections_are_read_as_detectors_write_them(message: Any) -> None:
         {"detections": [{"name": "x"}]},
         {"detections": [{"box": [5, 0, 1, 1]}]},
         {"detections": [7]},
+        {"detections": [{"name": "x", "score": 10**400, "box": [0, 0, 1, 1]}]},
+        {"detections": [{"name": "x", "score": float("nan"), "box": [0, 0, 1, 1]}]},
+        {"detections": [{"name": "x", "box": [0, 0, 1, 10**400]}]},
     ],
 )
 def test_what_is_no_detection_is_reported(message: Any) -> None:

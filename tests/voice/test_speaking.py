@@ -16,6 +16,7 @@ from rai_missions.agents.voice_recognition import VoiceRecognition
 from rai_missions.connectors.sound.connector import FRAME_S, SILENCE, SoundFrame
 from rai_missions.connectors.sound.files import FileSound
 from rai_missions.connectors.sound.room import RoomSound
+from rai_missions.errors import UsageError
 from rai_missions.testing import Inbox, check_agent
 from rai_missions.voice.listener import Transcript
 from rai_missions.voice.spoken_text import PRIORITIES, SpeechQueue, SpokenText, sentences
@@ -194,6 +195,17 @@ def test_what_is_spoken_to_an_agent_that_does_not_run_has_failed() -> None:
     ends = Ends()
     TextToSpeech(FileSound(), on_end=lambda key, how: ends((key, how))).speak(SpokenText("a", "Hello."))
     assert ends.all == [("a", "failed")]
+
+
+def test_a_second_voice_on_a_speaker_is_refused_and_leaves_nothing_behind() -> None:
+    sound = FileSound()
+    sound.play(lambda at: b"")
+    before = set(threading.enumerate())
+    agent = TextToSpeech(sound)
+    with pytest.raises(UsageError, match="something is played already"):
+        agent.run()
+    agent.stop()
+    assert set(threading.enumerate()) <= before
 
 
 def test_text_to_speech_is_an_agent() -> None:

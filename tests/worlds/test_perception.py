@@ -75,10 +75,11 @@ def test_detections_are_read_as_they_were_written(given_: list[ObjectDetection])
 @pytest.mark.parametrize(
     "broken",
     [
-        None, [], {"detections": None}, {"detections": [3]}, {"detections": [{"results": []}]},
+        None, [], {"detections": None}, {"detections": 3}, {"detections": [3]}, {"detections": [{"results": []}]},
         {"detections": [{"results": [{"hypothesis": {"class_id": "", "score": 1}}], "bbox": {}}]},
         array_message([ObjectDetection("cup", math.nan, Box2D(0, 0, 1, 1))], [], {}),
         array_message([ObjectDetection("cup", 0.5, Box2D(3, 3, 3, 9))], [], {}),
+        array_message([ObjectDetection("cup", 10**400, Box2D(3, 3, 4, 9))], [], {}),
     ],
 )  # fmt: skip
 def test_what_is_no_detection_is_left_out(broken: Any) -> None:

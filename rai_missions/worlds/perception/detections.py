@@ -68,7 +68,8 @@ def array_message(
 def detections_of(array: Any) -> list[ObjectDetection]:
     """The detections of a RAIDetectionArray; what has no name, no finite score or no finite box is left out."""
     given = array.get("detections") if isinstance(array, Mapping) else None
-    read = (_read(one) for one in given or () if isinstance(one, Mapping))
+    listed = given if isinstance(given, list | tuple) else ()
+    read = (_read(one) for one in listed if isinstance(one, Mapping))
     return [one for one in read if one is not None]
 
 
@@ -96,7 +97,7 @@ def _read(one: Mapping[str, Any]) -> ObjectDetection | None:
             float(one["bbox"]["size_y"]),
         )
         x, y = float(centre["x"]), float(centre["y"])
-    except (KeyError, IndexError, TypeError, ValueError):
+    except (KeyError, IndexError, TypeError, ValueError, OverflowError):
         return None
     if not name or not all(map(math.isfinite, (score, wide, high, x, y))) or min(wide, high) <= 0:
         return None
