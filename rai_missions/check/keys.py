@@ -24,7 +24,8 @@ def unknown_keys(survey: MissionIndex) -> Found:
             yield read.place, fault
     for write in survey.writes:
         if write.key not in survey.keys:
-            yield _place(write), survey.keys.missing(write.key)
+            order = " ('result' has key → field of the result)" if write.by == "result" else ""
+            yield _place(write), survey.keys.missing(write.key) + order
 
 
 def _place(write: KeyWrite) -> str:

@@ -27,6 +27,8 @@ REFUSED = frozenset(
     }
 )  # fmt: skip
 """Words by which a schema leads elsewhere, or takes time without bound."""
+ANNOTATIONS = frozenset({"$comment", "$defs", "$schema", "default", "description", "examples", "title"})
+"""Words that ask nothing of a value."""
 
 
 def schema_fault(schema: Mapping[str, Any]) -> str:
@@ -38,11 +40,25 @@ def schema_fault(schema: Mapping[str, Any]) -> str:
         return f"its 'type' is {clipped(repr(kind), 80)}, not 'object'"
     if why := _unbounded(schema):
         return why
+    if word := _odd_word(schema, jsonschema.Draft202012Validator.VALIDATORS):
+        return f"it has no word '{clipped(word, 80)}', so that nothing would be asked of a parameter"
     try:
         jsonschema.Draft202012Validator.check_schema(dict(schema))
     except jsonschema.SchemaError as error:
         return clipped(f"{error.json_path}: {error.message}", 200)
     return ""
+
+
+def _odd_word(schema: Mapping[str, Any], asking: Iterable[str]) -> str:
+    """A parameter's name where a word of the schema should be; empty where there is none.
+
+    Args:
+        schema: Of an object.
+        asking: The words that ask something of a value.
+    """
+    known = ANNOTATIONS.union(asking)
+    odd = (word for word, value in schema.items() if word not in known and isinstance(value, Mapping))
+    return next(odd, "" if not schema or known & schema.keys() else next(iter(schema)))
 
 
 def parameter_faults(schema: Mapping[str, Any], given: Mapping[str, Any]) -> str:
