@@ -71,8 +71,8 @@ class AskSettings(NamedTuple):
     """Embodiment → what it shows."""
     is_over: threading.Event
     """Set when no further call may be begun."""
-    recorded: Callable[[Cell], str | None] | None = None
-    """Instead of asking: the raw answer of a cell in an earlier campaign, or None where it has none."""
+    recorded: Callable[[Cell], CellRecord | None] | None = None
+    """Instead of asking: a cell that was answered in an earlier campaign, or None where it was not."""
 
     def ask(self, key: str, cell: Cell, asked: AskedScene, labels: Mapping[str, str]) -> CellRecord | None:
         """The record of one cell; None where no call may be begun any more.
@@ -83,6 +83,8 @@ class AskSettings(NamedTuple):
             asked: Its scene.
             labels: Option → verdict of physics in the scene.
         """
+        if self.recorded is not None:
+            return None if self.is_over.is_set() else self._judged_again(key, self.recorded(cell), cell, asked, labels)
         question = shown_question(asked.question, self.bodies[cell.embodiment], cell.option_order)
         if self.file.answer_s is not None:
             question = question._replace(until=question.at + self.file.answer_s)
@@ -91,8 +93,7 @@ class AskSettings(NamedTuple):
         for attempt in range(1 + (self.file.retries if is_chat(cell.model, self.file) else 0)):
             if self._waits(cell.model, pause_s):
                 break
-            if self.recorded is None:
-                self.models.open(cell.model, question, (cell.embodiment, self.bodies[cell.embodiment]))
+            self.models.open(cell.model, question, (cell.embodiment, self.bodies[cell.embodiment]))
             began = time.perf_counter()
             reply = self._reply(cell, question, asked, labels)
             latency_s, one = time.perf_counter() - began, Usage.of(reply)
@@ -103,8 +104,22 @@ class AskSettings(NamedTuple):
                 break
         if reply is None:
             return None
-        record = _record(key, cell, reply, asked)
-        price = self.file.prices.get(cell.model, FREE)
+        return self._graded(_record(key, cell, reply, asked), reply, used, latency_s, labels)
+
+    def _judged_again(
+        self, key: str, earlier: CellRecord | None, cell: Cell, asked: AskedScene, labels: Mapping[str, str]
+    ) -> CellRecord:
+        """A recorded answer, judged by the mission as it is now, with what it took when it was asked for."""
+        if earlier is None:
+            return _record(key, cell, CellReply({"absent": "no answer is recorded"}), asked)
+        reply = CellReply(**json.loads(earlier.raw))
+        used = Usage(earlier.calls, earlier.prompt_tokens, earlier.completion_tokens)
+        return self._graded(_record(key, cell, reply, asked), reply, used, earlier.latency_s, labels)
+
+    def _graded(
+        self, record: CellRecord, reply: CellReply, used: Usage, latency_s: float, labels: Mapping[str, str]
+    ) -> CellRecord:
+        price = self.file.prices.get(record.model, FREE)
         cost = (used.tokens_in * price.prompt + used.tokens_out * price.completion) / MILLION
         return graded(
             record._replace(
@@ -118,9 +133,6 @@ class AskSettings(NamedTuple):
         return is_tried(str(reply.answer.get("option")), reply.answer.get("parameters"), tried)
 
     def _reply(self, cell: Cell, question: Question, asked: AskedScene, labels: Mapping[str, str]) -> CellReply:
-        if self.recorded is not None:
-            raw = self.recorded(cell)
-            return CellReply({"absent": "no answer is recorded"}) if raw is None else CellReply(**json.loads(raw))
         return self.models.ask(
             cell.model, question, asked.chart.view, scene=asked.scene, labels=labels,
             embodiment=(cell.embodiment, self.bodies[cell.embodiment]),

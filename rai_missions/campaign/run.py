@@ -168,7 +168,10 @@ def run_campaign(
     plan = plan._replace(labels=_whole(store.labels(), loaded.subject.options if rates else ()))
     _drop_outdated(plan, store)
     done = store.done() & plan.cells.keys()
-    spending = Spending(loaded.file.budget, store.cells(), store.dropped)
+    budget = loaded.file.budget
+    if labels_alone or settings.recorded:
+        budget = budget.model_copy(update=dict.fromkeys(("calls", "tokens", "money")))  # no one is asked
+    spending = Spending(budget, store.cells(), store.dropped)
     intake = Intake(store, spending, on_progress, len(done), len(plan.cells))
     if labels_alone:
         labelled = sum(each.scene in plan.labels for each in plan.scenes)

@@ -196,9 +196,9 @@ def _failed(task: SceneTask, error: str) -> Iterator[CellRecord | UnlabelledScen
         yield UnlabelledScene(task.scene.scene, cut(error, 1000))
 
 
-def _recorded(path: Path) -> Mapping[Cell, str]:
-    """The raw answers in a store, by their cells; of one that failed, none."""
+def _recorded(path: Path) -> Mapping[Cell, CellRecord]:
+    """The cells of a store that were answered."""
     with ResultStore(path) as store:
         return {
-            Cell(*each[1:7]): each.raw for each in store.cells() if each.status != "failed" and each.raw
+            Cell(*each[1:7]): each for each in store.cells() if each.status != "failed" and each.raw
         }  # fmt: skip

@@ -354,6 +354,23 @@ def test_recorded_answers_are_judged_again_without_asking(tmp_path: Path) -> Non
 USED = {"option": "left", "usage": {"calls": 1, "tokens_in": 100, "tokens_out": 20}}
 
 
+def test_what_asks_no_one_is_bound_by_no_budget_of_calls_and_by_no_rate(tmp_path: Path) -> None:
+    words = {"models": ["teller"], "scripts": {"teller": {"*": USED}}, "orders": ["written"]}
+    path, store = write_campaign(tmp_path, campaign_data(3, **words)), tmp_path / "results.db"
+    ran(path, store)
+    with ResultStore(store, writes=True) as opened:
+        opened.add([each._replace(latency_s=2.5) for each in opened.cells()])
+    write_campaign(tmp_path, campaign_data(
+        3, **words, budget={"calls": 1}, rates={"teller": {"calls_per_minute": 0.01}}, labels="rollouts"
+    ))  # fmt: skip
+    again = tmp_path / "again.db"
+    result = ran(path, again, recorded=store)
+    assert (result.counts, result.missing, result.stopped) == ({"answered": 3}, 0, "")
+    with ResultStore(again) as opened:
+        assert [(each.calls, each.prompt_tokens, each.latency_s) for each in opened.cells()] == [(1, 100, 2.5)] * 3
+    assert not ran(path, again, labels_alone=True).stopped
+
+
 @pytest.mark.parametrize(("budget", "words", "calls"), [
     ({"calls": 2}, "the budget of 2 calls is spent", 2),
     ({"tokens": 300}, "the budget of 300 tokens is spent", 3),
