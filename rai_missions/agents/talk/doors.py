@@ -106,7 +106,7 @@ class TextDoor:
 
 
 class TalkDoors:
-    """All doors of a conversation.
+    """All doors of a conversation. One that raises harms no other: it is shut, silent, or has failed to speak.
 
     Args:
         doors: Each has a channel of its own.
@@ -121,20 +121,20 @@ class TalkDoors:
     @property
     def is_open(self) -> bool:
         """There is one at which someone may be reached."""
-        return any(door.is_open for door in self._doors.values())
+        return any(map(_is_open, self._doors.values()))
 
     def show(self, line: TalkLine) -> None:
-        """Show a line at every door that shows text; one that raises harms no other."""
-        for door in self._doors.values():
+        """Show a line at every door that shows text."""
+        for name, door in self._doors.items():
             try:
                 door.show(line)
             except Exception:
-                log.exception("the door '%s' cannot show a line", door.channel)
+                log.exception("the door '%s' cannot show a line", name)
 
     @property
     def open(self) -> tuple[str, ...]:
         """The channels at which someone may be reached now."""
-        return tuple(name for name, door in self._doors.items() if door.is_open)
+        return tuple(name for name, door in self._doors.items() if _is_open(door))
 
     @property
     def fault(self) -> str:
@@ -146,13 +146,17 @@ class TalkDoors:
         return ""
 
     def silence(self, *, is_total: bool = True) -> None:
-        for door in self._doors.values():
-            door.silence(is_total=is_total)
+        """Have every door that speaks be silent now."""
+        for name, door in self._doors.items():
+            try:
+                door.silence(is_total=is_total)
+            except Exception:
+                log.exception("the door '%s' cannot be silenced", name)
 
     def speak(self, speech: Speech, on_end: OnSpoken) -> None:
         """Speak at the doors that are meant; how it ended is that of the door that speaks aloud, else of the best."""
         meant = [self._doors[speech.to]] if speech.to in self._doors else list(self._doors.values())
-        meant = [door for door in meant if door.is_open]
+        meant = [door for door in meant if _is_open(door)]
         if not meant:
             on_end("failed")
             return
@@ -163,6 +167,14 @@ class TalkDoors:
             except Exception:
                 log.exception("the door '%s' cannot speak", door.channel)
                 tally.of(is_aloud=door.is_aloud)("failed")
+
+
+def _is_open(door: TalkDoor) -> bool:
+    try:
+        return door.is_open
+    except Exception:
+        log.exception("the door '%s' cannot report whether it is open", door.channel)
+        return False
 
 
 RANK: tuple[SpeechResult, ...] = ("whole", "cut", "failed")

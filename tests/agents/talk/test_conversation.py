@@ -278,6 +278,34 @@ def test_who_asks_for_quiet_ends_what_may_be_interrupted_and_who_stops_ends_all(
         assert door.silenced == [False, True]
 
 
+class Broken(Aloud):
+    """A door of which nothing works."""
+
+    def __init__(self, what: str) -> None:
+        self.what = what
+        super().__init__()
+
+    def __getattribute__(self, name: str) -> Any:
+        if name == object.__getattribute__(self, "what"):
+            raise RuntimeError("the door is off its hinges")
+        return super().__getattribute__(name)
+
+
+@pytest.mark.parametrize("what", ["silence", "speak", "show", "is_open"])
+def test_a_door_that_raises_harms_no_other(what: str) -> None:
+    with talked() as talk:
+        talk.agent.add_door(Broken(what))
+        running(talk)
+        assert talk.ask("stop").text.startswith("Stop.")
+        talk.until(lambda: talk.rig.runner.view.mode == "paused")
+        talk.rig.runner.kill()
+        talk.end()
+        assert talk.agent.conclude(0.3) is (what != "speak"), (
+            "what was to be spoken aloud, and was not, is not reported"
+        )
+        assert any(line.report.endswith(":end") for line in talk.screen.of_robot())
+
+
 def test_its_health_names_the_door_that_is_dead_and_those_that_are_open() -> None:
     door = Aloud()
     agent = ConversationalAgent(doors=[door])
