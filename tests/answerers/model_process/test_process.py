@@ -171,13 +171,14 @@ def test_memory_beyond_the_limit_ends_it_and_the_reason_names_it(mark: str) -> N
     assert "GiB of memory and may use 0.25" in watched.proposals[0]["failed"]
 
 
-def test_a_model_that_never_opens_holds_up_no_start(mark: str) -> None:
-    """Only the question waits for it."""
+def test_a_model_that_never_opens_holds_up_no_start(mark: str, caplog: pytest.LogCaptureFixture) -> None:
+    """Only the question waits for it, and the log gives the reason."""
     began = time.monotonic()
     watched = Watched(asking(0.3), "hostile:opens_never")
     assert watched.result.outcome == "canceled"
     assert time.monotonic() - began < EXIT_S + 1.0
     assert watched.left_s < EXIT_S
+    assert "the model 'hostile:opens_never' is still opening, after 0." in caplog.text
 
 
 def test_the_contract_of_answerers_is_kept(mark: str) -> None:

@@ -72,7 +72,7 @@ class ModelProcess:
             self._begin()
 
     def abilities(self, pending: PendingQuestion) -> Abilities:
-        able = self._current().wait_able(pending.when_closed)
+        able = self._able(self._current(), pending)
         self._name = able.name
         return able
 
@@ -81,10 +81,18 @@ class ModelProcess:
         if not life.confirms_within(PROMPT_S) or life.lingering >= MOST_LINGERING:
             self._replace(life)
             life = self._current()
-        life.wait_able(pending.when_closed)
+        self._able(life, pending)
         with self._lock:
             self._used = True
         return Exchange(self, life, next(self._numbers), mode, form, pending)
+
+    def _able(self, life: Life, pending: PendingQuestion) -> Abilities:
+        try:
+            return life.wait_able(pending.when_closed)
+        except BudgetExceeded:
+            waited_s = time.monotonic() - life.began
+            log.warning("the model '%s' is still opening, after %.1f s; its question has ended", self._spec, waited_s)
+            raise
 
     def close(self, within_s: float = PATIENCE_S) -> None:
         """End every process and all that descends from them."""
