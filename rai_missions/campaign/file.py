@@ -7,7 +7,7 @@ Rule: a file names things; nothing in it is executed. Paths are read from the fi
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Annotated, Any, Literal, NamedTuple
 
@@ -143,7 +143,18 @@ class CampaignFile(MissionModel):
         if unknown := next((name for name in self.rates if name not in providers), None):
             near = suggestion(unknown, providers)
             raise fault("rates", f"'rates' is about {shown(unknown)}, of which 'models' has none{near}")
+        if self.budget.money is not None and (unpriced := next(self._unpriced(), None)):
+            raise fault(
+                "prices",
+                f"'budget' bounds money, and 'prices' has no price of {shown(unpriced)}, which would count as free; "
+                "add it, or {} where it costs nothing",
+            )
         return self
+
+    def _unpriced(self) -> Iterator[str]:
+        """The models of a provider, but for those on this machine, that have no price."""
+        named = (name for name in self.models if ":" in name and name not in self.scripts)
+        return (name for name in named if name not in self.prices and not name.startswith((CONSTANT, "local:")))
 
     def replaced(self, models: Iterable[str]) -> CampaignFile:
         """The same campaign with other models."""

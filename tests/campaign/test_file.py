@@ -39,6 +39,7 @@ def faults(tmp_path: Path, words: dict[str, Any]) -> str:
     ({"models": ["rules", "rules"], "scripts": {}}, "'models' names 'rules' more than once; keep one"),
     ({"embodiments": ["soul"]}, "no embodiment 'soul'"),
     ({"orders": ["sorted"]}, "/orders/0: no such choice: 'sorted'"),
+    ({"models": ["openai:gpt"], "scripts": {}, "budget": {"money": 2}}, "'prices' has no price of 'openai:gpt', which"),
     ({"prices": {"openai:gpt": {"prompt": 1}}}, "'prices' is about 'openai:gpt', which 'models' has not"),
     ({"scripts": {"teller": {"*": 3}}}, "/scripts/teller/*: an answer is an option's name or an object, not 3"),
     ({"budget": {"calls": 0}}, "/budget/calls"),
