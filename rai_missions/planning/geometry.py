@@ -31,9 +31,6 @@ class Footprint(NamedTuple):
         along = [corner[axis] for corner in self.corners]
         return min(along) - self.radius, max(along) + self.radius
 
-    def moved(self, dx: float, dy: float) -> Footprint:
-        return Footprint(tuple((x + dx, y + dy) for x, y in self.corners), self.radius)
-
 
 def turned(point: Point, yaw: float) -> Point:
     """A point turned about the origin, counter-clockwise by `yaw` radians."""

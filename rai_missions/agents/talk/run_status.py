@@ -60,10 +60,6 @@ class RunStatus:
         self._asked: tuple[int, ...] = ()
 
     @property
-    def mission(self) -> Mission:
-        return self._mission
-
-    @property
     def run(self) -> str:
         """The run's identity."""
         return self._runner.run_id

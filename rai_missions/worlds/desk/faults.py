@@ -140,11 +140,6 @@ class Mischief:
         """From and until when, and which thing."""
         self._friction = np.array(model.geom_friction)
 
-    @property
-    def gone(self) -> frozenset[str]:
-        """Things that a person took away."""
-        return frozenset(self._objects[number].name for number in self._gone)
-
     def step(self, since_s: float, period_s: float, held: str) -> None:
         """Let happen what happens in a period.
 

@@ -34,9 +34,6 @@ class Slab(NamedTuple):
         turn = angle - self.yaw
         return self.half_x * abs(math.cos(turn)) + self.half_y * abs(math.sin(turn))
 
-    def moved(self, dx: float, dy: float) -> Slab:
-        return self._replace(x=self.x + dx, y=self.y + dy)
-
 
 class SeenThing(NamedTuple):
     """A thing as the camera measured it."""
