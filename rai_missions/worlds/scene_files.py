@@ -8,11 +8,14 @@ from pathlib import Path
 from typing import Any
 
 from rai_missions.errors import UsageError
+from rai_missions.redaction import shown
 
 __all__ = ("read_scene_file",)
 
 LARGEST = 1_000_000
 """Bytes of a file."""
+LONGEST_PATH = 200
+"""Characters of a path in a message."""
 
 
 def read_scene_file(path: str) -> Any:
@@ -21,13 +24,15 @@ def read_scene_file(path: str) -> Any:
     Raises:
         UsageError: It cannot be read, is too large, or is no JSON.
     """
+    name = shown(path, LONGEST_PATH)
     try:
-        data = Path(path).read_bytes()
-    except OSError as fault:
-        raise UsageError(f"scene: '{path}' cannot be read: {fault.strerror}") from fault
+        with Path(path).open("rb") as file:
+            data = file.read(LARGEST + 1)
+    except (OSError, ValueError) as fault:
+        raise UsageError(f"scene: {name} cannot be read: {getattr(fault, 'strerror', None) or fault}") from fault
     if len(data) > LARGEST:
-        raise UsageError(f"scene: '{path}' has {len(data)} bytes; a scene has at most {LARGEST}")
+        raise UsageError(f"scene: {name} has more than {LARGEST} bytes; a scene has at most as many")
     try:
         return json.loads(data)
     except (ValueError, RecursionError) as fault:
-        raise UsageError(f"scene: '{path}' is no JSON: {fault}") from fault
+        raise UsageError(f"scene: {name} is no JSON: {fault}") from fault

@@ -142,6 +142,7 @@ def one(**fields: Any) -> dict[str, Any]:
         ({"things": []}, "/things: no such word"),
         ([], "is no object"),
         ("/nowhere/scene.json", "scene: '/nowhere/scene.json' cannot be read: No such file or directory"),
+        ("/nowhere\0", "cannot be read: embedded null byte"),
     ],
 )
 def test_a_wrong_scene_is_refused_with_its_place(given: Any, why: str) -> None:
