@@ -13,10 +13,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from rai_missions.embodiment.chunks import LONGEST_SENTENCE, passages_of
-from rai_missions.embodiment.document import TextDocument
+from rai_missions.embodiment.document import Section, TextDocument
 from rai_missions.embodiment.readers import FORMATS, read_document
 from rai_missions.embodiment.reading_process import ReadingProcess
-from tests.rigs.documents import WRITERS, docx, html_page, markdown, pdf, zipped
+from tests.rigs.documents import WRITERS, W, docx, html_page, markdown, pdf, zipped
 
 needs_pypdf = pytest.mark.skipif(find_spec("pypdf") is None, reason="pypdf is not installed: the extra `identity`")
 PARTS = [
@@ -95,6 +95,91 @@ HIDDEN = "HIDDENWORDS"
 def test_what_no_person_sees_is_no_text(name: str, data: bytes) -> None:
     found = text(read(name, data))
     assert "seen" in found and HIDDEN not in found
+
+
+HIDES = ["<!-- note", "<script>", "<title>", "<textarea>", "<![CDATA["]
+
+
+@pytest.mark.parametrize(
+    ("name", "opening"),
+    [
+        *(("a.html", each) for each in (*HIDES, "<div hidden>", "<select>", "<a href='x")),
+        *(("a.md", each) for each in HIDES),
+    ],
+)
+def test_what_would_hide_the_rest_of_a_page_is_refused_with_its_line(name: str, opening: str) -> None:
+    data = f"<p>seen</p>\n\n{opening} <p>It never enters the kitchen.".encode()
+    assert fault(name, data).startswith(f"never closes the {opening.split()[0].rstrip('>')}")
+    assert " of line 3, which hides what follows; close it, or write &lt; for <" in fault(name, data)
+
+
+def test_a_page_full_of_beginnings_is_refused_at_once() -> None:
+    begun = time.process_time()
+    for opening in (b"<!--", b"<a ", b"<![CDATA["):
+        assert fault("a.html", b"<p>seen</p>" + opening * 100_000).startswith("never closes the <")
+    assert time.process_time() - begun < 2
+
+
+@pytest.mark.parametrize(
+    ("page", "shown"),
+    [
+        ("<head><title>x</title><body><p>seen", "seen"),
+        ("<p hidden>note<div>seen</div>", "seen"),
+        ("<table>" + "<tr><td>a<td>b" * 600 + "</table>", "\n\n".join(["a | b"] * 600)),
+        ("<ul>" + "<li><p>a" * 600 + "</ul>", "\n\n".join(["a"] * 600)),
+        ("<ul><li>a<ul><li>b<li>c</ul><li>d</ul>", "a\n\nb\n\nc\n\nd"),
+        ("<p>1 < 2 & 5 <7", "1 < 2 & 5 <7"),
+        (f"<p>&#{'9' * 5000}; seen", "\N{REPLACEMENT CHARACTER} seen"),
+    ],
+)
+def test_a_page_may_leave_out_the_end_tags_that_html_lets_it(page: str, shown: str) -> None:
+    assert text(read("a.html", page.encode())) == shown
+
+
+def run_of(written: str, settings: str = "") -> str:
+    return f"<w:r><w:rPr>{settings}</w:rPr><w:t>{written}</w:t></w:r>"
+
+
+def alternatives(written: str) -> str:
+    box = f"<w:txbxContent><w:p>{written}</w:p></w:txbxContent>"
+    return (
+        '<w:r><mc:AlternateContent xmlns:mc="http://schemas.openxmlformats.org/markup-compatibility/2006">'
+        f"<mc:Choice>{box}</mc:Choice><mc:Fallback>{box}</mc:Fallback></mc:AlternateContent></w:r>"
+    )
+
+
+@pytest.mark.parametrize(
+    ("body", "shown"),
+    [
+        *((run_of("a") + run_of("b", f'<w:vanish w:val="{off}"/>'), "ab") for off in ("off", "0", "false")),
+        *((run_of("a") + run_of("b", f'<w:vanish w:val="{on}"/>'), "a") for on in ("on", "1", "true")),
+        (run_of("a ") + alternatives(run_of("box")) + run_of("b"), "box\n\na b"),
+        (alternatives(alternatives(run_of("box"))) + run_of("b"), "box\n\nb"),
+        (f"<w:moveFrom>{run_of('a')}</w:moveFrom><w:moveTo>{run_of('a')}</w:moveTo>", "a"),
+        (run_of("a", "<w:rPrChange><w:rPr><w:vanish/></w:rPr></w:rPrChange>"), "a"),
+        ("<w:r><w:t>A</w:t><w:noBreakHyphen/><w:t>1</w:t></w:r>", "A-1"),
+    ],
+)
+def test_a_word_document_is_read_once_and_as_it_is_now(body: str, shown: str) -> None:
+    assert text(read("a.docx", docx([], f"<w:p>{body}</w:p>"))) == shown
+
+
+def test_a_heading_keeps_its_level_around_a_text_box_and_after_a_change() -> None:
+    heading = '<w:pPr><w:pStyle w:val="berschrift1"/></w:pPr>'
+    changed = f"<w:pPr><w:pPrChange>{heading}</w:pPrChange></w:pPr>"
+    body = f"<w:p>{heading}{alternatives(run_of('box'))}{run_of('Care')}</w:p><w:p>{changed}{run_of('wipe it')}</w:p>"
+    sections = read("a.docx", docx([], body)).sections
+    assert [(each.heading, each.text) for each in sections] == [((), "box"), (("Care",), "wipe it")]
+
+
+@pytest.mark.parametrize("style", ['<w:name w:val="heading {}"/>', '<w:outlineLvl w:val="{}"/>'])
+@pytest.mark.parametrize("level", ["9" * 5_000, "²", "-1"])
+def test_a_level_that_is_none_makes_no_heading(style: str, level: str) -> None:
+    styles = f'<w:style w:styleId="a">{style.format(level)}</w:style>'
+    body = f'<w:p><w:pPr><w:pStyle w:val="a"/></w:pPr>{run_of("a")}</w:p>'
+    parts = {"word/styles.xml": f'<w:styles xmlns:w="{W}">{styles}</w:styles>'}
+    parts["word/document.xml"] = f'<w:document xmlns:w="{W}"><w:body>{body}</w:body></w:document>'
+    assert read("a.docx", zipped(parts)).sections == (Section((), "a"),)
 
 
 def test_characters_that_are_not_seen_are_dropped() -> None:
@@ -227,7 +312,7 @@ def test_a_file_that_hangs_or_ends_its_reader_costs_that_file_alone() -> None:
     with ReadingProcess(longest_s=1.5) as process:
         began = time.monotonic()
         with pytest.raises(ValueError, match=r"took longer than 1.5 s to read; split it, or save it again"):
-            process.read("a.html", b"<a " * 600_000)  # quadratic in Python's own parser
+            process.read("a.html", b"<b>" * 490 + b"</i>" * 400_000)  # each end is sought among all that is open
         assert time.monotonic() - began < 10
         assert process.read("a.md", markdown(PARTS)) == read("a.md", markdown(PARTS))
         with pytest.raises(ValueError, match="is nested more than 500 deep"):

@@ -1,12 +1,14 @@
 # SPDX-License-Identifier: Apache-2.0
 """Word documents (ECMA-376, WordprocessingML): the text of the body under its headings.
 
-Rule: two parts of the archive are unpacked, each up to a bound, whatever sizes the archive claims.
+Rule: two parts of the archive are unpacked, each up to a bound, whatever sizes the archive claims. Of what a document
+holds twice one is read: the first of alternatives, the text where it was moved to, the format that it has now.
 """
 
 from __future__ import annotations
 
 import io
+import re
 import zipfile
 import zlib
 from collections.abc import Mapping
@@ -21,10 +23,19 @@ LARGEST_PART = 40_000_000
 """Bytes of one part, unpacked."""
 MOST_PARTS = 5_000
 DEEPEST = 200
+OUTLINE_LEVEL, HEADING_LEVEL = re.compile(r"[0-8]"), re.compile(r"[1-9]")
+"""Level 9 of an outline is the text of the body."""
 NAMESPACES = (
     "http://schemas.openxmlformats.org/wordprocessingml/2006/main", "http://purl.oclc.org/ooxml/wordprocessingml/main",
 )  # fmt: skip
 """Of the transitional and of the strict form."""
+ALTERNATIVES = "http://schemas.openxmlformats.org/markup-compatibility/2006"
+"""Part 3 of ECMA-376: one of several contents for programs of different age."""
+OFF = ("0", "false", "off")
+SUPERSEDED = frozenset(
+    {"moveFrom", "pPrChange", "rPrChange", "sectPrChange", "tblPrChange", "tcPrChange", "trPrChange"}
+)
+"""Elements that hold what was there before a change."""
 
 
 class _Styles:
@@ -40,7 +51,7 @@ class _Styles:
             self._style = _value(attributes, "styleId")
         elif name == "name" and (level := _heading_level(_value(attributes, "val"))):
             self.levels.setdefault(self._style, level)
-        elif name == "outlineLvl" and (value := _value(attributes, "val")).isdecimal() and int(value) < 9:
+        elif name == "outlineLvl" and OUTLINE_LEVEL.fullmatch(value := _value(attributes, "val")):
             self.levels.setdefault(self._style, int(value) + 1)
 
     def text(self, text: str) -> None:
@@ -58,10 +69,24 @@ class _Body:
         self._pieces: list[str] = []
         self._level, self._rows = 0, 0
         self._is_text = self._is_hidden = False
+        self._around: list[tuple[list[str], int, int]] = []
+        """What was begun around each text box that is open."""
+        self._depth, self._left_out = 0, 0
+        """How deep the elements lie, and those that are not read."""
+        self._chosen: list[int] = []
+        """The depth of each element with alternatives that is open; negative once one of them was read."""
 
     def begin(self, tag: str, attributes: Mapping[str, str], _line: int) -> None:
+        self._depth += 1
         name = _name(tag)
-        if name == "p":
+        if self._left_out:
+            return
+        if name in SUPERSEDED or self._is_other_alternative(tag):
+            self._left_out = self._depth
+        elif name == "txbxContent":
+            self._around.append((self._pieces, self._level, self._rows))
+            self._pieces, self._level, self._rows = [], 0, 0
+        elif name == "p":
             self._level = 0
         elif name == "pStyle":
             self._level = self._levels.get(_value(attributes, "val"), 0)
@@ -70,20 +95,39 @@ class _Body:
         elif name == "r":
             self._is_hidden = False
         elif name == "vanish":
-            self._is_hidden = _value(attributes, "val") not in ("0", "false")
+            self._is_hidden = _value(attributes, "val") not in OFF
         elif name == "t":
             self._is_text = True
         elif name in ("tab", "br", "cr"):
             self._pieces.append(" ")
+        elif name == "noBreakHyphen" and not self._is_hidden:
+            self._pieces.append("-")
+
+    def _is_other_alternative(self, tag: str) -> bool:
+        """Whether it is one of several alternatives, and not the first."""
+        if tag == f"{ALTERNATIVES} AlternateContent":
+            self._chosen.append(self._depth)
+        if not self._chosen or self._depth != abs(self._chosen[-1]) + 1:
+            return False
+        is_other, self._chosen[-1] = self._chosen[-1] < 0, -abs(self._chosen[-1])
+        return is_other
 
     def text(self, text: str) -> None:
-        if self._is_text and not self._is_hidden:
+        if self._is_text and not self._is_hidden and not self._left_out:
             self._pieces.append(text)
 
     def end(self, tag: str) -> None:
+        depth, self._depth = self._depth, self._depth - 1
+        if self._left_out:
+            self._left_out = 0 if self._left_out == depth else self._left_out
+            return
+        if self._chosen and abs(self._chosen[-1]) == depth:
+            self._chosen.pop()
         name = _name(tag)
         if name == "t":
             self._is_text = False
+        elif name == "txbxContent":
+            self._pieces, self._level, self._rows = self._around.pop()
         elif name == "tc":
             self._pieces.append(" | ")
         elif name == "tr":
@@ -149,6 +193,6 @@ def _value(attributes: Mapping[str, str], name: str) -> str:
 def _heading_level(style: str) -> int:
     """The level of a style by its built-in name, which every language of Word keeps: `heading 1`, `Title`."""
     word, _, number = style.lower().rpartition(" ")
-    if word == "heading" and number.isdecimal():
-        return min(int(number), 9)
+    if word == "heading" and HEADING_LEVEL.fullmatch(number):
+        return int(number)
     return 1 if style.lower() == "title" else 0

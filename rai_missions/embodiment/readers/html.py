@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """HTML pages: headings, paragraphs, lists and tables, as a browser shows them.
 
-Rule: scripts, styles, comments and what a page hides are no text, and no address in it is opened.
+Rule: scripts, styles, comments and what a page hides are no text, and no address in it is opened. What would hide the
+rest of the page since it is never closed, a comment for instance, is refused with its line.
 """
 
 from __future__ import annotations
@@ -26,25 +27,56 @@ INLINE = frozenset(
     }
 )  # fmt: skip
 CELLS, BETWEEN_CELLS = ("td", "th"), " | "
-ENDS_ITSELF = frozenset({"dd", "dt", "li", "option", "p", "td", "th", "tr"})
-"""Elements that the next one of their kind ends."""
+BLOCKS = frozenset(
+    {
+        "address", "article", "aside", "blockquote", "details", "div", "dl", "fieldset", "figure", "footer", "form",
+        "h1", "h2", "h3", "h4", "h5", "h6", "header", "main", "nav", "ol", "p", "pre", "section", "table", "ul",
+    }
+)  # fmt: skip
+ENDED = {
+    **dict.fromkeys(BLOCKS, ("p",)), **dict.fromkeys(("td", "th"), ("td", "th")),
+    **dict.fromkeys(("dd", "dt"), ("dd", "dt")), "li": ("li",), "option": ("option",), "tr": ("tr",),
+}  # fmt: skip
+"""Element → those whose end tag may be left out ahead of it (HTML, section 13.1.2.4)."""
+AROUND = {
+    "p": frozenset({"button", "caption", "object", "table", "td", "template", "th"}), "option": frozenset({"select"}),
+    "li": frozenset({"ol", "ul"}), **dict.fromkeys(("dd", "dt"), frozenset({"dl"})),
+    **dict.fromkeys(("td", "th", "tr"), frozenset({"table"})),
+}  # fmt: skip
+"""Element that is ended so → those around it beyond which none is."""
+OPTIONAL = AROUND.keys() | {"body", "colgroup", "head", "html", "tbody", "tfoot", "thead"}
+"""Elements whose end tag may be left out."""
+RAW = frozenset({"script", "style", "textarea", "title"})
+"""Elements that only their own end tag ends."""
+OF_HEAD = frozenset({"base", "link", "meta", "noscript", "script", "style", "template", "title"})
+"""What a head may hold; any other element ends it."""
+UNFINISHED = re.compile(r"<[!?/a-zA-Z][^\s<>]{0,20}")
 HEADING = re.compile(r"h([1-6])")
 HIDING = re.compile(
     r"display\s*:\s*none|visibility\s*:\s*hidden|font-size\s*:\s*0(?![.\d])|opacity\s*:\s*0(?![.\d])", re.IGNORECASE
 )
 DEEPEST = 500
 """Elements inside each other."""
+NO_CHARACTER = re.compile(r"&#[0-9]{1000,};?")
+"""Numbers of characters that are too long to be read as a number."""
 
 
 class _Page(HTMLParser):
-    """Receives the tags of a page."""
+    """Receives the tags of a page.
 
-    def __init__(self, outline: Outline) -> None:
+    Args:
+        outline: What it is put into.
+        line: How many lines of the document lie ahead of it.
+        is_whole: Whether what it opens is closed in it, and not in a later piece.
+    """
+
+    def __init__(self, outline: Outline, *, line: int = 0, is_whole: bool = True) -> None:
         super().__init__(convert_charrefs=True)
+        self._ahead, self._is_whole = line, is_whole
         self.outline, self.title = outline, ""
         self._text: list[str] = []
-        self._open: list[tuple[str, bool]] = []
-        """The elements that are open, and whether each, or one around it, is hidden."""
+        self._open: list[tuple[str, bool, int]] = []
+        """The elements that are open, whether each, or one around it, is hidden, and its line."""
 
     @property
     def _is_unseen(self) -> bool:
@@ -57,20 +89,31 @@ class _Page(HTMLParser):
             if tag == "img" and not self._is_unseen:
                 self._text.append(f" {dict(attrs).get('alt') or ''} ")
             return
-        if tag in ENDS_ITSELF and self._open and self._open[-1][0] == tag:
-            self.handle_endtag(tag)
+        self._end_before(tag)
+        if tag not in OF_HEAD and self._open and self._open[-1][0] == "head":
+            self._open.pop()
         if len(self._open) >= DEEPEST:
             raise ValueError(f"is nested more than {DEEPEST} deep")
-        self._open.append((tag, tag in UNSEEN or self._is_unseen or any(_hides(*each) for each in attrs)))
+        is_hidden = tag in UNSEEN or self._is_unseen or any(_hides(*each) for each in attrs)
+        self._open.append((tag, is_hidden, self._ahead + self.getpos()[0]))
+
+    def _end_before(self, tag: str) -> None:
+        """The next element ends the one whose end tag was left out."""
+        ended = ENDED.get(tag, ())
+        for name, *_ in reversed(self._open):
+            if name in ended:
+                self.handle_endtag(name)
+                return
+            if ended and name in AROUND[ended[0]]:
+                return
 
     def handle_endtag(self, tag: str) -> None:
         if tag in CELLS:
             self._text.append(BETWEEN_CELLS)
         elif tag not in INLINE:
             self._end_block(tag)
-        places = [place for place, (name, _) in enumerate(self._open) if name == tag]
-        if places:
-            del self._open[places[-1] :]
+        if place := next((at for at in range(len(self._open), 0, -1) if self._open[at - 1][0] == tag), 0):
+            del self._open[place - 1 :]
 
     def handle_data(self, data: str) -> None:
         if self._open and self._open[-1][0] == "title" and len(self.title) < DEEPEST:
@@ -78,14 +121,22 @@ class _Page(HTMLParser):
         elif not self._is_unseen:
             self._text.append(data)
 
+    def feed(self, data: str) -> None:
+        super().feed(NO_CHARACTER.sub("\N{REPLACEMENT CHARACTER}", data))
+
     def close(self) -> None:
+        for tag, is_hidden, line in self._open:
+            if tag in RAW or (is_hidden and self._is_whole and tag not in OPTIONAL):
+                raise _never_closed(f"<{tag}>", line)
+        if begun := UNFINISHED.match(self.rawdata):
+            raise _never_closed(begun.group(), self._ahead + self.getpos()[0])
         super().close()
         self._open.clear()
         self._end_block("")
 
     def _end_block(self, ending: str) -> None:
         """A block ends: its text is a heading or a paragraph; the cells of a table's line are one paragraph."""
-        if ending != "tr" and any(tag == "tr" for tag, _ in self._open):
+        if ending != "tr" and any(tag == "tr" for tag, *_ in self._open):
             self._text.append(" ")
             return
         text, self._text = "".join(self._text).strip().removesuffix(BETWEEN_CELLS.strip()), []
@@ -93,6 +144,12 @@ class _Page(HTMLParser):
             self.outline.heading(int(found[1]), text)
         else:
             self.outline.paragraph(text)
+
+
+def _never_closed(begun: str, line: int) -> ValueError:
+    return ValueError(
+        f"never closes the {begun} of line {line}, which hides what follows; close it, or write &lt; for <"
+    )
 
 
 def _hides(name: str, value: str | None) -> bool:
@@ -107,7 +164,7 @@ def read_html(_name: str, data: bytes) -> TextDocument:
     """An HTML page.
 
     Raises:
-        ValueError: It is not UTF-8, too long, nested too deep, or shows no text.
+        ValueError: It is not UTF-8, too long, nested too deep, shows no text, or never closes what hides the rest.
     """
     page = _Page(Outline())
     page.feed(decoded(data))
@@ -116,10 +173,18 @@ def read_html(_name: str, data: bytes) -> TextDocument:
     return page.outline.document()
 
 
-def text_of_html(text: str) -> str:
-    """What a person sees of a piece of HTML."""
+def text_of_html(text: str, *, line: int = 0) -> str:
+    """What a person sees of a piece of HTML.
+
+    Args:
+        text: The piece.
+        line: How many lines of the document lie ahead of it.
+
+    Raises:
+        ValueError: It is nested too deep, or never closes what hides the rest.
+    """
     outline = Outline()
-    page = _Page(outline)
+    page = _Page(outline, line=line, is_whole=False)
     page.feed(text)
     page.close()
     try:

@@ -26,37 +26,39 @@ def read_markdown(_name: str, data: bytes) -> TextDocument:
     """A Markdown file.
 
     Raises:
-        ValueError: It is not UTF-8, too long, or empty.
+        ValueError: It is not UTF-8, too long, empty, or HTML in it never closes what hides the rest.
     """
     from markdown_it import MarkdownIt
 
     outline = Outline()
-    tokens = (
-        MarkdownIt("commonmark", {"maxNesting": DEEPEST}).enable("table").parse(_without_front_matter(decoded(data)))
-    )
+    text = decoded(data)
+    shown = _without_front_matter(text)
+    ahead = text.count("\n") - shown.count("\n")
+    tokens = MarkdownIt("commonmark", {"maxNesting": DEEPEST}).enable("table").parse(shown)
     cells = list[str]()
     for token, before in zip(tokens, [None, *tokens], strict=False):
+        line = ahead + token.map[0] if token.map else ahead
         if token.type == "inline":
-            text = _words(token.children or ())
+            words = _words(token.children or (), line)
             if before is not None and before.type == "heading_open":
-                outline.heading(int(before.tag[1:]), text)
+                outline.heading(int(before.tag[1:]), words)
             elif before is not None and before.type in ("th_open", "td_open"):
-                cells.append(text)
+                cells.append(words)
             else:
-                outline.paragraph(text)
+                outline.paragraph(words)
         elif token.type == "tr_close":
             outline.paragraph(" | ".join(cells))
             cells = []
         elif token.type in ("fence", "code_block"):
             outline.paragraph(token.content)
         elif token.type == "html_block":
-            outline.paragraph(text_of_html(token.content))
+            outline.paragraph(text_of_html(token.content, line=line))
     return outline.document()
 
 
-def _words(tokens: Sequence[Token]) -> str:
+def _words(tokens: Sequence[Token], line: int) -> str:
     """What a person reads of a line: the text of a link without its address, the description of a picture."""
-    return text_of_html("".join(_pieces(tokens))) if _has_html(tokens) else "".join(_pieces(tokens))
+    return text_of_html("".join(_pieces(tokens)), line=line) if _has_html(tokens) else "".join(_pieces(tokens))
 
 
 def _has_html(tokens: Sequence[Token]) -> bool:
