@@ -85,6 +85,7 @@ class Lines:
         self._persons: list[Person] = []
         self._shown: tuple[str, ...] = ()
         self._answered: dict[str, int] = {}
+        self._fallbacks = 0
         self._reasons = _reasons(mission)
         self._view: RunView | None = None
         self._is_waiting = False
@@ -115,6 +116,7 @@ class Lines:
             moved_aside: Where the journal is now that had this name.
         """
         self._is_resumed, self._answered, self._shown, self._is_waiting = bool(resumption), {}, (), False
+        self._fallbacks = 0
         decisions = (each for _, _, state in self._mission.walk() for each in state.decisions().values())
         asked = tuple(dict.fromkeys(name for each in decisions for name in each.ask))
         absent = [name for name in asked if name not in answerers]
@@ -209,6 +211,7 @@ class Lines:
         counts = ", ".join(f"{who} {count}" for who, count in sorted(self._answered.items())) or "none"
         since = " since it was resumed" if self._is_resumed else ""
         asked = f"questions {result.decisions} (answers that counted{since}: {counts})"
+        asked += f" · fallbacks {self._fallbacks}" if self._fallbacks else ""
         # By the clock of the lines above, which has run since the robot was looked for.
         ended_s = self._view.at if self._view is not None else result.duration_s
         lines = (
@@ -253,8 +256,10 @@ class Lines:
         for verdict, text in zip((each for each in step.verdicts if each.note is not None), words, strict=True):
             if verdict.kind == "absent" and verdict.by in self._absent:
                 continue
-            if verdict.accepted or verdict.kind == "fallback":
-                who = answerer_words(verdict.by) if verdict.by else "the fallback"
+            if verdict.kind == "fallback":
+                self._fallbacks += 1
+            elif verdict.accepted:
+                who = answerer_words(verdict.by)
                 self._answered[who] = self._answered.get(who, 0) + 1
             reason = f" (“{trimmed(why, 80)}”)" if why else ""
             self._print(f"{'':13}{trimmed(text)}{reason}", "question" if verdict.accepted else "refused")

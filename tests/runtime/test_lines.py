@@ -194,3 +194,22 @@ def test_the_last_line_counts_the_questions_of_the_whole_run(resumption: str) ->
     lines.end(Result("aborted", "'z' was reached", 2, decisions=3))
     since = " since it was resumed" if resumption else ""
     assert f"questions 3 (answers that counted{since}: none)" in out.getvalue()
+
+
+def test_a_fallback_is_counted_apart_from_the_answers() -> None:
+    """It is taken where no answer counts, so it is none of them."""
+    asked = {"question": "?", "options": {"again": {}, "stop": {}}, "ask": ["agent"], "deadline_s": 5}
+    states = {
+        "asking": {
+            "decision": {**asked, "fallback": "stop"},
+            "transitions": [{"on": "again", "to": "asking"}, {"on": "stop", "to": "z"}],
+        },
+        "z": {"final": "aborted"},
+    }
+    out, chart = io.StringIO(), Chart(Mission.model_validate({"name": "m", "initial": "asking", "states": states}))
+    lines = Lines(chart.mission, out)
+    lines.watch(by_hand(chart).view)
+    for step in (chart.start(), chart.propose(1, "again", at=1.0), chart.send(Tick(9.0))):
+        lines.step(step)
+    lines.end(Result("aborted", "'z' was reached", 3, decisions=2))
+    assert "steps 3 · questions 2 (answers that counted: the model 1) · fallbacks 1 · " in out.getvalue()
