@@ -203,6 +203,7 @@ def test_what_has_changed_since_a_question_was_asked_is_marked_once(run: Run, lo
     window = look(run.page)
     ask(run, "agent")
     window.wait_for_selector(".evidence [data-field='obstacle.kind']")
+    assert "A question to the model" in window.locator(".question").inner_text()
     until(window, "/^[1-9][0-9]* s ago$/.test(document.querySelector('.evidence h2 small').textContent)")
     assert window.locator(".evidence [data-field] mark").count() == 0
     marked = "[...document.querySelectorAll('.evidence [data-field]:has(mark)')].map((each) => each.dataset.field)"

@@ -279,7 +279,7 @@ class Live {
     byId("evidence").append(made.evidence.element);
     const { number, text, options, who } = question, answers = options.map((option) => option.name).join(", ");
     const words = made.mine ? `You are asked: ${text} Answers: ${answers}. Press q to answer.`
-      : `${capital(who)} is asked: ${text}`;
+      : `A question to ${who}: ${text}`;
     this.announcer.once(`asked ${run} ${number}`, words, { urgent: made.mine });
   }
 

@@ -127,10 +127,6 @@ function holderWords(name) {
   return Object.hasOwn(HOLDERS, name) ? HOLDERS[name] : name;
 }
 
-function capital(words) {
-  return words.charAt(0).toUpperCase() + words.slice(1);
-}
-
 /** What a step was about, and who did it. */
 function happened({ kind, name, number, who, data = {} }) {
   const by = data.by ? ` by ${valueText(data.by)}` : "";

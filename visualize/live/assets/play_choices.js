@@ -27,7 +27,7 @@ class Choices {
   awaited(state, choices) {
     if (!choices.length) return [];
     const asked = state.questions.map((each) => make("div", { "data-question": String(each.number) },
-      make("p", { class: "text" }, make("b", {}, `${each.who} is asked: `), each.text || "",
+      make("p", { class: "text" }, make("b", {}, `A question to ${each.who}: `), each.text || "",
         make("small", {}, each.until === null ? "" : ` (${(each.until - state.at).toFixed(1)} s left)`)),
       make("table", { class: "board" },
         make("tbody", {}, each.evidence.map((shown) =>

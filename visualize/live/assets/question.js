@@ -21,7 +21,7 @@ class Asked {
       { class: `question${mine ? " mine" : ""}`, "data-question": String(question.number), "aria-labelledby": title,
         tabindex: "-1" },
       make("p", { class: "head" }, this.left,
-        make("span", {}, make("b", {}, mine ? "You are asked" : `${capital(question.who)} is asked`),
+        make("span", {}, make("b", {}, mine ? "You are asked" : `A question to ${question.who}`),
         make("small", {}, make("span", { class: "which" },
           ` question ${question.number}${question.attempt > 1 ? `, attempt ${question.attempt}` : ""},`), " ",
           linksTo(listener.go)("state", question.state)))),
