@@ -104,6 +104,17 @@ def test_a_list_that_no_history_leads_back_into_begins_with_its_first_item() -> 
         assert item_of(made) == 1
 
 
+@pytest.mark.parametrize("kind", ["shallow", "deep"])
+def test_a_history_inside_a_list_leads_back_to_its_item(kind: str) -> None:
+    ways = tour().model_dump()
+    ways["states"]["work"]["states"]["tour"]["states"]["inner"] = {"history": kind}
+    ways["states"]["off"]["transitions"].append(transition("into", "inner"))
+    made = Chart(Mission.model_validate({**ways, "events": [*ways["events"], "into"]}))
+    made.start()
+    sent(made, "next", "next", "next", "away", "into")
+    assert (made.active, item_of(made)) == ({"work", "tour", "y"}, 2)
+
+
 def test_an_item_whose_final_was_left_before_the_next_round_is_over_once() -> None:
     way = {"when": {"all": [{"in": "z"}, {"key": "hurried", "==": True}]}, "to": "off"}
     made = Chart(tour(rounds=[way], hurried={"type": "boolean", "initial": False}))
