@@ -1,13 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Whether the messages that a profile receives have the fields that it names.
+"""Whether messages have the fields that a profile names, and a mission by it.
 
 Rule: what a message leaves open is no fault; what its type, or the message itself, has no place for is one.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
-from difflib import get_close_matches
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 from rai_missions.errors import Fault, pointer
@@ -15,27 +14,24 @@ from rai_missions.guards.guard import Guard
 from rai_missions.mission.mission import Mission
 from rai_missions.plain_data import is_number
 from rai_missions.profile.convert import at_path
-from rai_missions.profile.message_types import Kind, listened
+from rai_missions.profile.message_types import listened
 from rai_missions.profile.profile import Robot
+from rai_missions.profile.sent_fields import unknown_sent_fields
 from rai_missions.profile.sources import EventSource, Source
+from rai_missions.profile.type_fields import MANY, FieldsOf, lack
 from rai_missions.redaction import cut_repr
 
-__all__ = ("FieldsOf", "absent_field", "unknown_fields", "why_unreadable")
+__all__ = ("absent_field", "unknown_fields", "why_unreadable")
 
-MANY = 20
-"""The fields of one message."""
 DEEPEST = 20
 """How deep a message is looked through for numbers that are not finite."""
-FieldsOf = Callable[[str, Kind], Mapping[str, Any] | None]
-"""The fields of a type: name → a plain type's name, the fields of a message, or a list of what one item holds; of a
-service its reply's. None where the type is not here."""
 
 
 def unknown_fields(mission: Mission | None, robot: Robot, fields_of: FieldsOf) -> tuple[Fault, ...]:
     """The fields that a profile names and its types have not.
 
     Args:
-        mission: What is to run; without one everything that the profile receives is looked at.
+        mission: What is to run; without one everything that the profile names is looked at.
         robot: On which robot.
         fields_of: Reports what a type holds; what it cannot determine is left to the run.
     """
@@ -43,15 +39,15 @@ def unknown_fields(mission: Mission | None, robot: Robot, fields_of: FieldsOf) -
     for sort, name, source in listened(mission, robot):
         fields = fields_of(source.type, "srv" if source.service is not None else "msg") if source.type else None
         for where, path in _paths(source) if fields is not None else ():
-            if why := _lack(fields, path):
+            if why := lack(fields, path):
                 faults.append(Fault(pointer([sort, name, *where]), f"{_a(source.type)} {why}"))
-    return tuple(faults)
+    return (*faults, *unknown_sent_fields(mission, robot, fields_of))
 
 
 def absent_field(source: Source | EventSource, message: Mapping[str, Any]) -> str:
     """What a source names and a message has no place for, in a sentence; empty if there is nothing."""
     for _, path in _paths(source):
-        if why := _lack(message, path):
+        if why := lack(message, path):
             return f"{_a(source.type)} {why}"
     return ""
 
@@ -93,45 +89,3 @@ def _paths(source: Source | EventSource) -> Iterator[tuple[tuple[str, ...], str]
 def _read_by(guard: Guard) -> Iterator[str]:
     for each in guard.walk():
         yield from each.paths()
-
-
-def _lack(there: Any, path: str) -> str:
-    """What is not there on the way along a path, in what a type or a message holds; empty if all may be."""
-    behind: list[str] = []
-    for word in path.split("."):
-        inside = f" in '{'.'.join(behind)}'" if behind else ""
-        if isinstance(there, Mapping):
-            if word not in there:
-                return f"has no field '{word}'{inside}{_known(word, there)}"
-            there = there[word]
-        elif _is_list(there):
-            if not word.isdecimal():
-                return f"has no field '{word}'{inside}, which is a list; an item is named by its number, counted from 0"
-            there = _item(there, int(word))
-        elif isinstance(there, str | bool | int | float) and "/" not in str(there):
-            return f"has no field '{word}'{inside}, which is one value"
-        else:
-            return ""
-        behind.append(word)
-    return ""
-
-
-def _is_list(there: Any) -> bool:
-    """A list, or the name of a type of lists: `sequence<double>`, `double[36]`."""
-    if isinstance(there, str):
-        return there.startswith("sequence<") or there.endswith("]")
-    return isinstance(there, list | tuple)
-
-
-def _item(there: Any, number: int) -> Any:
-    """What an item of a list holds; None where nothing is known of it."""
-    if isinstance(there, str) or not there:
-        return None
-    return there[min(number, len(there) - 1)]
-
-
-def _known(word: str, there: Mapping[str, Any]) -> str:
-    close = get_close_matches(word, there, n=1, cutoff=0.6)
-    near = f" (did you mean '{close[0]}'?)" if close else ""
-    names = ", ".join(list(there)[:MANY]) + (", …" if len(there) > MANY else "")
-    return f"{near}; it has: {names}" if names else f"{near}; it has none"

@@ -15,6 +15,7 @@ import pytest
 from rai_missions.connectors.local import LocalConnector
 from rai_missions.event import Event
 from rai_missions.mission.files import load
+from rai_missions.mission.mission import Mission
 from rai_missions.profile import Robot, load_profile, unknown_fields
 from rai_missions.runtime.clock import WallClock
 from rai_missions.runtime.mailbox import Mailbox
@@ -38,6 +39,71 @@ def faults(**words: Any) -> list[str]:
 
 def battery(field: str, **words: Any) -> dict[str, Any]:
     return {"battery": {"topic": "/b", "type": "s/msg/Battery", "field": field, **words}}
+
+
+SENT: Mapping[tuple[str, str], Mapping[str, Any]] = {
+    ("s/action/Go", "goal"): {"pose": {"position": {"x": "double", "y": "double"}}, "speed": "float"},
+    ("s/action/Go", "result"): {"error": "string"},
+    ("s/srv/Ask", "request"): {"data": "boolean"},
+    ("s/srv/Ask", "srv"): {"success": "boolean"},
+    ("s/msg/Bool", "msg"): {"data": "boolean"},
+}
+ROBOT = {
+    "name": "r", "connector": {"kind": "ros2"}, "actions": {"go": {"action": "/go", "type": "s/action/Go"}},
+    "services": {"ask": {"service": "/ask", "type": "s/srv/Ask"}},
+    "topics": {"lamp": {"topic": "/lamp", "type": "s/msg/Bool"}},
+}  # fmt: skip
+
+
+def sent_faults(mission: Mission | None, **words: dict[str, Any]) -> list[str]:
+    parts = {sort: {name: {**entry, **words.get(name, {})} for name, entry in ROBOT[sort].items()}  # type: ignore[attr-defined]
+             for sort in ("actions", "services", "topics")}  # fmt: skip
+    robot = Robot.model_validate(ROBOT | parts)
+    return [str(each) for each in unknown_fields(mission, robot, lambda name, part: SENT.get((name, part)))]
+
+
+@pytest.mark.parametrize(
+    ("words", "fault"),
+    [
+        ({"go": {"goal": {"sped": 1.0}}}, "/actions/go/goal/sped: the goal of a s/action/Go has no field 'sped' (did "
+         "you mean 'speed'?); it has: pose, speed"),
+        ({"go": {"goal": {"pose": {"position": {"z": {"from": "height_m"}}}}}},
+         "/actions/go/goal/pose/position/z: the goal of a s/action/Go has no field 'z' in 'pose.position'; it has"),
+        ({"go": {"result": {"why": "eror"}}}, "/actions/go/result/why: the result of a s/action/Go has no field"),
+        ({"ask": {"request": {"on": True}}}, "/services/ask/request/on: the request of a s/srv/Ask has no field 'on'"),
+        ({"lamp": {"message": {"value": True}}}, "/topics/lamp/message/value: a s/msg/Bool has no field 'value'"),
+        ({"go": {"goal": {"pose": {"from": "there"}, "speed": None}, "type": "other/action/Go"}}, ""),
+        ({"go": {"goal": {"pose": {"from": "there", "as": "s/msg/Pose"}, "speed": {"from": "speed"}}}}, ""),
+    ],
+)  # fmt: skip
+def test_a_field_that_is_sent_or_taken_and_that_its_type_has_not_is_reported(
+    words: dict[str, dict[str, Any]], fault: str
+) -> None:
+    found = sent_faults(None, **words)
+    assert len(found) == bool(fault) and all(each.startswith(fault) for each in found)
+
+
+def test_what_a_mission_sends_is_compared_where_the_profile_passes_it_on() -> None:
+    def mission(goal: dict[str, Any], result: dict[str, Any]) -> Mission:
+        doing = [{"publish": "lamp", "message": {"value": True}}, {"call": "ask", "request": {"on": 1}}]
+        going = {"action": "go", "goal": goal, "result": result, "timeout_s": 5, "exit": doing}
+        going |= {"transitions": [{"on": "succeeded", "to": "over"}]}
+        return Mission.model_validate({
+            "name": "m", "initial": "going",
+            "blackboard": {"n": {"type": "string", "source": "mission", "initial": ""}},
+            "states": {"going": going, "over": {"final": "aborted"}},
+        })  # fmt: skip
+
+    found = sent_faults(mission({"sped": 1, "pose": {"position": {"x": 1.0}}}, {"n": "eror"}))
+    assert [each.partition("; the")[0].partition(", and")[0] for each in found] == [
+        "/actions/go: the mission gives it 'sped' at /states/going/goal",
+        "/actions/go: the mission takes 'eror' at /states/going/result",
+        "/topics/lamp: the mission gives it 'value' at /states/going/exit/0/message",
+        "/services/ask: the mission gives it 'on' at /states/going/exit/1/request",
+    ]
+    asked = {"go": {"goal": {"speed": {"from": "sped"}}, "result": {"eror": "error"}}}
+    others = sent_faults(mission({"sped": 1}, {"n": "eror"}), **asked)
+    assert not [each for each in others if "/actions/go" in each]
 
 
 @pytest.mark.parametrize(

@@ -14,7 +14,8 @@ from rai_missions.cli.doctor.finding import MachineFinding, ProbeResult, tried
 from rai_missions.connectors.registry import CONNECTORS, connector_offer
 from rai_missions.errors import suggestion
 from rai_missions.profile import Robot, RobotEntry, unknown_fields, wanted
-from rai_missions.profile.message_types import Kind, listened, typed
+from rai_missions.profile.message_types import typed
+from rai_missions.profile.type_fields import TypePart
 from rai_missions.worlds.world import WORLDS, world_offer
 
 __all__ = ("loads", "reach")
@@ -105,15 +106,14 @@ def _types(robot: Robot, given: Mapping[str, str]) -> Iterator[MachineFinding]:
 
 def _fields(robot: Robot, given: Mapping[str, str]) -> Iterator[MachineFinding]:
     """Fields of which the profile speaks, and the types have not."""
-    asked: list[tuple[str, Kind]] = [
-        (source.type, "srv" if source.service is not None else "msg") for _, _, source in listened(None, robot)
-    ]
-    found = tried("fields", asked, given) if asked else ProbeResult([])
+    asked: dict[tuple[str, TypePart], None] = {}
+    unknown_fields(None, robot, lambda *each: asked.setdefault(each))
+    found = tried("fields", list(asked), given) if asked else ProbeResult([])
     if found.fault:
         yield MachineFinding("missing", f"the fields that '{robot.name}' names cannot be looked up", found.fault)
         return
     there = dict(zip(asked, found.value, strict=True))
-    for fault in unknown_fields(None, robot, lambda name, kind: there[name, kind]):
+    for fault in unknown_fields(None, robot, lambda *each: there[each]):
         yield MachineFinding("missing", fault.place.lstrip("/"), fault.sentence)
 
 

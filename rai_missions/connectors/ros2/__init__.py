@@ -24,6 +24,8 @@ __all__ = (
     "why_no_name",
 )
 
+REPLIES = {"srv": "response"}
+
 
 def open_connector(options: Mapping[str, Any], *, now: Callable[[], float] | None = None) -> Connector:
     """A connector to the ROS 2 graph, not started.
@@ -76,15 +78,19 @@ def installation() -> dict[str, str]:
     return {"file": str(rclpy.__file__), "rmw": str(get_rmw_implementation_identifier())}
 
 
-def fields_of(type_name: str, kind: Literal["msg", "srv"]) -> Mapping[str, Any] | None:
-    """The fields of a message, or of a service's reply, as `types.describe_type` reports them; None if it cannot."""
+def fields_of(type_name: str, part: Literal["msg", "srv", "request", "goal", "result"]) -> Mapping[str, Any] | None:
+    """The fields of a message, of a service's reply (`srv`) or request, or of an action's goal or result.
+
+    Returns:
+        As `types.describe_type` reports them; None if it cannot, or the type has no such part.
+    """
     from rai_missions.connectors.ros2.types import describe_type
 
     try:
         description = describe_type(type_name)
     except ConnectorError:
         return None
-    fields: Mapping[str, Any] = description["response"] if kind == "srv" else description
+    fields: Mapping[str, Any] | None = description if part == "msg" else description.get(REPLIES.get(part, part))
     return fields
 
 

@@ -1,0 +1,108 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Whether what is sent to a robot, and taken from its results, has fields of those names.
+
+Rule: a field is the profile's fault where the profile names it, and where the mission does, the sentence states where.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import Any, NamedTuple
+
+from rai_missions.check.index import MissionIndex
+from rai_missions.errors import Fault, pointer
+from rai_missions.mission.mission import Mission
+from rai_missions.profile.entries import ServiceEntry, references
+from rai_missions.profile.profile import Robot
+from rai_missions.profile.type_fields import FieldsOf, TypePart, lack
+
+__all__ = ("unknown_sent_fields",)
+
+Place = tuple[str, ...]
+
+
+class SentField(NamedTuple):
+    """A field that is given to a part of a type, or taken from it."""
+
+    place: Place
+    """Where the profile's author mends it."""
+    type: str
+    part: TypePart
+    path: str
+    by: str = ""
+    """What the mission does with it, and where; empty where the profile names it."""
+
+
+def unknown_sent_fields(mission: Mission | None, robot: Robot, fields_of: FieldsOf) -> tuple[Fault, ...]:
+    """The fields of goals, requests, messages and results that their types have not; arguments as `unknown_fields`."""
+    uses = [*_of_profile(robot), *(_of_mission(mission, robot) if mission is not None else ())]
+    known = {each: fields_of(*each) for each in dict.fromkeys((use.type, use.part) for use in uses if use.type)}
+    faults: dict[Fault, None] = {}
+    for use in uses:
+        fields = known.get((use.type, use.part))
+        if fields is not None and (why := lack(fields, use.path)):
+            faults[Fault(pointer(list(use.place)), f"{use.by}{_words(use)} {why}")] = None
+    return tuple(faults)
+
+
+def _words(use: SentField) -> str:
+    part = {"srv": "the reply"}.get(use.part, f"the {use.part}")
+    return f"a {use.type}" if use.part == "msg" else f"{part} of a {use.type}"
+
+
+def _of_profile(robot: Robot) -> Iterator[SentField]:
+    services: dict[Place, ServiceEntry] = {("services", name): each for name, each in robot.services.items()}
+    services |= {("control", name): each for name, each in robot.control.items()}
+    for name, action in robot.actions.items():
+        parts = (("start", action.start), ("cancel", action.cancel))
+        services |= {("actions", name, word): each for word, each in parts if each is not None}
+        yield from _given(("actions", name, "goal"), action.type, "goal", action.goal)
+        for word, path in action.result.items():
+            yield SentField(("actions", name, "result", word), action.type, "result", path)
+    for place, service in services.items():
+        yield from _given((*place, "request"), service.type, "request", service.request)
+    for name, topic in robot.topics.items():
+        yield from _given(("topics", name, "message"), topic.type, "msg", topic.message)
+    for sort, sources in (("blackboard", robot.blackboard), ("events", robot.events)):
+        for name, source in sources.items():
+            yield from _given((sort, name, "request"), source.type, "request", source.request)
+
+
+def _given(place: Place, type_name: str, part: TypePart, template: Mapping[str, Any]) -> Iterator[SentField]:
+    for where in _paths(template):
+        yield SentField((*place, *where), type_name, part, ".".join(where))
+
+
+def _paths(template: Mapping[str, Any]) -> Iterator[Place]:
+    """The fields of a message that a template gives a value; what a reference brings is open."""
+    for name, item in template.items():
+        if isinstance(item, Mapping) and item and "from" not in item and not any(word.startswith("$") for word in item):
+            yield from ((name, *rest) for rest in _paths(item))
+        else:
+            yield (name,)
+
+
+def _of_mission(mission: Mission, robot: Robot) -> Iterator[SentField]:
+    """What the mission gives, where the profile passes it on as it is, and the fields that it takes."""
+    for use in MissionIndex(mission).uses:
+        entry: Any = getattr(robot, f"{use.sort}s").get(use.name)
+        if entry is None or not entry.type:
+            continue
+        place, word, part = (f"{use.sort}s", use.name), *PARTS[use.sort]
+        template = getattr(entry, word)
+        if not any(True for _ in references(template)):
+            for where in _paths(getattr(use.user, word, None) or {}):
+                by = f"the mission gives it '{'.'.join(where)}' at {use.place}/{word}, and "
+                yield SentField(place, entry.type, part, ".".join(where), by)
+        taken: TypePart = "result" if use.sort == "action" else "srv"
+        if not getattr(entry, "result", None):
+            for path in dict(getattr(use.user, "result", None) or {}).values():
+                yield SentField(
+                    place, entry.type, taken, path, f"the mission takes '{path}' at {use.place}/result, and "
+                )
+
+
+PARTS: Mapping[str, tuple[str, TypePart]] = {
+    "action": ("goal", "goal"), "service": ("request", "request"), "topic": ("message", "msg"),
+}  # fmt: skip
+"""What a mission uses → the field of its entry and of the mission that holds what is sent, and the part of the type."""
