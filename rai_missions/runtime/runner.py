@@ -288,7 +288,7 @@ class Runner(RunCommands):
         for key, value in self._arguments.items():
             is_new = key not in chart.view.board or chart.view.board[key].value != value
             if is_new and chart.outcome is None:
-                self._step(lambda key=key, value=value: chart.write(key, value, self._clock.now()))  # type: ignore[misc]
+                self._step(partial(chart.write, key, value, self._clock.now()))
 
     @property
     def _unheard(self) -> tuple[str, ...]:
