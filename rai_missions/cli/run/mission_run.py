@@ -38,6 +38,7 @@ from rai_missions.runtime.interrupts import on_interrupts
 
 if TYPE_CHECKING:
     from rai_missions.cli.commands.run import RunOptions
+    from rai_missions.engine import Named
     from rai_missions.engine.decision import Answerer
     from rai_missions.runtime.runner import Result
 
@@ -73,8 +74,7 @@ def run_mission(options: RunOptions) -> int:
             "give its profile, or its program in Python: --robot FILE"
         )
     lines = _lines(mission, options)
-    programs = program_hashes(mission=options.mission, guards=options.guards)
-    config = replace(_config(options, mission, lines), named=named, programs=programs)
+    config = _single_run(options, mission, named, lines)
     warn(_without_effect(options, is_python=is_python))
     with ExitStack() as signals:
         try:
@@ -205,19 +205,25 @@ def _run_managed(options: RunOptions, *, is_python: bool) -> int:
     mission = _mission(options)
     base = Path(options.journal or _journal_of(mission))
     numbers = itertools.count(1)
-    config = RunConfig(
-        Path(options.mission or ""), read_program(options.robot) if options.robot and is_python else options.robot,
-        _arguments(options, mission), model=options.model,
-        model_memory_gib=options.model_memory, seed=options.seed,
-        named=load_guards(options.guards, python=not options.no_python), speed=options.speed,
-        programs=program_hashes(mission=options.mission, guards=options.guards),
-        journal=base,
-    )  # fmt: skip
+    config = replace(
+        _config(options, mission, load_guards(options.guards, python=not options.no_python), base),
+        mission=Path(options.mission or ""),
+        robot=read_program(options.robot) if options.robot and is_python else options.robot,
+    )
     return serve_managed(options, config, lambda: base.with_stem(f"{base.stem}-{next(numbers)}"))
 
 
-def _config(options: RunOptions, mission: Mission, lines: Lines) -> RunConfig:
-    """The configuration that the options mean."""
+def _config(options: RunOptions, mission: Mission, named: Named | None, journal: Path) -> RunConfig:
+    """What the options mean for every run."""
+    return RunConfig(
+        mission, options.robot, {} if options.resume else _arguments(options, mission), model=options.model,
+        model_memory_gib=options.model_memory, journal=journal, named=named, seed=options.seed, speed=options.speed,
+        programs=program_hashes(mission=options.mission, guards=options.guards),
+    )  # fmt: skip
+
+
+def _single_run(options: RunOptions, mission: Mission, named: Named | None, lines: Lines) -> RunConfig:
+    """What the options mean for one run, whose steps are printed."""
     if options.resume:
         if options.set or options.journal:
             word = "--set" if options.set else "--journal"
@@ -225,18 +231,11 @@ def _config(options: RunOptions, mission: Mission, lines: Lines) -> RunConfig:
         journal = Path(options.resume)
     else:
         journal = Path(options.journal or _journal_of(mission))
-    return RunConfig(
-        mission,
-        options.robot,
-        {} if options.resume else _arguments(options, mission),
-        model=options.model,
-        model_memory_gib=options.model_memory,
+    return replace(
+        _config(options, mission, named, journal),
         operator=_operator(options, lines),
-        journal=journal,
         record=options.record,
         resume=options.resume,
-        seed=options.seed,
-        speed=options.speed,
         on_step=None if options.json else lines.step,
         on_status=None if options.json else lines.status,
     )
