@@ -26,6 +26,7 @@ from rai_missions.errors import in_words
 __all__ = (
     "Redaction",
     "clipped",
+    "closed",
     "cut",
     "cut_repr",
     "first_line",
@@ -220,6 +221,8 @@ def _written(text: str) -> Iterator[str]:
     yield from (quote(text, safe=""), quote(text), quote_plus(text))
 
 
+ESCAPES = {ord(each): f"\\u{ord(each):04x}" for each in "<>\x85\u2028\u2029"}
+"""What JSON leaves as it is and could end a block, or begin a line for a reader of Unicode."""
 MARGIN = 1_000
 """Characters beyond the longest secret that are looked at, for those that are known by their shape."""
 
@@ -259,6 +262,11 @@ def first_line(what: object, length: int = 300) -> str:
 def clipped(text: str, length: int) -> str:
     """The beginning of a text in which there is no secret any more, since it is a part of a step."""
     return text[:length]
+
+
+def closed(text: str) -> str:
+    """JSON text as one line, with nothing in it that could end the block of a prompt that it is in."""
+    return text.translate(ESCAPES)
 
 
 def shown(value: Any, length: int = 60, *, by: Callable[[str, int], str] = cut) -> str:

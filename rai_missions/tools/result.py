@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 
 from rai_missions.errors import UsageError
 from rai_missions.image import Image
-from rai_missions.redaction import cut, cut_repr
+from rai_missions.redaction import closed, cut, cut_repr
 
 __all__ = ("LONGEST", "ToolResult", "at_path", "outline")
 
@@ -105,4 +105,4 @@ def _quoted(facts: Any) -> str:
     """Facts on one line of JSON that cannot end the block that it is in."""
     text = json.dumps(outline(facts), ensure_ascii=False, allow_nan=False)
     more = "" if len(text) <= LONGEST else f"… (cut: {len(text)} characters; ask for less, such as one field)"
-    return cut(text, LONGEST).replace("<", "\\u003c").replace(">", "\\u003e") + more
+    return closed(cut(text, LONGEST)) + more

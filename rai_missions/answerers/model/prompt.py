@@ -18,7 +18,7 @@ from rai_missions.answerers.model.parse_reply import callable_name
 from rai_missions.embodiment.identity import Identity
 from rai_missions.engine.decision import Evidence, Offer, Question
 from rai_missions.image import Image
-from rai_missions.redaction import cut
+from rai_missions.redaction import closed, cut
 
 __all__ = ("messages_of", "quoted")
 
@@ -76,7 +76,7 @@ def quoted(text: str, length: int = 0) -> str:
     """
     shown, length = cut(text, LONGEST_FACT), max(length, len(text))
     more = f"… ({length} characters)" if length > LONGEST_FACT else ""
-    return json.dumps(f"{shown}{more}", ensure_ascii=False).replace("<", "\\u003c").replace(">", "\\u003e")
+    return closed(json.dumps(f"{shown}{more}", ensure_ascii=False))
 
 
 def _system(identity: Identity | None) -> str:
