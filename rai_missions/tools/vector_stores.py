@@ -22,6 +22,8 @@ if TYPE_CHECKING:
 
 __all__ = ("LibraryRetriever", "LibraryVectorStore", "PassageStore", "TextEmbeddings")
 
+MOST_SEARCHED = 2_000
+"""Entries of another store that are looked at for one question, where others than ours come first."""
 FIXED = "the passages come from the identity's folder: change its documents, and build the index again"
 
 
@@ -87,18 +89,29 @@ class PassageStore:
 
     def __init__(self, store: VectorStore, cosine: Callable[[float], float] | None = None) -> None:
         self._store, self._cosine = store, cosine
+        self._held = frozenset[str]()
 
     def fill(self, passages: Sequence[DocumentPassage]) -> None:
         """As `NearestPassages`."""
         by_digest = {each.digest: each for each in passages}
         known = {each.id for each in self._store.get_by_ids(list(by_digest))}
+        self._held = frozenset(by_digest)
         fresh = [each for digest, each in by_digest.items() if digest not in known]
         if fresh:
             documents = [as_document(each) for each in fresh]
             self._store.add_documents(documents, ids=[each.digest for each in fresh])
 
     def nearest(self, question: str, count: int) -> Sequence[tuple[str, float]]:
-        """As `NearestPassages`; what else the store holds is passed over by its digest."""
+        """As `NearestPassages`; what else the store holds is passed over by its digest, however near it is."""
+        wanted = count
+        while True:
+            every = self._searched(question, wanted)
+            found = [each for each in every if each[0] in self._held]
+            if len(found) >= min(count, len(self._held)) or len(every) < wanted or wanted >= MOST_SEARCHED:
+                return found[:count]
+            wanted *= 4
+
+    def _searched(self, question: str, count: int) -> list[tuple[str, float]]:
         if self._cosine is None:
             return [(each.id or "", 0.0) for each in self._store.similarity_search(question, k=count)]
         found = self._store.similarity_search_with_score(question, k=count)

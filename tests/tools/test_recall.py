@@ -79,5 +79,7 @@ def test_any_vector_store_may_search_instead(tmp_path: Path) -> None:
         library = Library(tmp_path, tmp_path / "x.index", nearest=PassageStore(store, cosine=float))
         assert library.recall("tyres bar take").passages[0].text == "The tyres take 1.2 bar."
         assert all(each.file == "care.txt" for each in library.recall("foreign foreign").passages)
+    store.add_texts(["kate rest"] * 200, ids=[f"earlier {number}" for number in range(200)])
+    assert library.recall("kate rest").passages, "what the folder had before, or another has, is passed over"
     assert sum("The tyres take" in text for text in vectors.texts) == 1, "what the store has is not embedded again"
     assert not Library(tmp_path, tmp_path / "x.index", nearest=PassageStore(store)).recall("Mona Lisa?").is_answered
