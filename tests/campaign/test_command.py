@@ -73,6 +73,16 @@ def test_run_stores_reports_and_compares(tmp_path: Path, capsys: pytest.CaptureF
         assert opened.meta["name"] == "choosing"
 
 
+@pytest.mark.sim
+def test_label_reports_what_stopped_it(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path, store = write_campaign(tmp_path, campaign_data(2, labels="rollouts")), tmp_path / "a.db"
+    words = ["campaign", "label", str(path), "--store", str(store), "--jobs", "1", "--seconds", "1e-9"]
+    assert main(words) == 1
+    printed = capsys.readouterr().out
+    assert printed.startswith("0 scenes with labels, 2 without, in ")
+    assert f" s; the budget of 1e-09 seconds is spent; results: {store}" in printed
+
+
 @pytest.mark.parametrize(("words", "fault"), [
     (["run", "CAMPAIGN", "--jobs", "0"], "--jobs is how many workers there are, 1 or more, not 0"),
     (["compare", "a.db"], "compare needs two stores"),

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Literal, NamedTuple
 from rai_missions.cli.command import Argument, command
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
+    from collections.abc import Callable, Iterable, Mapping
 
     from rai_missions.campaign.file import LoadedCampaign
     from rai_missions.campaign.pool import TaskPool
@@ -125,6 +125,7 @@ def _run(options: CampaignOptions) -> int:
     from rai_missions.campaign.run import run_campaign
     from rai_missions.campaign.store import ResultStore
     from rai_missions.cli.long_work import LongWork
+    from rai_missions.errors import counted
 
     loaded, settings, open_pool = _loaded(options), _settings(options), _pool(options)
     path = Path(options.store or f"{loaded.file.name}.db")
@@ -138,13 +139,14 @@ def _run(options: CampaignOptions) -> int:
             loaded, store, settings, open_pool=open_pool, labels_alone=options.subcommand == "label", on_progress=note
         )
         labelled = len(store.labels())
+    unlabelled = _reasons("scenes without labels", result.unlabelled)
     if options.subcommand == "label":
         print(
-            f"{labelled} scenes have labels, {result.missing} have none, in {result.seconds:.1f} s; results: {path}"
-            + _reasons("scenes without labels", result.unlabelled)
+            _words(result, path, [f"{counted(labelled, 'scene')} with labels", f"{result.missing} without"])
+            + unlabelled
         )
         return 1 if result.missing else 0
-    print(_words(result, path))
+    print(_words(result, path, _cell_counts(result)) + _reasons("failed", result.failures) + unlabelled)
     if options.report is not None:
         _report(str(path), options.report)
     return 1 if result.missing or result.counts.get("failed") else 0
@@ -177,7 +179,7 @@ def _pool(options: CampaignOptions) -> Callable[[WorkSettings], TaskPool]:
     return LocalPool
 
 
-def _words(result: CampaignResult, path: object) -> str:
+def _cell_counts(result: CampaignResult) -> list[str]:
     from rai_missions.errors import counted
 
     counts = result.counts
@@ -186,10 +188,13 @@ def _words(result: CampaignResult, path: object) -> str:
         f"{counts.get('no_answer', 0)} without an answer",
     ]
     parts += [f"{failed} failed"] if (failed := counts.get("failed", 0)) else []
-    parts += [f"{result.missing} not asked"] if result.missing else []
+    return [*parts, f"{result.missing} not asked"] if result.missing else parts
+
+
+def _words(result: CampaignResult, path: object, counts: Iterable[str]) -> str:
+    """What a run has come to: its counts, what stopped it, and where they are."""
     why = f"; {result.stopped}" if result.stopped else ""
-    reasons = _reasons("failed", result.failures) + _reasons("scenes without labels", result.unlabelled)
-    return f"{', '.join(parts)}, in {result.seconds:.1f} s{why}; results: {path}{reasons}"
+    return f"{', '.join(counts)}, in {result.seconds:.1f} s{why}; results: {path}"
 
 
 def _reasons(what: str, counts: Mapping[str, int]) -> str:
