@@ -17,7 +17,10 @@ from rai_missions.model import Bool, Json, MissionModel, Name, Number, Seconds, 
 from rai_missions.plain_data import is_number
 from rai_missions.redaction import clipped, shown
 
-__all__ = ("Blackboard", "Key", "Source", "Stamped", "TypeName", "is_within", "stale_at", "type_error")
+__all__ = (
+    "Blackboard", "Key", "PythonType", "Source", "Stamped", "TypeName", "field_type", "is_within", "stale_at",
+    "type_error",
+)  # fmt: skip
 
 TypeName = Literal["string", "number", "integer", "boolean", "object", "list", "pose", "image"]
 Source = Literal["robot", "argument", "mission", "answer"]
@@ -40,13 +43,14 @@ MEANT = {
 
 
 def _type_name(given: Any) -> Any:
+    return field_type(given, example=', as in "type": "{}"')
+
+
+def field_type(given: Any, *, example: str = "") -> Any:
+    """The type of a field, of an object or of an event, which may be one of Python."""
     if isinstance(given, str) and (meant := MEANT.get(given.lower())):
-        raise fault("type", f'no type {shown(given, by=clipped)}; did you mean \'{meant}\', as in "type": "{meant}"?')
+        raise fault("type", f"no type {shown(given, by=clipped)}; did you mean '{meant}'{example.format(meant)}?")
     return PYTHON_TYPES.get(given, given) if isinstance(given, type) else given
-
-
-def _field_types(given: Any) -> Any:
-    return {name: _type_name(kind) for name, kind in given.items()} if isinstance(given, Mapping) else given
 
 
 class Stamped(NamedTuple):
@@ -76,7 +80,7 @@ class Key(MissionModel):
     """Seconds after which a value is stale: as good as unknown."""
     optional: Bool = False
     """The start does not wait for it."""
-    fields: Annotated[dict[Name, TypeName], BeforeValidator(_field_types)] | None = None
+    fields: dict[Name, Annotated[TypeName, BeforeValidator(field_type)]] | None = None
     """An object's fields and their types."""
     frame: Text = ""
     """The frame that a pose is given in; one without this frame does not fit."""

@@ -13,7 +13,7 @@ from pydantic import AfterValidator, BeforeValidator, Field, model_validator
 
 from rai_missions.errors import UsageError
 from rai_missions.guards.guard import Guard, GuardOrKey
-from rai_missions.keys import Key
+from rai_missions.keys import Key, PythonType, field_type
 from rai_missions.kinds import PackageOffer, lacking, named
 from rai_missions.model import (
     AnyOf,
@@ -53,10 +53,10 @@ class EventSpec(MissionModel):
 
     about: Text = ""
     """What has happened then, in a sentence."""
-    fields: dict[Text, EventField] = Field(default_factory=dict)
+    fields: dict[Text, Annotated[EventField, BeforeValidator(field_type)]] = Field(default_factory=dict)
     """What its payload holds; read as `event.<field>`."""
 
-    def __init__(self, about: str = "", *, fields: Mapping[str, EventField] = {}) -> None: ...
+    def __init__(self, about: str = "", *, fields: Mapping[str, EventField | PythonType] = {}) -> None: ...
 
 
 def declared_events(given: Any) -> Any:

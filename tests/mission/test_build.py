@@ -14,6 +14,7 @@ from rai_missions import (
     DefinitionError,
     Drop,
     Elapsed,
+    EventSpec,
     Held,
     In,
     Key,
@@ -155,6 +156,20 @@ def test_a_mission_takes_keys_and_names_of_events() -> None:
     assert list(mission.blackboard) == list(k.__keys__)
     assert mission == Mission.model_validate(mission.written())
     assert mission.blackboard["obstacle"].fields == {"height_m": "number", "living": "boolean", "fresh": "boolean"}
+
+
+def test_the_fields_of_an_event_take_types_of_python_as_those_of_a_key_do() -> None:
+    fields: dict[str, Any] = {"belt": int, "full": bool, "why": "string"}
+    named = {"belt": "integer", "full": "boolean", "why": "string"}
+    assert EventSpec(fields=fields).fields == Key(dict, fields=fields).fields == named
+
+
+@pytest.mark.parametrize("kind", ["key", "event"])
+def test_a_misspelled_type_of_a_field_is_reported_at_the_field(kind: str) -> None:
+    fields: Any = {"belt": "int"}
+    with pytest.raises(DefinitionError) as reported:
+        Key(dict, fields=fields) if kind == "key" else EventSpec(fields=fields)
+    assert [str(each) for each in reported.value.faults] == ["/fields/belt: no type 'int'; did you mean 'integer'?"]
 
 
 @pytest.mark.parametrize(
