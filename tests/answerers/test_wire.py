@@ -6,7 +6,6 @@ from __future__ import annotations
 import base64
 import json
 import threading
-from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
 import pytest
@@ -17,18 +16,12 @@ from rai_missions.answerers.model.output_modes import calls_tools, fills_schemas
 from rai_missions.engine.decision import Evidence, Limits, Question
 from rai_missions.image import Image
 from rai_missions.testing import QUESTION, ReplyCollector, answer_fault
-from tests.rigs.chat_server import Reply, Server, completion, refused
+from tests.rigs.chat_server import Reply, Server, completion, refused, server
 
 if TYPE_CHECKING:
     from langchain_openai import ChatOpenAI
 
-
-@pytest.fixture
-def server() -> Iterator[Server]:
-    served = Server()
-    yield served
-    served.shutdown()
-    served.server_close()
+__all__ = ("server",)
 
 
 def answer(model: ChatOpenAI, question: Question = QUESTION, **words: Any) -> dict[str, Any]:

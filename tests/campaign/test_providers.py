@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Iterator
 from datetime import UTC, datetime, timedelta
 from email.utils import format_datetime
 from types import SimpleNamespace
@@ -25,18 +24,10 @@ from rai_missions.campaign.store import CellRecord
 from rai_missions.campaign.watched_chat import WatchedChat
 from rai_missions.testing import QUESTION
 from tests.campaign.test_models import CELL, LABELS, asked, loaded, reply
-from tests.rigs.chat_server import Server, completion, refused
+from tests.rigs.chat_server import Server, completion, refused, server
 
-__all__ = ("asked", "loaded")
+__all__ = ("asked", "loaded", "server")
 pytestmark = pytest.mark.sim
-
-
-@pytest.fixture
-def server() -> Iterator[Server]:
-    served = Server()
-    yield served
-    served.shutdown()
-    served.server_close()
 
 
 NO_DATES = (

@@ -5,14 +5,16 @@ from __future__ import annotations
 
 import json
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from typing import TYPE_CHECKING, Any
+
+import pytest
 
 if TYPE_CHECKING:
     from langchain_openai import ChatOpenAI
 
-__all__ = ("Reply", "Server", "completion", "refused")
+__all__ = ("Reply", "Server", "completion", "refused", "server")
 
 Reply = Callable[[dict[str, Any]], tuple[int, Any, dict[str, str]]]
 """From what was asked to a status, a body and further headers."""
@@ -39,6 +41,14 @@ class Server(ThreadingHTTPServer):
 
         settings = {"model": "gpt-4o", "api_key": "sk-loopback-0123456789", "max_retries": 0, "timeout": 10}
         return ChatOpenAI(base_url=self.url, **{**settings, **words})
+
+
+@pytest.fixture
+def server() -> Iterator[Server]:
+    served = Server()
+    yield served
+    served.shutdown()
+    served.server_close()
 
 
 class ChatHandler(BaseHTTPRequestHandler):
