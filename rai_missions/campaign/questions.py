@@ -54,10 +54,10 @@ class CampaignSubject(NamedTuple):
 
         Raises:
             DefinitionError: One of them is at fault.
-            UsageError: One of them is not there.
+            UsageError: One of them is not there, or is a program: a campaign's file is data, which runs none.
         """
         profile = load_profile(robot)
-        return cls(load_whole(mission), profile, identity_folder(profile, robot), decision, arguments)
+        return cls(load_whole(mission, python=False), profile, identity_folder(profile, robot), decision, arguments)
 
     @property
     def spec(self) -> DecisionSpec | None:

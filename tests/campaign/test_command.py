@@ -73,6 +73,19 @@ def test_run_stores_reports_and_compares(tmp_path: Path, capsys: pytest.CaptureF
         assert opened.meta["name"] == "choosing"
 
 
+@pytest.mark.parametrize("words", [["check"], ["run", "--jobs", "1"]])
+def test_a_mission_in_python_is_not_executed_for_a_campaign(
+    words: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path, mark = write_campaign(tmp_path, campaign_data(1, mission="mission.py")), tmp_path / "executed"
+    (tmp_path / "mission.py").write_text(f"open({str(mark)!r}, 'w').close()\n", encoding="utf-8")
+    assert main(["campaign", words[0], str(path), "--store", str(tmp_path / "a.db"), *words[1:]]) == 2
+    assert (
+        "mission.py' is Python, which is not to be executed here; give the mission as JSON" in capsys.readouterr().err
+    )
+    assert not mark.exists()
+
+
 @pytest.mark.sim
 def test_label_reports_what_stopped_it(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     path, store = write_campaign(tmp_path, campaign_data(2, labels="rollouts")), tmp_path / "a.db"
