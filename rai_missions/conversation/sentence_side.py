@@ -130,6 +130,10 @@ class SentenceSide:
         is_free = all(sense.kind == "question" and sense.name == "key" for sense in senses)
         return is_free and self._answers_closed(utterance, LATE_S)
 
+    def _may_be_no_answer(self, utterance: Utterance) -> bool:
+        """Whether an answer may be a question itself, or meant for a question that closed this moment."""
+        return utterance.text.rstrip().endswith("?") or self._answers_closed(utterance, CROSSING_S)
+
     def _answers_closed(self, utterance: Utterance, within_s: float) -> bool:
         """Whether it would have answered a question that closed less than so many seconds ago."""
         is_recent = self._talk.now - self._closed_at < within_s
@@ -208,8 +212,8 @@ class SentenceSide:
         else:
             if sense.rest:
                 self._speaking.reply("one_at_a_time", utterance, number, rest=cut(sense.rest, LONGEST_REASON))
-            if sense.name == "answer" and self._answers_closed(utterance, CROSSING_S):
-                sense = sense._replace(is_partial=True)  # it may be meant for that question, and is read back
+            if sense.name == "answer" and self._may_be_no_answer(utterance):
+                sense = sense._replace(is_partial=True)  # it is read back
             self._orders.take(sense, utterance, number, mapper="grammar", agreeing=agreeing)
 
     def _answer(self, sense: Sense, utterance: Utterance, number: int) -> None:
