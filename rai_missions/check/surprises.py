@@ -10,7 +10,7 @@ from collections.abc import Iterator
 from rai_missions.check.index import MissionIndex, StateRef, TransitionRef
 from rai_missions.states import Parallel
 
-__all__ = ("lost_timers", "rival_actions")
+__all__ = ("hasty_retries", "lost_timers", "rival_actions")
 
 Found = Iterator[tuple[str, str]]
 
@@ -45,6 +45,25 @@ def _continues(transition: TransitionRef, latest: dict[StateRef | None, list[flo
     assert after_s is not None
     bounded = owner is not None and owner.state.timeout_s is not None
     return bounded or sum(instant >= after_s for instant in latest[owner]) > 1
+
+
+def hasty_retries(survey: MissionIndex) -> Found:
+    """An action or a call that is `rejected` is begun again at once, and so on, as long as its server is away."""
+    for spot in survey.spots:
+        if not spot.state.reports_robot:
+            continue
+        retry = next((each for each in spot.transitions if _is_about(each, spot, "rejected")), None)
+        if retry is not None and retry.definition.when is None and retry.definition.to == (spot.name,):
+            yield (
+                f"{retry.place}/to",
+                f"while no server is there, '{spot.name}' is rejected and entered again without a pause; "
+                f'lead to a state that waits, {{"after_s": 5, "to": "{spot.name}"}}',
+            )
+
+
+def _is_about(transition: TransitionRef, spot: StateRef, word: str) -> bool:
+    """Whether a transition of a state waits for an outcome of that state itself."""
+    return word in transition.definition.on and transition.definition.of in (None, spot.name)
 
 
 def rival_actions(survey: MissionIndex) -> Found:
