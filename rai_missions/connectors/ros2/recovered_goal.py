@@ -31,6 +31,13 @@ class RecoveredGoal(ClientGoal):
         ready = client.client.server_is_ready
         client.runtime.when(lambda: self.is_over or ready(), client.patience_s, self._ask_after)
 
+    def cancel(self) -> None:
+        """Ask for its end; its server may be executing it, so until that is found the wish is kept."""
+        if self._is_sent:
+            super().cancel()
+        else:
+            self._is_unwanted = True
+
     def _ask_after(self, is_there: bool) -> None:
         client = self._client
         if self.is_over:

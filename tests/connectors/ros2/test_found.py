@@ -38,6 +38,8 @@ class Left(NamedTuple):
     """Goals of a process that was killed."""
 
     runs: str
+    unwanted: str
+    """It runs too, and the next process wants its end at once."""
     succeeded: str
     failed: str
     unheard: str
@@ -47,8 +49,9 @@ class Left(NamedTuple):
 @pytest.fixture(scope="module")
 def left(peer_of_module: Peer) -> Left:
     """Sent by a process that was killed once their server had reported of each."""
-    left = Left(uuid.uuid4().hex, uuid.uuid4().hex, uuid.uuid4().hex, dropped_id())
-    sent = zip(left, (RUN, SUCCEED, ABORT, SUCCEED), ("accepted", "succeeded", "failed", "succeeded"), strict=True)
+    left = Left(*(uuid.uuid4().hex for _ in range(4)), dropped_id())
+    ends = ("accepted", "accepted", "succeeded", "failed", "succeeded")
+    sent = zip(left, (RUN, RUN, SUCCEED, ABORT, SUCCEED), ends, strict=True)
     process = subprocess.Popen(
         [sys.executable, "-W", "ignore", "-c", SENDER, action_of(peer_of_module), json.dumps([*sent])],
         stdout=subprocess.PIPE,
@@ -82,6 +85,16 @@ def test_a_goal_that_runs_is_found_and_its_end_is_reported(open_ros: Open, peer:
     received.wait(lambda reported: [each.status for each in reported][:1] == ["accepted"], "it runs")
     connector.cancel_goal(left.runs)
     received.wait(lambda reported: reported[-1].status == "canceled", "it was canceled")
+
+
+def test_a_goal_that_is_unwanted_before_its_server_is_found_is_ended_there(
+    open_ros: Open, peer: Peer, left: Left
+) -> None:
+    connector = open_ros()
+    received = found(connector, action_of(peer), left.unwanted)
+    connector.cancel_goal(left.unwanted)
+    received.wait(lambda reported: bool(reported) and reported[-1].status == "canceled", "its server has ended it")
+    assert ["end wanted", left.unwanted] in [list(line) for line in peer.lines.all]
 
 
 @pytest.mark.parametrize("end", ["succeeded", "failed"])
