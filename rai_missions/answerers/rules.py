@@ -79,7 +79,7 @@ def _compiled(state: str, index: int, row: tuple[Guard | None, str], keys: Mappi
     name = f"rule {index + 1} of '{state}'"
     if guard is None:
         return AnswerRule(None, option, f"{name}: always")
-    return AnswerRule(guard.compile(Site(f"/rules/{state}/{index}", keys, state)), option, f"{name}: {guard.words()}")
+    return AnswerRule(guard.compiled(Site(f"/rules/{state}/{index}", keys, state)), option, f"{name}: {guard.words()}")
 
 
 def _chosen(rows: Sequence[AnswerRule], question: Question, view: View) -> AnswerRule | None:

@@ -152,7 +152,7 @@ def _decorated(node: Decorator, ends: Ends) -> Ends:
 def _is_settled(guard: Guard, keys: Mapping[str, Key]) -> bool:
     """Whether the value of a guard stays the same for the whole of a run."""
     site = Site("", keys)
-    guard.compile(site)
+    guard.compiled(site)
     if site.clocked or site.holds or site.states or site.named:
         return False
     return all(_lasts(path, keys) for path in site.reads)

@@ -132,7 +132,7 @@ class CompiledMission:
     def condition(self, guard: Guard, place: str, state: str) -> CompiledGuard:
         """A guard compiled for a place; the states whose age it asks for are clocked from now on."""
         site = Site(place, self.mission.blackboard, state)
-        test = guard.compile(site)
+        test = guard.compiled(site)
         self.named |= site.named
         for name in site.clocked:
             (self.nodes[name] if name else self.root).clocked = True

@@ -284,6 +284,10 @@ class RunState:
         """The value of a predicate of the user's program."""
         return self.ask(self, name, arguments)
 
+    def note(self, text: str) -> None:
+        """Note something in the step in hand."""
+        self.draft.notes.append(text)
+
 
 class StateField(NamedTuple):
     """One field of what a run remembers."""

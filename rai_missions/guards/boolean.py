@@ -51,7 +51,7 @@ class _Junction(Guard):
     """How one without parts is called."""
 
     def compile(self, site: Site) -> Test:
-        test = conjunction([guard.compile(site) for guard in self.inner()], deciding=self.deciding)
+        test = conjunction([guard.compiled(site) for guard in self.inner()], deciding=self.deciding)
         key = self._looked_into()
         return asked_at_once(key, json.dumps(self.model_dump(mode="json")), test) if key in site.keys else test
 
@@ -116,7 +116,7 @@ class Not(Guard, word="not"):
     def __init__(self, guard: GuardOrKey) -> None: ...
 
     def compile(self, site: Site) -> Test:
-        inner = self.guard.compile(site)
+        inner = self.guard.compiled(site)
 
         def test(view: View) -> Truth:
             value = inner(view)

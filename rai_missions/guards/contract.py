@@ -28,6 +28,9 @@ class _View:
     def named(self, name: str, arguments: Mapping[str, Any]) -> None:
         return None
 
+    def note(self, text: str) -> None:
+        return None
+
 
 def check_kind(part: TaggedModel, sort: str, lines: Callable[[], Iterable[str]]) -> None:
     """Hold one of a kind to what kinds of every sort promise: pure code, the form it is written in, words.

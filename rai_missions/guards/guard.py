@@ -12,6 +12,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Collection, Iterator, Mapping
 from typing import Any, ClassVar, NamedTuple, Protocol, TypeAlias
 
+from rai_missions.errors import MissionError, UsageError, in_words
 from rai_missions.guards.expression import EXAMPLE, WORDS, meant_guard
 from rai_missions.guards.form import Form, opaque
 from rai_missions.guards.purity import impurity
@@ -73,6 +74,9 @@ class View(Protocol):
 
     def named(self, name: str, arguments: Mapping[str, Any]) -> Truth:
         """The value of a predicate of the user's program."""
+
+    def note(self, text: str) -> None:
+        """Have the step note what went wrong in code that is not ours."""
 
 
 def presence(state: str) -> str:
@@ -257,6 +261,22 @@ class Guard(TaggedModel, family="guard", group="rai_missions.guards"):
         """A function from a view to true, false or unknown; `site` learns what it depends on."""
         raise NotImplementedError
 
+    def compiled(self, site: Site) -> Test:
+        """What `compile` makes, for the engine: a guard of another package is unknown where it raises, with a note.
+
+        Raises:
+            UsageError: That package's `compile` raises.
+        """
+        if type(self) not in Guard.foreign:
+            return self.compile(site)
+        try:
+            return _contained(self.compile(site), self.word)
+        except MissionError:
+            raise
+        except Exception as error:
+            whose = f"the guard '{self.word}' of {type(self).__module__}"
+            raise UsageError(f"{whose} raised {in_words(error)} as it was compiled") from error
+
     def inner(self) -> Iterator[Guard]:
         """The guards it is made of."""
         return (guard for _, guard in self.inside())
@@ -317,6 +337,20 @@ class Guard(TaggedModel, family="guard", group="rai_missions.guards"):
 
     def __bool__(self) -> bool:
         raise TypeError("a guard has no truth of its own; combine guards with & | ~, not with and, or, not")
+
+
+def _contained(test: Test, word: str) -> Test:
+    """The test of a guard of another package, whose faults are no one else's."""
+
+    def contained(view: View) -> Truth:
+        try:
+            value = test(view)
+        except Exception as error:  # noqa: BLE001 - another package's code
+            view.note(f"guard '{word}' raised {type(error).__name__}: {in_words(error)}")
+            return None
+        return value if isinstance(value, bool) else None
+
+    return contained
 
 
 GuardOrKey: TypeAlias = Guard | HasPath

@@ -27,7 +27,7 @@ class Held(Guard, word="held"):
     def __init__(self, held: GuardOrKey, for_s: float) -> None: ...
 
     def compile(self, site: Site) -> Test:
-        inner = self.held.compile(site)
+        inner = self.held.compiled(site)
         memory = f"{site.place}#{len(site.holds)}"
         site.holds[memory] = inner
         for_s = self.for_s

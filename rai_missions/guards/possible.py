@@ -20,7 +20,7 @@ class Possible(Guard, word="possible"):
     def __init__(self, possible: GuardOrKey) -> None: ...
 
     def compile(self, site: Site) -> Test:
-        inner = self.possible.compile(site)
+        inner = self.possible.compiled(site)
         return lambda view: inner(view) is not False
 
     def rests(self, sources: Sources, *, wanted: bool = True) -> bool:

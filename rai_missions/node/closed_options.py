@@ -36,6 +36,9 @@ class FrozenView(NamedTuple):
         """Not asked: see the rule of this file."""
         return None
 
+    def note(self, text: str) -> None:
+        """Not noted: the step in which the guard counts does so."""
+
 
 class ClosedOptions:
     """The guards of a mission's options.
@@ -75,7 +78,7 @@ class ClosedOptions:
             state, mark, path = owner.partition("#")
             for name, guard in self._mission.state(state).decisions()[mark + path].guards():
                 site = Site(owner, self._mission.blackboard, state)
-                test = guard.compile(site)
+                test = guard.compiled(site)
                 if not site.named:
                     self._tests[owner][name] = test, guard
         return self._tests[owner]

@@ -132,7 +132,7 @@ def _unknown_keys(survey: MissionIndex, guard: Guard, place: str) -> Iterator[Fa
     """The keys and states of a guard in the profile that the mission does not have."""
     keys = survey.mission.blackboard
     site = Site(place, keys)
-    guard.compile(site)
+    guard.compiled(site)
     for key in sorted(site.reads - keys.keys() - {"*"}):
         yield Fault(place, f"the mission has no key '{key}'{suggestion(key, keys)}")
     for state in sorted(site.states - survey.by_name.keys()):

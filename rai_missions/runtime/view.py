@@ -199,3 +199,6 @@ class RunView:
     def named(self, name: str, arguments: Mapping[str, Any]) -> Truth:
         """The value of a predicate of the user's program; on the run's own thread."""
         return self._chart.view.named(name, arguments)
+
+    def note(self, text: str) -> None:
+        """Nothing is noted: this view is for looking, outside of a step."""

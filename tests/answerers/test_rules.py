@@ -38,6 +38,9 @@ class Seen:
     def named(self, name: str, arguments: Mapping[str, Any]) -> Truth:
         raise RuntimeError("no such predicate")
 
+    def note(self, text: str) -> None:
+        return None
+
 
 def answered(rows: list[tuple[Guard | None, str]], seen: Seen, question: Question = QUESTION) -> Mapping[str, Any]:
     reported = ReplyCollector()

@@ -190,6 +190,9 @@ class Known:
     def named(self, name: str, arguments: Any) -> Truth:
         return None
 
+    def note(self, text: str) -> None:
+        return None
+
 
 boards = st.fixed_dictionaries(
     {},

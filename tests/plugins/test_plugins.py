@@ -405,6 +405,35 @@ def guard_of(
         del sys.path[0]
 
 
+@pytest.mark.parametrize(("value", "active", "notes"), [
+    ("yes", {"b"}, ()), ("no", {"a"}, ("guard 'brittle' raised KeyError: 'no'",)), ("", {"a"}, ()),
+])  # fmt: skip
+@pytest.mark.parametrize("is_inside", [False, True])
+def test_a_foreign_guard_that_raises_or_is_no_truth_is_unknown(
+    tmp_path: Path, value: str, active: set[str], notes: tuple[str, ...], is_inside: bool
+) -> None:
+    package = f"kinds_{tmp_path.name}"
+    found = "None if seen.read(view) is None else {'': 'empty', 'yes': True}[seen.read(view)]"
+    code = GUARD.format(
+        name="Odd", word="brittle", value=found, before="seen = Operand(self.brittle, site)",
+        above="from rai_missions.guards.guard import Operand\nfrom rai_missions.model import Path",
+    ).replace("brittle: str", "brittle: Path")  # fmt: skip
+    site = laid_out(tmp_path, package, "1.0", offers=f"[rai_missions.guards]\nbrittle = {package}:Odd\n", code=code)
+    sys.path.insert(0, str(site))
+    try:
+        guard = {"brittle": "word"}
+        transition = {"when": {"all": [guard, guard]} if is_inside else guard, "to": "b"}
+        states = {"a": {"transitions": [transition]}, "b": {"final": "aborted"}}
+        keys = {"word": Key(str, source="robot")}
+        chart = Chart(Mission("m", uses=[package], blackboard=keys, initial="a", states=states))
+    finally:
+        del sys.path[0]
+    chart.start(0.0)
+    step = chart.write("word", value, at=1.0)
+    assert chart.active == active
+    assert {each for each in step.notes if each.startswith("guard")} == set(notes)
+
+
 @pytest.mark.parametrize(
     ("above", "before", "value", "named"),
     [

@@ -31,6 +31,9 @@ class Facts(NamedTuple):
     def named(self, name: str, arguments: Mapping[str, Any]) -> Truth:
         return None
 
+    def note(self, text: str) -> None:
+        return None
+
 
 def seen(at: float, facts: Mapping[str, Any]) -> Any:
     """A view of these facts, stamped with this time; a fact that is None was never received."""

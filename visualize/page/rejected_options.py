@@ -36,13 +36,16 @@ class Offers:
             tests = self._tests.setdefault(each.owner, {})
             for name, guard in each.asked.guards():
                 site = Site(each.place, mission.blackboard, each.state)
-                test = guard.compile(site)
+                test = guard.compiled(site)
                 if not (site.holds or site.clocked or site.named):
                     tests[name] = test
 
     def named(self, name: str, arguments: Mapping[str, Any]) -> Truth:
         """No predicate of the user's program is here."""
         return None
+
+    def note(self, text: str) -> None:
+        """The journal has the notes of its steps already."""
 
     def follow(self, step: Step, writes: list[tuple[str, Any, float]]) -> None:
         """Take over what a step wrote and where it led."""

@@ -66,11 +66,11 @@ class GoalMachine(Machine):
     ) -> None:
         self.definition = definition
         self.owner, self.site = owner, site
-        self.achieved: Test | None = definition.achieved.compile(site) if definition.achieved is not None else None
+        self.achieved: Test | None = definition.achieved.compiled(site) if definition.achieved is not None else None
         self.settling_reads, self.settling_instants = site.watched, tuple(site.instants)
         composed = Site(site.place, site.keys, site.state)
-        self.succeeded = succeeded.compile(composed) if succeeded is not None else None
-        self.failed = failed.compile(composed) if failed is not None else None
+        self.succeeded = succeeded.compiled(composed) if succeeded is not None else None
+        self.failed = failed.compiled(composed) if failed is not None else None
         self.composed_reads, self.composed_instants = composed.watched, tuple(composed.instants)
 
     def begin(self, host: ActivityHost) -> Turn:

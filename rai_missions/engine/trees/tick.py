@@ -51,6 +51,9 @@ class TickView:
     def named(self, name: str, arguments: Mapping[str, Any]) -> Truth:
         return self._view.named(name, arguments)
 
+    def note(self, text: str) -> None:
+        self._view.note(text)
+
 
 class Tick:
     """One tick: its sight, the outcomes that leaves have come to, and what is to be done about it.
