@@ -15,7 +15,18 @@ from typing import Any, TypeGuard
 
 from rai_missions.image import Image
 
-__all__ = ("apart", "is_number", "json_object", "json_value", "listed", "plain", "quoted", "rounded")
+__all__ = (
+    "apart",
+    "carried",
+    "is_number",
+    "json_object",
+    "json_value",
+    "listed",
+    "plain",
+    "quoted",
+    "rounded",
+    "text_fault",
+)
 
 LEAVES = frozenset({str, int, float, bool, type(None)})
 DECIMALS = {"m": 3, "s": 2}
@@ -42,6 +53,29 @@ def is_number(value: Any) -> TypeGuard[int | float]:
         return math.isfinite(value)
     except OverflowError:
         return False
+
+
+def text_fault(text: str) -> str:
+    """Why no message can carry a text; empty where it can.
+
+    NUL ends a text of C, so what follows would be lost; half a surrogate pair has no form in UTF-8.
+    """
+    if "\0" in text:
+        return f"character {text.index(chr(0))} is NUL, which no message carries"
+    try:
+        text.encode()
+    except UnicodeEncodeError as fault:
+        return f"character {fault.start} is half a surrogate pair, which is no text"
+    return ""
+
+
+def carried(value: Any) -> Any:
+    """Plain data whose texts a message can carry: what `text_fault` finds is replaced. For reports alone."""
+    if isinstance(value, str):
+        return value.encode("utf-8", "replace").decode().replace("\0", "?") if text_fault(value) else value
+    if isinstance(value, Mapping):
+        return {carried(name): carried(item) for name, item in value.items()}
+    return [carried(item) for item in value] if isinstance(value, list | tuple) else value
 
 
 def plain(value: Any) -> Any:

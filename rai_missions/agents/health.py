@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from rai_missions.agents.agent import AgentHealth
+from rai_missions.plain_data import carried
 from rai_missions.redaction import cut
 
 __all__ = ("DIAGNOSTICS", "DIAGNOSTIC_ARRAY", "ERROR", "OK", "WARN", "diagnostics_of")
@@ -35,4 +36,5 @@ def diagnostics_of(name: str, agents: Mapping[str, AgentHealth], *, at: float) -
         }
         for agent, health in agents.items()
     ]
-    return {"header": {"stamp": at}, "status": status}
+    report: dict[str, Any] = carried({"header": {"stamp": at}, "status": status})
+    return report

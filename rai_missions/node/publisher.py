@@ -27,6 +27,7 @@ from rai_missions.node.run_session import RunSession
 from rai_missions.node.services import STRING
 from rai_missions.node.status_message import StatusMessage, step_fields, step_text, text_of
 from rai_missions.node.transport import LOG_TOPIC, PACKAGE, Carrier
+from rai_missions.plain_data import carried
 from rai_missions.redaction import cut, logger
 from rai_missions.runtime.lifecycle import Status
 
@@ -99,7 +100,7 @@ class StatusPublisher:
 
     def log(self, line: dict[str, object]) -> None:
         """Publish a line of the log."""
-        self._outlet.post(lambda: self._carrier.connector.publish(LOG_TOPIC, LOG, line))
+        self._outlet.post(lambda: self._carrier.connector.publish(LOG_TOPIC, LOG, carried(line)))
 
     def changed(self) -> None:
         """Something may have changed: report it, if it has."""
@@ -188,10 +189,10 @@ class StatusPublisher:
         fields = array_of(
             status, at=time.time(), stale=stale, strangers=len(self._strangers), sources=sources, robot=self._robot()
         )
-        self._carrier.connector.publish("/diagnostics", DIAGNOSTICS, fields)
+        self._carrier.connector.publish("/diagnostics", DIAGNOSTICS, carried(fields))
 
     def _publish(self, name: str, type_name: str, fields: dict[str, object]) -> None:
-        self._carrier.connector.publish(self._name.below(name), type_name, fields)
+        self._carrier.connector.publish(self._name.below(name), type_name, carried(fields))
 
 
 def _numbers(status: StatusMessage) -> tuple[int, ...]:

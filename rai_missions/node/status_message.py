@@ -124,5 +124,6 @@ def step_fields(step: Step, run: str, text: str) -> dict[str, Any]:
 
 
 def text_of(data: Mapping[str, Any]) -> str:
-    """Data as JSON in one line."""
-    return json.dumps(data, ensure_ascii=False, separators=(",", ":"), default=str)
+    """Data as JSON in one line; half a surrogate pair is written as its escape."""
+    text = json.dumps(data, ensure_ascii=False, separators=(",", ":"), default=str)
+    return text.encode("utf-8", "backslashreplace").decode()

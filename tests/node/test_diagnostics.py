@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import json
 from typing import Any
 
 import pytest
@@ -10,7 +11,8 @@ import pytest
 from rai_missions.engine.activities.goal_ledger import OpenGoal
 from rai_missions.engine.decision import Question
 from rai_missions.node.diagnostics import ERROR, OK, WARN, array_of, level
-from rai_missions.node.status_message import OpenQuestion, StatusMessage
+from rai_missions.node.status_message import OpenQuestion, StatusMessage, text_of
+from rai_missions.plain_data import carried, text_fault
 from rai_missions.runtime.readings import SourceState
 
 RUNNING = StatusMessage(3, "/errand", "ab", "active", "errand", "1.0", "r1", "running", "autonomy", ("moving",))
@@ -53,6 +55,16 @@ def test_the_level_reports_how_bad_it_is(
     assert level(status, **around) == expected
     (status,) = array_of(status, at=1.0, **around)["status"]
     assert (status["level"], status["message"]) == expected and status["name"] == "/errand: mission"
+
+
+def test_a_bulletin_in_json_keeps_half_a_surrogate_as_its_escape() -> None:
+    text = text_of(RUNNING._replace(mode="failed", fault="half \ud800").data())
+    assert not text_fault(text) and json.loads(text)["fault"] == "half \ud800"
+
+
+def test_a_report_has_only_texts_that_a_message_carries() -> None:
+    fields = RUNNING._replace(mode="failed", why="half \ud800\0", active=("a\0",)).fields()
+    assert carried(fields) == fields | {"why": "half ??", "active": ["a?"]}
 
 
 def test_a_bulletin_names_the_goals_that_may_still_move_the_robot() -> None:

@@ -15,6 +15,7 @@ from typing import Literal, get_args
 
 from rai_missions.errors import UsageError
 from rai_missions.image import Image
+from rai_missions.plain_data import text_fault
 from rai_missions.redaction import shown
 
 __all__ = ("MOST_BYTES", "MOST_ITEMS", "MOST_TEXT", "RATES_HZ", "Audio", "Author", "HRIMessage", "size_of")
@@ -167,12 +168,8 @@ def _check_text(field: str, value: object, most: int) -> None:
         raise UsageError(f"{field}: {shown(value)} is given where text belongs")
     if len(value) > most:
         raise UsageError(f"{field}: {len(value)} characters; there are {most} at the most")
-    if "\0" in value:
-        raise UsageError(f"{field}: character {value.index(chr(0))} is NUL, which no message carries")
-    try:
-        value.encode()
-    except UnicodeEncodeError as fault:
-        raise UsageError(f"{field}: character {fault.start} is half a surrogate pair, which is no text") from None
+    if fault := text_fault(value):
+        raise UsageError(f"{field}: {fault}")
 
 
 def _check_items(field: str, items: object, kind: type) -> None:

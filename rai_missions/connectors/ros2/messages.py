@@ -21,6 +21,7 @@ from rai_missions.connectors.ros2.names import find_type
 from rai_missions.connectors.ros2.types import BYTES, CODES, INTEGERS, NO_FIELD, FieldType, field_type
 from rai_missions.errors import ConnectorError, suggestion
 from rai_missions.image import Image
+from rai_missions.plain_data import text_fault
 from rai_missions.redaction import cut, shown
 
 __all__ = (
@@ -133,6 +134,8 @@ def _single(kind: FieldType, value: Any, place: str) -> Any:
             raise ConnectorError(f"{place}: {shown(value)} is given where text belongs")
         if kind.longest is not None and len(value) > kind.longest:
             raise ConnectorError(f"{place}: {len(value)} characters; there are {kind.longest} at the most")
+        if fault := text_fault(value):
+            raise ConnectorError(f"{place}: {fault}")
         return value
     if name == "octet":
         return value if isinstance(value, bytes) and len(value) == 1 else bytes([_integer("uint8", value, place)])

@@ -48,7 +48,7 @@ def single(kind: FieldType) -> st.SearchStrategy[Any]:
     if kind.name == "octet":
         return st.integers(0, 255)
     if kind.name == "string":
-        return st.text(st.characters(codec="ascii"), max_size=min(kind.longest or 8, 8))
+        return st.text(st.characters(codec="ascii", min_codepoint=1), max_size=min(kind.longest or 8, 8))
     return messages(kind.name)
 
 
@@ -116,6 +116,8 @@ def test_a_type_that_is_not_here_is_reported_with_what_is(name: str, kind: Any, 
     [
         ("std_msgs/msg/String", {"dta": "x"}, "/t/dta: std_msgs/msg/String has no such field; did you mean 'data'?"),
         ("std_msgs/msg/String", {"data": 1}, "/t/data: 1 is given where text belongs"),
+        ("std_msgs/msg/String", {"data": "a\0b"}, "/t/data: character 1 is NUL, which no message carries"),
+        ("std_msgs/msg/String", {"data": "\ud800"}, "/t/data: character 0 is half a surrogate pair, which is no text"),
         ("std_msgs/msg/String", "x", "/t: 'x' is given where the fields of a message belong"),
         ("std_msgs/msg/Bool", {"data": 1}, "/t/data: 1 is neither true nor false"),
         ("std_msgs/msg/Int32", {"data": True}, "/t/data: true is no whole number, as int32 asks"),
