@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
 
+from rai_missions.conversation.conversation_file import ConversationFile
 from rai_missions.conversation.dialogue import Dialogue
 from rai_missions.conversation.inputs import ModelText, OrderEnd, SpeechEnd, Utterance
 from rai_missions.conversation.outputs import AskModel, DropModel, Order, Output, Silence, Speech, TalkNote
@@ -19,6 +20,7 @@ from rai_missions.conversation.start_phrases import StartPhrase
 from rai_missions.conversation.view import BuildView, KeyView, MissionView, ProgressView, RunEvent, StatusView
 from rai_missions.engine.decision import Evidence, Offer, Question
 from rai_missions.errors import UsageError, suggestion
+from rai_missions.validation_errors import validated
 
 __all__ = ("PlayedTurn", "check_conversation", "play_conversation", "settings_from", "view_from")
 
@@ -96,8 +98,10 @@ def play_conversation(data: Mapping[str, Any]) -> list[PlayedTurn]:
         data: `settings`, `view` and `turns`, as `docs/guide/conversation.md` has them.
 
     Raises:
+        DefinitionError: It has unknown words or values of other types, each with its place.
         UsageError: A turn is of no kind.
     """
+    validated(ConversationFile, data)
     return list(_Player(data).play())
 
 

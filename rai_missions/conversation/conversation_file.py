@@ -1,0 +1,86 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What a conversation as data may hold: its settings, the view that it begins in, and its turns.
+
+The words of settings and views are those of the records that they become, so they are listed there alone.
+"""
+
+from __future__ import annotations
+
+from types import GenericAlias
+from typing import Any, Literal, get_type_hints
+
+from pydantic import BaseModel, ConfigDict, create_model
+
+from rai_missions.conversation.inputs import SpeechResult
+from rai_missions.conversation.places import PlaceArea
+from rai_missions.conversation.settings import Settings
+from rai_missions.conversation.view import BuildView, KeyView, MissionView, ProgressView, RunEvent, StatusView
+from rai_missions.event import Role
+
+__all__ = ("ConversationFile",)
+
+
+class _FilePart(BaseModel):
+    """Words that are not listed are refused."""
+
+    model_config = ConfigDict(extra="forbid", allow_inf_nan=False)
+
+
+def _model(name: str, /, **fields: Any) -> Any:
+    """A model of fields, each a type and its default; `...` for one that must be there."""
+    return create_model(f"{name}File", __base__=_FilePart, **fields)
+
+
+def _parts(name: str, record: Any, /, **others: Any) -> Any:
+    """A model of a record's fields; a field without a default must be there.
+
+    Args:
+        name: What the part is called in errors.
+        record: The class of the record, a named tuple.
+        others: Words whose type in a file is another than in the record; None: a file does not state it.
+    """
+    defaults = record._field_defaults
+    fields = {each: (kind, defaults.get(each, ...)) for each, kind in get_type_hints(record).items()}
+    fields |= {each: (kind, None) for each, kind in others.items()}
+    return _model(name, **{each: field for each, field in fields.items() if field[0] is not None})
+
+
+def _named(kind: Any) -> Any:
+    """An object whose values are all of a kind."""
+    return GenericAlias(dict, (str, kind))
+
+
+def _listed(kind: Any) -> Any:
+    """A list whose items are all of a kind."""
+    return GenericAlias(tuple, (kind, ...))
+
+
+OBJECT: Any = dict[str, Any]
+KEYS = _named(_parts("Key", KeyView, name=None))
+QUESTION = _model(
+    "Question", text=(str, ...), options=(_named(str), ...), number=(int, 1), state=(str, ""),
+    confirm=(_listed(str), ()), parameters=(_named(OBJECT), None), evidence=(OBJECT, None),
+)  # fmt: skip
+VIEW = _parts(
+    "View", StatusView, keys=KEYS, build=_parts("Build", BuildView) | None, question=QUESTION | None,
+    questions=_listed(QUESTION), missions=_listed(_parts("Mission", MissionView, arguments=KEYS)),
+    progress=_listed(_parts("Progress", ProgressView)), happened=_listed(_parts("Event", RunEvent)),
+)  # fmt: skip
+SETTINGS = _parts(
+    "Profile", Settings, may=_named(_listed(str)), places=_named(_parts("Place", PlaceArea)), phrases=_named(OBJECT),
+    spoken=_named(OBJECT),
+)  # fmt: skip
+REPLY = _model(
+    "Reply", text=(str, ""), order=(OBJECT | None, None), number=(int, 0), end=(bool, True), failed=(str, ""),
+)  # fmt: skip
+TURN = _model(
+    "Turn", at=(float, ...), expect=(_listed(OBJECT), ()), person=(str, ""), role=(Role, ""), channel=(str, ""),
+    author=(str, ""), id=(str, ""), readings=(_listed(str), ()), status=(VIEW, None), model=(REPLY, None),
+    speech_end=(str, ""), result=(SpeechResult, ""), order_end=(str, ""), speaker=(Literal["alive", "dead"], ""),
+    mission_speech=(str, ""), restart=(Any, None), wait=(Any, None),
+)  # fmt: skip
+ConversationFile = _model(
+    "Conversation", name=(str, ""), settings=(SETTINGS, None), view=(VIEW, None), speech=(Literal["by hand"], ""),
+    turns=(_listed(TURN), ...),
+)  # fmt: skip
+"""A whole conversation, for `validated`."""
