@@ -269,8 +269,8 @@ SPOKEN = {
     "cancel the mission": "cancel", "start the mission": "start",
 }  # fmt: skip
 POSSIBLE = {
-    "ready": {"start", "cancel"}, "running": {"pause", "cancel", "start"}, "paused": {"resume", "cancel", "start"},
-    "canceling": {"start"}, "succeeded": {"start"},
+    "ready": {"start", "pause", "cancel"}, "running": {"pause", "cancel", "start"},
+    "paused": {"resume", "cancel", "start"}, "canceling": {"start"}, "succeeded": {"start"},
 }  # fmt: skip
 """In a mode; a start during a mission is a request for later."""
 

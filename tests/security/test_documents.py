@@ -18,8 +18,8 @@ LINKS = "http://127.0.0.1:9/x file:///etc/passwd ../outside/description.md"
 OUTWARD = {
     "a.html": (
         b"<base href='http://127.0.0.1:9/'><link rel=stylesheet href=x.css><script src=/x.js></script><p>seen"
-        b"<img src='file:///etc/passwd'><iframe src='../outside/description.md'></iframe><object data='/etc/passwd'>"
-        b"<meta http-equiv=refresh content='0;url=http://127.0.0.1:9'>"
+        b"<img src='file:///etc/passwd'><iframe src='../outside/description.md'></iframe>"
+        b"<object data='/etc/passwd'></object><meta http-equiv=refresh content='0;url=http://127.0.0.1:9'>"
     ),
     "b.md": f"# seen\n\n![x](../outside/description.md) [y](file:///etc/passwd)\n\n{LINKS}\n".encode(),
     "c.docx": docx([(0, "seen")], '<w:p><w:hyperlink r:id="x" xmlns:r="y"/><w:altChunk r:id="z" xmlns:r="y"/></w:p>'),
