@@ -125,7 +125,7 @@ def test_a_named_model_answers_what_the_rules_leave_open_and_its_order_counts_on
     order = json.dumps({"order": {"order": "cancel"}})
     server = Server()
     server.replies = [
-        completion("I have arrived at the gate. Roses like the sun."),
+        completion("I have arrived at the gate. Roses like sunshine."),
         completion(calls=[("propose_order", order)]),
     ]
     monkeypatch.setenv("OPENAI_API_KEY", "sk-loopback-0123456789")
@@ -133,7 +133,7 @@ def test_a_named_model_answers_what_the_rules_leave_open_and_its_order_counts_on
     with terminal(mission, "--model", "openai:gpt-4o") as screen:
         screen.until("has started")
         screen.type("which flowers like the sun?\r")
-        screen.until("the model thinks: Roses like the sun.")
+        screen.until("the model thinks: Roses like sunshine.")
         screen.type("I would rather do something else today\r")
         screen.until("Is that right?")
         screen.type("yes\r")
@@ -145,7 +145,7 @@ def test_a_named_model_answers_what_the_rules_leave_open_and_its_order_counts_on
         talk = [each for row in record.rows() for each in (getattr(row, "data", None) or {}).get("talk", ())]
     texts = {kind: [each["text"] for each in talk if each["kind"] == kind] for kind in ("spoken", "replaced")}
     assert texts["replaced"] == ["I have arrived at the gate."]
-    assert "Roses like the sun." in texts["spoken"] and "I have arrived at the gate." not in texts["spoken"]
+    assert "Roses like sunshine." in texts["spoken"] and "I have arrived at the gate." not in texts["spoken"]
 
 
 @pytest.mark.long
