@@ -33,6 +33,7 @@ class Addresses:
         self._rules, data = rules, rules.addresses
         self._asking, self._bidding = Phrases(data["asking"], {}), Phrases(data["bidding"], {})
         self._settings, self._knowing = Phrases(data["settings"], {}), frozenset(data["knowing"])
+        self._stating = rules.states | rules.acts | rules.strong | rules.work | rules.scene
         self._unknown = re.compile(data["unknown_pattern"], re.IGNORECASE)
         self._condition = re.compile(data["condition_pattern"], re.IGNORECASE)
 
@@ -66,10 +67,7 @@ class Addresses:
         return self._bidding.begin(words) and not self._rules.speaker & set(words)
 
     def _is_aside(self, words: Sequence[str]) -> bool:
-        rules = self._rules
-        return len(words) <= SHORT and not (rules.states | rules.acts | rules.strong | rules.work | rules.scene) & set(
-            words
-        )
+        return len(words) <= SHORT and not self._stating & set(words)
 
     def _is_setting(self, words: Sequence[str]) -> bool:
         if self._rules.harmless.fits(words):

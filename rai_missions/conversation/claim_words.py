@@ -52,6 +52,12 @@ class ClaimWords:
         self._past, self._past_pattern = frozenset(data["past"]), re.compile(data["past_pattern"])
         self._progressive = re.compile(data["progressive_pattern"])
         self._counted = re.compile(rf"\b(?:{data['counted_pattern']})", re.IGNORECASE)
+        self.self_words = frozenset(data["self"])
+        """The words for the robot itself."""
+        self._owned = self.definite | self.possessive
+        self._certain = self.definite - self.relative
+        self._not_of_habits = self._owned | self.self_words | (self.second - self.present)
+        self._reported = self.acts | self.states | self.strong
 
     def __getattr__(self, name: str) -> frozenset[str]:
         """A word list of the file, by its name there.
@@ -64,11 +70,6 @@ class ClaimWords:
             raise AttributeError(f"the claims of a language have no list '{name}'")
         found = self.__dict__[name] = frozenset(words)
         return found
-
-    @property
-    def self_words(self) -> frozenset[str]:
-        """The words for the robot itself."""
-        return frozenset(self._data["self"])
 
     def words(self, text: str) -> list[str]:
         """The words of a text; what may be a short `is` is one."""
@@ -134,8 +135,7 @@ class ClaimWords:
         if self.quantities & {*words[: len(words) - len(bare)], bare[0]}:  # `both doors are shut`
             return False
         is_any = bare[0] in self.indefinite
-        certain = self.definite - self.relative
-        if certain & set(bare[1 : CERTAIN_WITHIN + is_any]):  # `a truck blocks the road`
+        if self._certain & set(bare[1 : CERTAIN_WITHIN + is_any]):  # `a truck blocks the road`
             return False
         return is_any or self._is_kind(bare) or self._is_kind(bare[1:])  # `wet leaves`
 
@@ -180,15 +180,13 @@ class ClaimWords:
         before, after = words[max(0, subject.start - 2) : subject.start], list(words[subject.end :])
         if before and before[-1] in self.generic and words[subject.start] in self.work:
             return True
-        is_kind = self._kind_noun.fullmatch(words[subject.end - 1]) and not (
-            self.definite | set(self.possessive)
-        ) & set(before)
+        is_kind = self._kind_noun.fullmatch(words[subject.end - 1]) and not self._owned & set(before)
         return bool(is_kind) and any(word in self.stative for word in after[: 3 if after[1:2] == ["not"] else 1])
 
     def is_habit(self, words: Sequence[str]) -> bool:
         """Whether a clause has what is so with any of a kind: `apples are usually harvested in autumn`."""
-        certain = self.definite | self.self_words | set(self.possessive) | self.second - self.present
-        return bool(self.habits & set(words)) and not certain & set(words) and not self.progress.within(words)
+        given = set(words)
+        return bool(self.habits & given) and not self._not_of_habits & given and not self.progress.within(words)
 
     def is_asked(self, words: Sequence[str], subject: Subject) -> bool:
         """Whether the robot is only whom the person may ask: `Sie könnten mich fragen`."""
@@ -201,7 +199,7 @@ class ClaimWords:
         at = next((at for at, word in enumerate(after) if word in self.stative or word in self.gerund_verbs), None)
         if at is None or not self.is_progressive(words[0]) or self.objects & set(words):
             return False
-        return not (self.acts | self.states | self.strong) & set(after[at:]) and not self.progress.within(words)
+        return not self._reported & set(after[at:]) and not self.progress.within(words)
 
     def reports(self, after: Sequence[str], *, is_relative: bool) -> bool:
         """Whether what follows a word reports an act or a state: `has arrived`, `is done`, `went well`."""

@@ -113,7 +113,7 @@ class Claims:
             view: The run.
             is_question: Whether it ends with a question mark.
         """
-        clauses = self._clauses(text)
+        clauses = _clauses(text, self._own)
         if self._is_address(words, clauses, is_question=is_question):
             return ""
         names, share = _names(view), self._own.share(words)
@@ -142,16 +142,13 @@ class Claims:
         is_calm = rules.harmless.fits(words) and not rules.self_words & set(words)
         if not words or is_calm or rules.harmless.fits(rest):
             return ""
-        if self._is_address(rest, self._clauses(sentence), is_question=_is_question(sentence)):
+        if self._is_address(rest, _clauses(sentence, rules), is_question=_is_question(sentence)):
             return ""
         is_open = not CLOSED.search(before.strip()) and not ITEM.match(sentence)
         is_continued = next((each for each in sentence if each.isalpha()), "").islower()
         is_short = len(words) <= LONGEST_PIECE or len(rest) <= SHORT or words[-1].isdigit()
         is_begun = is_short or any(each.end == len(words) for each in rules.subjects(words, _names(view)))
         return f"{bare[-LONGEST_BEGUN:]} {sentence}" if is_open or is_continued or is_begun else ""
-
-    def _clauses(self, text: str) -> list[list[str]]:
-        return [words for part in CLAUSES.split(text) if (words := self._own.words(part))]
 
     def _is_address(self, words: Sequence[str], clauses: Sequence[Sequence[str]], *, is_question: bool) -> bool:
         is_idiom = self._own.whole_idioms.fits(words)
@@ -169,6 +166,10 @@ class Claims:
         if len(words) <= SHORT:
             return "" if share else "fragment"
         return "" if share >= LEAST_SHARE else "language"
+
+
+def _clauses(text: str, rules: ClaimWords) -> list[list[str]]:
+    return [words for part in CLAUSES.split(text) if (words := rules.words(part))]
 
 
 def _is_question(sentence: str) -> bool:
@@ -198,7 +199,7 @@ class _JudgedSentence:
 
     def __init__(self, rules: ClaimWords, text: str, names: frozenset[str]) -> None:
         self._rules, self._names = rules, names
-        self._clauses = [words for part in CLAUSES.split(text) if (words := rules.words(part))]
+        self._clauses = _clauses(text, rules)
         self.kind = self._judge(rules.words(text))
 
     def _judge(self, words: list[str]) -> ClaimKind:
