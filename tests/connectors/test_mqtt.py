@@ -251,6 +251,33 @@ def test_a_message_that_is_more_than_the_broker_takes_is_refused_and_the_way_sta
 
 
 @needs_broker
+def test_a_request_whose_answer_has_no_room_is_logged_and_the_way_stays_open(
+    tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    import paho.mqtt.client as mqtt
+    from paho.mqtt.packettypes import PacketTypes
+    from paho.mqtt.properties import Properties
+
+    broker, replies, long = Broker(tmp_path, "max_packet_size 400"), Inbox[Reply](), Properties(PacketTypes.PUBLISH)
+    connector = MqttConnector({"port": broker.port})
+    connector.start()
+    connector.serve("/horn", TRIGGER, lambda request: {})
+    long.ResponseTopic = "x" * 360
+    other = mqtt.Client(mqtt.CallbackAPIVersion.VERSION2, protocol=mqtt.MQTTv5)
+    other.connect("127.0.0.1", broker.port)
+    other.loop_start()
+    other.publish("/horn/request", b"no", qos=1, properties=long).wait_for_publish(5)
+    connector.call("/horn", TRIGGER, {}, on_reply=replies, timeout_s=5.0)
+    assert replies.wait(bool, "the way stays open")[0].outcome == "succeeded"
+    logged = [each.message for each in caplog.records if each.exc_info]
+    assert logged == ["a message on /horn/request was not understood"]
+    other.disconnect()
+    other.loop_stop()
+    connector.stop()
+    broker.stop()
+
+
+@needs_broker
 def test_what_the_broker_keeps_is_no_request_and_no_news(broker: Broker) -> None:
     first, asked, own = Inbox[Message](), Inbox[Any](), Inbox[Message]()
     broker.keep("/event", encode({"x": 1}))
@@ -288,6 +315,45 @@ def test_a_sentence_that_the_broker_keeps_is_of_the_past(broker: Broker, connect
     words.wait(bool, "now counts")
     assert (texts.all, words.all) == (["stop"], ["play"])
     hri.close()
+
+
+@needs_broker
+def test_a_topic_that_is_where_a_service_is_asked_is_shared(connector: MqttConnector) -> None:
+    messages, replies = Inbox[Message](), Inbox[Reply]()
+    close_service = connector.serve("lamp", TRIGGER, lambda request: {"is_on": True})
+    close_topic = connector.subscribe("lamp/request", STRING, messages)
+
+    connector.call("lamp", TRIGGER, {"on": True}, on_reply=replies)
+    assert replies.wait(bool, "the service answers")[0].outcome == "succeeded"
+    assert messages.wait(bool, "the topic is received too")[0].data == {"on": True}
+
+    close_topic()
+    connector.call("lamp", TRIGGER, {}, on_reply=replies)
+    assert replies.wait(lambda all_: len(all_) == 2, "the service is still there")[1].outcome == "succeeded"
+
+    connector.subscribe("lamp/request", STRING, messages)
+    close_service()
+    connector.publish("lamp/request", STRING, {"data": "on"})
+    assert messages.wait(lambda all_: len(all_) == 2, "the topic is still there")[1].data == {"data": "on"}
+
+
+@needs_broker
+def test_who_subscribes_while_the_last_one_leaves_receives_the_topic(
+    connector: MqttConnector, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from paho.mqtt.client import Client
+
+    messages, unsubscribe = Inbox[Message](), Client.unsubscribe
+    leave = connector.subscribe("leaves", STRING, messages)
+
+    def unsubscribe_late(client: Client, topic: str) -> None:
+        connector.subscribe("leaves", STRING, messages)
+        unsubscribe(client, topic)
+
+    monkeypatch.setattr(Client, "unsubscribe", unsubscribe_late)
+    leave()
+    connector.publish("leaves", STRING, {"data": "falling"})
+    assert messages.wait(bool, "it is received")[0].data == {"data": "falling"}
 
 
 @needs_broker

@@ -249,6 +249,13 @@ class MqttConnector:
         client.subscribe([(topic, _quality()) for topic in topics])
 
     def _arrived(self, _client: Any, _data: Any, message: Any) -> None:
+        """Nothing that a message brings ends paho's thread, which would not be replaced."""
+        try:
+            self._take(message)
+        except Exception:
+            log.exception("a message on %s was not understood", message.topic)
+
+    def _take(self, message: Any) -> None:
         topic = message.topic
         try:
             data = decode(message.payload)
@@ -256,15 +263,11 @@ class MqttConnector:
             self._misread(message, str(fault))
             return
         self._unread.discard(topic)
-        try:
-            if topic == self._replies_to:
-                self._answered(message, data)
-            elif topic in self._services:
-                self._serve_one(message, data)
-            else:
-                self._deliver(message, data)
-        except Exception:
-            log.exception("a message on %s was not understood", topic)
+        if topic == self._replies_to:
+            self._answered(message, data)
+        if (served := self._services.get(topic)) is not None:
+            self._serve_one(*served, message, data)
+        self._deliver(message, data)
 
     def _misread(self, message: Any, why: str) -> None:
         """It is no JSON: logged once until the topic has a good one; a caller receives it as the answer."""
@@ -292,8 +295,7 @@ class MqttConnector:
         """A stamp is a time of day."""
         return dated(stamp_of(data), now=self._now(), sender_now=time.time())
 
-    def _serve_one(self, message: Any, request: Data) -> None:
-        service, answer = self._services[message.topic]
+    def _serve_one(self, service: str, answer: Answer, message: Any, request: Data) -> None:
         if message.retain:
             log.warning("a request to %s that the broker keeps is of the past, and is not served", service)
             return
@@ -379,7 +381,7 @@ class MqttConnector:
             if is_last:
                 del self._listeners[topic]
         if is_last:
-            self._forget(topic)
+            self._leave(topic)
 
     def _close_service(self, topic: str, answer: Answer) -> None:
         with self._lock:
@@ -387,12 +389,20 @@ class MqttConnector:
             if is_ours:
                 del self._services[topic]
         if is_ours:
-            self._forget(topic)
+            self._leave(topic)
 
-    def _forget(self, topic: str) -> None:
+    def _leave(self, topic: str) -> None:
+        """Receive a topic no more that no one here wants; one who comes meanwhile receives it all the same."""
         client = self._link.client
-        if client is not None:
-            client.unsubscribe(topic)
+        if client is None or self._is_wanted(topic):
+            return
+        client.unsubscribe(topic)
+        if self._is_wanted(topic):
+            self._subscribe(topic)
+
+    def _is_wanted(self, topic: str) -> bool:
+        with self._lock:
+            return topic in self._listeners or topic in self._services
 
 
 class _Listener:
