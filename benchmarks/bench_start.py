@@ -16,7 +16,7 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
-from benchmarks.figures import figure
+from benchmarks.figures import PACE, figure
 
 RUNS = 9
 ROOT = Path(__file__).parents[1]
@@ -81,6 +81,7 @@ def main() -> None:
     print(f"{'rai-missions --help':44}{help_cpu:10.0f}{'≤ 250 wall':>24}  ({help_wall:.0f} ms wall)")
     print(f"{'import mujoco':44}{physics:10.0f}")
     print(f"{'rai-missions run, tractor, to its first step':44}{first:10.0f}{'≤ 600':>24}  ({first_wall:.0f} ms wall)")
+    figure(PACE, physics, "ms")
     figure("import rai_missions", ours, "ms", peer=("import pydantic.BaseModel", pydantic), most=pydantic + 60)
     figure("from rai_missions import Chart, Mission", used, "ms", peer=("import pydantic.BaseModel", pydantic))
     figure("rai-missions --help, wall", help_wall, "ms", most=250)

@@ -161,7 +161,7 @@ def main() -> None:
     print(f"{'tree':>16} {'visited':>8} {'py_trees':>16} {'compiled':>16}   µs a tick (µs a visited node)")
     for name, tree in TREES.items():
         nodes, theirs, ours = measure(tree)
-        figure(f"a visited node, {name}", ours / nodes, "µs", peer=("py_trees", theirs / nodes))
+        figure(f"a visited node, {name}", ours / nodes, "µs", peer=("py_trees", theirs / nodes), most=0.3)
         print(f"{name:>16} {nodes:>8} " + " ".join(f"{us:>8.1f} ({us / nodes:5.2f})" for us in (theirs, ours)))
     print(f"{'step of a chart':>16} {'nodes':>8} {'py_trees':>16} {'compiled':>16}   µs a step")
     for name, keys, tree in (
@@ -171,7 +171,8 @@ def main() -> None:
         nodes = sum(1 for _ in TreeNode.read(tree).paths())
         ours = cpu_us(stepping(tree, keys))
         theirs = cpu_us(stepping(tree, keys, PyTrees()), 30 if keys == 50 else 1)
-        figure(f"a step that changes one guard of {keys}", ours, "µs", peer=("on py_trees", theirs))
+        most = 15 if keys == 50 else 25
+        figure(f"a step that changes one guard of {keys}", ours, "µs", peer=("on py_trees", theirs), most=most)
         figure(f"the same, of {keys}: memory at its peak", peak_bytes(stepping(tree, keys)), "bytes")
         print(f"{name:>16} {nodes:>8} {theirs:>16.1f} {ours:>16.1f}")
 

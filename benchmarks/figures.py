@@ -11,10 +11,13 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import NamedTuple
 
-__all__ = ("VARIABLE", "Figure", "figure", "figures_in", "peak_bytes")
+__all__ = ("PACE", "PACE_AT_BOUNDS_MS", "VARIABLE", "Figure", "figure", "figures_in", "peak_bytes")
 
 VARIABLE = "RAI_MISSIONS_FIGURES"
 """The environment's variable that names the file; without it a figure is kept nowhere."""
+
+PACE, PACE_AT_BOUNDS_MS = "import mujoco", 314
+"""The figure by which machines are compared, and its value on the one for which the bounds were set."""
 
 
 class Figure(NamedTuple):

@@ -26,7 +26,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT))
 
-from benchmarks.figures import VARIABLE, Figure, figures_in  # noqa: E402
+from benchmarks.figures import PACE, PACE_AT_BOUNDS_MS, VARIABLE, Figure, figures_in  # noqa: E402
 
 PAGE = ROOT / "docs" / "performance.md"
 PACKAGES = ("pydantic", "py-trees", "transitions", "langchain-core", "mujoco", "rclpy")
@@ -65,7 +65,10 @@ def main() -> int:
 def benchmarks() -> dict[str, bool]:
     """Each benchmark by name, and whether it hands figures over for the page; the others print theirs."""
     files = sorted((ROOT / "benchmarks").glob("bench_*.py"))
-    return {path.stem.removeprefix("bench_"): "import figure" in path.read_text(encoding="utf-8") for path in files}
+    return {
+        path.stem.removeprefix("bench_"): "benchmarks.figures import" in path.read_text(encoding="utf-8")
+        for path in files
+    }
 
 
 def arguments() -> argparse.Namespace:
@@ -133,7 +136,7 @@ def written(own: Measured, base: Measured | None, given: argparse.Namespace, fai
         f"A figure is the median of {given.rounds} round{'s' if given.rounds > 1 else ''}, next to their spread.",
         "Times are CPU times unless a name has another word. A ratio compares two values of the same run.",
         "",
-        *(f"- {what}: {value}" for what, value in about(given.base).items()),
+        *(f"- {what}: {value}" for what, value in {**about(given.base), **speed_of(own)}.items()),
         "",
     ]
     heads = ["what", "median", "spread", "peer", "times the peer", "bound"]
@@ -191,6 +194,15 @@ def about(base: str) -> Mapping[str, str]:
         "Python": f"{platform.python_implementation()} {platform.python_version()}",
         "packages": ", ".join(versions(PACKAGES)),
     }
+
+
+def speed_of(own: Measured) -> Mapping[str, str]:
+    """How fast the machine was, next to the one for which the bounds were set; nothing where that was not measured."""
+    if PACE not in own:
+        return {}
+    found = statistics.median(each.value for each in own[PACE])
+    share = f"{PACE_AT_BOUNDS_MS / found:.2f} times that of the machine for which the bounds were set"
+    return {"speed": f"{share}: {PACE} takes {short(found)} instead of {PACE_AT_BOUNDS_MS} ms"}
 
 
 def processor() -> str:

@@ -11,7 +11,7 @@ ROOT = Path(__file__).parents[2]
 BENCH = """
 import os
 from pathlib import Path
-from benchmarks.figures import figure
+from benchmarks.figures import PACE as REFERENCE, figure
 from rai_missions.pace import PACE
 
 count = Path(os.environ["COUNT"])
@@ -19,6 +19,7 @@ runs = len(count.read_text()) if count.exists() else 0
 count.write_text("x" * (runs + 1))
 figure("an event", PACE + runs, "µs", peer=("a peer", 2.0), most=4.5)
 figure("steps", 100.0, "steps/s", most=90.0, larger_is_better=True)
+figure(REFERENCE, 628.0, "ms")
 """
 
 
@@ -51,6 +52,7 @@ def test_the_median_its_spread_the_ratio_and_the_bound(tmp_path: Path) -> None:
     text = page(project(tmp_path))
     assert "| an event | 4 µs | 3–5 | a peer | 2× | ≤ 4.5: held |" in text
     assert "| steps | 100 steps/s | 100–100 |  |  | ≥ 90: held |" in text
+    assert "- speed: 0.50 times that of the machine for which the bounds were set: import mujoco takes 628" in text
 
 
 def test_a_base_takes_turns_with_the_tree(tmp_path: Path) -> None:
