@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import importlib.util
+import json
 import shutil
 import socket
 import subprocess
@@ -29,6 +30,9 @@ from rai_missions.image import Image
 
 STRING, TRIGGER = "std_msgs/msg/String", "std_srvs/srv/Trigger"
 BROKER = shutil.which("mosquitto", path="/usr/sbin:/usr/local/sbin:/usr/bin:/usr/local/bin")
+RULES = next(
+    (each for at in ("lib", "lib/*") for each in Path("/usr").glob(f"{at}/mosquitto_dynamic_security.so")), None
+)
 ABSENT = [
     remedy
     for remedy, is_here in (
@@ -443,6 +447,83 @@ def test_a_way_that_becomes_silent_is_to_be_known_as_lost_within_seconds() -> No
     assert 0 < int.from_bytes(received[0][after_name + 2 : after_name + 4]) <= 10
 
 
+def test_a_port_that_wants_tls_is_taken_for_one_at_once() -> None:
+    pytest.importorskip("paho.mqtt", reason="pip install -e '.[mqtt]'")
+    with socket.create_server(("127.0.0.1", 0)) as listening:
+
+        def hang_up() -> None:
+            client, _ = listening.accept()
+            client.recv(1000)
+            client.close()
+
+        threading.Thread(target=hang_up, daemon=True).start()
+        with pytest.raises(ConnectorError, match="it ends the connection without an answer, as one that wants TLS"):
+            MqttConnector({"port": listening.getsockname()[1]}).start()
+
+
+def _ruled(folder: Path, *may_subscribe: str) -> Broker:
+    """A broker on which clients may do what is listed, and publish on `/lamp`."""
+    rules = [("subscribePattern", each) for each in may_subscribe] + [("publishClientSend", "/lamp")]
+    rules_file = folder / "rules.json"
+    denied = dict.fromkeys(("publishClientSend", "subscribe"), False)
+    acls = [{"acltype": kind, "topic": topic, "allow": True} for kind, topic in rules]
+    rules_file.write_text(
+        json.dumps(
+            {
+                "defaultACLAccess": {**denied, "publishClientReceive": True, "unsubscribe": True},
+                "clients": [],
+                "groups": [{"groupname": "all", "roles": [{"rolename": "any"}], "clients": []}],
+                "roles": [{"rolename": "any", "acls": acls}],
+                "anonymousGroup": "all",
+            }
+        ),
+        encoding="utf-8",
+    )
+    return Broker(folder, f"plugin {RULES}", f"plugin_opt_config_file {rules_file}")
+
+
+@needs_broker
+@pytest.mark.skipif(not RULES, reason="mosquitto is here without its plugin for access rules")
+def test_what_the_access_rules_of_a_broker_refuse_is_named(tmp_path: Path, caplog: pytest.LogCaptureFixture) -> None:
+    broker = _ruled(tmp_path, "/lamp", "rai_missions/reply/#")
+    connector, replies, received = MqttConnector({"port": broker.port}), Inbox[Reply](), Inbox[Message]()
+    connector.start()
+    for topic in ("/battery", "/lamp"):
+        connector.subscribe(topic, STRING, received)
+        connector.publish(topic, STRING, {"data": "on"})
+    connector.publish("/battery", STRING, {"data": "on"})
+    connector.serve("/dock", TRIGGER, dict)
+    connector.call("/horn", TRIGGER, {}, on_reply=replies)
+    why = "the MQTT broker takes no request to /horn from us: not authorized"
+    assert replies.wait(bool, "at once") == [Reply("unavailable", {}, why)]
+    assert [each.topic for each in received.wait(bool, "what is allowed is carried")] == ["/lamp"]
+    assert {each.getMessage() for each in caplog.records} == {
+        "the MQTT broker does not let us receive /battery: not authorized",
+        "the MQTT broker takes no message on /battery from us: not authorized",
+        "the MQTT broker does not let us receive /dock/request: not authorized",
+    }
+    assert len(caplog.records) == 3
+    connector.stop()
+    broker.stop()
+
+
+@needs_broker
+@pytest.mark.skipif(not RULES, reason="mosquitto is here without its plugin for access rules")
+def test_no_call_waits_for_a_reply_that_the_broker_keeps_back(tmp_path: Path) -> None:
+    broker, replies = _ruled(tmp_path, "/lamp", "/lamp/request"), Inbox[Reply]()
+    connector = MqttConnector({"port": broker.port})
+    connector.start()
+    connector.call("/lamp", TRIGGER, {}, on_reply=replies)
+    connector.call("/lamp", TRIGGER, {}, on_reply=replies)
+    ends = replies.wait(lambda all_: len(all_) == 2, "each ends at once")
+    assert {each.outcome for each in ends} == {"unavailable"}
+    assert all("does not let us receive rai_missions/reply/" in each.why or "to /lamp" in each.why for each in ends)
+    connector.call("/lamp", TRIGGER, {}, on_reply=replies)
+    assert "does not let us receive rai_missions/reply/" in replies.all[-1].why
+    connector.stop()
+    broker.stop()
+
+
 def test_why_a_broker_ends_the_way_is_reported(caplog: pytest.LogCaptureFixture) -> None:
     pytest.importorskip("paho.mqtt", reason="pip install -e '.[mqtt]'")
     replies, is_sent = Inbox[Reply](), threading.Event()
@@ -515,6 +596,12 @@ def test_every_other_name_is_carried(connector: MqttConnector, name: str) -> Non
 def test_an_unknown_option_is_reported_with_what_there_is() -> None:
     with pytest.raises(UsageError, match="no option 'hots'; there is: host, port"):
         MqttConnector({"hots": "x"})
+
+
+@pytest.mark.parametrize("host", ["", "mqtts://broker", None, 7])
+def test_a_host_that_is_none_is_refused_before_the_start(host: Any) -> None:
+    with pytest.raises(UsageError, match=r"^connector/host: .* is no host; give a name or an address, as '192"):
+        MqttConnector({"host": host})
 
 
 plain = st.recursive(

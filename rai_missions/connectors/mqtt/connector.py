@@ -49,8 +49,8 @@ def read_options(given: Mapping[str, Any]) -> tuple[str, int]:
     for word in given.keys() - set(OPTIONS):
         raise UsageError(f"connector: no option {shown(word)}; there is: {', '.join(OPTIONS)}")
     host, port = given.get("host", "127.0.0.1"), given.get("port", 1883)
-    if not isinstance(host, str):
-        raise UsageError(f"connector/host: {shown(host)} is no text; give a name or an address")
+    if not isinstance(host, str) or not host or "/" in host:
+        raise UsageError(f"connector/host: {shown(host)} is no host; give a name or an address, as '192.168.1.20'")
     if not isinstance(port, int) or isinstance(port, bool) or not 1 <= port <= 65_535:
         raise UsageError(f"connector/port: {shown(port)} is no port; give a whole number from 1 to 65535")
     return host, port
@@ -77,20 +77,18 @@ class MqttConnector:
         self._now = now or time.time
         self._lock = threading.Lock()
         self._link = BrokerLink(
-            self._host, self._port, on_open=self._subscribe_all, on_lost=self._lost,
-            on_message=self._arrived, on_publish=self._taken,
-        )  # fmt: skip
+            self._host, self._port, on_open=self._subscribe_all, on_lost=self._lost, on_message=self._arrived
+        )
         self._replies_to = ""
         self._listeners: defaultdict[str, dict[object, _Listener]] = defaultdict(dict)
         self._services: dict[str, tuple[str, Answer]] = {}
         self._calls: dict[bytes, _Call] = {}
-        self._sent: dict[int, bytes] = {}
         self._types: dict[tuple[Mode, str], str] = {}
         self._answers: OrderedDict[bytes, str] = OrderedDict()
         self._rivals: set[str] = set()
         self._unread: set[str] = set()
-        self._refused: set[int] = set()
-        self._entering = 0
+        self._denied: set[str] = set()
+        self._why_unanswered = ""
 
     @property
     def running(self) -> bool:
@@ -152,7 +150,7 @@ class MqttConnector:
         if not self.running:
             return
         self._types["topics", topic] = type_name
-        sent = self._link.publish(topic, payload)
+        sent = self._link.publish(topic, payload, on_code=lambda code: self._published(topic, code))
         if sent is None or sent.rc:
             raise ConnectorError(f"nothing can be published on {topic}: {GONE}")
 
@@ -175,32 +173,25 @@ class MqttConnector:
             why = GONE if self.running else "the connector is not started"
             on_reply(Reply("unavailable", {}, f"no server offers {service}: {why}"))
             return
+        if self._why_unanswered:
+            on_reply(Reply("unavailable", {}, self._why_unanswered))
+            return
         key = uuid.uuid4().bytes
         late = Reply("timed_out", {}, f"{service} has not answered within {timeout_s} s")
         timer = None if timeout_s is None else threading.Timer(timeout_s, lambda: self._end(key, late))
-        self._calls[key] = call = _Call(service, on_reply, timer)
+        self._calls[key] = _Call(service, on_reply, timer)
         if timer is not None:
             timer.daemon = True
             timer.start()
         words = _properties(ResponseTopic=self._replies_to, CorrelationData=key, **_expiry(timeout_s))
-        with self._lock:
-            self._entering += 1
         sent, end = None, Reply("unavailable", {}, GONE)
         try:
-            sent = self._link.publish(f"{service}{REQUEST}", payload, words)
+            sent = self._link.publish(
+                f"{service}{REQUEST}", payload, words, on_code=lambda code: self._taken(key, service, code)
+            )
         except ConnectorError as fault:
             end = Reply("failed", {}, str(fault))
-        call.mid = sent.mid if sent is not None else 0
-        with self._lock:
-            if sent is not None:
-                self._sent[call.mid] = key
-            is_refused = call.mid in self._refused  # the broker was quicker than this thread
-            self._entering -= 1
-            if not self._entering:
-                self._refused.clear()
-        if is_refused:
-            self._end(key, _no_server(service))
-        elif sent is None or sent.rc:  # it never left
+        if sent is None or sent.rc:  # it never left
             self._end(key, end)
 
     def serve(self, service: str, type_name: str, answer: Answer) -> Close:
@@ -239,14 +230,13 @@ class MqttConnector:
             raise UsageError("the MQTT connector is not started: call start() first")
 
     def _subscribe(self, topic: str) -> None:
-        client = self._link.client
-        if client is not None:  # else with all others, once there is a broker again
-            client.subscribe(topic, qos=1)
+        self._link.subscribe((topic,), self._kept_back)  # else with all others, once there is a broker again
 
-    def _subscribe_all(self, client: Any) -> None:
+    def _subscribe_all(self) -> None:
         with self._lock:
-            topics = [self._replies_to, *self._listeners, *self._services]
-        client.subscribe([(topic, _quality()) for topic in topics])
+            topics = (self._replies_to, *self._listeners, *self._services)
+            self._why_unanswered = ""
+        self._link.subscribe(topics, self._kept_back)
 
     def _arrived(self, _client: Any, _data: Any, message: Any) -> None:
         """Nothing that a message brings ends paho's thread, which would not be replaced."""
@@ -345,17 +335,31 @@ class MqttConnector:
                 "two servers answer %s: each request is carried out twice; give each robot its own names", service
             )
 
-    def _taken(self, _client: Any, _data: Any, mid: int, code: Any, _properties: Any) -> None:
-        """The broker has a request; it reports if no client listens to it."""
-        if code.value != NO_SUBSCRIBERS:
-            return
-        with self._lock:
-            key = self._sent.get(mid)
-            if key is None and self._entering:
-                self._refused.add(mid)
-        call = self._calls.get(key) if key is not None else None
-        if key is not None and call is not None:
-            self._end(key, _no_server(call.service))
+    def _taken(self, key: bytes, service: str, code: Any) -> None:
+        """The broker has a request, or reports why it has not; it reports if no client listens to it."""
+        if code.is_failure:
+            why = f"the MQTT broker takes no request to {service} from us: {str(code).lower()}"
+            self._end(key, Reply("unavailable", {}, why))
+        elif code.value == NO_SUBSCRIBERS:
+            self._end(key, Reply("unavailable", {}, f"no server offers {service}"))
+
+    def _published(self, topic: str, code: Any) -> None:
+        if code.is_failure:
+            self._deny(f"the MQTT broker takes no message on {topic} from us: {str(code).lower()}")
+
+    def _kept_back(self, topic: str, why: str) -> None:
+        """The broker keeps a topic from us; where that is the one of replies, no call is answered."""
+        denied = f"the MQTT broker does not let us receive {topic}: {why}"
+        self._deny(denied)
+        if topic == self._replies_to:
+            self._why_unanswered = denied
+            self._give_up(denied)
+
+    def _deny(self, sentence: str) -> None:
+        """Logged once: each connection asks for it again."""
+        if sentence not in self._denied:
+            self._denied.add(sentence)
+            log.warning("%s", sentence)
 
     def _lost(self, why: str) -> None:
         self._give_up(f"{GONE}: {why}" if why else GONE)
@@ -367,7 +371,6 @@ class MqttConnector:
     def _end(self, key: bytes, reply: Reply) -> None:
         call = self._calls.pop(key, None)
         if call is not None:
-            self._sent.pop(call.mid, None)
             if call.timer is not None:
                 call.timer.cancel()
             try:
@@ -417,11 +420,7 @@ class _Call:
     """A request that waits for its reply."""
 
     def __init__(self, service: str, on_reply: Callable[[Reply], None], timer: threading.Timer | None) -> None:
-        self.service, self.answered, self.timer, self.mid = service, on_reply, timer, 0
-
-
-def _no_server(service: str) -> Reply:
-    return Reply("unavailable", {}, f"no server offers {service}")
+        self.service, self.answered, self.timer = service, on_reply, timer
 
 
 def _expiry(timeout_s: float | None) -> dict[str, int]:
@@ -437,9 +436,3 @@ def _properties(**words: Any) -> Any:
     for word, value in words.items():
         setattr(made, word, value)
     return made
-
-
-def _quality() -> Any:
-    from paho.mqtt.subscribeoptions import SubscribeOptions
-
-    return SubscribeOptions(qos=1)

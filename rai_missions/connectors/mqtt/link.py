@@ -11,9 +11,10 @@ from __future__ import annotations
 import contextlib
 import socket
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
+from rai_missions.connectors.mqtt.acknowledgements import Acknowledgements
 from rai_missions.connectors.worker import Worker
 from rai_missions.errors import ConnectorError, UsageError, install_command
 from rai_missions.redaction import logger
@@ -26,6 +27,7 @@ PATIENCE_S = 5.0
 """How long a broker may take to let a client in."""
 AGAIN_S, LONGEST_S = 0.5, 8.0
 """Seconds between two attempts to reach a broker that is gone: at first, and at most."""
+UNANSWERED = "it ends the connection without an answer, as one that wants TLS does"
 FAREWELL_S = 1.0
 """How long a broker may take at the end to acknowledge what was sent."""
 FRAME = 10
@@ -40,23 +42,23 @@ class BrokerLink:
     Args:
         host: Where the broker is.
         port: Its port.
-        on_open: Called with the client of each new connection.
+        on_open: Called for each new connection.
         on_lost: Called when a connection is lost, with the reason that the broker gave, empty where it gave none.
         on_message: Paho's `on_message`.
-        on_publish: Paho's `on_publish`.
     """
 
     def __init__(
-        self, host: str, port: int, *, on_open: Callable[[Any], object], on_lost: Callable[[str], object],
-        on_message: Callable[..., object], on_publish: Callable[..., object],
+        self, host: str, port: int, *, on_open: Callable[[], object], on_lost: Callable[[str], object],
+        on_message: Callable[..., object],
     ) -> None:  # fmt: skip
         self._host, self._port = host, port
         self._on_open, self._on_lost = on_open, on_lost
-        self._on_message, self._on_publish = on_message, on_publish
+        self._on_message = on_message
         self._lock = threading.Lock()
         self._worker = Worker("way to the MQTT broker")
         self._made: Any = None
         self._client: Any = None
+        self._acknowledgements = Acknowledgements()
         self._largest: int | None = None
         self._sent_last: Any = None
         self._reader: int | None = None
@@ -80,11 +82,11 @@ class BrokerLink:
             UsageError: paho is not installed.
             ConnectorError: No broker answers, or it refuses.
         """
-        answers: list[Any] = []
+        answers: list[str] = []
         is_answered = threading.Event()
 
-        def on_answer(code: Any) -> None:
-            answers.append(code)
+        def on_answer(why: str) -> None:
+            answers.append(why)
             is_answered.set()
 
         with self._lock:
@@ -97,13 +99,45 @@ class BrokerLink:
         except UsageError:
             self.close()
             raise
-        if not is_answered.wait(PATIENCE_S) or answers[0].is_failure:
+        if not is_answered.wait(PATIENCE_S) or answers[0]:
             why = answers[0] if answers else "it states nothing"
             self.close()
             raise ConnectorError(f"the MQTT broker at {self._host}:{self._port} does not let us in: {why}")
 
-    def publish(self, topic: str, payload: bytes, properties: Any = None) -> Any:
+    def subscribe(self, topics: Sequence[str], on_refused: Callable[[str, str], object]) -> None:
+        """Receive topics with quality 1; nothing happens while the broker is away.
+
+        Args:
+            topics: Their names.
+            on_refused: Called on paho's thread with each topic that the broker does not let us receive, and the reason.
+        """
+        client = self._client
+        if client is None:
+            return
+
+        def on_codes(codes: Sequence[Any]) -> None:
+            for topic, code in zip(topics, codes, strict=False):
+                if code.is_failure:
+                    on_refused(topic, str(code).lower())
+
+        self._acknowledgements.track(lambda: client.subscribe([(topic, _quality()) for topic in topics]), on_codes)
+
+    def publish(
+        self,
+        topic: str,
+        payload: bytes,
+        properties: Any = None,
+        *,
+        on_code: Callable[[Any], object] = lambda code: None,
+    ) -> Any:
         """Send a message with quality 1.
+
+        Args:
+            topic: Where to.
+            payload: What it is.
+            properties: Paho's, of MQTT 5.
+            on_code: Called on paho's thread with the reason code of the broker's acknowledgement, unless the connection
+                is lost before.
 
         Returns:
             Paho's word on what becomes of it; None while the broker is away.
@@ -117,7 +151,14 @@ class BrokerLink:
         size = len(payload) + len(topic.encode()) + (0 if properties is None else len(properties.pack())) + FRAME
         if largest is not None and size > largest:
             raise ConnectorError(f"{topic}: a message of {size} bytes; the MQTT broker takes {largest} at most")
-        self._sent_last = sent = client.publish(topic, payload, qos=1, properties=properties)
+        sent: Any = None
+
+        def send() -> tuple[Any, int]:
+            nonlocal sent
+            self._sent_last = sent = client.publish(topic, payload, qos=1, properties=properties)
+            return sent.rc, sent.mid
+
+        self._acknowledgements.track(send, lambda codes: on_code(codes[0]))
         return sent
 
     def close(self) -> None:
@@ -136,24 +177,28 @@ class BrokerLink:
             with contextlib.suppress(RuntimeError, ValueError):  # it never left
                 last.wait_for_publish(FAREWELL_S)
 
-    def _connect(self, on_answer: Callable[[Any], object] = lambda code: None) -> None:
-        client = _client()
+    def _connect(self, on_answer: Callable[[str], object] = lambda why: None) -> None:
+        client, acknowledgements = _client(), Acknowledgements()
 
         def connected(_client: Any, _data: Any, _flags: Any, code: Any, properties: Any) -> None:
             with self._lock:
                 self._largest = getattr(properties, "MaximumPacketSize", None)
                 self._reader = threading.get_ident()
                 is_ours = self._made is client and not code.is_failure
-                self._client = client if is_ours else self._client
+                if is_ours:
+                    self._client, self._acknowledgements = client, acknowledgements
             if is_ours:
                 self._again_s = AGAIN_S
-                self._on_open(client)
-            on_answer(code)
+                self._on_open()
+            on_answer(str(code) if code.is_failure else "")
 
-        client.on_connect, client.on_message, client.on_publish = connected, self._on_message, self._on_publish
-        client.on_disconnect = lambda _client, _data, flags, code, _properties: self._lost(
-            client, str(code).lower() if flags.is_disconnect_packet_from_server else ""
-        )
+        def disconnected(_client: Any, _data: Any, flags: Any, code: Any, _properties: Any) -> None:
+            on_answer(UNANSWERED)
+            self._lost(client, str(code).lower() if flags.is_disconnect_packet_from_server else "")
+
+        client.on_connect, client.on_disconnect, client.on_message = connected, disconnected, self._on_message
+        client.on_publish = lambda _client, _data, mid, code, _properties: acknowledgements.arrived(mid, (code,))
+        client.on_subscribe = lambda _client, _data, mid, codes, _properties: acknowledgements.arrived(mid, codes)
         client.on_socket_open = _hurry
         client.connect(self._host, self._port, keepalive=KEEPALIVE_S)
         with self._lock:
@@ -205,3 +250,9 @@ def _end(client: Any) -> None:
 def _hurry(_client: Any, _data: Any, opened: socket.socket) -> None:
     """Without this a message of quality 1 waits some 40 ms for the acknowledgement of the one before."""
     opened.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+
+
+def _quality() -> Any:
+    from paho.mqtt.subscribeoptions import SubscribeOptions
+
+    return SubscribeOptions(qos=1)
