@@ -119,6 +119,7 @@ def choosing() -> State:
         transitions=[
             When(k.task == "come_back", to="coming_back"),
             When(~k.task.is_in(["go", "find", "look", "wait"]), to="refused"),
+            When((k.task == "find") & (k.object == ""), to="refused"),
             When((k.task == "wait") & here, to="waiting"),
             When((k.task == "look") & here, to="looking_around"),
             room(k.place == "kitchen", VIEWS["kitchen"]),
@@ -234,7 +235,7 @@ def ends() -> dict[str, Final]:
             "failed", about="it could not get to every view, and did not see the object from the others"
         ),
         "blind": Final("failed", about="it got no picture, or no detections from it"),
-        "refused": Final("failed", about="there is no such task or place"),
+        "refused": Final("failed", about="there is no such task or place, or no object to find"),
         "stranded": Final("failed", about="it is stuck somewhere and cannot come to its dock; a person must fetch it"),
         "gave_up": Final("aborted", about="it gave the task up, and stays where it is"),
         "low_battery": Final("aborted", about="it is on its dock, because its battery was low; the task is not done"),

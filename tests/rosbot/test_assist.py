@@ -131,7 +131,9 @@ def test_it_goes_waits_and_comes_back(patrol: Any, words: Any, state: str, place
 
 
 @pytest.mark.sim
-@pytest.mark.parametrize("words", [order("dance"), order("find", place="moon"), order("find", place="here")])
+@pytest.mark.parametrize(
+    "words", [order("dance"), order("find", place="moon"), order("find", place="here"), order("find", object="")]
+)
 def test_an_order_that_it_does_not_know_is_refused_before_it_moves(patrol: Any, words: Any) -> None:
     one = patrol(words=words)
     assert one.run().state == ("refused",)
