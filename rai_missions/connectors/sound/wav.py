@@ -35,7 +35,7 @@ def read_wav(path: Path | str) -> bytes:
                 file.getsampwidth(), file.getnchannels(), file.getframerate(), file.getnframes()
             )  # fmt: skip
             most = int(LONGEST_S * max(rate, 1))
-            data = file.readframes(min(count, most + 1))  # what a program wrote into a pipe has no count that is true
+            data = file.readframes(min(count, most) + 1)  # what a program wrote into a pipe has no count that is true
     except FileNotFoundError:
         raise UsageError(f"there is no file {path}") from None
     except (wave.Error, EOFError, OSError, RuntimeError, ValueError) as error:

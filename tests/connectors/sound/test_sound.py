@@ -127,6 +127,8 @@ def test_a_broken_file_is_named_with_what_is_wrong(tmp_path: Path) -> None:
     with wave.open(str(tmp_path / "8bit.wav"), "wb") as out:
         out.setparams((1, 1, 16_000, 0, "NONE", ""))
         out.writeframes(b"\x80" * 100)
+    whole, sound = struct.pack("<I", len(good) - 6), struct.pack("<I", len(good) - 43)
+    odd = good[:4] + whole + good[8:40] + sound + good[44:] + b"xx"
     faults = {
         tmp_path / "none.wav": "there is no file",
         tmp_path: "is a folder, no WAV file",
@@ -138,6 +140,7 @@ def test_a_broken_file_is_named_with_what_is_wrong(tmp_path: Path) -> None:
         write(
             tmp_path / "piped.wav", good[:40] + struct.pack("<I", 2**32 - 1) + good[44:-100]
         ): "is cut short: 10190 of 2147483647 samples are there",
+        write(tmp_path / "odd.wav", odd): "ends within a sample: 20481 bytes are no multiple of 2",
         write(tmp_path / "slow.wav", good[:24] + struct.pack("<I", 100) + good[28:]): "has a rate of 100 Hz",
     }
     for path, sentence in faults.items():
