@@ -130,7 +130,7 @@ class SpeechProcess:
                 life = self._begin()
                 number = next(self._numbers)
                 within_s = self._within_s + (0.0 if self._replied else START_S)
-                cancel = self._timers.after(within_s, lambda: self._give_up(number, life))
+                cancel = self._timers.after(within_s, lambda: self._give_up(number, life, within_s))
                 self._asked[number] = PendingOrder(on_reply, on_part, cancel)
         if fault:
             on_reply(SpeechReply(fault=f"the {self.sort} '{self.name}': {fault}"))
@@ -195,11 +195,11 @@ class SpeechProcess:
         fault = cut(message["failed"], 400) if "failed" in message else ""
         asked.on_reply(SpeechReply(message, f"the {self.sort} '{self.name}' failed ({fault})" if fault else ""))
 
-    def _give_up(self, number: int, life: ProcessLife) -> None:
+    def _give_up(self, number: int, life: ProcessLife, within_s: float) -> None:
         with self._lock:
             is_late = number in self._asked
         if is_late:
-            life.end(f"it did not reply within {self._within_s:g} s")
+            life.end(f"it did not reply within {within_s:g} s")
 
     def _ended(self, life: ProcessLife) -> None:
         """A process has ended, on its own or not."""

@@ -15,6 +15,7 @@ from rai_missions.cli.run.talk import normalise_voice_args
 from rai_missions.connectors.sound.devices import sound_devices
 from rai_missions.connectors.sound.wav import write_wav
 from rai_missions.errors import MissionError
+from tests.plugins.test_plugins import laid_out
 from tests.voice.conftest import needs_voice
 
 
@@ -49,6 +50,29 @@ def test_a_file_without_speech_exits_with_1(tmp_path: Path, capsys: pytest.Captu
     write_wav(tmp_path / "silence.wav", bytes(32_000))
     assert main(["listen", str(tmp_path / "silence.wav")]) == 1
     assert capsys.readouterr().out == ""
+
+
+SHORT_OF_BREATH = """
+class Voice:
+    def speak(self, text):
+        assert len(text) <= 10, f"{len(text)} letters"
+        yield bytes(2 * 160 * len(text))
+open_voice = Voice
+"""
+
+
+@pytest.mark.parametrize(
+    ("text", "status", "written"),
+    [("Halt it.", 0, "0.1 s"), (" ".join(["Halt it."] * 200), 0, "16.0 s"), ("...", 2, ""), ("Halt it and wait", 2, "")],
+)
+def test_a_text_is_spoken_sentence_by_sentence_however_long_it_is(
+    text: str, status: int, written: str,
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str],
+) -> None:  # fmt: skip
+    offers = "[rai_missions.voices]\nbreath = short_of_breath:open_voice\n"
+    monkeypatch.syspath_prepend(str(laid_out(tmp_path, "short_of_breath", "1.0", offers=offers, code=SHORT_OF_BREATH)))
+    assert main(["speak", text, "--voice", "breath", "-o", str(tmp_path / "out.wav")]) == status
+    assert capsys.readouterr().out == (f"wrote {tmp_path}/out.wav: {written}\n" if written else "")
 
 
 @pytest.mark.parametrize(

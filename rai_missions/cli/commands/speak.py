@@ -37,20 +37,24 @@ def speak(
     from rai_missions.errors import UsageError
     from rai_missions.voice.process import SpeechProcess
     from rai_missions.voice.setup import split_options
+    from rai_missions.voice.spoken_text import sentences
 
-    if not text.strip():
+    if not (parts := sentences(text)):
         raise UsageError("there is nothing to speak: the text is empty")
     name, options = split_options(voice)
     process = SpeechProcess("voice", name, options, within_s=30.0)
     process.open()
+    sound = bytearray()
     try:
-        reply, sound = process.ask_and_wait({"do": "speak", "text": text})
+        for part in parts:  # each has its time, however many they are
+            reply, made = process.ask_and_wait({"do": "speak", "text": part})
+            if reply.fault:
+                raise UsageError(process.absent or reply.fault)
+            sound += made
     finally:
         process.close()
-    if reply.fault:
-        raise UsageError(process.absent or reply.fault)
     if output is None:
-        return play_sound(sound, device)
-    write_wav(output, sound)
+        return play_sound(bytes(sound), device)
+    write_wav(output, bytes(sound))
     print(f"wrote {output}: {len(sound) / 32000:.1f} s")
     return 0
