@@ -63,7 +63,12 @@ open_voice = Voice
 
 @pytest.mark.parametrize(
     ("text", "status", "written"),
-    [("Halt it.", 0, "0.1 s"), (" ".join(["Halt it."] * 200), 0, "16.0 s"), ("...", 2, ""), ("Halt it and wait", 2, "")],
+    [
+        ("Halt it.", 0, "0.1 s"),
+        (" ".join(["Halt it."] * 200), 0, "16.0 s"),
+        ("...", 2, ""),
+        ("Halt it and wait", 2, ""),
+    ],
 )
 def test_a_text_is_spoken_sentence_by_sentence_however_long_it_is(
     text: str, status: int, written: str,

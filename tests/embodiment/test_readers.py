@@ -154,6 +154,7 @@ def alternatives(written: str) -> str:
         *((run_of("a") + run_of("b", f'<w:vanish w:val="{off}"/>'), "ab") for off in ("off", "0", "false")),
         *((run_of("a") + run_of("b", f'<w:vanish w:val="{on}"/>'), "a") for on in ("on", "1", "true")),
         (run_of("a ") + alternatives(run_of("box")) + run_of("b"), "box\n\na b"),
+        (run_of("a ") + alternatives(run_of("box")).replace("<w:r>", "<w:r><w:vanish/>", 1) + run_of("b"), "a b"),
         (alternatives(alternatives(run_of("box"))) + run_of("b"), "box\n\nb"),
         (f"<w:moveFrom>{run_of('a')}</w:moveFrom><w:moveTo>{run_of('a')}</w:moveTo>", "a"),
         (run_of("a", "<w:rPrChange><w:rPr><w:vanish/></w:rPr></w:rPrChange>"), "a"),
@@ -180,6 +181,38 @@ def test_a_level_that_is_none_makes_no_heading(style: str, level: str) -> None:
     parts = {"word/styles.xml": f'<w:styles xmlns:w="{W}">{styles}</w:styles>'}
     parts["word/document.xml"] = f'<w:document xmlns:w="{W}"><w:body>{body}</w:body></w:document>'
     assert read("a.docx", zipped(parts)).sections == (Section((), "a"),)
+
+
+STYLES = (
+    '<w:style w:styleId="note"><w:basedOn w:val="secret"/></w:style>'
+    '<w:style w:styleId="secret"><w:basedOn w:val="note"/><w:rPr><w:vanish/></w:rPr></w:style>'
+    '<w:style w:styleId="shown"><w:basedOn w:val="note"/><w:rPr><w:vanish w:val="0"/></w:rPr></w:style>'
+    '<w:style w:styleId="title"><w:name w:val="heading 1"/></w:style>'
+    '<w:style w:styleId="small"><w:basedOn w:val="title"/></w:style>'
+    '<w:style w:styleId="plain"><w:basedOn w:val="small"/><w:outlineLvl w:val="9"/></w:style>'
+)
+
+
+@pytest.mark.parametrize(
+    ("paragraph", "run", "shown"),
+    [
+        ("", '<w:rStyle w:val="note"/>', ((), "end")),
+        ("", '<w:rStyle w:val="shown"/>', ((), "a\n\nend")),
+        ("", '<w:rStyle w:val="note"/><w:vanish w:val="off"/>', ((), "a\n\nend")),
+        ('<w:pStyle w:val="note"/>', "", ((), "end")),
+        ('<w:pStyle w:val="note"/>', '<w:vanish w:val="off"/>', ((), "a\n\nend")),
+        ('<w:pStyle w:val="note"/>', '<w:rStyle w:val="secret"/>', ((), "a\n\nend")),
+        ('<w:rPr><w:rStyle w:val="note"/></w:rPr>', "", ((), "a\n\nend")),
+        ('<w:pStyle w:val="small"/>', "", (("a",), "end")),
+        ('<w:pStyle w:val="plain"/>', "", ((), "a\n\nend")),
+    ],
+)
+def test_a_style_has_what_the_one_it_is_based_on_has(paragraph: str, run: str, shown: tuple[object, str]) -> None:
+    body = f"<w:p><w:pPr>{paragraph}</w:pPr>{run_of('a', run)}</w:p><w:p>{run_of('end')}</w:p>"
+    document = f'<w:document xmlns:w="{W}"><w:body>{body}</w:body></w:document>'
+    parts = {"word/styles.xml": f'<w:styles xmlns:w="{W}">{STYLES}</w:styles>', "word/document.xml": document}
+    (section,) = read("a.docx", zipped(parts)).sections
+    assert (section.heading, section.text) == shown
 
 
 def test_characters_that_are_not_seen_are_dropped() -> None:

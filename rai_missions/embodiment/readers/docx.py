@@ -23,7 +23,7 @@ LARGEST_PART = 40_000_000
 """Bytes of one part, unpacked."""
 MOST_PARTS = 5_000
 DEEPEST = 200
-OUTLINE_LEVEL, HEADING_LEVEL = re.compile(r"[0-8]"), re.compile(r"[1-9]")
+OUTLINE_LEVEL, HEADING_LEVEL = re.compile(r"[0-9]"), re.compile(r"[1-9]")
 """Level 9 of an outline is the text of the body."""
 NAMESPACES = (
     "http://schemas.openxmlformats.org/wordprocessingml/2006/main", "http://purl.oclc.org/ooxml/wordprocessingml/main",
@@ -39,20 +39,41 @@ SUPERSEDED = frozenset(
 
 
 class _Styles:
-    """Finds the level of each style that is a heading."""
+    """Finds which styles are headings, and which hide their text; a style has what the one it is based on has."""
 
     def __init__(self) -> None:
-        self.levels: dict[str, int] = {}
+        self._levels: dict[str, int] = {}
+        self._hiding: dict[str, bool] = {}
+        self._bases: dict[str, str] = {}
         self._style = ""
 
+    def level(self, style: str) -> int:
+        """Of the headings of a style; 0 where it is of the text."""
+        return next((self._levels[each] for each in self._line(style) if each in self._levels), 0)
+
+    def hides(self, style: str) -> bool:
+        """Whether text of a style is not shown."""
+        return next((self._hiding[each] for each in self._line(style) if each in self._hiding), False)
+
+    def _line(self, style: str) -> list[str]:
+        """A style, the one that it is based on, and so on."""
+        line = [style]
+        while (base := self._bases.get(line[-1])) and base not in line:
+            line.append(base)
+        return line
+
     def begin(self, tag: str, attributes: Mapping[str, str], _line: int) -> None:
-        name = _name(tag)
+        name, value = _name(tag), _value(attributes, "val")
         if name == "style":
             self._style = _value(attributes, "styleId")
-        elif name == "name" and (level := _heading_level(_value(attributes, "val"))):
-            self.levels.setdefault(self._style, level)
-        elif name == "outlineLvl" and OUTLINE_LEVEL.fullmatch(value := _value(attributes, "val")):
-            self.levels.setdefault(self._style, int(value) + 1)
+        elif name == "name" and (level := _heading_level(value)):
+            self._levels.setdefault(self._style, level)
+        elif name == "outlineLvl" and OUTLINE_LEVEL.fullmatch(value):
+            self._levels.setdefault(self._style, (int(value) + 1) % 10)
+        elif name == "vanish":
+            self._hiding[self._style] = value not in OFF
+        elif name == "basedOn":
+            self._bases[self._style] = value
 
     def text(self, text: str) -> None:
         """Styles hold no text of a document."""
@@ -64,12 +85,12 @@ class _Styles:
 class _Body:
     """Receives the elements of the body; cells of one line of a table are one paragraph."""
 
-    def __init__(self, outline: Outline, levels: Mapping[str, int]) -> None:
-        self._outline, self._levels = outline, levels
+    def __init__(self, outline: Outline, styles: _Styles) -> None:
+        self._outline, self._styles = outline, styles
         self._pieces: list[str] = []
         self._level, self._rows = 0, 0
-        self._is_text = self._is_hidden = False
-        self._around: list[tuple[list[str], int, int]] = []
+        self._is_text = self._is_hidden = self._hides = False
+        self._around: list[tuple[list[str], int, int, bool]] = []
         """What was begun around each text box that is open."""
         self._depth, self._left_out = 0, 0
         """How deep the elements lie, and those that are not read."""
@@ -81,27 +102,35 @@ class _Body:
         name = _name(tag)
         if self._left_out:
             return
-        if name in SUPERSEDED or self._is_other_alternative(tag):
+        is_box = name == "txbxContent"
+        if name in SUPERSEDED or self._is_other_alternative(tag) or (is_box and self._is_hidden):
             self._left_out = self._depth
-        elif name == "txbxContent":
-            self._around.append((self._pieces, self._level, self._rows))
+        elif is_box:
+            self._around.append((self._pieces, self._level, self._rows, self._hides))
             self._pieces, self._level, self._rows = [], 0, 0
         elif name == "p":
-            self._level = 0
+            self._level, self._hides = 0, False
         elif name == "pStyle":
-            self._level = self._levels.get(_value(attributes, "val"), 0)
+            style = _value(attributes, "val")
+            self._level, self._hides = self._styles.level(style), self._styles.hides(style)
         elif name == "tr":
             self._rows += 1
-        elif name == "r":
-            self._is_hidden = False
-        elif name == "vanish":
-            self._is_hidden = _value(attributes, "val") not in OFF
+        elif name in ("r", "rStyle", "vanish"):
+            self._is_hidden = self._is_run_hidden(name, _value(attributes, "val"))
         elif name == "t":
             self._is_text = True
         elif name in ("tab", "br", "cr"):
             self._pieces.append(" ")
         elif name == "noBreakHyphen" and not self._is_hidden:
             self._pieces.append("-")
+
+    def _is_run_hidden(self, name: str, value: str) -> bool:
+        """Whether a piece of text is hidden, after this element of it."""
+        if name == "r":
+            return self._hides
+        if name == "rStyle":
+            return self._is_hidden ^ self._styles.hides(value)  # where both styles hide it, it is shown: 17.7.3
+        return value not in OFF
 
     def _is_other_alternative(self, tag: str) -> bool:
         """Whether it is one of several alternatives, and not the first."""
@@ -127,7 +156,8 @@ class _Body:
         if name == "t":
             self._is_text = False
         elif name == "txbxContent":
-            self._pieces, self._level, self._rows = self._around.pop()
+            self._pieces, self._level, self._rows, self._hides = self._around.pop()
+            self._is_hidden = False
         elif name == "tc":
             self._pieces.append(" | ")
         elif name == "tr":
@@ -163,7 +193,7 @@ def read_docx(_name: str, data: bytes) -> TextDocument:
     if styles:
         read_xml(styles, found, namespaces=True, deepest=DEEPEST)
     outline = Outline()
-    read_xml(body, _Body(outline, found.levels), namespaces=True, deepest=DEEPEST)
+    read_xml(body, _Body(outline, found), namespaces=True, deepest=DEEPEST)
     return outline.document()
 
 
