@@ -166,8 +166,29 @@ class GoalWriter:
         yield from ({"on": [name, target]} if target == DESK else {"in": [name, target]} for name in names)
 
     def _off(self, clause: Clause) -> Iterator[Plain]:
-        names, _ = self._names(clause.subjects, clause.target), self._one(clause.target)
-        yield from ({"on": [name, DESK]} for name in names)
+        """`everything out of the bin`: of several things those that lie there are meant; they come onto the desk."""
+        place = self._one(clause.target)
+        names = [
+            name
+            for phrase in clause.subjects
+            for name in self._picks.one(self._there(phrase, self._alternatives(phrase), place))
+        ]
+        self._subjects = tuple(dict.fromkeys(names))
+        yield from ({"on": [name, DESK]} for name in self._subjects)
+
+    def _there(self, phrase: Phrase, alternatives: Sequence[Names], place: str) -> Sequence[Names]:
+        """Of what a phrase may mean the things that lie in or on another thing; a single thing may lie elsewhere.
+
+        Raises:
+            Unread: It means several things, and none of them lies there.
+        """
+        found = [tuple(name for name in names if self._things.lies_at(name, place)) for names in alternatives]
+        if there := tuple(dict.fromkeys(filter(None, found))):
+            return there
+        if len(alternatives) == 1 and len(alternatives[0]) == 1 and phrase.kind not in ("everything", "rest"):
+            return alternatives
+        text = self._things.lexicon.text("none_there", f"'{phrase.text}'", f"'{spoken(place)}'")
+        raise Unread("absent", text, refused=True)
 
     def _left(self, clause: Clause) -> Iterator[Plain]:
         names, target = self._names(clause.subjects, clause.target), self._one(clause.target)

@@ -83,6 +83,7 @@ class Rules:
             "swap": self._swap, "group": self._group, "apart": self._spread, "sort": self._sort, "gap": self._gap_first,
             "relation": self._relation_first, "left_to_right": self._in_order,
             "into": self._into, "each_other": self._each_other, "fill": self._fill,
+            "empty": self._empty,
         }.get("into" if self._is_verb_of_place() else cursor.kind())  # fmt: skip
         if rule is not None:
             return self._after(rule())
@@ -230,6 +231,14 @@ class Rules:
         if not subjects:
             raise self.unread()
         return [Clause("in", subjects, target)]
+
+    def _empty(self) -> list[Clause]:
+        """`empty the bin`."""
+        word = self.cursor.take()
+        target = noun_phrase(self.cursor)
+        if target is None or not target.types or not target.types <= CONTAINERS:
+            raise self.unread()
+        return [Clause("off", (Phrase("everything", word.text, is_many=True, is_all=True),), target)]
 
     def _each_other(self) -> list[Clause]:
         kind = MUTUAL[self.cursor.take().value]

@@ -23,7 +23,7 @@ NEAR = 1e-6
 SAME_PLACE = 1e-3
 """Metres within which a place is that of a thing."""
 ARTICLES = ("the", "a", "number", "generic")
-EVERY = frozenset({"everything", "rest"})
+EVERY = frozenset({"everything", "rest", "empty"})
 
 
 def is_said(goal: Goal, request: str, scene: Scene | None = None) -> bool:

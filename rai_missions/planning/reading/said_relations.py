@@ -20,7 +20,7 @@ KINDS: Mapping[str, frozenset[str]] = {
     "group": frozenset({"grouped"}), "sort": frozenset({"grouped", "apart"}), "by": frozenset({"grouped", "apart"}),
     "apart": frozenset({"apart"}), "left_to_right": frozenset({"left_of"}), "side": frozenset({"at", "left_of"}),
     "axis": frozenset({"at"}), "place": frozenset({"at"}), "(": frozenset({"at"}), "away": frozenset({"in"}),
-    "fill": frozenset({"in"}),
+    "fill": frozenset({"in"}), "empty": frozenset({"on"}),
 }  # fmt: skip
 """Kinds of symbols → the predicates that they may mean."""
 VALUES: Mapping[str, frozenset[str]] = {

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 
+from rai_missions.planning.geometry import turned
 from rai_missions.planning.reading.lexicon import Vocabulary
 from rai_missions.planning.reading.phrases import Phrase, Unread
 from rai_missions.planning.scene import CONTAINERS, DESK, Scene, Thing, has_colour
@@ -47,6 +48,14 @@ class Things:
         for other in phrase.others:
             found += self._of_one(other)
         return tuple(dict.fromkeys(found))
+
+    def lies_at(self, name: str, place: str) -> bool:
+        """Whether a thing lies in or on another one, or on what lies there: its centre is over that one's outline."""
+        thing, other = self.scene.get(name), self.scene.get(place)
+        if thing is None or other is None or thing is other or (other.type not in CONTAINERS and thing.z <= other.z):
+            return False
+        across = turned((thing.x - other.x, thing.y - other.y), -other.yaw)
+        return all(abs(off) <= size / 2 for off, size in zip(across, other.size[:2], strict=True))
 
     def _of_one(self, phrase: Phrase) -> tuple[Names, ...]:
         if phrase.kind in ("everything", "rest"):

@@ -148,3 +148,33 @@ def test_a_wish_about_too_few_or_too_many_things_is_asked_back_with_the_reason(r
     three = scene(*(placed(name, 0.4 + n / 10, 0.1) for n, name in enumerate(("carrot", *CUBES))))
     found = reading_of(request_, three)
     assert found.goal is None and found.question.startswith(reason)
+
+
+FILLED = scene(
+    placed("tray", 0.6, 0.3), placed("bin", 0.6, -0.3),
+    placed("red_cube", 0.4, 0.1, colour="red"), placed("yellow_cube", 0.4, 0.1, level=0.044, colour="yellow"),
+    placed("blue_cube", 0.6, 0.3, level=0.004, colour="blue"), placed("tomato", 0.62, 0.3, level=0.004),
+    placed("green_cube", 0.4, -0.1, colour="green"), placed("carrot", 0.4, 0.0),
+    placed("apple", 0.58, -0.3, level=0.004), placed("apple_2", 0.4, -0.3),
+)  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("request_", "names"),
+    [
+        ("take everything out of the bin", ["apple"]), ("empty the bin", ["apple"]), ("leere die Kiste", ["apple"]),
+        ("take everything out of the tray", ["blue_cube", "tomato"]), ("empty the tray", ["blue_cube", "tomato"]),
+        ("take the cubes out of the tray", ["blue_cube"]), ("nimm alles aus der Schale", ["blue_cube", "tomato"]),
+        ("take everything except the tomato out of the tray", ["blue_cube"]),
+        ("take everything off the red cube", ["yellow_cube"]), ("take the apple out of the bin", ["apple"]),
+        ("take the carrot out of the tray", ["carrot"]),
+    ],
+)  # fmt: skip
+def test_what_is_taken_out_is_what_lies_there(request_: str, names: list[str]) -> None:
+    assert reading_of(request_, FILLED).goal == goal(*({"on": [name, "desk"]} for name in names))
+
+
+@pytest.mark.parametrize("request_", ["take the vegetables out of the bin", "take all cubes out of the bin"])
+def test_nothing_is_taken_out_where_nothing_of_it_lies(request_: str) -> None:
+    found = reading_of(request_, FILLED)
+    assert (found.outcome, found.reason) == ("refused", "absent") and "in or on 'bin'" in found.about
