@@ -12,6 +12,7 @@ from typing import Any, Literal, NamedTuple, Protocol, runtime_checkable
 
 __all__ = (
     "ENDS",
+    "TYPE_KINDS",
     "ActionServer",
     "Answer",
     "Close",
@@ -29,9 +30,13 @@ __all__ = (
     "SupportsPreconnect",
     "SupportsRawMessages",
     "Surveyor",
+    "TypeKind",
 )
 
 Mode = Literal["topics", "services", "actions"]
+TypeKind = Literal["msg", "srv", "action"]
+TYPE_KINDS: Mapping[Mode, TypeKind] = {"topics": "msg", "services": "srv", "actions": "action"}
+"""What the types of each mode are called, in ROS and in profiles."""
 Data = Mapping[str, Any]
 """A message as plain data: numbers, strings, lists, mappings, bytes, `Image`."""
 Answer = Callable[[Data], Data | Future[Data]]

@@ -4,24 +4,23 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from typing import Literal, NamedTuple
+from typing import NamedTuple
 
 from rai_missions.check.index import MissionIndex
+from rai_missions.connectors.connector import TypeKind
 from rai_missions.errors import Fault, pointer
 from rai_missions.mission.mission import Mission
 from rai_missions.profile.profile import Robot
 from rai_missions.profile.sources import EventSource, Source
 
-__all__ = ("Kind", "TypeUse", "lacking", "listened", "typed")
-
-Kind = Literal["msg", "srv", "action"]
+__all__ = ("TypeUse", "lacking", "listened", "typed")
 
 
 class TypeUse(NamedTuple):
     """A type that a profile names, and where."""
 
     place: str
-    kind: Kind
+    kind: TypeKind
     type: str
 
 
@@ -56,7 +55,7 @@ def listened(mission: Mission | None, robot: Robot) -> Iterator[tuple[str, str, 
             yield "events", name, event
 
 
-def lacking(mission: Mission, robot: Robot, why: Callable[[str, Kind], str]) -> tuple[Fault, ...]:
+def lacking(mission: Mission, robot: Robot, why: Callable[[str, TypeKind], str]) -> tuple[Fault, ...]:
     """What cannot be understood here.
 
     Args:
@@ -68,7 +67,7 @@ def lacking(mission: Mission, robot: Robot, why: Callable[[str, Kind], str]) -> 
     return tuple(Fault(each.place, sentence) for each, sentence in reasons.items() if sentence)
 
 
-def _one(type_name: str, kind: Kind, *place: str) -> Iterator[TypeUse]:
+def _one(type_name: str, kind: TypeKind, *place: str) -> Iterator[TypeUse]:
     if type_name:
         yield TypeUse(pointer(list(place)), kind, type_name)
 

@@ -6,17 +6,14 @@ Rule: which names a middleware takes is its connector's to state; a profile is c
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator
 from typing import NamedTuple
 
-from rai_missions.connectors.connector import Mode
+from rai_missions.connectors.connector import TYPE_KINDS, Mode, TypeKind
 from rai_missions.errors import Fault
-from rai_missions.profile.message_types import Kind
 from rai_missions.profile.profile import HANDS_OVER, Robot
 
 __all__ = ("RobotEntry", "misnamed", "wanted")
-
-KINDS: Mapping[Mode, Kind] = {"topics": "msg", "services": "srv", "actions": "action"}
 
 
 class RobotEntry(NamedTuple):
@@ -73,7 +70,7 @@ def _done(robot: Robot) -> Iterator[RobotEntry]:
     yield from (RobotEntry(place, "services", each.service, each.type) for place, each in services.items())
 
 
-def misnamed(robot: Robot, why: Callable[[str, Kind], str]) -> tuple[Fault, ...]:
+def misnamed(robot: Robot, why: Callable[[str, TypeKind], str]) -> tuple[Fault, ...]:
     """The names that the robot's middleware does not take, each once.
 
     Args:
@@ -88,6 +85,6 @@ def misnamed(robot: Robot, why: Callable[[str, Kind], str]) -> tuple[Fault, ...]
     alive = robot.alive and RobotEntry("alive", "topics", robot.alive.topic, robot.alive.type)
     found: dict[str, str] = {}
     for each in (*wanted(robot), *handovers, *([alive] if alive else ())):
-        if reason := why(each.name, KINDS[each.mode]):
+        if reason := why(each.name, TYPE_KINDS[each.mode]):
             found.setdefault(f"/{each.place}", reason)
     return tuple(Fault(place, reason) for place, reason in found.items())

@@ -4,14 +4,13 @@
 from __future__ import annotations
 
 import unicodedata
-from typing import Literal
 
+from rai_missions.connectors.connector import TypeKind
 from rai_missions.errors import ConnectorError
 from rai_missions.redaction import cut_repr
 
 __all__ = ("REQUEST", "check_name", "why_no_name")
 
-Kind = Literal["msg", "srv", "action"]
 REQUEST = "/request"
 """Ends the topic on which a service is asked."""
 LONGEST = 65_535 - len(REQUEST)
@@ -19,7 +18,7 @@ LONGEST = 65_535 - len(REQUEST)
 WILDCARDS = "+#"
 
 
-def why_no_name(name: str, kind: Kind) -> str:
+def why_no_name(name: str, kind: TypeKind) -> str:
     """Why MQTT takes no such name, in a sentence; empty if it does."""
     shown = cut_repr(name, 80)
     if kind == "action":

@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Any, Literal
 
-from rai_missions.connectors.connector import Connector
+from rai_missions.connectors.connector import Connector, TypeKind
 from rai_missions.errors import ConnectorError, UsageError, install_command
 
 __all__ = (
@@ -94,14 +94,14 @@ def fields_of(type_name: str, part: Literal["msg", "srv", "request", "goal", "re
     return fields
 
 
-def why_absent(type_name: str, kind: Literal["msg", "srv", "action"]) -> str:
+def why_absent(type_name: str, kind: TypeKind) -> str:
     """Why a type of messages is not to be had on this machine, in a sentence; empty if it is."""
     from rai_missions.connectors.ros2 import names
 
     return names.why_absent(type_name, kind)
 
 
-def why_no_name(name: str, kind: Literal["msg", "srv", "action"]) -> str:
+def why_no_name(name: str, kind: TypeKind) -> str:
     """Why ROS takes no such name, in a sentence; empty if it does, and on a machine without rclpy."""
     from rai_missions.connectors.ros2 import names
 

@@ -15,6 +15,7 @@ from rclpy.action import get_action_names_and_types
 from rclpy.node import Node
 
 from rai_missions.connectors.connector import (
+    TYPE_KINDS,
     ActionServer,
     Answer,
     Close,
@@ -28,14 +29,12 @@ from rai_missions.connectors.connector import (
 from rai_missions.connectors.ros2.config import read_options
 from rai_missions.connectors.ros2.messages import is_picture, to_message, to_message_later
 from rai_missions.connectors.ros2.msg_definitions import definition_of
-from rai_missions.connectors.ros2.names import Kind, check_name, find_type
+from rai_missions.connectors.ros2.names import check_name, find_type
 from rai_missions.connectors.ros2.session import Session
 from rai_missions.errors import ConnectorError, UsageError
 
 __all__ = ("Ros2Connector",)
 
-MODES: Mapping[Kind, Mode] = {"msg": "topics", "srv": "services", "action": "actions"}
-KINDS: Mapping[Mode, Kind] = {mode: kind for kind, mode in MODES.items()}
 HIDDEN = "/_"
 """Is in the names that ROS keeps for itself, such as the topics and services that an action is made of."""
 OF_ROS = ("use_sim_time", "start_type_description_service")
@@ -126,7 +125,7 @@ class Ros2Connector:
         return {name: value for name, value in found.items() if name not in self._options.parameters}
 
     def subscribe(self, topic: str, type_name: str, on_message: Callable[[Message], None]) -> Close:
-        return self._opened().subscribe(topic, self._type("msg", topic, type_name), on_message)
+        return self._opened().subscribe(topic, self._type("topics", topic, type_name), on_message)
 
     def definition(self, type_name: str) -> str:
         """How a message's bytes are read: .msg text with all that it depends on."""
@@ -136,13 +135,13 @@ class Ros2Connector:
         self, topic: str, type_name: str, on_message: Callable[[Message], None], on_raw: Callable[[RawMessage], None]
     ) -> Close:
         """Subscribe once, and receive each message as CDR and as plain data."""
-        cls = self._type("msg", topic, type_name)
+        cls = self._type("topics", topic, type_name)
         return self._opened().subscribe(topic, cls, on_message, on_raw)
 
     def publish(self, topic: str, type_name: str, message: Data) -> None:
         session = self._session
         if session is not None:
-            cls = self._type("msg", topic, type_name)
+            cls = self._type("topics", topic, type_name)
             if is_picture(message):
                 session.publish_later(topic, cls, to_message_later(cls, message, topic))
             else:
@@ -155,7 +154,7 @@ class Ros2Connector:
         """
         session = self._session
         if session is not None:
-            session.expect(mode, name, self._type(KINDS[mode], name, type_name))
+            session.expect(mode, name, self._type(mode, name, type_name))
 
     def call(
         self,
@@ -167,7 +166,7 @@ class Ros2Connector:
         timeout_s: float | None = None,
     ) -> None:
         def begin(session: Session) -> None:
-            cls = self._type("srv", service, type_name)
+            cls = self._type("services", service, type_name)
             session.call(service, cls, to_message(cls.Request, request, service), on_reply, timeout_s)
 
         why, is_open = self._attempt(service, begin)
@@ -178,7 +177,7 @@ class Ros2Connector:
         self, action: str, type_name: str, goal: Data, *, goal_id: str, on_report: Callable[[Report], None]
     ) -> None:
         def begin(session: Session) -> None:
-            cls = self._type("action", action, type_name)
+            cls = self._type("actions", action, type_name)
             session.send_goal(action, cls, to_message(cls.Goal, goal, action), goal_id, on_report)
 
         why, _ = self._attempt(action, begin)
@@ -188,7 +187,7 @@ class Ros2Connector:
     def find_goal(self, action: str, type_name: str, *, goal_id: str, on_report: Callable[[Report], None]) -> None:
         why, _ = self._attempt(
             action,
-            lambda session: session.find_goal(action, self._type("action", action, type_name), goal_id, on_report),
+            lambda session: session.find_goal(action, self._type("actions", action, type_name), goal_id, on_report),
         )
         if why:
             on_report(Report(goal_id, "lost", {}, why))
@@ -208,7 +207,7 @@ class Ros2Connector:
         """Find out whether more than one server answers for an action, each by a reply to a request of no effect."""
         session = self._session
         try:
-            cls = self._type("action", action, type_name) if session is not None else None
+            cls = self._type("actions", action, type_name) if session is not None else None
         except ConnectorError:  # its first use raises it
             cls = None
         if session is None or cls is None:
@@ -227,14 +226,14 @@ class Ros2Connector:
         ROS has no word for a server that fails: where a response has `success` and `message` (std_srvs), these state
         why; other clients are left to their timeout.
         """
-        return self._opened().serve(service, self._type("srv", service, type_name), answer)
+        return self._opened().serve(service, self._type("services", service, type_name), answer)
 
     def offer(self, action: str, type_name: str, server: ActionServer) -> Close:
         """Serve an action.
 
         ROS has no word for why a goal is rejected, and none for a cancel that is refused after it was taken.
         """
-        return self._opened().offer(action, self._type("action", action, type_name), server)
+        return self._opened().offer(action, self._type("actions", action, type_name), server)
 
     def _opened(self) -> Session:
         session = self._session
@@ -242,15 +241,13 @@ class Ros2Connector:
             raise UsageError("the ROS 2 connector is not started: call start() first")
         return session
 
-    def _type(self, kind: Kind, name: str, type_name: str) -> Any:
+    def _type(self, mode: Mode, name: str, type_name: str) -> Any:
+        kind, known = TYPE_KINDS[mode], self._types.get((mode, name), "")
         check_name(name, kind)
-        known = self._types.setdefault((MODES[kind], name), type_name)
-        if not type_name:
-            type_name = known
-        if known and known != type_name:
+        if known and type_name and known != type_name:
             raise ConnectorError(f"{name} is a {known}, not a {type_name}")
-        found = find_type(type_name, kind)
-        self._types[MODES[kind], name] = type_name
+        found = find_type(type_name or known, kind)
+        self._types[mode, name] = type_name or known
         return found
 
 

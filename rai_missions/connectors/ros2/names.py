@@ -10,13 +10,13 @@ import site
 import sysconfig
 from functools import cache
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any
 
+from rai_missions.connectors.connector import TypeKind
 from rai_missions.errors import ConnectorError, suggestion
 
-__all__ = ("Kind", "check_name", "find_type", "why_absent")
+__all__ = ("check_name", "find_type", "why_absent")
 
-Kind = Literal["msg", "srv", "action"]
 WHAT = {"msg": "message", "srv": "service", "action": "action"}
 EXAMPLE = {"msg": "std_msgs/msg/String", "srv": "std_srvs/srv/Trigger", "action": "nav2_msgs/action/NavigateToPose"}
 OURS_TO_BUILD = {"nav2_msgs": " (Nav2)", "rai_interfaces": " (RAI)", "rai_missions_msgs": "", "tf2_msgs": ""}
@@ -24,7 +24,7 @@ OURS_TO_BUILD = {"nav2_msgs": " (Nav2)", "rai_interfaces": " (RAI)", "rai_missio
 
 
 @cache
-def check_name(name: str, kind: Kind) -> None:
+def check_name(name: str, kind: TypeKind) -> None:
     """Whether ROS takes a name.
 
     Raises:
@@ -46,7 +46,7 @@ def check_name(name: str, kind: Kind) -> None:
 
 
 @cache
-def find_type(name: str, kind: Kind) -> Any:
+def find_type(name: str, kind: TypeKind) -> Any:
     """The class of a message, service or action.
 
     Raises:
@@ -69,7 +69,7 @@ def find_type(name: str, kind: Kind) -> Any:
     return found
 
 
-def _check_is_interfaces(package: str, kind: Kind) -> None:
+def _check_is_interfaces(package: str, kind: TypeKind) -> None:
     """A profile may name any package, and importing one runs it: only an installed one with such types is imported.
 
     Raises:
@@ -104,7 +104,7 @@ def _is_installed(package: str, folder: Path) -> bool:
     )
 
 
-def why_absent(name: str, kind: Kind) -> str:
+def why_absent(name: str, kind: TypeKind) -> str:
     """Why a type is not to be had here, in a sentence; empty if it is."""
     try:
         find_type(name, kind)
@@ -113,7 +113,7 @@ def why_absent(name: str, kind: Kind) -> str:
     return ""
 
 
-def _missing(fault: ModuleNotFoundError, package: str, kind: Kind) -> str:
+def _missing(fault: ModuleNotFoundError, package: str, kind: TypeKind) -> str:
     if fault.name not in (package, f"{package}.{kind}"):
         return f"the types of {package!r} do not load: {fault}"
     known = [each.name for each in pkgutil.iter_modules() if each.name.endswith(("_msgs", "_srvs", "_interfaces"))]

@@ -8,7 +8,8 @@ from dataclasses import dataclass
 from functools import cache
 from typing import Any
 
-from rai_missions.connectors.ros2.names import EXAMPLE, Kind, find_type
+from rai_missions.connectors.connector import TypeKind
+from rai_missions.connectors.ros2.names import EXAMPLE, find_type
 from rai_missions.errors import ConnectorError
 from rai_missions.redaction import cut_repr
 
@@ -27,7 +28,7 @@ CODES = {
 BYTES = frozenset({"uint8", "octet"})
 SHAPE = re.compile(r"^(?:sequence<(?P<item>.+?)(?:, (?P<most>\d+))?>|(?P<each>.+)\[(?P<count>\d+)\])$")
 TEXT = re.compile(r"^w?string(?:<(?P<most>\d+)>)?$")
-PARTS: dict[Kind, dict[str, str]] = {
+PARTS: dict[TypeKind, dict[str, str]] = {
     "msg": {},
     "srv": {"request": "Request", "response": "Response"},
     "action": {"goal": "Goal", "result": "Result", "feedback": "Feedback"},
@@ -79,7 +80,7 @@ def describe_type(type_name: str) -> dict[str, Any]:
         ConnectorError: No such type on this machine.
     """
     middle = type_name.split("/")[1:2]
-    kind: Kind | None = next((each for each in PARTS if middle == [each]), None)
+    kind: TypeKind | None = next((each for each in PARTS if middle == [each]), None)
     if kind is None:
         raise ConnectorError(
             f"{cut_repr(type_name, 80)} is no name of a type; one looks like {', '.join(EXAMPLE.values())}"

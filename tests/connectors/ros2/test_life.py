@@ -221,6 +221,9 @@ def test_what_is_wrong_is_reported_as_the_contract_states(open_ros: Open) -> Non
     connector.offer("/a", FIBONACCI, Willing())
     with pytest.raises(ConnectorError, match="/t is a std_msgs/msg/String, not a std_msgs/msg/Int32"):
         connector.publish("/t", "std_msgs/msg/Int32", {"data": 1})
+    with pytest.raises(ConnectorError, match="no message type 'Strin'"):
+        connector.publish("/u", "std_msgs/msg/Strin", {"data": "x"})
+    connector.publish("/u", STRING, {"data": "x"})
     with pytest.raises(UsageError, match="/s is served already"):
         connector.serve("/s", TRIGGER, lambda _request: {})
     with pytest.raises(UsageError, match="/a is served already"):
