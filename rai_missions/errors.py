@@ -79,10 +79,13 @@ class ConnectorError(MissionError):
 
 
 def nearest(given: str, known: Iterable[str]) -> str:
-    """The name that was probably meant; empty if none is near."""
+    """The name that was probably meant: the only one of which it is the beginning, or else a similar one; or empty."""
     import difflib  # heavy, and needed for a fault alone
 
-    return next(iter(difflib.get_close_matches(given, sorted(set(known)), n=1, cutoff=0.6)), "")
+    names = sorted(set(known))
+    longer = [name for name in names if len(given) > 2 and name.startswith(given)]
+    close = longer if len(longer) == 1 else difflib.get_close_matches(given, names, n=1, cutoff=0.6)
+    return next(iter(close), "")
 
 
 def counted(number: int, word: str) -> str:

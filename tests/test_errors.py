@@ -12,7 +12,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rai_missions.errors import ConnectorError, DefinitionError, Fault, MissionError, UsageError
+from rai_missions.errors import ConnectorError, DefinitionError, Fault, MissionError, UsageError, nearest
 
 ERRORS = st.one_of(
     st.builds(DefinitionError, st.lists(st.builds(Fault, st.text(), st.text()), min_size=1), st.text()),
@@ -29,3 +29,11 @@ def pickled(error: MissionError) -> Any:
 def test_an_error_reads_the_same_everywhere(arrive: Callable[[MissionError], Any], error: MissionError) -> None:
     same = arrive(error)
     assert type(same) is type(error) and str(same) == str(error) and vars(same) == vars(error)
+
+
+@pytest.mark.parametrize(
+    ("word", "meant"),
+    [("seq", "sequence"), ("sel", "selector"), ("suceeded", "succeeded"), ("re", ""), ("retr", "retry"), ("xyz", "")],
+)
+def test_the_beginning_of_a_name_means_it_before_a_similar_one(word: str, meant: str) -> None:
+    assert nearest(word, ["set", "sequence", "selector", "succeeded", "retry", "repeat"]) == meant

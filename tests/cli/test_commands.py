@@ -441,7 +441,7 @@ def test_check_reports_what_it_checked_and_each_fault_in_its_own_file(
         ({"kind": "mqtt", "port": "1883"}, "connector/port: '1883' is no port; give a whole number from 1 to 65535"),
         ({"kind": "mqtt", "port": None}, "connector/port: null is no port"),
         ({"kind": "mqtt", "port": 70_000}, "connector/port: 70000 is no port"),
-        ({"kind": "mqtt", "host": 5}, "connector/host: 5 is no text; give a name or an address"),
+        ({"kind": "mqtt", "host": 5}, "connector/host: 5 is no host; give a name or an address"),
         ({"kind": "ros2", "noed": "beacon"}, "no option 'noed'; did you mean 'node'?"),
         ({"kind": "ros2", "parameters": {"a": {"b": 1}}}, 'connector/parameters/a: {"b": 1} is no parameter of ROS'),
         ({"kind": "ros2", "parameters": {"a": [1, 2.5]}}, "connector/parameters/a: [1, 2.5] is no parameter of ROS"),
