@@ -30,6 +30,16 @@ SPOKEN = """() => {
             spoken.push(...all.flatMap((each) => [...each.addedNodes]).map((each) => each.textContent)))
             .observe(host, { childList: true });
 }"""
+COVERED = """() => ["#bar h1", "#mode", "#control", "#line", "#menu", "#who", "#stop"].filter((each, at, all) => {
+    const [here, next] = [each, all.slice(at + 1).find((one) => document.querySelector(one).offsetParent)]
+        .map((one) => one && document.querySelector(one).getBoundingClientRect());
+    return next && here.width && here.right > next.left;
+})"""
+"""What of the bar lies under its right neighbour."""
+CUT_LINE = """(({ clientHeight, scrollHeight }, line) => scrollHeight > clientHeight && (clientHeight / line) % 1)(
+    ...[".question .text"].map((each) => document.querySelector(each))
+        .flatMap((each) => [each, parseFloat(getComputedStyle(each).lineHeight)]))"""
+"""How much of the last line of a question that is cut is seen."""
 AT = "(({ id, dataset, className }) => id || dataset.act || className.baseVal || '')(document.activeElement)"
 LEAST = """(({ chart }) => Math.min(...[...document.querySelectorAll('.state > .texts text:first-child')]
     .map((each) => Number(each.getAttribute('font-size')) * chart.gestures.scale)))(live)"""
@@ -74,6 +84,10 @@ def test_the_time_and_the_answers_of_a_question_stay_in_view(
     assert window.evaluate("document.documentElement.scrollWidth") <= size["width"]
     assert window.evaluate(bar) < 56
     assert window.is_visible("#menu") == (size is PHONE)
+    for width in (1500, 1241, 761, 400):
+        window.set_viewport_size({"width": width, "height": size["height"]})
+        assert window.evaluate(COVERED) == [], width
+    window.set_viewport_size(size)
     asked.send("pause", "command", after_s=0.1, by="operator Anna (page)")
     window.wait_for_selector("#state[data-state=paused]")
     assert window.evaluate(REACHED) == []
@@ -111,6 +125,7 @@ def test_many_long_answers_with_fields_stay_in_view_on_a_phone_and_are_given_by_
         ask(run)
         window.wait_for_selector(".question.mine")
         assert window.locator(".offer > button").count() == 8
+        assert 0.3 < window.evaluate(CUT_LINE) < 0.7, "a touch screen has no scrollbar: half a line shows what follows"
         assert window.evaluate(REACHED) == []
         assert window.evaluate("document.documentElement.scrollWidth") <= PHONE["width"]
         until(window, "document.querySelector('[data-option=replan]').getAttribute('aria-disabled') === 'false'")
