@@ -2,6 +2,7 @@
 """Writes a run down: steps at once, blackboard writes that enabled nothing along with the next row.
 
 Rule: of each key only the newest value travels, and none travels longer than a second.
+Rule: a confirmation travels only while the event is taken that waits already, and has its own row before the next.
 Rule: a run continues only when its row is written, but a disk that hangs holds up no e-stop.
 """
 
@@ -26,9 +27,9 @@ __all__ = ("LONGEST_S", "BufferedWriter", "JournalSink", "raised_by")
 
 QUIET_S = 1.0
 """How long a write that enabled nothing may travel before it is written down, and a running timer be silent."""
-MOST_FREE = 4
-"""So many threads write rows, and wait for the next; each takes 16 kB."""
-HURRY_S = 0.1
+MOST_FREE = 1
+"""So many threads wait for the next row. One that is busy takes row after row without being woken."""
+HURRY_S = 0.02
 """Where no thread has taken a row for so long, and one waits, all of them wait for disks."""
 LONGEST_S = 10.0
 """A disk that has not taken a row by then is one that cannot be written."""
@@ -49,7 +50,7 @@ class JournalSink(Protocol):
 
 
 class DiskThreads:
-    """The threads of a process that wait for disks: a few, and one more where all of them wait for one that hangs.
+    """The threads of a process that wait for disks: one, and one more where all of them wait for one that is slow.
 
     What is to be written waits for a thread in the order in which it came. Without journals there are none.
     """
@@ -155,6 +156,8 @@ class BufferedWriter:
         """Rings when something is written, and with True when `call` is called."""
         self._is_lost = False
         self._carried: dict[str, tuple[str, Any, float]] = {}
+        self._performed: list[int] = []
+        """The steps whose confirmation travels."""
         self._since = self.silent_from = math.inf
         """`silent_from`: the instant from which nothing reports any more how far the run's clock had come."""
         self.path = str(journal.path) if journal is not None else None
@@ -185,10 +188,23 @@ class BufferedWriter:
         self.silent_from = step.at + QUIET_S if self._journal is not None else math.inf
         self._clear()
 
-    def confirm(self, step: Step) -> None:
-        """Write that a step's effects were carried out, where doing so twice may harm."""
-        if needs_confirmation(step):
-            self.settle(step.seq, "performed")
+    def confirm(self, step: Step, *, may_travel: bool) -> None:
+        """Write that a step's effects were carried out, where doing so twice may harm; of an earlier step at once.
+
+        Args:
+            step: Whose effects.
+            may_travel: The next event is taken now, so it may be written along with that one's row.
+        """
+        is_late = bool(self._performed)
+        if self._journal is not None and needs_confirmation(step):
+            self._performed.append(step.seq)
+        if is_late or not may_travel:
+            self.flush()
+
+    def flush(self) -> None:
+        """Write the confirmation that travels."""
+        if self._performed:
+            self._write(lambda _: None)
 
     def settle(self, seq: int, how: str) -> None:
         """Write what has become of effects that no row confirmed."""
@@ -209,6 +225,7 @@ class BufferedWriter:
     def give_up(self) -> None:
         """The journal is lost: nothing more is written."""
         self._journal, self.silent_from = None, math.inf
+        self._performed.clear()
         self._clear()
 
     def _clear(self) -> None:
@@ -216,7 +233,7 @@ class BufferedWriter:
         self._since = math.inf
 
     def _write(self, write: Callable[[JournalSink], object]) -> None:
-        """Have something written, and wait until it is."""
+        """Have something written, behind the confirmation that travels, and wait until it is."""
         if (journal := self._journal) is None:
             return
         until, why = time.monotonic() + LONGEST_S, f"its disk has not answered for {LONGEST_S:g} s"
@@ -224,10 +241,13 @@ class BufferedWriter:
             raise ConnectorError(why)
         outcome: list[BaseException | None] = []
         begun, patience_s = list[bool](), HURRY_S
+        performed, self._performed = self._performed, []
 
         def do() -> None:
             begun.append(True)
             try:
+                for seq in performed:
+                    journal.confirm(seq, "performed")
                 write(journal)
                 outcome.append(None)
             except BaseException as error:  # noqa: BLE001 - raised below, on the thread that waits

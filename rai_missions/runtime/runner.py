@@ -302,8 +302,11 @@ class Runner(RunCommands):
             if event is not None:
                 self._take(event)
                 self._clock.taken(self._mailbox, paced=self._is_paced)
-            elif not done() and self._scheduler.due > -math.inf:  # a wake may be taken before what it was for
+                continue
+            self._write_confirmation()
+            if not done() and self._scheduler.due > -math.inf:  # a wake may be taken before what it was for
                 self._idle(until)
+        self._write_confirmation()
 
     def _do_due(self) -> None:
         """What is asked of the runner itself, and what its time has come for."""
@@ -356,7 +359,7 @@ class Runner(RunCommands):
             return
         self._lifecycle.control.follow(self._chart.holder, taken=self._chart.taken)  # an effect may ask for it
         self._executor.perform(step.effects)
-        lost = raised_by(lambda: self._writer.confirm(step))
+        lost = raised_by(lambda: self._writer.confirm(step, may_travel=not self._mailbox.empty))
         self._report(step)
         if lost is not None:
             self._lose_journal(lost)
@@ -434,6 +437,11 @@ class Runner(RunCommands):
         if lost is not None:
             self._lose_journal(lost)
         return lost is None
+
+    def _write_confirmation(self) -> None:
+        """No event is taken now, so none is there for it to be written with."""
+        if lost := raised_by(self._writer.flush):
+            self._lose_journal(lost)
 
     def _write_notes(self) -> None:
         while self._notes:

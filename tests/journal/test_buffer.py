@@ -1,18 +1,21 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What is between a run and its journal: a hanging disk holds no run up."""
+"""What is between a run and its journal: no run is held up by a disk, no confirmation travels for long."""
 
 from __future__ import annotations
 
 import math
+from contextlib import closing
+from pathlib import Path
 
 import pytest
 
-from rai_missions.engine.step import Step
+from rai_missions.engine.step import StartGoal, Step
 from rai_missions.errors import ConnectorError
 from rai_missions.event import Event
-from rai_missions.journal import buffer
+from rai_missions.journal import Header, Journal, buffer
 from rai_missions.journal.buffer import BufferedWriter
-from tests.rigs.journals import MemoryJournal
+from rai_missions.journal.rows import Confirmation, StepRow
+from tests.rigs.journals import MemoryJournal, rows_of
 
 
 def test_closing_does_not_wait_for_a_disk_that_hangs(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -25,3 +28,31 @@ def test_closing_does_not_wait_for_a_disk_that_hangs(monkeypatch: pytest.MonkeyP
     writer.close()
     assert journal.steps == []
     journal.answers.set()
+
+
+def performed(seq: int) -> Step:
+    """A step that starts an action, which may not be done twice."""
+    return Step(seq, float(seq), Event("go", float(seq)), effects=(StartGoal(seq, "moving", "move", {}),))
+
+
+def test_a_confirmation_is_written_with_the_row_of_the_event_that_waits(tmp_path: Path) -> None:
+    path = tmp_path / "run.journal"
+    with Journal.create(path, Header("{}")) as journal, closing(BufferedWriter(journal)) as writer:
+        writer.write(performed(1), since=0.0)
+        writer.confirm(performed(1), may_travel=True)
+        assert rows_of(path) == [StepRow(1, performed(1), 0.0)]
+        writer.write(performed(2), since=1.0)
+        first = [StepRow(1, performed(1), 0.0), Confirmation(2, 1, "performed"), StepRow(3, performed(2), 1.0)]
+        assert rows_of(path) == first
+        writer.confirm(performed(2), may_travel=False)
+        assert rows_of(path) == [*first, Confirmation(4, 2, "performed")]
+
+
+def test_a_confirmation_travels_for_one_event_and_no_longer(tmp_path: Path) -> None:
+    path = tmp_path / "run.journal"
+    with Journal.create(path, Header("{}")) as journal, closing(BufferedWriter(journal)) as writer:
+        writer.write(performed(1), since=0.0)
+        writer.confirm(performed(1), may_travel=True)
+        quiet = Step(2, 2.0, Event("battery", 2.0, {"value": 0.5}, "write"))
+        writer.confirm(quiet, may_travel=True)
+        assert rows_of(path) == [StepRow(1, performed(1), 0.0), Confirmation(2, 1, "performed")]

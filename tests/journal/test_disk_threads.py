@@ -3,10 +3,12 @@
 
 from __future__ import annotations
 
+import gc
 import threading
 from pathlib import Path
 from typing import Any
 
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -35,6 +37,12 @@ class Disk:
             assert self.hangs.wait(PATIENCE_S)
         self.notes.append(text)
         return 0
+
+
+@pytest.fixture(autouse=True)
+def _alone() -> None:
+    """Runs of other tests that never began have a journal, and so a thread, until they are forgotten."""
+    gc.collect()
 
 
 def waiting_for_disks() -> set[threading.Thread]:
