@@ -8,8 +8,7 @@ from typing import Any
 
 from rai_missions.engine.program import Program
 from rai_missions.engine.state import RunState
-from rai_missions.errors import in_words
-from rai_missions.guards.guard import Truth
+from rai_missions.guards.guard import Truth, foreign_truth
 from rai_missions.keys import Key, Stamped, stale_at, type_error
 
 __all__ = ("ask_named", "is_other", "known", "note_news", "value_at", "write_key")
@@ -73,11 +72,6 @@ def ask_named(program: Program, state: RunState, name: str, arguments: Mapping[s
         return value
     keys, now = program.keys, state.at
     fresh = {key: entry.value for key, entry in state.board.items() if now < stale_at(keys.get(key), entry)}
-    try:
-        value = predicate(fresh, **arguments)
-    except Exception as error:  # noqa: BLE001 - the user's code; what it raises makes the guard unknown
-        state.draft.notes.append(f"guard '{name}' raised {type(error).__name__}: {in_words(error)}")
-        value = None
-    value = value if isinstance(value, bool) else None
+    value = foreign_truth(lambda: predicate(fresh, **arguments), name, state.draft.notes.append)
     state.draft.looked.append((f"named:{name}", value))
     return value

@@ -34,6 +34,7 @@ __all__ = (
     "Types",
     "View",
     "concerns",
+    "foreign_truth",
     "made",
     "presence",
 )  # fmt: skip
@@ -270,12 +271,13 @@ class Guard(TaggedModel, family="guard", group="rai_missions.guards"):
         if type(self) not in Guard.foreign:
             return self.compile(site)
         try:
-            return _contained(self.compile(site), self.word)
+            test = self.compile(site)
         except MissionError:
             raise
         except Exception as error:
             whose = f"the guard '{self.word}' of {type(self).__module__}"
             raise UsageError(f"{whose} raised {in_words(error)} as it was compiled") from error
+        return lambda view: foreign_truth(lambda: test(view), self.word, view.note)
 
     def inner(self) -> Iterator[Guard]:
         """The guards it is made of."""
@@ -339,18 +341,14 @@ class Guard(TaggedModel, family="guard", group="rai_missions.guards"):
         raise TypeError("a guard has no truth of its own; combine guards with & | ~, not with and, or, not")
 
 
-def _contained(test: Test, word: str) -> Test:
-    """The test of a guard of another package, whose faults are no one else's."""
-
-    def contained(view: View) -> Truth:
-        try:
-            value = test(view)
-        except Exception as error:  # noqa: BLE001 - another package's code
-            view.note(f"guard '{word}' raised {type(error).__name__}: {in_words(error)}")
-            return None
-        return value if isinstance(value, bool) else None
-
-    return contained
+def foreign_truth(ask: Callable[[], object], word: str, note: Callable[[str], object]) -> Truth:
+    """What code of others makes of a guard: unknown, with a note, where it raises; unknown also for no boolean."""
+    try:
+        value = ask()
+    except Exception as error:  # noqa: BLE001 - the code of a user or of another package
+        note(f"guard '{word}' raised {type(error).__name__}: {in_words(error)}")
+        return None
+    return value if isinstance(value, bool) else None
 
 
 GuardOrKey: TypeAlias = Guard | HasPath
