@@ -99,7 +99,7 @@ def read_plan(config: RunConfig, closing: CleanupStack) -> RunPlan:
     if mission is None:
         raise UsageError("no mission was named, and no run to resume")
     plan = RunPlan(config, mission, robot, identity, resumed)
-    plan.refuse(faults_of(check(mission)), config.mission)
+    plan.refuse(faults_of(check(mission, named=config.named)), config.mission)
     if resumed is None:
         accepted(mission, config.arguments, whole=not config.waits)
     if (chosen := open_python_robot(given, mission, resumed.robot if resumed is not None else None)) is not None:

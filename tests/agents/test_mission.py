@@ -76,6 +76,25 @@ def test_a_mission_with_a_fault_is_refused_before_anything_moves(tmp_path: Path)
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.parametrize(
+    ("named", "why"),
+    [
+        ({"near": lambda board: True}, "'near' takes (board), and is called with (board, place=…)"),
+        ({"far": lambda board, place: True}, "no registered predicate 'near'; there is: far"),
+    ],
+)
+def test_a_predicate_that_does_not_fit_its_guard_is_refused_before_anything_moves(
+    named: dict[str, Any], why: str
+) -> None:
+    near = {"when": {"named": "near", "with": {"place": "dock"}}, "to": "end"}
+    states = {"going": {"call": "go", "transitions": [{"on": ["succeeded", "failed"], "to": "end"}, near]}}
+    mission = {"format": 1, "name": "m", "initial": "going", "states": states | {"end": {"final": "aborted"}}}
+    with pytest.raises(DefinitionError) as caught:
+        run(Mission.model_validate(mission), named=named)
+    assert why in str(caught.value)
+    assert [fault.place for fault in caught.value.faults] == ["/states/going/transitions/1/when/named"]
+
+
 def test_a_run_without_the_robot_that_its_mission_needs_is_refused_at_once(tmp_path: Path) -> None:
     keys = {"low": {"type": "boolean", "source": "robot"}, "high": {"type": "boolean", "source": "robot"}}
     needy = Mission.model_validate({**ASKING, "blackboard": {**keys, "seen": {**keys["low"], "optional": True}}})
