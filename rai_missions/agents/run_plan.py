@@ -25,7 +25,7 @@ from rai_missions.runtime.clock import Clock, ContinuedClock
 if TYPE_CHECKING:
     from rai_missions.replay.open_run import OpenedRun
 
-__all__ = ("CleanupStack", "RunPlan", "read_plan")
+__all__ = ("CleanupStack", "RunPlan", "profile_of", "read_plan")
 
 log = logger(__name__)
 
@@ -71,6 +71,29 @@ class RunPlan(NamedTuple):
     def continued(self, clock: Clock) -> Clock:
         """A clock on which a run that continues has the time that it had left."""
         return clock if self.resumed is None else ContinuedClock(clock, self.resumed.resumption.at)
+
+
+def profile_of(config: RunConfig) -> Robot | None:
+    """The profile of a run; of one that resumes, that of its journal.
+
+    None without one, and for a robot in Python, which makes one when a run is prepared.
+
+    Raises:
+        DefinitionError: It is at fault.
+        UsageError: There is no such file.
+    """
+    robot = config.robot
+    if isinstance(robot, Robot):
+        return robot
+    if isinstance(robot, str | Path):
+        return None if is_program(robot) else load_profile(robot)
+    if robot is not None or config.resume is None:
+        return None
+    from rai_missions.journal import opened
+    from rai_missions.replay.rebuild import robot_of
+
+    with opened(config.resume) as record:
+        return robot_of(record)
 
 
 def read_plan(config: RunConfig, closing: CleanupStack) -> RunPlan:

@@ -8,6 +8,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from rai_missions.agents.mission import RunConfig
+from rai_missions.agents.run_plan import profile_of
 from rai_missions.connectors.connector import Close, Reply
 from rai_missions.engine.step import Step
 from rai_missions.errors import UsageError
@@ -18,7 +19,7 @@ from rai_missions.node.launched import parameters_of
 from rai_missions.node.lifecycle_callbacks import LifecycleCallbacks
 from rai_missions.node.managed_lifecycle import ManagedLifecycle, serve_lifecycle
 from rai_missions.node.names import NodeName
-from rai_missions.node.prerequisites import about, robot_of
+from rai_missions.node.prerequisites import about
 from rai_missions.node.publisher import StatusPublisher
 from rai_missions.node.run_host import RunHost
 from rai_missions.node.run_session import RunSession
@@ -58,7 +59,7 @@ class MissionNode:
         carrier: Carrier | None = None, journals: Callable[[], Path] | None = None, operator: bool = True,
         ended: Callable[[RunSession], None] = lambda _session: None,
     ) -> None:  # fmt: skip
-        robot = robot_of(setting)
+        robot = profile_of(setting)
         self._host = RunHost(setting, robot=robot, journals=journals, operator=operator)
         called, self._about = about(setting.mission)
         self.name: NodeName = name_of(name, called, robot, ros_arguments)

@@ -10,14 +10,15 @@ from pathlib import Path
 from typing import Any
 
 from rai_missions.agents.mission import RunConfig
+from rai_missions.agents.run_plan import profile_of
 from rai_missions.check import check, faults_of, load_whole
 from rai_missions.connectors.python_robot import PythonRobot
 from rai_missions.engine.decision import Question
 from rai_missions.errors import DefinitionError, MissionError, UsageError
 from rai_missions.mission.mission import Mission
-from rai_missions.profile import Robot, RobotProgram, is_program, lacking_functions, load_profile, missing
+from rai_missions.profile import Robot, RobotProgram, lacking_functions, missing
 
-__all__ = ("Clients", "about", "readied", "robot_of")
+__all__ = ("Clients", "about", "readied")
 
 OUTSIDE = re.compile(r"^(?=\d)|[^A-Za-z0-9_]")
 """What a node's name may not have, or, before a digit, not begin with."""
@@ -31,21 +32,6 @@ class Clients:
 
     def withdraw(self, number: int) -> None:
         """Nothing to do: the status no longer shows it."""
-
-
-def robot_of(setting: RunConfig) -> Robot | None:
-    """The profile; None for a robot in Python, which makes one when a run is prepared.
-
-    Raises:
-        DefinitionError: It is at fault.
-        UsageError: There is no such file.
-    """
-    robot = setting.robot
-    if robot is None or isinstance(robot, Robot):
-        return robot
-    if isinstance(robot, PythonRobot | RobotProgram) or is_program(robot):
-        return None
-    return load_profile(robot)
 
 
 def about(given: Mission | str | Path | None) -> tuple[str, tuple[str, str]]:
@@ -75,7 +61,7 @@ def readied(setting: RunConfig) -> tuple[Mission, Robot | None]:
     source = "" if isinstance(given, Mission) else str(given)
     if faults := faults_of(check(mission, named=setting.named or {})):
         raise DefinitionError(faults, source)
-    robot = robot_of(setting)
+    robot = profile_of(setting)
     if robot is not None and (lacks := missing(mission, robot)):
         raise DefinitionError(lacks, "" if isinstance(setting.robot, Robot) else str(setting.robot))
     if isinstance(setting.robot, PythonRobot | RobotProgram):

@@ -101,8 +101,9 @@ class RunHost:
         return session
 
     def now(self) -> float:
-        """Seconds on the clock of the run that is under way."""
-        return self._clock.now()
+        """Seconds on the clock of the run that is under way; one that resumes counts on from where it was cut short."""
+        resumed = self.session if self.setting.resume is not None else None
+        return self._clock.now() if resumed is None else resumed.runner.view.now()
 
     def joined(self, setting: RunConfig, carrier: Carrier, *, on_step: Callable[[Step], None]) -> RunConfig:
         """A setting whose run the node carries, reports and answers for."""

@@ -355,27 +355,15 @@ def _checked_profile(config: RunConfig) -> Robot | None:
     Raises:
         DefinitionError: What it states of talk is at fault.
     """
+    from rai_missions.agents.run_plan import profile_of
     from rai_missions.agents.talk.settings import conversation_faults
     from rai_missions.mission.mission import Mission
 
-    profile, mission = _profile(config), config.mission
+    profile, mission = profile_of(config), config.mission
     faults = conversation_faults(profile, mission if isinstance(mission, Mission) else None) if profile else ()
     if faults:
         raise DefinitionError(faults, str(config.robot or config.resume))
     return profile
-
-
-def _profile(config: RunConfig) -> Robot | None:
-    from rai_missions.journal import opened
-    from rai_missions.profile import is_program, load_profile
-    from rai_missions.replay.rebuild import robot_of
-
-    if isinstance(config.robot, str):
-        return None if is_program(config.robot) else load_profile(config.robot)
-    if config.robot is not None or config.resume is None:
-        return None
-    with opened(config.resume) as record:
-        return robot_of(record)
 
 
 def _is_simulated(profile: Robot | None) -> bool:
