@@ -336,13 +336,33 @@ class ResultStore:
                 f"results cannot be written at {self.path}: {error}; what was stored before is kept, and the same"
                 " command continues from there"
             ) from None
+        except sqlite3.DatabaseError as error:
+            raise self._damage(error) from None
+
+    def _damage(self, error: sqlite3.DatabaseError) -> Exception:
+        """What to raise for a fault of SQLite: one of the file's contents has its path, one of ours is as it is."""
+        if isinstance(error, sqlite3.IntegrityError | sqlite3.ProgrammingError):
+            return error
+        what = "cannot be read" if isinstance(error, sqlite3.OperationalError) else "is damaged"
+        return UsageError(f"{self.path} {what}: {error}; take a copy from before, or name another file")
 
     # -- what is read ----------------------------------------------------------------------------------------------
+
+    def _read(self, query: str, *given: str) -> Iterator[Any]:
+        """The rows that a query finds.
+
+        Raises:
+            UsageError: The file is damaged.
+        """
+        try:
+            yield from self._db.execute(query, given)
+        except sqlite3.DatabaseError as error:
+            raise self._damage(error) from None
 
     @property
     def meta(self) -> dict[str, Any]:
         """What is noted about the campaign."""
-        return {key: json.loads(value) for key, value in self._db.execute("SELECT key, value FROM meta")}
+        return {key: json.loads(value) for key, value in self._read("SELECT key, value FROM meta")}
 
     @property
     def dropped(self) -> DroppedUse:
@@ -351,53 +371,53 @@ class ResultStore:
 
     def scenes(self) -> Iterator[SceneRecord]:
         """By name."""
-        return map(SceneRecord._make, self._db.execute("SELECT * FROM scene ORDER BY scene"))
+        return map(SceneRecord._make, self._read("SELECT * FROM scene ORDER BY scene"))
 
     def labels(self) -> dict[str, dict[str, str]]:
         """Scene → option → verdict."""
         found: dict[str, dict[str, str]] = {}
-        for scene, option, verdict in self._db.execute("SELECT scene, option, verdict FROM label"):
+        for scene, option, verdict in self._read("SELECT scene, option, verdict FROM label"):
             found.setdefault(scene, {})[option] = verdict
         return found
 
     def label_records(self) -> Iterator[LabelRecord]:
         """By scene and option, with the details."""
-        return map(LabelRecord._make, self._db.execute("SELECT * FROM label ORDER BY scene, option"))
+        return map(LabelRecord._make, self._read("SELECT * FROM label ORDER BY scene, option"))
 
     def questions(self) -> Iterator[QuestionRecord]:
         """By scene and embodiment."""
-        return map(QuestionRecord._make, self._db.execute("SELECT * FROM question ORDER BY scene, embodiment"))
+        return map(QuestionRecord._make, self._read("SELECT * FROM question ORDER BY scene, embodiment"))
 
     def pictures(self, scene: str) -> dict[str, bytes]:
         """Those of a scene: name → PNG."""
-        return dict(self._db.execute("SELECT name, png FROM picture WHERE scene = ?", (scene,)))
+        return dict(self._read("SELECT name, png FROM picture WHERE scene = ?", scene))
 
     def cells(self) -> Iterator[CellRecord]:
         """By mission, scene, model, embodiment and order: the same table whatever order they were answered in."""
         order = "mission, scene, model, embodiment, option_order, cell"
-        return map(CellRecord._make, self._db.execute(f"SELECT * FROM cell ORDER BY {order}"))
+        return map(CellRecord._make, self._read(f"SELECT * FROM cell ORDER BY {order}"))
 
     def done(self) -> set[str]:
         """The keys of the cells that need not be asked again: answered, or the model gave no answer."""
-        return {key for (key,) in self._db.execute("SELECT cell FROM cell WHERE status != 'failed'")}
+        return {key for (key,) in self._read("SELECT cell FROM cell WHERE status != 'failed'")}
 
     def keys(self) -> dict[str, list[str]]:
         """Key → mission, scene, model, embodiment and order of options, of every cell."""
         columns = "cell, mission, scene, model, embodiment, option_order"
-        return {key: names for key, *names in self._db.execute(f"SELECT {columns} FROM cell")}
+        return {key: names for key, *names in self._read(f"SELECT {columns} FROM cell")}
 
     def shown(self) -> set[tuple[str, str]]:
         """Scene and embodiment of every question that is here."""
-        return set(self._db.execute("SELECT scene, embodiment FROM question"))
+        return set(self._read("SELECT scene, embodiment FROM question"))
 
     def failures(self) -> dict[str, int]:
         """Why cells failed → how many did, the most first."""
         why = "SELECT error, count(*) FROM cell WHERE status = 'failed' GROUP BY error ORDER BY 2 DESC, 1"
-        return dict(self._db.execute(why))
+        return dict(self._read(why))
 
     def counts(self) -> dict[str, int]:
         """Status → how many cells have it."""
-        return dict(self._db.execute("SELECT status, count(*) FROM cell GROUP BY status"))
+        return dict(self._read("SELECT status, count(*) FROM cell GROUP BY status"))
 
 
 TABLE_OF: Mapping[type[Any], str] = {record: table for table, record in RECORDS.items()}

@@ -183,6 +183,23 @@ def test_a_full_disk_is_named_and_what_was_stored_before_is_kept(tmp_path: Path)
         assert [each.cell for each in store.cells()] == ["k1", "k2"]
 
 
+def test_a_store_that_is_damaged_is_named_whether_it_is_read_or_written(tmp_path: Path) -> None:
+    path, cells = tmp_path / "a.db", [CELL._replace(cell=f"k{at:03}", raw="x" * 900) for at in range(99)]
+    with ResultStore(path, writes=True) as store:
+        store.add(cells)
+    content = bytearray(path.read_bytes())
+    for page in range(10 * 4096, len(content), 4096):
+        content[page : page + 64] = b"\xff" * 64
+    path.write_bytes(content)
+    fault = r"a\.db is damaged: database disk image is malformed; take a copy from before, or name another file"
+    with ResultStore(path, writes=True) as store:
+        for use in (lambda: list(store.cells()), store.counts, lambda: store.add(cells), store.grade):
+            with pytest.raises(UsageError, match=fault):
+                use()
+        with pytest.raises(sqlite3.IntegrityError):  # a fault of the program stays one
+            store.add([CELL._replace(status="unknown")])  # type: ignore[arg-type]
+
+
 @contextmanager
 def read_only(folder: Path) -> Iterator[None]:
     """No file can be made in a folder, also where the tests are run by root."""
