@@ -255,6 +255,12 @@ class Chart:
         return self.state.active
 
     @property
+    def active_in_order(self) -> tuple[str, ...]:
+        """The same in the order of the mission's text; its other states are not looked at."""
+        nodes = self.program.graph.nodes
+        return tuple(sorted(self.state.active, key=lambda name: nodes[name].index))
+
+    @property
     def outcome(self) -> FinalOutcome | None:
         """How the mission ended; None while it runs."""
         return self.state.outcome

@@ -105,7 +105,6 @@ class Runner(RunCommands):
             if isinstance(each, ReadsRun):
                 each.read_from(self.view)
         self._puzzled: set[str] = set()
-        self._names = tuple(name for _, name, _ in mission.walk())
         self._about = robot.about if robot is not None else ""
         self._observer = observer
         self._notes: deque[tuple[str, Any]] = deque()
@@ -412,7 +411,7 @@ class Runner(RunCommands):
             holder=chart.holder,
             waiting=chart.waiting,
             open_goals=chart.loose_goals,
-            active=tuple(name for name in self._names if name in chart.active),
+            active=chart.active_in_order,
         )
         is_stop = chart.outcome is not None and step.event.kind != "control"
         if status is not None and status.control == "nobody" and is_stop:

@@ -116,7 +116,8 @@ def assert_accounted(before: frozenset[str], step: Step, after: frozenset[str]) 
 @lenient
 @given(mission_documents(), happenings())
 def test_no_event_leaves_the_graph_and_nothing_raises(document: Json, script: list[tuple[Any, float]]) -> None:
-    chart, robot, at = Chart(Mission.model_validate(document), ticker()), ScriptedRobot(), 0.0
+    mission, robot, at = Mission.model_validate(document), ScriptedRobot(), 0.0
+    chart, names = Chart(mission, ticker()), [name for _, name, _ in mission.walk()]
     before, outcome, step = frozenset[str](), None, chart.start(0.0)
     for drawn, wait in [(None, 0.0), *script]:
         at += wait
@@ -125,6 +126,7 @@ def test_no_event_leaves_the_graph_and_nothing_raises(document: Json, script: li
         robot.follow(step)
         assert_accounted(before, step, chart.active)
         assert_legal(document, chart.active)
+        assert chart.active_in_order == tuple(name for name in names if name in chart.active)
         assert outcome in (None, chart.outcome)
         assert not step.ignored or chart.active == before
         assert step.wake_at is None or step.wake_at >= chart.at

@@ -6,6 +6,7 @@ from __future__ import annotations
 import math
 import re
 import shlex
+import sys
 from typing import Any
 
 import pytest
@@ -474,3 +475,29 @@ def test_a_reading_is_as_old_as_its_connector_dates_it(own: Any, connector: floa
     rig.stage.play({3.0: lambda: dict(listeners)["/battery"](received), 4.0: lambda: rig.post("go")})
     rig.run()
     assert rig.runner.view.board["battery"].at == stamp
+
+
+def calls_of_events(states: int) -> int:
+    """The functions that a run calls for ten events in a mission that has so many states more."""
+    more = {f"s{number}": {"transitions": [{"on": "stop_now", "to": "over"}]} for number in range(states)}
+    idle = {"transitions": [{"on": "go", "do": [{"call": "horn"}]}, {"on": "stop_now", "to": "over"}]}
+    count = 0
+
+    def called(frame: object, event: str, what: object) -> None:
+        nonlocal count
+        count += event == "call"
+
+    def flood() -> None:
+        for _ in range(10):
+            rig.post("go")
+        sys.setprofile(called)
+
+    rig = Rig({"idle": idle, "over": {"final": "aborted"}, **more})
+    rig.stage.play({1.0: flood, 2.0: lambda: sys.setprofile(None), 3.0: lambda: rig.post("stop_now")})
+    rig.run()
+    assert len(rig.called) == 10
+    return count
+
+
+def test_an_event_takes_as_much_in_a_mission_of_many_states() -> None:
+    assert calls_of_events(300) <= calls_of_events(3) + 100
