@@ -13,8 +13,9 @@ from typing import Literal, NamedTuple, Protocol
 from rai_missions.agents.agent import reports_health
 from rai_missions.conversation import Speech
 from rai_missions.conversation.inputs import SpeechResult
+from rai_missions.errors import in_words
 from rai_missions.event import Role
-from rai_missions.redaction import logger
+from rai_missions.redaction import cut, logger
 
 __all__ = ("OnSpoken", "TalkDoor", "TalkDoors", "TalkLine", "TextDoor")
 
@@ -139,11 +140,8 @@ class TalkDoors:
     @property
     def fault(self) -> str:
         """What is wrong with a door that knows how it fares; empty where nothing is."""
-        for name, door in self._doors.items():
-            health = door.health if reports_health(door) else None
-            if health is not None and not health.lives and health.why:
-                return f"the door '{name}': {health.why}"
-        return ""
+        faults = ((name, _fault_of(door)) for name, door in self._doors.items())
+        return next((f"the door '{name}': {why}" for name, why in faults if why), "")
 
     def silence(self, *, is_total: bool = True) -> None:
         """Have every door that speaks be silent now."""
@@ -175,6 +173,15 @@ def _is_open(door: TalkDoor) -> bool:
     except Exception:
         log.exception("the door '%s' cannot report whether it is open", door.channel)
         return False
+
+
+def _fault_of(door: TalkDoor) -> str:
+    """Why a door that knows how it fares lives no more; empty where it does."""
+    try:
+        health = door.health if reports_health(door) else None
+    except Exception as error:  # noqa: BLE001 - the code of a door of another program
+        return f"it cannot report its health ({type(error).__name__}: {cut(in_words(error), 200)})"
+    return health.why if health is not None and not health.lives else ""
 
 
 RANK: tuple[SpeechResult, ...] = ("whole", "cut", "failed")

@@ -314,6 +314,11 @@ def test_its_health_names_the_door_that_is_dead_and_those_that_are_open() -> Non
     assert (agent.health.why, agent.health.values["doors open"]) == ("", "voice")
     door.health, door.is_open = AgentHealth("died", "no voice 'flit'"), False
     assert (agent.health.why, agent.health.values["doors open"]) == ("the door 'voice': no voice 'flit'", "none")
+    agent.add_door(Broken("health"))
+    assert (
+        agent.health.why == "the door 'voice': it cannot report its health (RuntimeError: the door is off its hinges)"
+    )
+    assert agent.health.state == "running", "a door that raises ends no conversation"
     agent.stop()
     assert agent.health.state == "stopped"
 
