@@ -214,15 +214,17 @@ class Motion:
             raise SkillFailure("holding", f"the gripper holds something already, so it cannot take {name}")
         self._held = None
         target = self._thing(name, place)
-        for _ in range(PUSHES + 1):
+        for left in reversed(range(PUSHES + 1)):
             others = self._others(target)
             self._check(target, others)
             ways = list(islice(grasps(target, others), ATTEMPTS))
             if ways:
                 break
+            if not left:
+                raise SkillFailure(
+                    "no_room", f"there is no room for the fingers next to {name}, also after it was pushed"
+                )
             target = yield from self._free(target, others)
-        else:
-            raise SkillFailure("no_room", f"there is no room for the fingers next to {name}, also after it was pushed")
         way, grasp = self._way(leaning(ways), [*others, target])  # it comes down on the target from above it, too
         yield from self._go(way, opening=grasp.opening_m)
         yield from self._close()

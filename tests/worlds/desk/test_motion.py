@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
 from typing import Any
 
 import numpy as np
@@ -18,12 +18,16 @@ import mujoco
 
 from rai_missions.connectors.connector import Message, Reply, Report
 from rai_missions.connectors.local import LocalConnector
+from rai_missions.worlds.desk import motion
 from rai_missions.worlds.desk.actions import MOVE, PICK, PLACE
 from rai_missions.worlds.desk.arm import TOPICS, Arm
+from rai_missions.worlds.desk.footprints import SeenThing
+from rai_missions.worlds.desk.grasps import Grasp
 from rai_missions.worlds.desk.kinematics import ToolPose
 from rai_missions.worlds.desk.manipulator import MOVE_TO
 from rai_missions.worlds.desk.motion import Skill, SkillEnd, ThingPose
 from rai_missions.worlds.desk.panda.model import HOME, fragment
+from rai_missions.worlds.desk.pushes import Push, pushes
 from rai_missions.worlds.desk.scene import build, settle
 from rai_missions.worlds.desk.scene_file import desk_objects
 from rai_missions.worlds.desk.truth import DeskTruth, truth_of
@@ -201,6 +205,27 @@ def test_what_cannot_be_taken_is_refused_with_the_reason_before_anything_is_touc
     )
     for name, one in bench.truth().things.items():
         assert math.dist(one[2:5], before[name][2:5]) < 1e-3
+
+
+def test_after_the_last_push_it_is_looked_whether_there_is_room(monkeypatch: pytest.MonkeyPatch) -> None:
+    looked: list[str] = []
+
+    def no_grasps(target: SeenThing, _others: Sequence[SeenThing]) -> Iterator[Grasp]:
+        looked.append("room")
+        return iter(())
+
+    def pushed(target: SeenThing, others: Sequence[SeenThing]) -> Iterator[Push]:
+        looked.append("push")
+        return pushes(target, others)
+
+    monkeypatch.setattr(motion, "PUSHES", 1)
+    monkeypatch.setattr(motion, "grasps", no_grasps)
+    monkeypatch.setattr(motion, "pushes", pushed)
+    bench = Bench(cube("red", 0.5, 0.0), cube("green", 0.5, 0.05))
+    ending = bench.pick("red_cube")
+    assert (ending.end, ending.reason) == ("failed", "no_room")
+    assert ending.message.endswith("next to red_cube, also after it was pushed")
+    assert looked == ["room", "push", "room"]
 
 
 def test_a_cube_that_is_gone_is_reported_as_not_held() -> None:
