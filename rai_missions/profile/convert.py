@@ -21,6 +21,7 @@ __all__ = ("at_path", "image_of", "json_of", "plain", "pose_message", "pose_of")
 LONGEST_TEXT = 1_000_000
 """Characters of JSON that are read from one message."""
 DEEPEST = 60
+FLOATS = frozenset({float})
 
 
 def at_path(message: Any, path: str) -> Any:
@@ -43,13 +44,16 @@ def plain(value: Any, depth: int = 0) -> Any:
     Raises:
         ConnectorError: Bytes that are no picture, a name that is no text, nesting deeper than 60, another type.
     """
-    if value is None or isinstance(value, bool | Image):
+    kind = type(value)
+    if kind is float:
+        return value if math.isfinite(value) else None
+    if kind is str or kind is bool or value is None or isinstance(value, Image):
         return value
     if isinstance(value, str):
         return str.__str__(value)  # a word of an enumeration, or of numpy, is text of another type
     if isinstance(value, int | float):
-        kind = int if isinstance(value, int) else float
-        return kind(value) if is_number(value) else None
+        number = int if isinstance(value, int) else float
+        return number(value) if is_number(value) else None
     if depth > DEEPEST:
         raise ConnectorError(
             f"a message is nested deeper than {DEEPEST}; its sender sends something else than it reports"
@@ -61,6 +65,8 @@ def plain(value: Any, depth: int = 0) -> Any:
             )
         return {str.__str__(name): plain(item, depth + 1) for name, item in value.items()}
     if isinstance(value, list | tuple):
+        if FLOATS.issuperset(map(type, value)) and all(map(math.isfinite, value)):
+            return [*value]  # a scan or a map, and many of them a second
         return [plain(item, depth + 1) for item in value]
     if hasattr(value, "tolist"):  # numpy's arrays and numbers, without knowing numpy
         return plain(value.tolist(), depth + 1)
