@@ -6,9 +6,8 @@ Rule: this is the only place that gives out an `Order`; whatever leads to one pa
 
 from __future__ import annotations
 
-from collections import defaultdict, deque
 from collections.abc import Sequence
-from typing import Literal, NamedTuple
+from typing import Literal, NamedTuple, TypeVar
 
 from rai_missions.conversation.confirmation import Confirmable
 from rai_missions.conversation.grammar import STOP
@@ -37,8 +36,10 @@ from rai_missions.redaction import cut
 
 __all__ = ("EarlierOrder", "OrderSide")
 
-REMEMBERED = 10
-"""Orders of one speaker that it can ask about; speakers and orders under way that are remembered."""
+K = TypeVar("K")
+V = TypeVar("V")
+REMEMBERED, SPEAKERS = 10, 100
+"""Orders of one speaker that it can ask about, and orders under way; speakers that are remembered."""
 STARTING_S = 30.0
 """Seconds that an ordered start may take until the run is seen; then the next request is possible."""
 LONGEST_REASON = 200
@@ -75,7 +76,7 @@ class OrderSide:
         self._ended_at, self._ended_by = float("-inf"), ("", "")
         self._requests = RequestQueue(talk, speaking)
         self._under_way: dict[int, JudgedOrder] = {}
-        self._ordered: dict[tuple[str, str], deque[str]] = defaultdict(lambda: deque(maxlen=REMEMBERED))
+        self._ordered: dict[tuple[str, str], tuple[str, ...]] = {}
         self._starts: dict[tuple[str, str], Sense] = {}
         """Speaker → the last start that it ordered."""
         self._ended_run: str | None = talk.view.run if talk.view.mode and not is_alive(talk.view) else None
@@ -92,7 +93,7 @@ class OrderSide:
 
     def ordered_by(self, speaker: tuple[str, str]) -> tuple[str, ...]:
         """The last orders of a speaker that were given out, in words, oldest first."""
-        return tuple(self._ordered.get(speaker, ()))
+        return self._ordered.get(speaker, ())
 
     def last_start_of(self, speaker: tuple[str, str]) -> Sense | None:
         """The last start that a speaker ordered."""
@@ -232,15 +233,10 @@ class OrderSide:
         sense, utterance = judged.sense, judged.utterance
         if sense.name == "start":
             self._starting_until = self._talk.now + STARTING_S
-            self._starts[utterance.speaker] = sense
-            for old_speaker in list(self._starts)[: -REMEMBERED * 10]:
-                del self._starts[old_speaker]
-        self._under_way[self._count] = judged
-        for old in list(self._under_way)[:-REMEMBERED]:
-            del self._under_way[old]
-        self._ordered[utterance.speaker].append(judged.words)
-        for old_speaker in list(self._ordered)[: -REMEMBERED * 10]:
-            del self._ordered[old_speaker]
+            _remember(self._starts, utterance.speaker, sense, SPEAKERS)
+        _remember(self._under_way, self._count, judged, REMEMBERED)
+        orders = (*self.ordered_by(utterance.speaker), judged.words)[-REMEMBERED:]
+        _remember(self._ordered, utterance.speaker, orders, SPEAKERS)
         self._talk.note(
             "ordered", order_number=self._count, number=judged.number, order=order_data(sense), role=utterance.role,
             mapper=judged.mapper, confirmed=judged.confirmed,
@@ -459,3 +455,11 @@ class OrderSide:
 def _is_locked(view: StatusView) -> bool:
     """Whether the run is over by an e-stop: no other begins until an operator has taken control."""
     return bool(view.mode) and not is_alive(view) and view.control == "nobody"
+
+
+def _remember(known: dict[K, V], key: K, value: V, most: int) -> None:
+    """Note what is newest, and forget what is older than so many others."""
+    known.pop(key, None)
+    known[key] = value
+    for old in list(known)[:-most]:
+        del known[old]

@@ -83,6 +83,20 @@ def test_why_it_stopped_is_known_before_the_run_has_taken_the_order(order: str) 
     assert "Anna" not in why(2.0)
 
 
+def test_of_many_speakers_those_are_remembered_who_ordered_last() -> None:
+    dialogue = Dialogue(view=RUNNING)
+
+    def say(text: str, author: str, at: float) -> str:
+        outputs = dialogue.on_utterance(Utterance(text, "operator", "page", author, at), RUNNING)
+        return " ".join(each.text for each in outputs if isinstance(each, Speech) and not each.report)
+
+    for at, author in enumerate(["Anna", *map(str, range(99)), "Anna", "Bob"]):
+        say("stop", author, float(at))
+    assert say("what did I order?", "Anna", 200.0).startswith("You ordered: ")
+    assert say("what did I order?", "Bob", 201.0).startswith("You ordered: ")
+    assert say("what did I order?", "0", 202.0) == "You have ordered nothing in this conversation."
+
+
 PATROL = RUNNING._replace(missions=(MissionView("patrol"), MissionView("tour")))
 HAPPENS = tuple(
     each.split(", ") for each in (
