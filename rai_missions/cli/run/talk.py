@@ -142,11 +142,12 @@ class TalkSession:
         from rai_missions.voice.setup import ListenNames
 
         names = ListenNames(self._options.recogniser, wake_word=self._options.wake_word)
-        self._voice = door = VoiceDoor(DeviceSound(), self._spoken, names=names, voice=self._options.voice or "flite")
+        self._voice = door = VoiceDoor(DeviceSound(), self._take, names=names, voice=self._options.voice or "flite")
         door.run()
         return door
 
-    def _spoken(self, text: str, **words: Any) -> str:
+    def _take(self, text: str, **words: Any) -> str:
+        """A sentence from any door; why it is not taken, or empty."""
         return self.agent.receive(text, **words) if self.agent is not None else "too early"
 
     def _open_topics(self, prepared: PreparedRun, name: str) -> HRIDoor:
@@ -164,11 +165,11 @@ class TalkSession:
 
     def type(self, text: str) -> str:
         """A line that is written on the terminal; why it is not taken, or empty."""
-        return self.agent.receive(text, role="operator", channel="terminal") if self.agent is not None else "too early"
+        return self._take(text, role="operator", channel="terminal")
 
     def receive(self, text: str, author: str, role: Role) -> str:
         """A sentence that is written on the page, whose token has a role."""
-        return self.agent.receive(text, role=role, channel="page", author=author) if self.agent else "too early"
+        return self._take(text, role=role, channel="page", author=author)
 
     @property
     def ear(self) -> PageEar:
@@ -179,7 +180,7 @@ class TalkSession:
 
             language = self._policy.language if self._policy is not None else "en"
             names = ListenNames(self._options.recogniser, echo=False)
-            self._ear = PageEar(self._spoken, language=language, names=names)
+            self._ear = PageEar(self._take, language=language, names=names)
         return self._ear
 
     def is_stop(self, text: str) -> bool:
@@ -368,8 +369,7 @@ def _checked_profile(config: RunConfig) -> Robot | None:
 
 def _is_simulated(profile: Robot | None) -> bool:
     """Whether the run has the time of a simulated world."""
-    connector = profile.connector if profile is not None else {"kind": ""}
-    return connector["kind"] == "local" and connector.get("world") is not None
+    return profile is not None and profile.connector["kind"] == "local" and profile.connector.get("world") is not None
 
 
 def _identity(prepared: PreparedRun) -> Identity | None:
@@ -398,13 +398,9 @@ def _model(options: RunOptions, prepared: PreparedRun, identity: Identity | None
     from rai_missions.answerers.model.tools import open_toolbox
 
     check_model(options.model, memory_gib=options.model_memory)
-    toolbox = open_toolbox(prepared.mission, prepared.robot, prepared.connector, _now(prepared))
+    toolbox = open_toolbox(prepared.mission, prepared.robot, prepared.connector, prepared.clock.now)
     if toolbox is not None:
         prepared.closing.closes(toolbox.close)
     others = toolbox.read_only if toolbox is not None else ()
     process = ModelProcess(options.model, memory_gib=options.model_memory)
     return TalkModel(process, identity=identity, tools=lambda view: look_tools(identity, view, others))
-
-
-def _now(prepared: PreparedRun) -> Callable[[], float]:
-    return prepared.clock.now
