@@ -6,12 +6,14 @@ from __future__ import annotations
 import importlib.util
 import json
 import shutil
+import signal
 import socket
 import subprocess
 import sys
 import threading
 import time
 from collections.abc import Iterator
+from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
 
@@ -226,6 +228,7 @@ def test_a_request_is_of_use_as_long_as_its_call_waits(broker: Broker, connector
     device.subscribe("/valve/request", 1)
     device.loop_start()
     is_listening.wait(bool, "the device is there")
+    began = time.time()
     for timeout_s in (2.5, 0.2, 5e9, None):
         connector.call("/valve", TRIGGER, {}, on_reply=replies, timeout_s=timeout_s)
     expiries = [
@@ -233,8 +236,33 @@ def test_a_request_is_of_use_as_long_as_its_call_waits(broker: Broker, connector
         for each in requests.wait(lambda all_: len(all_) == 4, "each is delivered")
     ]
     assert expiries == [3, 1, 0xFFFF_FFFF, None]
+    ends = [dict(getattr(each.properties, "UserProperty", ())) for each in requests.all]
+    assert 2.4 < float(ends[0]["expires_at"]) - began < 10 and ends[3] == {}
     device.disconnect()
     device.loop_stop()
+
+
+@needs_broker
+def test_a_request_that_was_given_up_is_not_served(
+    broker: Broker, connector: MqttConnector, caplog: pytest.LogCaptureFixture
+) -> None:
+    import paho.mqtt.client as mqtt
+    from paho.mqtt.packettypes import PacketTypes
+    from paho.mqtt.properties import Properties
+
+    asked, caller = Inbox[Any](), mqtt.Client(mqtt.CallbackAPIVersion.VERSION2, protocol=mqtt.MQTTv5)
+    connector.serve("/horn", TRIGGER, lambda request: asked(request["by"]) or {})
+    caller.connect("127.0.0.1", broker.port)
+    caller.loop_start()
+    for expires_at in (f"{time.time() - 5}", "soon", f"{time.time() + 500}"):
+        properties = Properties(PacketTypes.PUBLISH)
+        properties.UserProperty = ("expires_at", expires_at)
+        caller.publish("/horn/request", encode({"by": expires_at}), qos=1, properties=properties)
+    assert asked.wait(lambda all_: len(all_) == 2, "the others are served") == ["soon", expires_at]
+    (warning,) = caplog.records
+    assert warning.getMessage().startswith("a request to /horn expired 5.")
+    caller.disconnect()
+    caller.loop_stop()
 
 
 @needs_broker
@@ -638,11 +666,20 @@ def test_the_device_of_the_guide_is_reached(broker: Broker, connector: MqttConne
     device.write_text(guide.partition("```python\n")[2].partition("```")[0], encoding="utf-8")
     received: Inbox[Message] = Inbox(30.0)
     connector.subscribe("/humidity", "std_msgs/msg/Float64", received)
-    with subprocess.Popen([sys.executable, device, str(broker.port)]) as process:
+    with subprocess.Popen([sys.executable, device, str(broker.port)]) as process, ExitStack() as stack:
+        stack.callback(process.kill)
         received.wait(lambda all_: len(all_) > 2, "the device publishes")
+        late: Inbox[Reply] = Inbox(30.0)
+        process.send_signal(signal.SIGSTOP)
+        connector.call("/valve/open", TRIGGER, {}, on_reply=late, timeout_s=0.2)
+        assert late.wait(bool, "the device hangs")[0].outcome == "timed_out"
+        process.send_signal(signal.SIGCONT)
+        before = len(received.all)
+        received.wait(lambda all_: len(all_) > before + 2, "the device publishes again")
+        levels = [each.data["data"] for each in received.all]
+        assert levels == sorted(levels, reverse=True), "what was given up while it hung opens no valve"
         replies: Inbox[Reply] = Inbox(30.0)
         connector.call("/valve/open", TRIGGER, {}, on_reply=replies)
         (reply,) = replies.wait(bool, "the device replies")
-        process.kill()
     assert (reply.outcome, reply.data) == ("succeeded", {"success": True, "message": ""})
     assert received.all[0].data["data"] < 0.3

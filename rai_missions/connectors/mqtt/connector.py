@@ -35,6 +35,8 @@ NO_SUBSCRIBERS = 0x10
 """MQTT 5, 3.4.2.1: no matching subscribers."""
 MOST_ANSWERED = 256
 """Calls whose answer came, and by which a second server of the same service is known."""
+EXPIRES_AT = "expires_at"
+"""The user property of a request that states until when its reply is awaited, in seconds since 1970."""
 LONGEST_EXPIRY_S = 0xFFFF_FFFF
 """MQTT 5, 3.3.2.3.3: a number of four bytes."""
 GONE = "the MQTT broker is gone"
@@ -178,12 +180,12 @@ class MqttConnector:
             return
         key = uuid.uuid4().bytes
         late = Reply("timed_out", {}, f"{service} has not answered within {timeout_s} s")
+        words = _properties(ResponseTopic=self._replies_to, CorrelationData=key, **_expiry(timeout_s))
         timer = None if timeout_s is None else threading.Timer(timeout_s, lambda: self._end(key, late))
         self._calls[key] = _Call(service, on_reply, timer)
         if timer is not None:
             timer.daemon = True
             timer.start()
-        words = _properties(ResponseTopic=self._replies_to, CorrelationData=key, **_expiry(timeout_s))
         sent, end = None, Reply("unavailable", {}, GONE)
         try:
             sent = self._link.publish(
@@ -288,6 +290,10 @@ class MqttConnector:
     def _serve_one(self, service: str, answer: Answer, message: Any, request: Data) -> None:
         if message.retain:
             log.warning("a request to %s that the broker keeps is of the past, and is not served", service)
+            return
+        if (late_s := _late_s(message)) > 0:
+            why = "this program hung, or the clocks of the two machines differ"
+            log.warning("a request to %s expired %.1f s ago, and is not served; %s", service, late_s, why)
             return
         ask(answer, request, service).add_done_callback(lambda answered: self._send_answer(message, service, answered))
 
@@ -423,9 +429,25 @@ class _Call:
         self.service, self.answered, self.timer = service, on_reply, timer
 
 
-def _expiry(timeout_s: float | None) -> dict[str, int]:
-    """The broker drops a request once no one awaits its reply, in whole seconds: a device may come back much later."""
-    return {} if timeout_s is None else {"MessageExpiryInterval": math.ceil(min(max(timeout_s, 1), LONGEST_EXPIRY_S))}
+def _expiry(timeout_s: float | None) -> dict[str, Any]:
+    """Until when a request counts: afterwards no one awaits its reply.
+
+    The broker drops it then, in whole seconds: a device may come back much later. One that hung with its connection
+    open has it already, and looks at the time of day.
+    """
+    if timeout_s is None:
+        return {}
+    interval = math.ceil(min(max(timeout_s, 1), LONGEST_EXPIRY_S))
+    return {"MessageExpiryInterval": interval, "UserProperty": (EXPIRES_AT, f"{time.time() + timeout_s:.3f}")}
+
+
+def _late_s(request: Any) -> float:
+    """For how many seconds no one has awaited the reply to a request, by the time of day; negative before."""
+    words = dict(getattr(request.properties, "UserProperty", ()))
+    try:
+        return time.time() - float(words.get(EXPIRES_AT, "inf"))
+    except ValueError:
+        return -math.inf
 
 
 def _properties(**words: Any) -> Any:
