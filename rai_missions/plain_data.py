@@ -17,6 +17,7 @@ from rai_missions.image import Image
 
 __all__ = (
     "apart",
+    "are_finite",
     "carried",
     "is_number",
     "json_object",
@@ -28,6 +29,7 @@ __all__ = (
     "text_fault",
 )
 
+FLOATS = frozenset({float})
 LEAVES = frozenset({str, int, float, bool, type(None)})
 DECIMALS = {"m": 3, "s": 2}
 """The decimals of a number whose name ends in a unit."""
@@ -53,6 +55,11 @@ def is_number(value: Any) -> TypeGuard[int | float]:
         return math.isfinite(value)
     except OverflowError:
         return False
+
+
+def are_finite(values: Sequence[Any]) -> bool:
+    """Whether all are floating-point numbers, and finite: a scan or a map, which needs no look at each number."""
+    return FLOATS.issuperset(map(type, values)) and all(map(math.isfinite, values))
 
 
 def text_fault(text: str) -> str:
@@ -91,7 +98,7 @@ def plain(value: Any) -> Any:
     if isinstance(value, Image):
         return {"picture": value.ref, "width": value.width, "height": value.height, "encoding": value.encoding}
     if isinstance(value, Sequence | AbstractSet):
-        return [plain(item) for item in value]
+        return value.copy() if type(value) is list and are_finite(value) else [plain(item) for item in value]
     return str(value)
 
 

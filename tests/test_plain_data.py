@@ -7,6 +7,7 @@ from __future__ import annotations
 import copy
 import json
 import math
+import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any
 
@@ -20,9 +21,11 @@ from rai_missions.answerers.model.agent import DecisionAgent
 from rai_missions.answerers.test_models import ScriptedModel
 from rai_missions.engine.decision import Offer, Question
 from rai_missions.image import Image
+from rai_missions.journal.json_values import from_json, to_json
 from rai_missions.mission.files import dump
-from rai_missions.plain_data import apart, json_object, json_value, listed, plain, quoted, rounded
+from rai_missions.plain_data import apart, are_finite, json_object, json_value, listed, plain, quoted, rounded
 from rai_missions.profile import dump_profile
+from rai_missions.profile import plain as plain_message
 from rai_missions.testing import QUESTION, ReplyCollector, call
 from tests.rigs.journals import MemoryJournal
 from tests.rigs.runs import Rig, mission, robot
@@ -127,6 +130,31 @@ def test_what_json_has_not_becomes_text() -> None:
     assert plain([math.inf, -math.inf, b"\x00", {1: {2}}]) == ["inf", "-inf", "AA==", {"1": [2]}]
     assert plain(Tinkering) == str(Tinkering)
     assert plain(IMAGE) == {"picture": "camera@1", "width": 1, "height": 1, "encoding": "rgb8"}
+
+
+@pytest.mark.parametrize("values", [[1.0, math.inf], [1.0, math.nan], [1.0, 2], [True], ["1"], [[1.0]], [None]])
+def test_a_list_is_looked_at_item_by_item_unless_all_are_finite_numbers(values: list[Any]) -> None:
+    assert not are_finite(values)
+    assert are_finite([]) and are_finite([1.0, -2.5, 1e300])
+
+
+@pytest.mark.parametrize(
+    "read", [plain, plain_message, to_json, lambda value: from_json(value, lambda ref, digest: bytes)],
+    ids=["for readers", "of a robot", "to a journal", "from a journal"],
+)  # fmt: skip
+def test_the_numbers_of_a_scan_are_read_at_once(read: Callable[[Any], Any]) -> None:
+    calls, scan = [0], [0.5] * 1000
+
+    def called(frame: object, event: str, what: object) -> None:
+        calls[0] += event == "call"
+
+    sys.setprofile(called)
+    try:
+        made = read(scan)
+    finally:
+        sys.setprofile(None)
+    assert made == scan and made is not scan
+    assert calls[0] < 10
 
 
 @pytest.mark.parametrize("profile", [{}, {"tool_calling": True, "structured_output": False}])

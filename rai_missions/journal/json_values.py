@@ -12,6 +12,7 @@ from typing import Any, cast
 
 from rai_missions.errors import UsageError
 from rai_missions.image import Image
+from rai_missions.plain_data import are_finite
 from rai_missions.redaction import cut_repr
 
 __all__ = ("Fetch", "Keep", "from_json", "keep_nothing", "pictures_in", "to_json")
@@ -46,7 +47,7 @@ def to_json(value: Any, keep: Keep = keep_nothing) -> Any:
     if kind is float:
         return value if math.isfinite(value) else _infinite(value)
     if kind is list:
-        return [to_json(item, keep) for item in value]
+        return value.copy() if are_finite(value) else [to_json(item, keep) for item in value]
     if isinstance(value, Mapping):
         return _object(value, keep)
     if isinstance(value, Image):
@@ -104,7 +105,7 @@ def from_json(value: Any, fetch: Fetch) -> Any:
         ValueError: An object with a `$` word that is none of the format's.
     """
     if isinstance(value, list):
-        return [from_json(item, fetch) for item in value]
+        return value.copy() if are_finite(value) else [from_json(item, fetch) for item in value]
     if not isinstance(value, dict):
         return value
     word = next(iter(value), "")

@@ -13,7 +13,7 @@ from typing import Any
 
 from rai_missions.errors import ConnectorError
 from rai_missions.image import CHANNELS, Image
-from rai_missions.plain_data import is_number
+from rai_missions.plain_data import are_finite, is_number
 from rai_missions.redaction import cut, cut_repr
 
 __all__ = ("at_path", "image_of", "json_of", "plain", "pose_message", "pose_of")
@@ -21,7 +21,6 @@ __all__ = ("at_path", "image_of", "json_of", "plain", "pose_message", "pose_of")
 LONGEST_TEXT = 1_000_000
 """Characters of JSON that are read from one message."""
 DEEPEST = 60
-FLOATS = frozenset({float})
 
 
 def at_path(message: Any, path: str) -> Any:
@@ -65,9 +64,7 @@ def plain(value: Any, depth: int = 0) -> Any:
             )
         return {str.__str__(name): plain(item, depth + 1) for name, item in value.items()}
     if isinstance(value, list | tuple):
-        if FLOATS.issuperset(map(type, value)) and all(map(math.isfinite, value)):
-            return [*value]  # a scan or a map, and many of them a second
-        return [plain(item, depth + 1) for item in value]
+        return [*value] if are_finite(value) else [plain(item, depth + 1) for item in value]
     if hasattr(value, "tolist"):  # numpy's arrays and numbers, without knowing numpy
         return plain(value.tolist(), depth + 1)
     raise ConnectorError(

@@ -5,7 +5,6 @@ from __future__ import annotations
 
 import enum
 import math
-import sys
 from typing import Any
 
 import pytest
@@ -161,21 +160,6 @@ def test_an_integer_beyond_all_floating_point_numbers_is_no_number_to_reckon_wit
 def test_a_number_that_is_not_finite_is_none_at_its_place() -> None:
     scan = [0.5, math.inf, 1.5, -math.inf, math.nan, True, 2]
     assert plain({"ranges": scan}) == {"ranges": [0.5, None, 1.5, None, None, True, 2]}
-
-
-def test_the_numbers_of_a_scan_are_read_at_once() -> None:
-    calls, scan = [0], [0.5] * 1000
-
-    def called(frame: object, event: str, what: object) -> None:
-        calls[0] += event == "call"
-
-    sys.setprofile(called)
-    try:
-        made = plain(scan)
-    finally:
-        sys.setprofile(None)
-    assert made == scan and made is not scan
-    assert calls[0] < 10
 
 
 def test_words_of_enumerations_and_of_numpy_become_text() -> None:
