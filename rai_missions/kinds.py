@@ -7,6 +7,7 @@ written things is found by its type. Nothing of another package is loaded before
 
 from __future__ import annotations
 
+import os
 import re
 import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping
@@ -14,7 +15,6 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cache
 from importlib import import_module
-from pathlib import Path
 from pkgutil import iter_modules
 from types import UnionType
 from typing import TYPE_CHECKING, Annotated, Any, Literal, NamedTuple, Union, get_args, get_origin
@@ -415,8 +415,14 @@ def offers(group: str) -> tuple[PackageOffer, ...]:
 
 def _places() -> tuple[str, ...]:
     """Where packages are installed: the working directory is no such place."""
-    here = Path.cwd().resolve()
-    return tuple(each for each in sys.path if each and Path(each).resolve() != here)
+    return tuple(each for each in sys.path if each and not _is_here(each))
+
+
+def _is_here(folder: str) -> bool:
+    try:
+        return os.path.samefile(folder, ".")  # also where the working directory was removed
+    except OSError:
+        return False
 
 
 @cache

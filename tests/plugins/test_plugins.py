@@ -119,6 +119,17 @@ def test_it_runs_in_a_foreign_world_and_its_journal_names_the_package_and_is_rep
     assert again.holds and again.steps > 5
 
 
+def test_packages_are_found_where_the_working_directory_was_removed(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    folder = tmp_path / "gone"
+    folder.mkdir()
+    monkeypatch.chdir(folder)
+    folder.rmdir()
+    assert load(MISSION) == Mission.model_validate(document())
+    assert open_world("greenhouse").period_s > 0
+
+
 def test_it_is_proved_with_the_values_that_the_guard_distinguishes_and_the_replies_that_are_awaited() -> None:
     robot = load_profile(ROBOT)
     proof = prove(load(MISSION), terms=facts_of(robot))
