@@ -27,17 +27,13 @@ def accepted(mission: Mission, arguments: Mapping[str, Any], *, whole: bool = Tr
     Raises:
         DefinitionError: One that it does not take, does not fit, or is missing.
     """
-    takes = {name for name, key in mission.blackboard.items() if key.source == "argument"}
+    takes = {name: key for name, key in mission.blackboard.items() if key.source == "argument"}
     faults = [
-        Fault(
-            f"/blackboard/{name}",
-            f"the mission takes no argument '{name}'{suggestion(name, takes)}",
-        )
+        Fault(f"/blackboard/{name}", f"the mission takes no argument '{name}'{suggestion(name, takes)}")
         for name in arguments
         if name not in takes
     ]
-    for name in takes:
-        key = mission.blackboard[name]
+    for name, key in takes.items():
         if name in arguments and (why := type_error(key, arguments[name])):
             example = WRITTEN.get(key.type) if isinstance(arguments[name], str) else None
             remedy = f"; on a command line, quote JSON: --set '{name}={example}'" if example is not None else ""

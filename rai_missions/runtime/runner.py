@@ -64,8 +64,8 @@ class Runner(RunCommands):
         observer: Who follows it.
 
     Raises:
-        DefinitionError: The profile lacks what the mission uses.
-        UsageError: An argument that the mission does not take.
+        DefinitionError: The profile lacks what the mission uses, or an argument is missing or does not fit.
+        UsageError: The mission names a predicate that was not given.
     """
 
     def __init__(

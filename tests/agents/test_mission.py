@@ -95,6 +95,15 @@ def test_a_predicate_that_does_not_fit_its_guard_is_refused_before_anything_move
     assert [fault.place for fault in caught.value.faults] == ["/states/going/transitions/1/when/named"]
 
 
+def test_arguments_that_are_missing_are_reported_in_the_order_of_the_mission() -> None:
+    names = [f"n{number}" for number in (3, 1, 4, 5, 9, 2, 6, 8, 7, 0)]
+    keys = {name: {"type": "number", "source": "argument"} for name in names}
+    mission = {"format": 1, "name": "m", "blackboard": keys, "initial": "end", "states": {"end": {"final": "aborted"}}}
+    with pytest.raises(DefinitionError) as caught:
+        run(Mission.model_validate(mission))
+    assert [fault.place for fault in caught.value.faults] == [f"/blackboard/{name}" for name in names]
+
+
 def test_a_run_without_the_robot_that_its_mission_needs_is_refused_at_once(tmp_path: Path) -> None:
     keys = {"low": {"type": "boolean", "source": "robot"}, "high": {"type": "boolean", "source": "robot"}}
     needy = Mission.model_validate({**ASKING, "blackboard": {**keys, "seen": {**keys["low"], "optional": True}}})
