@@ -39,6 +39,15 @@ TWIGS = """[...document.querySelectorAll('.twig')].map((twig) => {
   const lines = [...twig.querySelectorAll('text')].map((each) => each.textContent);
   return [twig.querySelector('title').textContent, lines, left, right, top, bottom];
 })"""
+ON_PAPER = """(() => {
+  const paper = document.querySelector('#chart').getBoundingClientRect();
+  const outside = [...document.querySelectorAll('.state')].filter((each) => {
+    const { left, right, top, bottom } = each.getBoundingClientRect();
+    return left < paper.left || right > paper.right || top < paper.top || bottom > paper.bottom;
+  }).map((each) => each.dataset.state);
+  return [outside, paper.height / innerHeight];
+})()"""
+"""Which states are outside of the printed chart, and how much of a page's height it takes."""
 NEARER = """(() => {
   const { gestures, svg } = review.chart;
   for (let step = 0; step < 60 && svg.dataset.detail !== 'all'; step += 1) gestures.zoom(1.25);
@@ -223,3 +232,16 @@ def test_it_prints_without_its_tools_on_white(opened: Open) -> None:
     assert window.is_visible("[data-state=assessing]")
     assert window.evaluate("getComputedStyle(document.querySelector('#chart')).backgroundColor") == "rgb(255, 255, 255)"
     assert window.pdf().startswith(b"%PDF")
+
+
+@pytest.mark.parametrize("size", [(1400, 900), (390, 844)], ids=["screen", "phone"])
+def test_all_of_its_chart_is_on_the_paper(opened: Open, size: tuple[int, int]) -> None:
+    window = opened(review(tractor()), viewport=dict(zip(("width", "height"), size, strict=True)))
+    window.evaluate("dispatchEvent(new Event('beforeprint'))")
+    window.emulate_media(media="print")
+    for paper in ({"width": 794, "height": 1123}, {"width": 1123, "height": 794}):
+        window.set_viewport_size(paper)
+        outside, share = window.evaluate(ON_PAPER)
+        assert outside == [] and share > 0.55
+    window.evaluate("dispatchEvent(new Event('afterprint'))")
+    assert window.get_attribute("svg.chart", "viewBox") is None

@@ -393,6 +393,17 @@ class Chart {
     });
   }
 
+  /** All of it, in a box that is scaled to the paper's: it is laid out for the screen's. */
+  toPaper() {
+    this.fit(false);
+    const { width, height } = this.svg.getBoundingClientRect();
+    this.svg.setAttribute("viewBox", `0 0 ${width} ${height}`);
+  }
+
+  toScreen() {
+    this.svg.removeAttribute("viewBox");
+  }
+
   /** The innermost state that the mission begins with. */
   first() {
     const begins = new Map([...this.model.data.initials].reverse());

@@ -72,7 +72,8 @@ class Page {
     byId("search").addEventListener("keydown", (event) => this.searched(event));
     document.addEventListener("keydown", (event) => this.key(event));
     addEventListener("hashchange", () => this.follow());
-    addEventListener("beforeprint", () => this.chart.fit());
+    addEventListener("beforeprint", () => this.chart.toPaper());
+    addEventListener("afterprint", () => this.chart.toScreen());
   }
 
   key(event) {
