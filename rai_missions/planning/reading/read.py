@@ -6,7 +6,7 @@ Rule: a goal comes out only where every word is accounted for and one reading is
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Iterator, Sequence
+from collections.abc import Hashable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -34,6 +34,11 @@ MOST_TRIES = 40
 LONGEST_SENTENCE = 4_000
 """Characters of a question or a reason."""
 PREFERRED = "en"
+AFTER: Mapping[str, frozenset[str]] = {
+    "noun": frozenset({"the", "a", "all", "colour", "noun", "put", "grasp"}),
+    "colour": frozenset({"the", "a", "all", "colour"}),
+}
+"""Kinds of symbols that end a phrase about a thing → those that begin another one, or a wish."""
 
 
 def read_request(request: str, scene: Scene) -> dict[str, Any]:
@@ -125,11 +130,31 @@ def _read_symbols(found: list[Symbol], scene: Scene, words: Vocabulary) -> Reque
     if _is_part_of_desk([symbol.kind for symbol in found if symbol.kind != "the"]):
         raise Unread("coordinates", words.text("coordinates"))
     is_sorted = any(symbol.kind == "sorted" for symbol in found)
-    wishes = clauses([symbol for symbol in found if symbol.kind != "sorted"], words)
+    wishes = _wishes([symbol for symbol in found if symbol.kind != "sorted"], words)
     goals, is_sure = _goals(wishes, scene, words)
     if len(goals) == 1 and is_sure and not thrown and not is_sorted:
         return RequestReading(goal=goals[0], covers_all=_covers_all(wishes, goals[0]))
     return _asked(goals, words)
+
+
+def _wishes(found: Sequence[Symbol], words: Vocabulary) -> tuple[Clause, ...]:
+    """The clauses; those of words without a comma, as they are spoken, where they are none as they are."""
+    try:
+        return clauses(found, words)
+    except Unread:
+        listed = list(_with_commas(found))
+        if len(listed) == len(found):
+            raise
+        return clauses(listed, words)
+
+
+def _with_commas(found: Sequence[Symbol]) -> Iterator[Symbol]:
+    """A comma between two things that follow each other, and before the verb after one: `red blue green`."""
+    for at, symbol in enumerate(found):
+        after = AFTER.get(found[at - 1].kind, frozenset()) if at else frozenset[str]()
+        if symbol.kind in after:
+            yield Symbol(",", None, ",")
+        yield symbol
 
 
 def _is_part_of_desk(kinds: Sequence[str]) -> bool:

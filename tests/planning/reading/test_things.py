@@ -150,6 +150,34 @@ def test_a_wish_about_too_few_or_too_many_things_is_asked_back_with_the_reason(r
     assert found.goal is None and found.question.startswith(reason)
 
 
+@pytest.mark.parametrize(
+    ("bare", "written"),
+    [
+        ("from left to right red blue green", "from left to right: red, blue, green"),
+        ("line up the cubes from left to right red blue green yellow", "from left to right: red, blue, green, yellow"),
+        ("stack red blue green", "stack red, blue, green"), ("swap red green", "swap red and green"),
+        ("put the red the blue and the green cube in the tray", "put the red, the blue and the green cube in the tray"),
+        ("put the apple in the tray the carrot in the bin", "put the apple in the tray, the carrot in the bin"),
+        ("put the apple in the tray put the carrot in the bin", "the apple in the tray. put the carrot in the bin"),
+        ("leg den Apfel in die Schale die Tomate in den Eimer", "leg den Apfel in die Schale, die Tomate in den Eimer"),
+    ],
+)  # fmt: skip
+def test_a_list_is_read_without_its_commas(bare: str, written: str) -> None:
+    assert reading_of(bare, SEEN).goal == reading_of(written, SEEN).goal is not None
+
+
+@pytest.mark.parametrize(
+    "request_",
+    [
+        "put the cube the apple is on in the tray", "put the cube the apple lies on on the red cube", "apple tray",
+        "put the red cube the blue cube is on in the tray", "put the carrot in the tray the apple", "red green blue",
+        "the apple in the tray put in the bin", "put the red apple cube in the tray", "move the apple the tray",
+    ],
+)  # fmt: skip
+def test_things_that_follow_each_other_are_no_list_where_words_are_left(request_: str) -> None:
+    assert reading_of(request_, SEEN).goal is None
+
+
 FILLED = scene(
     placed("tray", 0.6, 0.3), placed("bin", 0.6, -0.3),
     placed("red_cube", 0.4, 0.1, colour="red"), placed("yellow_cube", 0.4, 0.1, level=0.044, colour="yellow"),
