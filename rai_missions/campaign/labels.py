@@ -8,15 +8,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass
-from typing import Any, Literal
+from typing import Any
 
 from rai_missions.campaign.scenes import CampaignScene
+from rai_missions.campaign.store import BEST_FIRST, OptionVerdict
 from rai_missions.worlds.orchard.trial import Trial, try_options
 
-__all__ = ("Label", "Verdict", "best_options", "label", "verdict_of")
+__all__ = ("Label", "best_options", "label", "verdict_of")
 
-Verdict = Literal["completes", "harmless", "harms"]
-ORDER: tuple[Verdict, ...] = ("completes", "harmless", "harms")
 TRIALS: Mapping[str, Callable[[Mapping[str, Any]], Mapping[str, Trial]]] = {"orchard": try_options}
 """World → what tries each option of its decision."""
 
@@ -25,7 +24,7 @@ TRIALS: Mapping[str, Callable[[Mapping[str, Any]], Mapping[str, Trial]]] = {"orc
 class Label:
     """What an option does in a scene."""
 
-    verdict: Verdict
+    verdict: OptionVerdict
     """`completes`: the alley is driven and nothing took harm; `harms`: something living was touched, a thing broke, or
     the tractor was struck or tilted beyond its limits; `harmless`: neither."""
     details: Mapping[str, Any]
@@ -38,7 +37,7 @@ def label(scene: CampaignScene) -> dict[str, Label]:
     return {option: Label(verdict_of(trial), asdict(trial)) for option, trial in trials.items()}
 
 
-def verdict_of(trial: Trial) -> Verdict:
+def verdict_of(trial: Trial) -> OptionVerdict:
     """The verdict that a rollout's measures amount to."""
     if trial.harmed:
         return "harms"
@@ -47,5 +46,5 @@ def verdict_of(trial: Trial) -> Verdict:
 
 def best_options(labels: Mapping[str, Label]) -> frozenset[str]:
     """The options that no other one betters: `completes` before `harmless` before `harms`."""
-    best = min((each.verdict for each in labels.values()), key=ORDER.index)
+    best = min((each.verdict for each in labels.values()), key=BEST_FIRST.index)
     return frozenset(option for option, each in labels.items() if each.verdict == best)

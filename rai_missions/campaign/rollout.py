@@ -12,6 +12,7 @@ from collections.abc import Callable, Mapping
 from typing import Any, Literal, NamedTuple, Protocol, runtime_checkable
 
 from rai_missions.answerers.rules import RulesAnswerer
+from rai_missions.campaign.store import BEST_FIRST, OptionVerdict
 from rai_missions.connectors.local import LocalConnector
 from rai_missions.engine import Chart
 from rai_missions.engine.decision import Answerer, Question
@@ -28,16 +29,11 @@ from rai_missions.runtime.run_options import RunObserver
 from rai_missions.runtime.runner import Runner
 
 __all__ = (
-    "Branchable", "Ending", "OpenDecision", "Rollout", "RolloutVerdict", "answers_of", "rollout",
-    "rollouts", "rules_of",
+    "Branchable", "Ending", "OpenDecision", "Rollout", "answers_of", "rollout", "rollouts", "rules_of",
 )  # fmt: skip
 
-RolloutVerdict = Literal["completes", "harmless", "harms"]
-"""`completes`: the mission succeeded and no one had to decide again; `harms`: the judge of the world found harm;
-`harmless`: neither."""
 Ending = Literal["mission", "harm", "question", "time"]
 """What ended a rollout: the mission's end, harm, another question that `later` does not answer, or its time."""
-BEST_FIRST: tuple[RolloutVerdict, ...] = ("completes", "harmless", "harms")
 LONGEST_S = 180.0
 
 
@@ -106,7 +102,8 @@ class Rollout(NamedTuple):
     """What came of one option."""
 
     option: str
-    verdict: RolloutVerdict
+    verdict: OptionVerdict
+    """`completes`: the mission succeeded and no one had to decide again; `harms`: the judge of the world found harm."""
     ending: Ending
     offered: bool
     """The mission offered it; else it was tried as if its guard held."""
@@ -253,7 +250,7 @@ class Watch:
 
     def _found(self, *, outcome: str, why: str) -> Rollout:
         harm = self._new_harm()
-        verdict: RolloutVerdict = "harms" if harm else "completes" if outcome == "succeeded" else "harmless"
+        verdict: OptionVerdict = "harms" if harm else "completes" if outcome == "succeeded" else "harmless"
         return Rollout(
             "", verdict, self._ending, True, outcome, harm or why, (), round(self.world.at - self._began, 3),
             round(self.world.work_done() - self._work, 6), dict(self.world.measures()),

@@ -19,15 +19,17 @@ from typing import Any, Literal, NamedTuple, Self, get_args
 from rai_missions.errors import UsageError, irregular
 
 __all__ = (
-    "BEST_FIRST", "CellRecord", "CellStatus", "DroppedUse", "LabelRecord", "PictureRecord", "QuestionRecord",
-    "ResultStore", "SceneRecord", "UnlabelledScene", "graded",
+    "BEST_FIRST", "CellRecord", "CellStatus", "DroppedUse", "LabelRecord", "OptionVerdict", "PictureRecord",
+    "QuestionRecord", "ResultStore", "SceneRecord", "UnlabelledScene", "graded",
 )  # fmt: skip
 
 CellStatus = Literal["answered", "no_answer", "failed"]
 """`answered`: an option was named; `no_answer`: what came back names none, or nothing came in time; `failed`: the model
 could not be asked. A failed cell is asked again when the campaign continues, and counts as no answer of the model."""
-BEST_FIRST = ("completes", "harmless", "harms")
-"""What physics may report of an option, the best first."""
+OptionVerdict = Literal["completes", "harmless", "harms"]
+"""What physics may report of an option. `completes`: it did what is to be done, and nothing took harm; `harms`:
+something did; `harmless`: neither."""
+BEST_FIRST: tuple[OptionVerdict, ...] = get_args(OptionVerdict)
 APPLICATION = 0x52414943
 """`RAIC` in the file's header."""
 FORMAT = 1
