@@ -13,6 +13,7 @@ from __future__ import annotations
 import re
 import unicodedata
 from collections.abc import Iterator, Sequence
+from functools import cache
 from itertools import pairwise
 from typing import Literal
 
@@ -66,6 +67,17 @@ SHORT = 2
 """Words up to which a sentence passes only if it is listed as harmless, or has a small word."""
 
 
+@cache
+def _rules(code: str) -> ClaimWords:
+    """The words of a language, compiled once for all conversations."""
+    return ClaimWords(language(code))
+
+
+@cache
+def _addresses(code: str) -> Addresses:
+    return Addresses(_rules(code))
+
+
 class Claims:
     """Finds the sentences of a model that are claims.
 
@@ -74,10 +86,9 @@ class Claims:
     """
 
     def __init__(self, code: str) -> None:
-        own = ClaimWords(language(code))
-        self._own, self._addresses = own, Addresses(own)
+        self._own, self._addresses = _rules(code), _addresses(code)
         self._letters = frozenset("".join(language(each).data["claims"]["letters"] for each in languages()))
-        self._every = (own, *(ClaimWords(language(each)) for each in languages() if each != code))
+        self._every = (self._own, *(_rules(each) for each in languages() if each != code))
 
     def why_replaced(self, sentence: str, view: StatusView) -> ClaimKind:
         """Why the status is put in the place of a sentence; empty where it may be spoken.
