@@ -77,8 +77,12 @@ _turn = threading.RLock()
 
 def redacted(text: str) -> str:
     """The text without secrets, and without what UTF-8 cannot write down (half a surrogate pair)."""
+    return _hidden(text, _known())
+
+
+def _hidden(text: str, secrets: Iterable[str]) -> str:
     text = text.encode("utf-8", "replace").decode()
-    return SHAPES.sub(HIDDEN, _without(text, _known()))
+    return SHAPES.sub(HIDDEN, _without(text, secrets))
 
 
 def secrets_held() -> list[str]:
@@ -235,10 +239,11 @@ def cut(what: object, length: int) -> str:
         length: Characters.
     """
     text = in_words(what)
-    beyond = max(map(len, _known()), default=0) + MARGIN
+    secrets = _known()
+    beyond = max(map(len, secrets), default=0) + MARGIN
     window = length + beyond
     while True:
-        clean = redacted(text[:window])
+        clean = _hidden(text[:window], secrets)
         if window >= len(text) or len(clean) >= length + beyond:
             return clean[:length]
         window *= 2

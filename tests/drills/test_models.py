@@ -68,7 +68,7 @@ def test_without_redaction_the_drill_finds_the_secrets(tmp_path: Path, monkeypat
     secret = CANARIES["HF_TOKEN"]
     assert not any(found(tmp_path, f'{{"option": "{secret}"}}'))
     monkeypatch.setattr(Redaction, "text", lambda self, text: text)
-    monkeypatch.setattr("rai_missions.redaction.redacted", lambda text: text)
+    monkeypatch.setattr("rai_missions.redaction._hidden", lambda text, secrets: text)
     monkeypatch.setattr(Redaction, "known", lambda self, value, depth=0: value)
     (tmp_path / "again").mkdir()
     assert any(f"'{secret}' appears in run.journal" in each for each in found(tmp_path / "again", secret))
