@@ -16,6 +16,11 @@ from xdist.scheduler import LoadScopeScheduling  # type: ignore[import-untyped, 
 
 __all__ = ("ByFile", "shared")
 
+AHEAD = 4
+"""Tests that a worker has: one that runs, the next, without which it begins none, and two so that it waits for none."""
+FEW = 100
+"""Units left with which no worker gets more than it needs, so that none of them has two slow ones at the end."""
+
 
 def shared(path: Path) -> Path | None:
     """The file or the folder whose tests share something that is made once, such as a browser; None where none is."""
@@ -62,8 +67,16 @@ class ByFile(LoadScopeScheduling):  # type: ignore[misc, unused-ignore]
                 self._reschedule(other)
         return died_in
 
+    def mark_test_complete(self, node: Any, item_index: int, duration: float = 0.0) -> None:
+        """Forget a unit that is over: what a worker has left is counted at the end of each test, over all its units."""
+        super().mark_test_complete(node, item_index, duration)
+        name = self._split_scope(self.registered_collections[node][item_index])
+        if all(self.assigned_work[node][name].values()):
+            del self.assigned_work[node][name]
+
     def _reschedule(self, node: Any) -> None:
         """Two tests at least, where there are: a worker begins one only once it knows the next."""
-        while self.workqueue and not node.shutting_down and self._pending_of(self.assigned_work[node]) < 2:
+        ahead = AHEAD if len(self.workqueue) > FEW else 2
+        while self.workqueue and not node.shutting_down and self._pending_of(self.assigned_work[node]) < ahead:
             self._assign_work_unit(node)
         super()._reschedule(node)
