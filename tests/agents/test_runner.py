@@ -100,7 +100,7 @@ def test_one_that_hangs_is_named_and_all_end_within_seconds(troupe: Any) -> None
     status, took_s = ran.signal_and_wait()
     assert status == 1 and took_s < 6.0, took_s
     assert ran.lines()[-3:] == ["stop 3_mute", "stop 1_hangs", "stop 0_plain"]
-    assert any("1_hangs hangs: stop has not returned within 1.0 s" in line for line in ran.log.all)
+    assert any("1_hangs hangs: stop has not returned within" in line for line in ran.log.all)
     assert any("1_hangs hangs; its connector 'stage': was stopped" in line for line in ran.log.all)
 
 
@@ -108,7 +108,7 @@ def test_one_that_dies_is_named_with_its_reason_and_takes_no_other_with_it(troup
     ran = troupe("refuses", "dies", "crashes", "never_begins", "breaks", "plain")
     for words in (
         "0_refuses died: run raised ValueError: no stage", "1_dies died: stage fright",
-        "2_crashes died: exit status 1: the lights went out", "3_never_begins hangs: run has not returned within 0.5 s",
+        "2_crashes died: exit status 1: the lights went out", "3_never_begins hangs: run has not returned within",
         "5_plain: running",
     ):  # fmt: skip
         ran.wait_for(words)

@@ -13,7 +13,10 @@ from rai_missions.agents.process_agent import ProcessAgent
 from rai_missions.agents.runner import AgentRunner, exit_with
 from rai_missions.connectors.local import LocalConnector
 
-__all__ = ("Player", "agent_of")
+__all__ = ("Endless", "Player", "agent_of")
+
+BEGINS_S, STOPS_S = 2.0, 20.0
+"""Time for each to begin and to end on a machine that does much else."""
 
 
 class Player:
@@ -34,8 +37,6 @@ class Player:
             raise ValueError("no stage")
         if self.kind == "never_begins":
             threading.Event().wait()
-        if self.kind == "hangs":
-            threading.Thread(target=threading.Event().wait, daemon=False).start()
         self.connectors["stage"].start()
         self._is_running = True
 
@@ -59,6 +60,16 @@ class Player:
         return AgentHealth("running" if self._is_running else "stopped")
 
 
+class Endless(Player):
+    """One that is waited for in vain, and not for long; for a process of its own, which its thread would keep alive."""
+
+    stop_s = 1.0
+
+    def run(self) -> None:
+        super().run()
+        threading.Thread(target=threading.Event().wait, daemon=False).start()
+
+
 def agent_of(name: str, kind: str, file: Path) -> Player | ProcessAgent:
     if kind == "process":
         return ProcessAgent([sys.executable, "-c", f"import time; print('{name}', flush=True); time.sleep(600)"])
@@ -67,11 +78,11 @@ def agent_of(name: str, kind: str, file: Path) -> Player | ProcessAgent:
         return ProcessAgent([sys.executable, "-c", ignoring], stop_s=0.2)
     if kind == "crashes":
         return ProcessAgent([sys.executable, "-c", "raise SystemExit('the lights went out')"])
-    return Player(name, kind, file)
+    return (Endless if kind in ("hangs", "never_begins") else Player)(name, kind, file)
 
 
 if __name__ == "__main__":
     logging.basicConfig(level=logging.INFO, format="%(message)s", stream=sys.stderr)
     path = Path(sys.argv[1])
     agents = {f"{number}_{kind}": agent_of(f"{number}_{kind}", kind, path) for number, kind in enumerate(sys.argv[2:])}
-    exit_with(AgentRunner(agents, start_s=0.5, stop_s=1.0))
+    exit_with(AgentRunner(agents, start_s=BEGINS_S, stop_s=STOPS_S))
