@@ -42,7 +42,7 @@ def svg(mission: Mission) -> ElementTree.Element:
 def test_every_transition_is_an_arrow_for_each_target_or_is_in_its_state(mission: Mission) -> None:
     drawn = picture(mission)
     text = dot_text(drawn)
-    assert Counter(TRANSITION.findall(text)) == Counter(
+    assert Counter(TRANSITION.findall(unescape(text))) == Counter(
         (edge.place, edge.target) for edge in drawn.edges if edge.target
     )
     staying = {edge.place for edge in drawn.edges if not edge.target}
