@@ -10,6 +10,9 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parent.parent
+ENV = {"PYTHONPATH": str(ROOT), "PATH": "", "PYTEST_DISABLE_PLUGIN_AUTOLOAD": "1"}
+LOADED = ("-p", "tests.limits", "-p", "pytest_timeout", "-p", "_hypothesis_pytestplugin")
+"""What is tried, and no plugin else: to load all that are installed takes as long as the rest of a process."""
 DRAWN = """
 from hypothesis import given, strategies as st
 
@@ -44,8 +47,8 @@ def test_a_test_ends_by_its_limit(tmp_path: Path, source: str, sentence: str) ->
     (tmp_path / "test_endless.py").write_text(source)
     (tmp_path / "conftest.py").write_text("import tests.limits\ntests.limits.GRACE_S = 0.4\n")
     run = subprocess.run(
-        [sys.executable, "-m", "pytest", "-p", "tests.limits", "-p", "no:cacheprovider", "--timeout", "0.3", tmp_path],
-        cwd=ROOT, env={"PYTHONPATH": str(ROOT), "PATH": ""}, capture_output=True, text=True, timeout=60, check=False,
+        [sys.executable, "-m", "pytest", *LOADED, "-p", "no:cacheprovider", "--timeout", "0.3", tmp_path],
+        cwd=ROOT, env=ENV, capture_output=True, text=True, timeout=60, check=False,
     )  # fmt: skip
     assert run.returncode != 0
     assert sentence in run.stdout + run.stderr
