@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
+from itertools import islice
 
 from rai_missions.conversation.claim_words import ClaimWords
 from rai_missions.conversation.phrases import Phrases
@@ -17,6 +18,9 @@ __all__ = ("Addresses",)
 
 LONGEST_SETTING = 7
 """Words up to which what precedes a main clause is a setting of it: `in that case, …`."""
+
+LONGEST_ASKED = 3
+"""Words at the beginning of a question among which its verb is: `how heavy is`."""
 
 SHORT = 2
 """Words up to which a clause behind a question is an aside: `, roughly?`."""
@@ -58,13 +62,20 @@ class Addresses:
             is_question: Whether it ends with a question mark.
         """
         words, *others = [self._rules.skip_lead(each) or each for each in self.main(clauses)] or [[]]
-        if not all(self._is_aside(each) for each in others) or self._states(words[2 if is_question else 1 :]):
+        rest = words[self._asked(words) if is_question else 1 :]
+        if not all(self._is_aside(each) for each in others) or self._states(rest):
             return False
         if self._rules.has_place(words):
             return False
         if is_question:
             return self._asking.begin(words) and not self._rules.negations & set(words)
         return self._bidding.begin(words) and not self._rules.speaker & set(words)
+
+    def _asked(self, words: Sequence[str]) -> int:
+        """How many words a question begins with, its verb among them: `how heavy is`."""
+        begun = enumerate(islice(words, LONGEST_ASKED))
+        verbs = (at for at, word in begun if word in self._rules.second)
+        return max(2, next(verbs, 0) + 1)
 
     def _is_aside(self, words: Sequence[str]) -> bool:
         return len(words) <= SHORT and not self._stating & set(words)

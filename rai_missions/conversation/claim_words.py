@@ -17,6 +17,12 @@ LEAST_PREDICATE = 2
 """Words that follow a kind of things in a whole sentence: `plants need water`, but not `engines off`."""
 CERTAIN_WITHIN = 4
 """Words of a sentence about a kind of things among which a certain thing makes it a report."""
+WORLD_WITHIN = 6
+"""Words at the beginning of a clause about nature among which its verb is."""
+ABILITY_WITHIN = 3
+"""Words after `I can` among which the verb is."""
+KIND_WITHIN = 3
+"""Words at the beginning of a clause among which the kind of things is: `heavy clay soil holds water`."""
 SubjectKind = Literal["self", "it", "work", "soft", "let"]
 
 
@@ -45,6 +51,7 @@ class ClaimWords:
         """What `Addresses` reads."""
         self._place = re.compile(data["place_pattern"])
         self._kind_noun, self._kind_verb = re.compile(data["kind_noun"]), re.compile(data["kind_verb"])
+        self._substance_verb = re.compile(data["substance_verb"])
         self._marks, self._marked_begin = Phrases(data["marks"], {}), Phrases(data["marked_begin"], {})
         self.idioms, self.whole_idioms = Phrases(data["idioms"], {}), Phrases(data["whole_idioms"], {})
         self._tails = [tuple(each.split()) for each in data["tails"]]
@@ -56,7 +63,11 @@ class ClaimWords:
         """The words for the robot itself."""
         self._owned = self.definite | self.possessive
         self._certain = self.definite - self.relative
-        self._not_of_habits = self._owned | self.self_words | (self.second - self.present)
+        self._not_of_habits = self._owned | (self.second - self.present)
+        self._world, self._dates = Phrases(data["world"], {}), re.compile(data["date_pattern"])
+        self._habits, self._hidden = Phrases(data["habits"], {}), Phrases(data["hidden"], {})
+        small = (self.function, self.adverbs, self.articles, self.auxiliaries, self.modals, self.person)
+        self._small = self.substances.union(*small)
         self._reported = self.acts | self.states | self.strong
 
     def __getattr__(self, name: str) -> frozenset[str]:
@@ -81,7 +92,7 @@ class ClaimWords:
 
     def share(self, words: Sequence[str]) -> float:
         """How many of the words are the language's small words; 0 to 1."""
-        return sum(word in self.function for word in words) / max(len(words), 1)
+        return sum(word in self._small for word in words) / max(len(words), 1)
 
     def subjects(self, words: Sequence[str], names: frozenset[str]) -> Iterator[Subject]:
         """The subjects of a clause, in its order.
@@ -111,7 +122,11 @@ class ClaimWords:
 
     def _is_verb(self, words: Sequence[str], at: int) -> bool:
         """Whether a noun of the work is the verb of a kind of things here: `tractors run on diesel`."""
-        if at not in (1, 2) or words[at] not in self.also_verbs or words[at - 1] in self.work:
+        if words[at] not in self.also_verbs:
+            return False
+        if at and words[at - 1] in self.inverted | self.conditional:  # `can drive`
+            return True
+        if at not in (1, 2) or words[at - 1] in self.work:
             return False
         return self._kind_noun.fullmatch(words[at - 1]) is not None and not set(words[:at]) & self.definite
 
@@ -126,38 +141,52 @@ class ClaimWords:
         """Whether a sentence has a mark of what is no report: a modal, a condition, a kind of things, a definition."""
         words = words[: min(self.ends(words))]
         bare = self.skip_lead(words)
-        if not bare or self._marks.within(words):
+        if not bare or self._marks.within(words) or self.is_gerund(bare) or self.is_of_world(words):
             return True
         if self._marked_begin.begin(words) or self._marked_begin.begin(bare):
             return True
-        if self.is_gerund(bare):
+        if self._habits.within(words) and not any(map(self.is_past, words)):  # `in autumn the leaves fall`
             return True
         if self.quantities & {*words[: len(words) - len(bare)], bare[0]}:  # `both doors are shut`
             return False
-        is_any = bare[0] in self.indefinite
-        if self._certain & set(bare[1 : CERTAIN_WITHIN + is_any]):  # `a truck blocks the road`
+        if self._is_present(words):
             return False
-        return is_any or self._is_kind(bare) or self._is_kind(bare[1:])  # `wet leaves`
+        if bare[0] in self.indefinite:  # `a truck blocks the road`
+            return len(bare) > 1 + LEAST_PREDICATE and not self._certain & set(bare[1 : CERTAIN_WITHIN + 1])
+        return self.is_kind(bare)
 
-    def _is_kind(self, words: Sequence[str]) -> bool:
-        """Whether a sentence is about a kind of things: `plants need water`."""
-        noun, rest = words[:1], words[1:]
-        if len(rest) < LEAST_PREDICATE or noun[0] in self.articles or noun[0] in self.auxiliaries:
+    def is_kind(self, words: Sequence[str]) -> bool:
+        """Whether a clause is about a kind of things, and about no certain one: `plants need water`."""
+        is_certain = bool(self._certain & set(words[1:CERTAIN_WITHIN]))
+        return any(self._is_kind(words, at, is_certain=is_certain) for at in range(KIND_WITHIN))
+
+    def _is_kind(self, words: Sequence[str], at: int, *, is_certain: bool) -> bool:
+        """Whether a word names a kind of things, of which the rest is always so: `heavy clay soil holds water`."""
+        before, noun, rest = words[:at], words[at : at + 1], words[at + 1 :]
+        if len(rest) < LEAST_PREDICATE or (self.articles | self.auxiliaries | self.function) & {*before, *noun}:
             return False
-        if not self._kind_noun.fullmatch(noun[0]) or not self._kind_verb.fullmatch(rest[0]):
+        if any(self.is_past(word) or self._kind_noun.fullmatch(word) for word in before):  # `Anna brings coffee cups`
             return False
-        return (
-            rest[0] not in self.relative
-            and not self.is_past(rest[0])
-            and not self.states & set(self.skip(rest[1:])[:1])
-        )
+        if noun[0] in self.substances:
+            is_one = self._substance_verb.fullmatch(rest[0]) is not None
+        else:
+            is_clear = not before or rest[0] in self.auxiliaries | self.stative
+            is_one = bool(is_clear and self._kind_noun.fullmatch(noun[0]) and self._kind_verb.fullmatch(rest[0]))
+        is_verb = rest[0] not in self.function | self.soft or rest[0] in self.auxiliaries | self.stative
+        if rest[0] in self.perfect | self.auxiliaries:
+            is_reported = bool(self.states & set(self.skip(rest[1:])[:1])) or self.is_past(rest[0])
+        else:
+            is_reported = rest[0] in self.relative | self.states | self.positions or any(
+                map(self.is_past, rest[:KIND_WITHIN])
+            )
+        return is_one and is_verb and not is_reported and (not is_certain or rest[0] in self.stative)
 
     def is_placed(self, words: Sequence[str]) -> bool:
         """Whether a clause puts something at a certain place: `in front of the gate`, `in row three`.
 
         A condition or a wish does not: `if the cup is on the table`.
         """
-        return not self.hypothetical & set(words) and self.has_place(words)
+        return not self.hypothetical & set(words) and self.has_place(words) and not self._is_dated(words)
 
     def has_place(self, words: Sequence[str]) -> bool:
         """Whether a clause has a certain place."""
@@ -183,15 +212,64 @@ class ClaimWords:
         is_kind = self._kind_noun.fullmatch(words[subject.end - 1]) and not self._owned & set(before)
         return bool(is_kind) and any(word in self.stative for word in after[: 3 if after[1:2] == ["not"] else 1])
 
-    def is_habit(self, words: Sequence[str]) -> bool:
-        """Whether a clause has what is so with any of a kind: `apples are usually harvested in autumn`."""
+    def is_of_world(self, words: Sequence[str]) -> bool:
+        """Whether a clause is about the world, which no mission changes.
+
+        By its subject, `the moon orbits the earth`; by a date of history, `the first robot was built in 1954`; or by a
+        habit, `apples are usually harvested in autumn`.
+        """
         given = set(words)
-        return bool(self.habits & given) and not self._not_of_habits & given and not self.progress.within(words)
+        if given & (self.self_words | self.possessive | self.objects):
+            return False
+        if self._is_dated(words):
+            return True
+        if self._is_present(words):
+            return False
+        if self._is_of_nature(words):
+            return True
+        return not self._not_of_habits & given and self._habits.within(words)
+
+    def _is_present(self, words: Sequence[str]) -> bool:
+        """Whether a clause is about here and now, or about what has just been: `apples roll around here`."""
+        return bool(self.deictic & set(words)) or self.progress.within(words)
+
+    def _is_dated(self, words: Sequence[str]) -> bool:
+        """Whether a clause has a date of history: `in 1954`, `years ago`."""
+        return self._dates.search(" ".join(words)) is not None
+
+    def _is_of_nature(self, words: Sequence[str]) -> bool:
+        """Whether the subject of a clause is of nature or language, and nothing has happened."""
+        begun = self.skip_lead(words)[:WORLD_WITHIN]
+        noun = [word for word in begun if word not in self.articles]
+        if not self._world.begin(noun) and not self._world.begin(noun[1:]):
+            return False
+        verbs = [word for word in (words if self.verb_second else begun) if word not in self.auxiliaries]
+        return not any(word in self.acts or self.is_past(word) for word in verbs)
+
+    def is_ability(self, after: Sequence[str], *, is_conditional: bool) -> bool:
+        """Whether the robot only states what it can do, or would under a condition: `I can drive to the barn`.
+
+        What it can see or report is no such thing, and `I can not reach it` reports an attempt.
+        """
+        modals = self.conditional if is_conditional else self.abilities
+        if not after or after[0] not in modals or self._is_present(after):
+            return False
+        return not self._hidden.within(after[1:] if self.verb_second else after[1:ABILITY_WITHIN])
 
     def is_asked(self, words: Sequence[str], subject: Subject) -> bool:
         """Whether the robot is only whom the person may ask: `Sie könnten mich fragen`."""
         before = set(words[: subject.start])
         return words[subject.start] in self.objects and bool(before & self.modals) and bool(before & self.person)
+
+    def is_referring(self, words: Sequence[str], subject: Subject) -> bool:
+        """Whether `it` is no subject: `bring it to me`, `tea is best when it is hot`, `explain how it works`."""
+        before, after = words[: subject.start], words[subject.end :]
+        if after and after[0] in self.objects_after:
+            return True
+        is_open = bool(before) and before[-1] in self.asked and not self.auxiliaries & set(before[-2:-1])
+        if is_open and not any(map(self.is_past, after[:1])):
+            return True
+        return bool(before) and self.is_kind(self.skip_lead(words))
 
     def is_gerund(self, words: Sequence[str]) -> bool:
         """Whether an act is only spoken of: `waiting is the safest choice`."""

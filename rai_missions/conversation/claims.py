@@ -41,10 +41,10 @@ ClaimKind = Literal[
     "report",
 ]
 """Why a sentence is replaced; empty where it is not."""
-CLAUSES = re.compile(r"[,;:()\n–—…|/]+|\s-+\s|[.!?]+\s+|(?<!\b[ioa][nft] )\b(?=that\b(?!\s\w+\W*$))", re.IGNORECASE)
+CLAUSES = re.compile(r"(?:,(?!\d)|[;:()\n–—…|/])+|\s-+\s|[.!?]+\s+|(?<!\b[ioa][nft] )\b(?=that\b(?!\s\w+\W*$))", re.I)
 """Where a clause ends; `in that case` and `I know that name` are one."""
 DISGUISES = str.maketrans({"0": "o", "1": "i", "3": "e", "4": "a", "5": "s", "7": "t", "@": "a", "$": "s"})
-MIXED = re.compile(r"\b(?=\w*[^\W\d_])(?=\w*\d)\w+|\b\w*[@$]\w+")
+MIXED = re.compile(r"\b(?!\d{4}s\b)(?=\w*[^\W\d_])(?=\w*\d)\w+|\b\w*[@$]\w+")
 SPACED = re.compile(r"(?<![\w'])(?:(?:[^\W\d_]|') ){2,}[^\W\d_](?![\w'])")
 SPACED_SHORT = re.compile(r"\b[^\W\d_] [^\W\d_]\b")
 BEHIND = r"[\"'”’)\]*_`]*"
@@ -113,28 +113,29 @@ class Claims:
             return ""
         if any(not each.isascii() and each not in self._letters for each in text.lower() if each.isalpha()):
             return "language"
-        return self._why_stated(words, self._addresses.known(text), view, is_question=_is_question(sentence))
+        return self._why_stated(words, text, view, is_question=_is_question(sentence))
 
     def _why_stated(self, words: Sequence[str], text: str, view: StatusView, *, is_question: bool) -> ClaimKind:
         """Why what a sentence states is replaced.
 
         Args:
             words: All of the sentence.
-            text: It without what it leaves unknown.
+            text: It as it is.
             view: The run.
             is_question: Whether it ends with a question mark.
         """
-        clauses = _clauses(text, self._own)
+        known = self._addresses.known(text)
+        clauses = _clauses(known, self._own)
         if self._is_address(words, clauses, is_question=is_question):
             return ""
         names, share = _names(view), self._own.share(words)
         for rules in self._every:
-            theirs = rules.words(text)
+            theirs = rules.words(known)
             if rules is self._own or rules.share(theirs) >= max(share, LEAST_SHARE):
-                kind = _JudgedSentence(rules, text, names).kind
+                kind = _JudgedSentence(rules, known, names, is_conditional=known != text).kind
                 if kind:
                     return kind
-        if not is_question and not self._is_marked(clauses):
+        if not self._is_marked(clauses, is_question=is_question):
             return "report"
         if any(self._own.is_placed(each) for each in clauses):
             return "place"
@@ -165,13 +166,11 @@ class Claims:
         is_idiom = self._own.whole_idioms.fits(words)
         return not is_idiom and self._addresses.is_address(clauses, is_question=is_question)
 
-    def _is_marked(self, clauses: Sequence[Sequence[str]]) -> bool:
-        """Whether a sentence, and each longer clause of it, has a mark of what is no report."""
-        clauses = self._addresses.main(clauses)
-        whole = [word for each in clauses for word in each]
-        return self._own.is_marked(whole) and all(
-            self._own.is_marked(each) for each in clauses if len(each) > LONGEST_PIECE
-        )
+    def _is_marked(self, clauses: Sequence[Sequence[str]], *, is_question: bool) -> bool:
+        """Whether each clause that states something has a mark of what is no report."""
+        main = self._addresses.main(clauses)
+        stated = [each for each in main[1:] if each[0] in self._own.relative] if is_question else main
+        return all(self._own.is_marked(each) or self._own.harmless.fits(each) for each in stated)
 
     def _unknown(self, words: Sequence[str], share: float) -> ClaimKind:
         if len(words) <= SHORT:
@@ -208,8 +207,8 @@ def _names(view: StatusView) -> frozenset[str]:
 class _JudgedSentence:
     """One sentence, judged by the words of one language."""
 
-    def __init__(self, rules: ClaimWords, text: str, names: frozenset[str]) -> None:
-        self._rules, self._names = rules, names
+    def __init__(self, rules: ClaimWords, text: str, names: frozenset[str], *, is_conditional: bool) -> None:
+        self._rules, self._names, self._is_conditional = rules, names, is_conditional
         self._clauses = _clauses(text, rules)
         self.kind = self._judge(rules.words(text))
 
@@ -248,16 +247,19 @@ class _JudgedSentence:
             return bool(after) and not rules.let.begin(after)
         allowed = rules.allowed.get(subject.kind)
         before = words[subject.start - 1] if subject.start else ""
-        if rules.is_asked(words, subject) or rules.is_habit(words):
+        if rules.is_asked(words, subject) or rules.is_of_world(words):
             return False
-        if subject.kind == "it" and after and after[0] in rules.objects_after:
-            return False  # `bring it to me`
+        if subject.kind == "it" and rules.is_referring(words, subject):
+            return False
         if subject.kind in ("self", "it"):
             if before in rules.inverted or (allowed and (allowed.begin(after) or allowed.begin(predicate))):
                 return False
+            if rules.is_ability(after, is_conditional=self._is_conditional):
+                return False
             return not self._is_inverted_harmless(words, subject) and bool(after or rules.verb_second)
         if subject.kind == "soft":
-            return rules.reports(after, is_relative=words[subject.start] in rules.relative)
+            is_relative = words[subject.start] in rules.relative
+            return before not in rules.modals and rules.reports(after, is_relative=is_relative)
         if rules.is_object(words, subject) and not self._has_predicate(predicate):
             return False
         if allowed and (allowed.begin(after) or allowed.begin(predicate)):
@@ -277,6 +279,8 @@ class _JudgedSentence:
         if subject.start > 1 and words[subject.start - 2] in rules.self_words:
             return False
         turned = [words[subject.start - 1], *words[subject.end :]]
+        if subject.kind == "self" and rules.is_ability(turned, is_conditional=self._is_conditional):
+            return True
         return allowed.begin(turned) or allowed.begin([turned[0], *rules.skip(turned[1:])])
 
     def _has_predicate(self, words: Sequence[str]) -> bool:
@@ -286,7 +290,7 @@ class _JudgedSentence:
     def _has_passive(self, words: Sequence[str]) -> bool:
         """`The cup has been placed`, `der Becher wurde gefunden`: an act, and no word of who did it."""
         rules = self._rules
-        if rules.is_habit(words):
+        if rules.is_of_world(words):
             return False
         for at, word in enumerate(words):
             if word not in rules.perfect:
@@ -315,7 +319,7 @@ class _JudgedSentence:
         words = rules.skip_lead(words)
         if not words:
             return False
-        if rules.is_gerund(words):
+        if rules.is_gerund(words) or (rules.is_progressive(words[0]) and rules.is_of_world(words)):
             return False
         first, after = words[0], set(rules.skip(words[1:])[:1])
         if first in rules.second and not rules.verb_second and after & (rules.acts | rules.places):
@@ -333,6 +337,8 @@ class _JudgedSentence:
                 continue
             allowed = rules.allowed.get("self")
             is_verb = rest[0] in rules.second or rules.is_past(rest[0]) or rules.is_progressive(rest[0])
+            if rules.is_ability(rest, is_conditional=self._is_conditional):
+                continue
             if is_verb and not (allowed and allowed.begin(rest)) and following not in rules.person:
                 return True
         return False

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Phrases of a grammar as data, compiled: `(start|begin) [the] {mission}`.
 
-`(a|b)` is one of several, `[a|b]` may be left out, `{slot}` is one or more words, `*` too, `<part>` a list of the file.
+`(a|b)` is one of several, `[a|b]` may be left out, `{slot}` is one or more words, `*` too, `<part>` a list of the file,
+`$` the end of the words.
 Rule: a phrase matches a whole sentence or nothing.
 """
 
@@ -14,7 +15,7 @@ from rai_missions.errors import UsageError
 
 __all__ = ("Phrases",)
 
-ATOM = re.compile(r"[()\[\]|*]|\{(\w+)\}|<(\w+)>|[^\s()\[\]|{}<>*]+")
+ATOM = re.compile(r"[()\[\]|*$]|\{(\w+)\}|<(\w+)>|[^\s()\[\]|{}<>*$]+")
 WORDS = r"(?:\S+ )+?"
 
 
@@ -42,7 +43,7 @@ def _compiled(phrase: str, parts: Mapping[str, str]) -> str:
     return "".join(made)
 
 
-_SIGNS = {"(": "(?:", ")": ")", "[": "(?:", "]": ")?", "|": "|", "*": WORDS}
+_SIGNS = {"(": "(?:", ")": ")", "[": "(?:", "]": ")?", "|": "|", "*": WORDS, "$": "$"}
 
 
 class Phrases:

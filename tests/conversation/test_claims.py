@@ -135,3 +135,45 @@ def test_what_asks_or_bids_or_leaves_open_is_spoken(code: str, sentence: str) ->
 )
 def test_what_a_question_or_a_condition_states_is_replaced(code: str, sentence: str) -> None:
     assert Claims(code).why_replaced(sentence, VIEW) != ""
+
+
+@pytest.mark.parametrize(
+    ("code", "sentence"),
+    [
+        ("en", "I can carry boxes to the barn."),
+        ("en", "If the gate is closed, I would drive around it."),
+        ("en", "The first robots were built in the 1950s."),
+        ("en", "The word robot comes from Czech."),
+        ("en", "Heavy clay soil holds water longer than sand."),
+        ("en", "In autumn the leaves fall and the days get shorter."),
+        ("de", "Ich kann Kisten tragen."),
+        ("de", "Der Regen tut dem Salat gut."),
+        ("de", "Weizen wurde schon vor zehntausend Jahren angebaut."),
+        ("de", "Soll ich in der Küche nachsehen?"),
+    ],
+)
+def test_what_is_of_the_world_or_an_ability_is_spoken(code: str, sentence: str) -> None:
+    assert Claims(code).why_replaced(sentence, VIEW) == ""
+
+
+@pytest.mark.parametrize(
+    ("code", "sentence"),
+    [
+        ("en", "I can drive now that it is day."),
+        ("en", "I can see a red car."),
+        ("en", "I could reach the shelf."),
+        ("en", "If you wonder, I will have finished by noon."),
+        ("en", "The sun blinded the camera for a moment."),
+        ("en", "Bees are useful, the hedge is cut."),
+        ("en", "Apples roll around here."),
+        ("en", "Anna brings coffee cups."),
+        ("en", "Did you know that the hedge is cut?"),
+        ("de", "Ich kann das Tor sehen."),
+        ("de", "Der Regen hat den Greifer nass gemacht."),
+        ("de", "Bienen sind nützlich, die Hecke ist geschnitten."),
+        ("de", "Äpfel rollen hier herum."),
+        ("de", "Möchtest du wissen, dass die Hecke geschnitten ist?"),
+    ],
+)
+def test_a_report_in_the_form_of_an_ability_or_of_the_world_is_replaced(code: str, sentence: str) -> None:
+    assert Claims(code).why_replaced(sentence, VIEW) != ""
