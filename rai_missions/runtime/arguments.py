@@ -39,7 +39,12 @@ def accepted(mission: Mission, arguments: Mapping[str, Any], *, whole: bool = Tr
             remedy = f"; on a command line, quote JSON: --set '{name}={example}'" if example is not None else ""
             faults.append(Fault(f"/blackboard/{name}", f"the argument does not fit: {why}{remedy}"))
         if whole and name not in arguments and key.initial is None and not key.optional:
-            faults.append(Fault(f"/blackboard/{name}", f"the mission needs the argument '{name}'; give --set {name}=…"))
+            faults.append(
+                Fault(
+                    f"/blackboard/{name}",
+                    f"the mission needs the argument '{name}'; on a command line, give --set {name}=…",
+                )
+            )
     if faults:
         raise DefinitionError(faults, mission.name)
     return arguments

@@ -81,7 +81,11 @@ def test_what_does_not_fit_is_refused_and_it_still_waits() -> None:
         0.5: lambda: why.append(rig.runner.view.mode), 0.6: lambda: why.append(rig.runner.start({"n": 4})),
     })  # fmt: skip
     assert rig.run().outcome == "failed"
-    assert "needs the argument 'n'" in why[0] and "does not fit" in why[1] and "takes no argument 'm'" in why[2]
+    assert (
+        "needs the argument 'n'; on a command line, give --set n=…" in why[0]
+        and "does not fit" in why[1]
+        and "takes no argument 'm'" in why[2]
+    )
     assert why[3:] == ["ready", ""]
 
 
