@@ -21,7 +21,7 @@ def pytest_xdist_make_scheduler(config, log):
 ALONE = """
 import os, pytest
 
-@pytest.mark.parametrize("number", range(40))
+@pytest.mark.parametrize("number", range(140))
 def test_it(number):
     if number == {fatal}:
         os._exit(1)
@@ -51,11 +51,11 @@ def run(folder: Path, workers: int) -> str:
 
 
 def test_one_that_dies_late_leaves_the_others_with_work(tmp_path: Path) -> None:
-    (tmp_path / "test_alone.py").write_text(ALONE.format(fatal=30))
-    assert "1 failed, 39 passed" in run(tmp_path, 2)
+    (tmp_path / "test_alone.py").write_text(ALONE.format(fatal=130))
+    assert "1 failed, 139 passed" in run(tmp_path, 2)
 
 
 def test_the_only_one_that_dies_is_replaced_and_runs_what_is_left(tmp_path: Path) -> None:
-    (tmp_path / "test_alone.py").write_text(ALONE.format(fatal=38))
+    (tmp_path / "test_alone.py").write_text(ALONE.format(fatal=20))
     (tmp_path / "test_together.py").write_text(TOGETHER)
-    assert "2 failed, 44 passed" in run(tmp_path, 1)
+    assert "2 failed, 144 passed" in run(tmp_path, 1)
