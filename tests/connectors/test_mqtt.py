@@ -12,7 +12,7 @@ import subprocess
 import sys
 import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
@@ -92,6 +92,19 @@ def broker(tmp_path: Path) -> Iterator[Broker]:
     made = Broker(tmp_path)
     yield made
     made.stop()
+
+
+@pytest.fixture
+def brokers(tmp_path: Path) -> Iterator[Callable[..., Broker]]:
+    """Makes brokers with more words of a configuration; they end with the test, however it ends."""
+    with ExitStack() as stack:
+
+        def make(*words: str) -> Broker:
+            made = Broker(tmp_path, *words)
+            stack.callback(made.stop)
+            return made
+
+        yield make
 
 
 @pytest.fixture
@@ -266,8 +279,10 @@ def test_a_request_that_was_given_up_is_not_served(
 
 
 @needs_broker
-def test_a_message_that_is_more_than_the_broker_takes_is_refused_and_the_way_stays_open(tmp_path: Path) -> None:
-    broker, replies = Broker(tmp_path, "max_packet_size 2000"), Inbox[Reply]()
+def test_a_message_that_is_more_than_the_broker_takes_is_refused_and_the_way_stays_open(
+    brokers: Callable[..., Broker],
+) -> None:
+    broker, replies = brokers("max_packet_size 2000"), Inbox[Reply]()
     connector = MqttConnector({"port": broker.port})
     connector.start()
     connector.serve("/map", TRIGGER, lambda request: {"map": "x" * 3000} if request else {})
@@ -279,18 +294,17 @@ def test_a_message_that_is_more_than_the_broker_takes_is_refused_and_the_way_sta
     assert [each.outcome for each in reported] == ["failed", "failed", "succeeded"]
     assert all("the MQTT broker takes 2000 at most" in each.why for each in reported[:2])
     connector.stop()
-    broker.stop()
 
 
 @needs_broker
 def test_a_request_whose_answer_has_no_room_is_logged_and_the_way_stays_open(
-    tmp_path: Path, caplog: pytest.LogCaptureFixture
+    brokers: Callable[..., Broker], caplog: pytest.LogCaptureFixture
 ) -> None:
     import paho.mqtt.client as mqtt
     from paho.mqtt.packettypes import PacketTypes
     from paho.mqtt.properties import Properties
 
-    broker, replies, long = Broker(tmp_path, "max_packet_size 400"), Inbox[Reply](), Properties(PacketTypes.PUBLISH)
+    broker, replies, long = brokers("max_packet_size 400"), Inbox[Reply](), Properties(PacketTypes.PUBLISH)
     connector = MqttConnector({"port": broker.port})
     connector.start()
     connector.serve("/horn", TRIGGER, lambda request: {})
@@ -306,7 +320,6 @@ def test_a_request_whose_answer_has_no_room_is_logged_and_the_way_stays_open(
     other.disconnect()
     other.loop_stop()
     connector.stop()
-    broker.stop()
 
 
 @needs_broker
@@ -489,7 +502,7 @@ def test_a_port_that_wants_tls_is_taken_for_one_at_once() -> None:
             MqttConnector({"port": listening.getsockname()[1]}).start()
 
 
-def _ruled(folder: Path, *may_subscribe: str) -> Broker:
+def _ruled(brokers: Callable[..., Broker], folder: Path, *may_subscribe: str) -> Broker:
     """A broker on which clients may do what is listed, and publish on `/lamp`."""
     rules = [("subscribePattern", each) for each in may_subscribe] + [("publishClientSend", "/lamp")]
     rules_file = folder / "rules.json"
@@ -507,13 +520,15 @@ def _ruled(folder: Path, *may_subscribe: str) -> Broker:
         ),
         encoding="utf-8",
     )
-    return Broker(folder, f"plugin {RULES}", f"plugin_opt_config_file {rules_file}")
+    return brokers(f"plugin {RULES}", f"plugin_opt_config_file {rules_file}")
 
 
 @needs_broker
 @pytest.mark.skipif(not RULES, reason="mosquitto is here without its plugin for access rules")
-def test_what_the_access_rules_of_a_broker_refuse_is_named(tmp_path: Path, caplog: pytest.LogCaptureFixture) -> None:
-    broker = _ruled(tmp_path, "/lamp", "rai_missions/reply/#")
+def test_what_the_access_rules_of_a_broker_refuse_is_named(
+    brokers: Callable[..., Broker], tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    broker = _ruled(brokers, tmp_path, "/lamp", "rai_missions/reply/#")
     connector, replies, received = MqttConnector({"port": broker.port}), Inbox[Reply](), Inbox[Message]()
     connector.start()
     for topic in ("/battery", "/lamp"):
@@ -532,13 +547,12 @@ def test_what_the_access_rules_of_a_broker_refuse_is_named(tmp_path: Path, caplo
     }
     assert len(caplog.records) == 3
     connector.stop()
-    broker.stop()
 
 
 @needs_broker
 @pytest.mark.skipif(not RULES, reason="mosquitto is here without its plugin for access rules")
-def test_no_call_waits_for_a_reply_that_the_broker_keeps_back(tmp_path: Path) -> None:
-    broker, replies = _ruled(tmp_path, "/lamp", "/lamp/request"), Inbox[Reply]()
+def test_no_call_waits_for_a_reply_that_the_broker_keeps_back(brokers: Callable[..., Broker], tmp_path: Path) -> None:
+    broker, replies = _ruled(brokers, tmp_path, "/lamp", "/lamp/request"), Inbox[Reply]()
     connector = MqttConnector({"port": broker.port})
     connector.start()
     connector.call("/lamp", TRIGGER, {}, on_reply=replies)
@@ -549,7 +563,6 @@ def test_no_call_waits_for_a_reply_that_the_broker_keeps_back(tmp_path: Path) ->
     connector.call("/lamp", TRIGGER, {}, on_reply=replies)
     assert "does not let us receive rai_missions/reply/" in replies.all[-1].why
     connector.stop()
-    broker.stop()
 
 
 def test_why_a_broker_ends_the_way_is_reported(caplog: pytest.LogCaptureFixture) -> None:
