@@ -7,6 +7,7 @@ Rule: nothing is decided here. What an event means is the chart's affair; the or
 from __future__ import annotations
 
 import math
+import threading
 import uuid
 from collections import deque
 from collections.abc import Callable, Mapping
@@ -92,6 +93,8 @@ class Runner(RunCommands):
             named=begin.named,
         )  # fmt: skip
         self._waits = begin.waits and self._chart.unstarted
+        self._beginning = threading.Lock()
+        """Held from a command to start until the run takes it."""
         is_new = isinstance(begin, NewRun)
         self._arguments = accepted(mission, begin.arguments, whole=not self._waits) if is_new else begin.arguments
         self._moved_aside = begin.moved_aside if isinstance(begin, NewRun) else None
@@ -139,17 +142,19 @@ class Runner(RunCommands):
         Returns:
             Why it cannot be begun, or empty.
         """
-        if not self.waits:
+        if not self.waits or not self._beginning.acquire(blocking=False):
             return "the mission has been started already"
         try:
             given = accepted(self.mission, {**self._arguments, **arguments})
         except DefinitionError as error:
+            self._beginning.release()
             return "; ".join(fault.sentence for fault in error.faults)
         self.call_soon(lambda: self._begin_with(given))
         return ""
 
     def _begin_with(self, arguments: Mapping[str, Any]) -> None:
         self._arguments, self._waits = arguments, False
+        self._beginning.release()
         if self._chart.held_back:
             self._step(lambda: self._chart.send(Event("resume", self._clock.now(), {"by": "start"}, "command")))
 

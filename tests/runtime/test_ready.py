@@ -35,6 +35,15 @@ def test_it_begins_with_the_command_and_with_its_arguments() -> None:
     assert rig.runner.start({"n": 3}) == "the mission has been started already"
 
 
+def test_of_two_orders_to_start_before_the_run_takes_one_the_first_counts() -> None:
+    rig = Rig(mission(COUNTED, blackboard=KEYS), waits=True)
+    answers: list[str] = []
+    rig.stage.play({0.2: lambda: answers.extend(rig.runner.start({"n": n}) for n in ("x", 3, 7))})
+    rig.run()
+    assert "does not fit" in answers[0] and answers[1:] == ["", "the mission has been started already"]
+    assert rig.runner.view.board["n"].value == 3
+
+
 @given(
     st.sampled_from([None, 0.1, 0.3, 0.5]),
     st.lists(st.tuples(st.integers(1, 7), st.integers(1, 9) | st.none()), min_size=1, max_size=4),
