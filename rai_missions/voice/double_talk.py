@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Whether a person speaks while we do: by what is louder than our echo can be.
+"""Whether a person speaks while we do: by what is louder than our echo can be, as it was recorded or filtered.
 
 Rule: it only finds what is certain. What it does not find, the echo canceller still may.
 """
@@ -39,26 +39,38 @@ class DoubleTalk:
         self._np = numpy()
         self._starts = [each * FRAME_SAMPLES // RATE_HZ for each in EDGES_HZ]
         silence = [self._energies(bytes(FRAME_BYTES))] * KNOWN_FRAMES
-        self._recorded, self._played = deque(silence, KNOWN_FRAMES), deque(silence, KNOWN_FRAMES)
-        self._shares = deque[Any](maxlen=MEMORY_FRAMES)
+        self._recorded, self._filtered, self._played = (deque(silence, KNOWN_FRAMES) for _ in range(3))
+        self._shares, self._filtered_shares = (deque[Any](maxlen=MEMORY_FRAMES) for _ in range(2))
         self._held = 0
 
-    def take(self, recorded: bytes, played: bytes) -> bool:
-        """Whether the next frame has a person's speech for certain, or follows one that has."""
+    def take(self, recorded: bytes, filtered: bytes, played: bytes) -> bool:
+        """Whether the next frame has a person's speech for certain, or follows one that has.
+
+        Args:
+            recorded: The frame.
+            filtered: The same without the echo that a filter predicts.
+            played: What was played meanwhile.
+        """
         np = self._np
         self._recorded.append(self._energies(recorded))
+        self._filtered.append(self._energies(filtered))
         self._played.append(self._energies(played))
-        self._shares.append(self._most_share())
-        echo = np.min(self._shares, axis=0) * np.max(list(self._played)[-ECHO_FRAMES:], axis=0)
-        is_certain = np.any(self._recorded[-1] > np.maximum(MARGIN * echo, LEAST))
+        self._shares.append(self._most_share(self._recorded))
+        self._filtered_shares.append(self._most_share(self._filtered))
+        loudest = np.max(list(self._played)[-ECHO_FRAMES:], axis=0)
+        echo, left = (np.min(each, axis=0) * loudest for each in (self._shares, self._filtered_shares))
+        now, rest = self._recorded[-1], self._filtered[-1]
+        is_louder = now > np.maximum(MARGIN * echo, LEAST)
+        is_left = rest > np.maximum(np.maximum(MARGIN * left, echo), LEAST)
+        is_certain = np.any(is_louder) or (np.any(is_left) and np.sum(rest) < np.sum(now))
         self._held = HELD_FRAMES + 1 if is_certain else max(0, self._held - 1)
         return self._held > 0
 
-    def _most_share(self) -> Any:
-        """What share of what was played may have returned, for each band; infinity if too little was played."""
+    def _most_share(self, found: deque[Any]) -> Any:
+        """What share of what was played may be found again, for each band; infinity if too little was played."""
         np = self._np
         played = np.sum(list(self._played)[:PLAYED_FRAMES], axis=0)
-        return np.where(played > LEAST * PLAYED_FRAMES, np.sum(self._recorded, axis=0) / played, np.inf)
+        return np.where(played > LEAST * PLAYED_FRAMES, np.sum(found, axis=0) / played, np.inf)
 
     def _energies(self, samples: bytes) -> Any:
         """The mean energy of a frame's samples, in each band; never 0."""

@@ -14,6 +14,7 @@ from rai_missions.connectors.sound.connector import FRAME_BYTES, RATE_HZ
 from rai_missions.errors import UsageError, suggestion
 from rai_missions.voice.absent import absent
 from rai_missions.voice.double_talk import DoubleTalk
+from rai_missions.voice.echo_filter import EchoFilter
 from rai_missions.voice.kind import EarReading
 
 __all__ = ("WAKE_WORDS", "EchoCanceller", "SoundEar", "open_ear")
@@ -51,7 +52,7 @@ class SoundEar:
     def __init__(self, wake_word: str = "", *, echo: bool = True) -> None:
         self._activity = SpeechActivity()
         self._canceller = EchoCanceller() if echo else None
-        self._double_talk = DoubleTalk()
+        self._filter, self._double_talk = EchoFilter(), DoubleTalk()
         self._suppressor = EchoCanceller(noise=True)
         self._wake = WakeWord(wake_word) if wake_word else None
 
@@ -61,8 +62,8 @@ class SoundEar:
             raise UsageError(f"a frame has {FRAME_BYTES} bytes each way, not {len(recorded)} and {len(played)}")
         clear = recorded
         if self._canceller is not None:
-            without = self._canceller.take(recorded, played)
-            clear = recorded if self._double_talk.take(recorded, played) else without
+            without, filtered = self._canceller.take(recorded, played), self._filter.take(recorded, played)
+            clear = filtered if self._double_talk.take(recorded, filtered, played) else without
         quiet = self._suppressor.take(clear, b"")
         return EarReading(
             self._activity.take(quiet), self._wake.take(clear) if self._wake is not None else 0.0, clear, quiet

@@ -4,12 +4,13 @@
 from __future__ import annotations
 
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from rai_missions.connectors.sound.connector import FRAME_BYTES, RATE_HZ, SILENCE, SoundFrame
 from rai_missions.connectors.sound.room import RoomSound
 from rai_missions.voice.double_talk import HELD_FRAMES, KNOWN_FRAMES, DoubleTalk
+from rai_missions.voice.echo_filter import EchoFilter
 from tests.voice.conftest import needs_voice, spoken
 
 np = pytest.importorskip("numpy")
@@ -56,15 +57,21 @@ def frames_of(room: tuple[int, float, float, int], person: bytes = b"") -> list[
 
 
 def found_in(frames: list[SoundFrame]) -> list[int]:
-    double_talk = DoubleTalk()
-    return [number for number, each in enumerate(frames) if double_talk.take(each.recorded, each.played)]
+    double_talk, echo_filter = DoubleTalk(), EchoFilter()
+    return [
+        number
+        for number, each in enumerate(frames)
+        if double_talk.take(each.recorded, echo_filter.take(each.recorded, each.played), each.played)
+    ]
 
 
+@settings(max_examples=25)
 @given(ROOMS)
 def test_our_own_echo_is_no_person_in_any_room(room: tuple[int, float, float, int]) -> None:
     assert found_in(frames_of(room)) == []
 
 
+@settings(max_examples=25)
 @given(QUIET_ROOMS)
 def test_a_person_far_louder_than_the_echo_is_known_at_once(room: tuple[int, float, float, int]) -> None:
     speech = np.random.default_rng(room[0]).normal(size=PERSON_FRAMES * FRAME) * 8000
@@ -73,6 +80,40 @@ def test_a_person_far_louder_than_the_echo_is_known_at_once(room: tuple[int, flo
     assert found[:1] == [PERSON_AT]
     assert set(found) >= set(range(PERSON_AT, PERSON_AT + PERSON_FRAMES))
     assert max(found) <= PERSON_AT + PERSON_FRAMES + HELD_FRAMES
+
+
+def level(sound: bytes) -> float:
+    return float(np.sqrt(np.mean(np.frombuffer(sound, "<i2").astype(float) ** 2)))
+
+
+@pytest.mark.parametrize("room", [(1, -6.0, 0.0, 0), (2, -6.0, 60.0, 20), (3, -12.0, 400.0, 20)])
+def test_a_filter_learns_the_room_and_takes_nothing_where_nothing_is_played(
+    room: tuple[int, float, float, int],
+) -> None:
+    echo_filter, frames = EchoFilter(), frames_of(room)
+    left = [echo_filter.take(each.recorded, each.played) for each in frames * 2][-len(frames) :]
+    whole = [level(b"".join(each)) for each in ([frame.recorded for frame in frames], left)]
+    assert whole[1] < 0.5 * whole[0]
+    for _ in range(20):
+        echo_filter.take(SILENCE, SILENCE)
+    assert echo_filter.take(frames[0].recorded, SILENCE) == frames[0].recorded
+
+
+def test_a_person_as_loud_as_the_echo_is_known_once_the_room_is_learned() -> None:
+    room = (3, -6.0, 60.0, 20)
+    ours = np.frombuffer(syllables(np.random.default_rng(3), REPORT_FRAMES), "<i2")
+    speech = ours[20 * FRAME : (20 + PERSON_FRAMES) * FRAME] // 2
+    person = bytes(PERSON_AT * FRAME_BYTES) + bytes(speech.astype("<i2").tobytes())
+    learned = frames_of(room)
+    found = [number - len(learned) for number in found_in(learned + frames_of(room, person))]
+    assert found[0] in range(PERSON_AT, PERSON_AT + 3)
+    assert found[-1] <= PERSON_AT + PERSON_FRAMES + HELD_FRAMES
+
+
+def test_an_echo_that_is_predicted_and_does_not_come_is_no_person() -> None:
+    frames = frames_of((3, -6.0, 60.0, 20))
+    gone = [each._replace(recorded=SILENCE) for each in frames[:30]]
+    assert found_in(frames * 2 + gone) == []
 
 
 def test_nothing_is_certain_before_enough_was_played() -> None:

@@ -1,0 +1,69 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The linear part of the echo, learned frame by frame and subtracted.
+
+Rule: it takes away nothing but what it predicts from what was played. So a person's speech stays whole.
+
+Source: G. Enzner and P. Vary, "Frequency-domain adaptive Kalman filter for acoustic echo control in hands-free
+telephones", Signal Processing 86, 2006; in partitions: F. Kuech, E. Mabande and G. Enzner, "State-space architecture of
+the partitioned-block-based acoustic echo controller", ICASSP 2014.
+"""
+
+from __future__ import annotations
+
+from rai_missions.connectors.sound.connector import FRAME_SAMPLES
+from rai_missions.connectors.sound.wav import numpy
+
+__all__ = ("EchoFilter",)
+
+PARTS = 16
+"""Of the filter, a frame each: 0.5 s, the longest delay with its reflections."""
+PERSISTENCE = 0.999
+"""How much of the room stays the same from one frame to the next."""
+NOISE_MEMORY = 0.9
+"""How much of what the filter does not predict is known from the frames before."""
+LEAST_NOISE_SHARE = 0.1
+"""Of what is left, what the filter does not predict at least."""
+LEAST_POWER = 1e3
+"""Of a frequency in a frame, of amplitudes to 32768: so that silence divides by no 0."""
+
+
+class EchoFilter:
+    """Predicts the echo from what was played, and learns the room from what is left.
+
+    How far it learns from a frame depends on how sure it is of the room, and on how much else is recorded: it learns
+    little while a person speaks.
+    """
+
+    def __init__(self) -> None:
+        self._np = np = numpy()
+        size = FRAME_SAMPLES + 1
+        self._filter, self._played = (np.zeros((PARTS, size), complex) for _ in range(2))
+        self._doubt = np.full((PARTS, size), 1.0 / PARTS)
+        """The variance of the filter: a room that is not known returns at most what was played."""
+        self._last, self._noise = np.zeros(FRAME_SAMPLES), np.zeros(size)
+
+    def take(self, recorded: bytes, played: bytes) -> bytes:
+        """The next frame without the echo that is predicted."""
+        np = self._np
+        far = np.frombuffer(played, "<i2").astype(float)
+        self._played = np.roll(self._played, 1, axis=0)
+        self._played[0] = np.fft.rfft(np.concatenate([self._last, far]))
+        self._last = far
+        echo = np.fft.irfft((self._filter * self._played).sum(axis=0))[FRAME_SAMPLES:]
+        rest = np.frombuffer(recorded, "<i2") - echo
+        self._learn(np.fft.rfft(np.concatenate([np.zeros(FRAME_SAMPLES), rest])))
+        return bytes(np.clip(np.rint(rest), -32768, 32767).astype("<i2").tobytes())
+
+    def _learn(self, rest: object) -> None:
+        """Change the filter by what is left of a frame, and how sure it is."""
+        np = self._np
+        power, left = np.abs(self._played) ** 2, np.abs(rest) ** 2
+        doubt = 0.5 * (power * self._doubt).sum(axis=0)
+        other = np.maximum(left - doubt, LEAST_NOISE_SHARE * left)
+        self._noise = NOISE_MEMORY * self._noise + (1 - NOISE_MEMORY) * other
+        step = self._doubt / (2 * (doubt + self._noise) + LEAST_POWER)
+        change = np.fft.irfft(step * np.conj(self._played) * rest, axis=1)
+        change[:, FRAME_SAMPLES:] = 0.0
+        self._filter = PERSISTENCE * (self._filter + np.fft.rfft(change, axis=1))
+        known = PERSISTENCE**2 * (1 - 0.5 * step * power) * self._doubt
+        self._doubt = known + (1 - PERSISTENCE**2) * np.abs(self._filter) ** 2
