@@ -43,6 +43,8 @@ def _compiled(phrase: str, parts: Mapping[str, str]) -> str:
     return "".join(made)
 
 
+NOTHING = r"(?!)"
+"""What no text matches."""
 _SIGNS = {"(": "(?:", ")": ")", "[": "(?:", "]": ")?", "|": "|", "*": WORDS, "$": "$"}
 
 
@@ -57,7 +59,8 @@ class Phrases:
     def __init__(self, phrases: Iterable[str], parts: Mapping[str, str]) -> None:
         compiled = [_compiled(phrase, parts) for phrase in phrases]
         self._each = [re.compile(each) for each in compiled]
-        self._any = re.compile("|".join(f"(?:{re.sub(r'[(][?]P<[^>]+>', '(?:', each)})" for each in compiled))
+        slotless = [f"(?:{re.sub(r'[(][?]P<[^>]+>', '(?:', each)})" for each in compiled]
+        self._any = re.compile("|".join(slotless) or NOTHING)
         self.slots = frozenset(slot for each in self._each for slot in each.groupindex)
         sources = " ".join([*phrases, *parts.values()])
         self.words = frozenset(re.findall(r"[^\W\d_]+", re.sub(r"\{\w+\}|<\w+>", " ", sources)))

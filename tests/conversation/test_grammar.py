@@ -86,6 +86,13 @@ def test_a_faulty_phrase_is_refused_with_its_text() -> None:
         Phrases(["stop <it>"], {"robot": "it"})
 
 
+def test_no_phrases_fit_nothing_and_a_sign_ends_one() -> None:
+    none, end = Phrases([], {}), Phrases(["the end $"], {})
+    assert not any(test(words) for words in ([], ["stop"]) for test in (none.begin, none.within, none.fits))
+    assert end.within(["at", "the", "end"]) and end.begin(["the", "end"])
+    assert not end.within(["the", "end", "of", "it"]) and not end.begin(["the", "end", "of"])
+
+
 def test_a_language_without_a_file_is_refused_with_those_that_have_one() -> None:
     with pytest.raises(UsageError, match="no language 'fr'; there is: de, en"):
         language("fr")
