@@ -22,14 +22,16 @@ def test_nothing_of_a_conversation_holds_a_secret_that_a_person_or_a_model_utter
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setenv("STRANGERS_API_KEY", KNOWN)
-    model, author = RepliesModel(reply=f"Apples cost {KNOWN} {SHAPED}. Nice."), f"Anna {KNOWN}"
+    model, author = RepliesModel(reply=f"You could try {KNOWN} or {SHAPED}."), f"Anna {KNOWN}"
     with Talk(mission(MOVING), clock=WallClock(), model=model) as talk:
         talk.screen.until(lambda line: "started" in line.text)
-        talk.order(f"what of {KNOWN} {SHAPED}", author=author)
-        talk.screen.until(lambda line: line.way == "model")
-        for text in (f"start the {KNOWN}", "cancel the mission", "yes"):
+        for count, text in enumerate((f"what of {KNOWN} {SHAPED}", f"start the {KNOWN}"), start=1):
+            talk.order(text, author=author)
+            talk.until(lambda count=count: [line.way for line in talk.screen.of_robot()].count("model") == count)
+        for text in ("cancel the mission", "yes"):
             talk.order(text, author=author)
         talk.end()
         talk.agent.conclude(5.0)
+    assert "You could try [hidden] or [hidden]." in talk.screen.texts()
     left = repr((talk.screen.lines, talk.book.data, talk.book.steps, talk.agent._dialogue.history))
     assert "[hidden]" in left and KNOWN not in left and SHAPED not in left
