@@ -92,7 +92,7 @@ def main() -> None:
             print(f"{name:<46}{rates[is_recorded]:>10,.0f}{cpu:>10.1f}{after:>10.2f}{lost:>8}")
             figure(f"a flood of events: CPU an event, {name}", cpu, "µs")
         print(f"    with a recording: {100 * rates[True] / rates[False]:.0f} % of the rate without")
-        figure(f"a flood of events, recorded, wall: {how}", rates[True], "events/s",
+        figure(f"a recorded flood, wall: {how}", rates[True], "events/s",
                peer=("unrecorded", rates[False]), most=0.9 * rates[False], larger_is_better=True)  # fmt: skip
 
 
