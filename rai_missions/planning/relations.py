@@ -41,7 +41,9 @@ from rai_missions.planning.tolerances import (
     fit,
 )
 
-__all__ = ("Truth", "columns", "holds", "inner", "reached", "rests_in", "rests_on", "support", "without_swaps")
+__all__ = (
+    "Truth", "columns", "covers", "holds", "inner", "reached", "rests_in", "rests_on", "support", "without_swaps",
+)  # fmt: skip
 
 Truth = bool | None
 """True, false, or None: unknown."""
@@ -112,8 +114,13 @@ def rests_on(upper: Thing, lower: Thing, margin: float) -> bool:
     sigma = math.hypot(upper.sigma_m, lower.sigma_m)
     if abs(upper.bottom - lower.top) > contact(upper, lower) + margin * sigma:
         return False
+    return covers(lower, upper, margin * sigma)
+
+
+def covers(lower: Thing, upper: Thing, beyond_m: float = 0.0) -> bool:
+    """Whether the centre of one thing is above the outline of another, or at most so many metres beyond it."""
     across = turned((upper.x - lower.x, upper.y - lower.y), -lower.yaw)
-    return all(abs(off) <= size / 2 + margin * sigma for off, size in zip(across, lower.size[:2], strict=True))
+    return all(abs(off) <= size / 2 + beyond_m for off, size in zip(across, lower.size[:2], strict=True))
 
 
 def rests_in(thing: Thing, container: Thing, margin: float) -> bool:
@@ -139,14 +146,8 @@ def _on_desk(thing: Thing, scene: Scene, margin: float) -> bool:
     if abs(thing.bottom) > contact(thing) + margin * thing.sigma_m:
         return False
     return not any(
-        _covers(other, thing) for other in scene.things if other.type in CONTAINERS and other.name != thing.name
+        covers(other, thing) for other in scene.things if other.type in CONTAINERS and other.name != thing.name
     )
-
-
-def _covers(container: Thing, thing: Thing) -> bool:
-    """Whether the centre of a thing is above a container, whatever the margin."""
-    across = turned((thing.x - container.x, thing.y - container.y), -container.yaw)
-    return all(abs(off) <= size / 2 for off, size in zip(across, container.size[:2], strict=True))
 
 
 def _is_carried(thing: Thing, scene: Scene, margin: float) -> bool:

@@ -8,9 +8,9 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 
-from rai_missions.planning.geometry import turned
 from rai_missions.planning.reading.lexicon import Vocabulary
 from rai_missions.planning.reading.phrases import Phrase, Unread
+from rai_missions.planning.relations import covers
 from rai_missions.planning.scene import CONTAINERS, DESK, Scene, Thing, has_colour
 from rai_missions.planning.text.language_file import spoken
 
@@ -54,8 +54,7 @@ class Things:
         thing, other = self.scene.get(name), self.scene.get(place)
         if thing is None or other is None or thing is other or (other.type not in CONTAINERS and thing.z <= other.z):
             return False
-        across = turned((thing.x - other.x, thing.y - other.y), -other.yaw)
-        return all(abs(off) <= size / 2 for off, size in zip(across, other.size[:2], strict=True))
+        return covers(other, thing)
 
     def _of_one(self, phrase: Phrase) -> tuple[Names, ...]:
         if phrase.kind in ("everything", "rest"):
