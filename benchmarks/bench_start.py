@@ -7,7 +7,6 @@ The peers are what each builds on: pydantic for the import, and MuJoCo with nump
 from __future__ import annotations
 
 import os
-import resource
 import statistics
 import subprocess
 import sys
@@ -16,7 +15,7 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
-from benchmarks.figures import PACE, figure
+from benchmarks.figures import PACE, children_cpu_s, figure
 
 RUNS = 9
 ROOT = Path(__file__).parents[1]
@@ -27,10 +26,9 @@ def cpu_ms(*words: str) -> tuple[float, float]:
     """Median CPU and wall milliseconds of a process."""
 
     def whole() -> float:
-        before = resource.getrusage(resource.RUSAGE_CHILDREN)
+        before = children_cpu_s()
         subprocess.run([sys.executable, *words], stdout=subprocess.DEVNULL, check=True)
-        after = resource.getrusage(resource.RUSAGE_CHILDREN)
-        return 1000 * (after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime)
+        return 1000 * (children_cpu_s() - before)
 
     return medians(whole)
 

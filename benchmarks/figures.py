@@ -6,12 +6,13 @@ from __future__ import annotations
 import gc
 import json
 import os
+import resource
 import tracemalloc
 from collections.abc import Callable
 from pathlib import Path
 from typing import NamedTuple
 
-__all__ = ("PACE", "PACE_AT_BOUNDS_MS", "VARIABLE", "Figure", "figure", "figures_in", "peak_bytes")
+__all__ = ("PACE", "PACE_AT_BOUNDS_MS", "VARIABLE", "Figure", "children_cpu_s", "figure", "figures_in", "peak_bytes")
 
 VARIABLE = "RAI_MISSIONS_FIGURES"
 """The environment's variable that names the file; without it a figure is kept nowhere."""
@@ -60,6 +61,12 @@ def figures_in(path: Path) -> list[Figure]:
     if not path.exists():
         return []
     return [Figure(**json.loads(line)) for line in path.read_text(encoding="utf-8").splitlines()]
+
+
+def children_cpu_s() -> float:
+    """The CPU seconds of all processes that this one has begun and that have ended."""
+    used = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return used.ru_utime + used.ru_stime
 
 
 def peak_bytes(step: Callable[[], object], times: int = 300) -> float:
