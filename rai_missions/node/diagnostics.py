@@ -21,8 +21,9 @@ NOTHING: Mapping[str, SourceState] = {}
 
 
 def level(
-    status: StatusMessage, stale: Sequence[str] = (), strangers: int = 0, sources: Mapping[str, SourceState] = NOTHING
-) -> tuple[int, str]:
+    status: StatusMessage, stale: Sequence[str] = (), strangers: int = 0,
+    sources: Mapping[str, SourceState] = NOTHING, rivals: Sequence[str] = (),
+) -> tuple[int, str]:  # fmt: skip
     """The level and the sentence.
 
     Args:
@@ -30,6 +31,7 @@ def level(
         stale: Keys of the robot that are older than they may be, while the mission runs.
         strangers: Other nodes that have spoken under the same name.
         sources: Robot key → what is known of the readings of its source.
+        rivals: Of each other mission that commands the robot, a sentence.
     """
     if status.fault:
         return ERROR, status.fault
@@ -40,6 +42,8 @@ def level(
         return ERROR, may_move(status.open_goals)
     if strangers:
         return WARN, f"another node is called {status.node} too; give one of them another name with --node"
+    if rivals:
+        return WARN, rivals[0]
     if status.mode in ("paused", "canceling"):
         return WARN, status.mode
     if status.waits:
@@ -67,7 +71,7 @@ def _offsets(sources: Mapping[str, SourceState]) -> str:
 
 def array_of(
     status: StatusMessage, *, at: float, stale: Sequence[str] = (), strangers: int = 0,
-    sources: Mapping[str, SourceState] = NOTHING, robot: str = "",
+    sources: Mapping[str, SourceState] = NOTHING, rivals: Sequence[str] = (), robot: str = "",
 ) -> dict[str, Any]:  # fmt: skip
     """The fields of a `diagnostic_msgs/msg/DiagnosticArray`.
 
@@ -77,15 +81,16 @@ def array_of(
         stale: As for `level`.
         strangers: As for `level`.
         sources: As for `level`.
+        rivals: As for `level`.
         robot: The robot's name.
     """
-    found, message = level(status, stale, strangers, sources)
+    found, message = level(status, stale, strangers, sources, rivals)
     values = {
         "mission": f"{status.mission} {status.version}".strip(), "run": status.run,
         "lifecycle": status.lifecycle, "mode": status.mode, "control": status.control,
         "active": ", ".join(status.active), "revision": str(status.revision), "stale": ", ".join(stale),
         "clock offsets": _offsets(sources), "not understood": cut(_misread(sources), 1000),
-        "instance": status.instance,
+        "instance": status.instance, "rivals": cut("; ".join(rivals), 1000),
         "open_goals": may_move(status.open_goals),
     }  # fmt: skip
     diagnostic = {

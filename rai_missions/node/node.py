@@ -19,6 +19,7 @@ from rai_missions.node.launched import parameters_of
 from rai_missions.node.lifecycle_callbacks import LifecycleCallbacks
 from rai_missions.node.managed_lifecycle import ManagedLifecycle, serve_lifecycle
 from rai_missions.node.names import NodeName
+from rai_missions.node.other_missions import RUNS_TOPIC
 from rai_missions.node.prerequisites import about
 from rai_missions.node.publisher import StatusPublisher
 from rai_missions.node.run_host import RunHost
@@ -211,6 +212,7 @@ class MissionNode:
         self._closes += serve_lifecycle(connector, name, self._lifecycle)
         self._closes += serve_orders(connector, name, self._commands, self._publisher.reply)
         self._closes.append(connector.subscribe(name.below("status"), STRING, self._publisher.receive))
+        self._closes.append(connector.subscribe(RUNS_TOPIC, STRING, self._publisher.receive_run))
         if self._carrier.robots and self._host.published_clock is not None:
             self._closes.append(self._host.published_clock.follow(connector))
         if self._carrier.typed:

@@ -22,6 +22,7 @@ from rai_missions.node.diagnostics import array_of
 from rai_missions.node.lifecycle_table import NodeTransition
 from rai_missions.node.managed_lifecycle import EVENT_TYPE, event_fields
 from rai_missions.node.names import NodeName
+from rai_missions.node.other_missions import RUNS_TOPIC, OtherMissions, RunClaim, warning_of
 from rai_missions.node.rosout import LOG, LogLines, lines_of
 from rai_missions.node.run_session import RunSession
 from rai_missions.node.services import STRING
@@ -72,6 +73,8 @@ class StatusPublisher:
         self._holder = ""
         self._instance = uuid.uuid4().hex[:12]
         self._strangers: set[str] = set()
+        self._others = OtherMissions()
+        self._warned: set[tuple[str, str, str]] = set()
         self._outlet = Worker("publisher", limit=LONGEST_QUEUE, keep="newest")
         self.lines = LogLines(self._logger, self.log)
         self._on_status: Callable[[StatusMessage], None] = lambda _: None
@@ -163,6 +166,10 @@ class StatusPublisher:
             self._strangers.add(stranger)
             log.warning("another node is called %s too; give one of them another name with --node", self._name.path)
 
+    def receive_run(self, message: Message) -> None:
+        """A node has reported what its run commands."""
+        self._others.receive(str(message.data.get("data", "")), time.monotonic())
+
     # -- on the publisher's thread --------------------------------------------------------------------------------
 
     def _publish_status(self, status: StatusMessage) -> None:
@@ -187,9 +194,27 @@ class StatusPublisher:
         session = self._session()
         stale, sources = (session.stale(), session.sources()) if session is not None else ((), {})
         fields = array_of(
-            status, at=time.time(), stale=stale, strangers=len(self._strangers), sources=sources, robot=self._robot()
-        )
+            status, at=time.time(), stale=stale, strangers=len(self._strangers), sources=sources,
+            rivals=self._rivals(status, session), robot=self._robot(),
+        )  # fmt: skip
         self._carrier.connector.publish("/diagnostics", DIAGNOSTICS, carried(fields))
+
+    def _rivals(self, status: StatusMessage, session: RunSession | None) -> tuple[str, ...]:
+        """Report what the run commands; a sentence of each other mission that commands it too, written down once."""
+        is_live = self._carrier.robots and session is not None and not session.is_over
+        commands = session.commands if is_live and session is not None else ()
+        claim = RunClaim(
+            self._instance, status.node, status.mission, status.run, frozenset(map(self._name.resolved, commands))
+        )
+        self._carrier.connector.publish(RUNS_TOPIC, STRING, carried({"data": claim.text()}))
+        rivals = self._others.rivals(claim, time.monotonic())
+        for each in rivals:
+            pair = (claim.run, each.instance, each.run)
+            if pair not in self._warned and session is not None:
+                self._warned.add(pair)
+                log.warning("%s", warning_of(each))
+                session.runner.note(warning_of(each))
+        return tuple(map(warning_of, rivals))
 
     def _publish(self, name: str, type_name: str, fields: dict[str, object]) -> None:
         self._carrier.connector.publish(self._name.below(name), type_name, carried(fields))

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable, Iterator, Mapping
+from functools import cached_property
 from typing import Any, NamedTuple
 
 from rai_missions.engine.decision import Question
@@ -17,7 +18,7 @@ from rai_missions.event import Event
 from rai_missions.keys import stale_at
 from rai_missions.node.command import Command, CommandReply, ReplyCallback, lasts, overdue
 from rai_missions.node.status_message import OpenQuestion
-from rai_missions.profile import Robot
+from rai_missions.profile import Robot, commanded_names
 from rai_missions.redaction import Redaction, cut, logger
 from rai_missions.runtime.lifecycle import HOLDERS, Status
 from rai_missions.runtime.readings import SourceState
@@ -111,6 +112,11 @@ class RunSession:
         """The robot's keys → what is known of the readings of their sources."""
         keys = [name for name, key in self.runner.mission.blackboard.items() if key.source == "robot"]
         return {} if self.is_over else {name: self.runner.view.source(name) for name in keys}
+
+    @cached_property
+    def commands(self) -> frozenset[str]:
+        """The robot's names for what the mission has it do."""
+        return commanded_names(self.runner.mission, self._robot) if self._robot is not None else frozenset()
 
     # -- after it -------------------------------------------------------------------------------------------------
 

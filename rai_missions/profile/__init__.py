@@ -6,7 +6,7 @@ Imports `check`, `connectors`, `engine`, `guards`, `mission` and `states`, and t
 
 from rai_missions.profile.conversation import GRANTED, ORDERS, ConversationPolicy, OrderName
 from rai_missions.profile.convert import plain
-from rai_missions.profile.coverage import actions_of, missing
+from rai_missions.profile.coverage import actions_of, commanded_names, missing
 from rai_missions.profile.entries import ActionEntry, ServiceEntry, TopicEntry
 from rai_missions.profile.files import dump_profile, identity_folder, is_program, load_profile, parse_profile
 from rai_missions.profile.message_fields import absent_field, unknown_fields, why_unreadable
@@ -32,6 +32,7 @@ __all__ = (
     "TopicEntry",
     "absent_field",
     "actions_of",
+    "commanded_names",
     "dump_profile",
     "identity_folder",
     "is_program",

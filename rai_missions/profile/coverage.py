@@ -18,7 +18,7 @@ from rai_missions.profile.entries import references
 from rai_missions.profile.profile import Robot
 from rai_missions.states.effects import Raise
 
-__all__ = ("actions_of", "missing")
+__all__ = ("actions_of", "commanded_names", "missing")
 
 NOTHING: Mapping[str, str] = {}
 FITTING: Mapping[str, frozenset[str]] = {"integer": frozenset({"integer", "number"})}
@@ -43,6 +43,19 @@ def missing(mission: Mission, robot: Robot, *, remedies: Mapping[str, str] = NOT
 def actions_of(mission: Mission) -> frozenset[str]:
     """The names of the actions that a mission uses."""
     return frozenset(use.name for use in MissionIndex(mission).uses if use.sort == "action")
+
+
+def commanded_names(mission: Mission, robot: Robot) -> frozenset[str]:
+    """The robot's own names for what a mission has it do: actions, services and topics; what it reads is left out."""
+    found = set[str]()
+    for use in MissionIndex(mission).uses:
+        if use.sort == "action" and (action := robot.actions.get(use.name)) is not None:
+            found |= {action.action or "", action.start.service if action.start is not None else ""}
+        elif use.sort == "service" and (service := robot.services.get(use.name)) is not None:
+            found.add(service.service)
+        elif use.sort == "topic" and (topic := robot.topics.get(use.name)) is not None:
+            found.add(topic.topic)
+    return frozenset(found - {""})
 
 
 def _lacks(sort: str, name: str, known: Mapping[str, Any], place: str, remedies: Mapping[str, str] = NOTHING) -> Fault:

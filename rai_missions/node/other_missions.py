@@ -1,0 +1,97 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Which other missions command the same robot: each node reports what its run commands, and compares.
+
+Rule: it finds and names; what becomes of the two missions is for a person to decide.
+"""
+
+from __future__ import annotations
+
+import json
+import threading
+from collections.abc import Mapping
+from typing import Any, NamedTuple
+
+from rai_missions.errors import DefinitionError
+from rai_missions.mission.json_reader import parse_json
+from rai_missions.redaction import cut
+
+__all__ = ("RUNS_TOPIC", "OtherMissions", "RunClaim", "warning_of")
+
+RUNS_TOPIC = "/rai_missions/runs"
+"""Where every node reports its run, once a second."""
+FORGET_S = 5.0
+"""A run of which nothing was received for so long, in seconds, is over."""
+MOST, LONGEST, NAMED = 64, 200, 4
+"""Runs that are known at a time; characters of a text of another node; common names in a sentence."""
+
+
+class RunClaim(NamedTuple):
+    """What a run commands while it lasts."""
+
+    instance: str
+    """Of the node's process."""
+    node: str
+    mission: str
+    run: str
+    commands: frozenset[str] = frozenset()
+    """Full names of actions, services and topics; empty while no mission is under way."""
+
+    def text(self) -> str:
+        """As it is published."""
+        return json.dumps(self._asdict() | {"commands": sorted(self.commands)})
+
+
+class OtherMissions:
+    """The runs of other nodes, as far as they have reported."""
+
+    def __init__(self) -> None:
+        self._lock = threading.Lock()
+        self._seen: dict[str, tuple[RunClaim, float]] = {}
+
+    def receive(self, text: str, at: float) -> None:
+        """A node has reported its run.
+
+        Args:
+            text: What was published; anything else is left out.
+            at: Seconds on the clock of `rivals`.
+        """
+        try:
+            claim = _claim_in(parse_json(text.encode("utf-8", "replace")))
+        except DefinitionError:
+            return
+        with self._lock:
+            if claim is not None and (claim.instance in self._seen or len(self._seen) < MOST):
+                self._seen[claim.instance] = claim, at
+
+    def rivals(self, own: RunClaim, at: float) -> tuple[RunClaim, ...]:
+        """The others that command what this run commands; `commands` of each has only what both do.
+
+        Args:
+            own: What this node publishes.
+            at: Seconds on the clock of `receive`.
+        """
+        with self._lock:
+            self._seen = {name: seen for name, seen in self._seen.items() if at - seen[1] < FORGET_S}
+            others = [claim for claim, _ in self._seen.values() if claim.instance != own.instance]
+        common = (each._replace(commands=each.commands & own.commands) for each in others)
+        return tuple(sorted(each for each in common if each.commands))
+
+
+def warning_of(rival: RunClaim) -> str:
+    """The sentence that names another mission and what both command."""
+    names = sorted(rival.commands)
+    left = f" and {len(names) - NAMED} more" if len(names) > NAMED else ""
+    return (
+        f"the node {rival.node} commands the same robot (mission {rival.mission}, run {rival.run}): "
+        f"{', '.join(names[:NAMED])}{left}; cancel one of the two missions"
+    )
+
+
+def _claim_in(found: Any) -> RunClaim | None:
+    if not isinstance(found, Mapping) or not isinstance(found.get("commands"), list):
+        return None
+    instance, node, mission, run = (
+        cut(found.get(name, ""), LONGEST) for name in ("instance", "node", "mission", "run")
+    )
+    commands = frozenset(cut(each, LONGEST) for each in found["commands"] if isinstance(each, str))
+    return RunClaim(instance, node, mission, run, commands)

@@ -1,0 +1,100 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Two missions on one robot: each node names the other, and what both command; over a connector in this process."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Iterator
+from typing import Any
+
+import pytest
+
+from rai_missions.agents.mission import RunConfig
+from rai_missions.connectors.contract import Inbox
+from rai_missions.connectors.local import LocalConnector
+from rai_missions.node import MissionNode
+from rai_missions.node.diagnostics import OK, WARN
+from rai_missions.node.names import NodeName
+from rai_missions.node.other_missions import FORGET_S, OtherMissions, RunClaim
+from rai_missions.node.transport import Carrier
+from tests.node.scenes import PATIENCE_S, Client, FakeRobot, mission, robot
+
+MINE = RunClaim("i1", "/mine", "errand", "r1", frozenset({"/base/drive", "/horn"}))
+OTHER = RunClaim("i2", "/other", "patrol", "r2", frozenset({"/base/drive", "/lamp"}))
+
+
+@pytest.fixture
+def connector() -> Iterator[LocalConnector]:
+    connector = LocalConnector()
+    connector.start()
+    yield connector
+    connector.stop()
+
+
+@pytest.mark.parametrize(
+    ("below", "robots", "is_rival"), [("/a", True, True), ("/b", True, False), ("/a", False, False)]
+)
+def test_each_of_two_missions_on_one_robot_names_the_other_and_what_both_command(
+    connector: LocalConnector, caplog: pytest.LogCaptureFixture, below: str, robots: bool, is_rival: bool
+) -> None:
+    found: dict[str, Inbox[dict[str, Any]]] = {name: Inbox(PATIENCE_S) for name in ("first", "second")}
+    connector.subscribe("/diagnostics", "diagnostic_msgs/msg/DiagnosticArray", lambda message: _sort(found, message))
+    FakeRobot(connector, "/a"), FakeRobot(connector, "/b")
+    nodes = [
+        MissionNode(RunConfig(mission(), robot({"kind": "local"}, at)), name, carrier=Carrier(connector, robots, False))
+        for name, at in (("first", "/a"), ("second", below))
+    ]
+    with caplog.at_level(logging.WARNING, "rai_missions.node.publisher"):
+        try:
+            for node in nodes:
+                node.run()
+                client = Client(connector, node.name.path)
+                client.activate()
+                client.start()
+            if is_rival:
+                for name, other in (("first", "second"), ("second", "first")):
+                    status = found[name].wait(lambda all_: all_[-1]["level"] == WARN, f"{name} warns")[-1]
+                    assert status["message"].startswith(
+                        f"the node /{other} commands the same robot (mission errand, run "
+                    )
+                    assert status["message"].endswith("): /a/move; cancel one of the two missions")
+                Client(connector, "/second").call("cancel")
+                found["first"].wait(lambda all_: all_[-1]["level"] == OK, "it warns no longer")
+            else:
+                for name in found:
+                    found[name].wait(lambda all_: len(all_) > 4 and all_[-1]["mode"] == "running", f"{name} has looked")
+                    assert not any(each["rivals"] for each in found[name].all)
+        finally:
+            for node in nodes:
+                node.stop()
+    assert len([each for each in caplog.messages if "commands the same robot" in each]) == (2 if is_rival else 0)
+
+
+def _sort(found: dict[str, Inbox[dict[str, Any]]], message: Any) -> None:
+    for status in message.data["status"]:
+        values = {each["key"]: each["value"] for each in status["values"]}
+        found[status["name"].strip("/").partition(":")[0]](status | values)
+
+
+def test_only_what_both_command_makes_a_rival_and_a_run_that_is_silent_is_over() -> None:
+    others = OtherMissions()
+    others.receive(OTHER.text(), 10.0)
+    others.receive(MINE.text(), 10.0)
+    assert others.rivals(MINE, 10.0) == (OTHER._replace(commands=frozenset({"/base/drive"})),)
+    assert others.rivals(MINE._replace(commands=frozenset({"/horn"})), 10.0) == ()
+    assert others.rivals(MINE, 10.0 + FORGET_S) == ()
+
+
+@pytest.mark.parametrize(
+    "text", ["", "[]", "{", '{"commands": 3}', '{"instance": "x", "commands": [3, null]}', "\ud800"]
+)
+def test_what_is_no_report_of_a_run_is_left_out(text: str) -> None:
+    others = OtherMissions()
+    others.receive(text, 0.0)
+    assert others.rivals(MINE, 0.0) == ()
+
+
+def test_a_relative_name_is_one_of_the_node_s_namespace() -> None:
+    assert NodeName("a", "fields/north").resolved("drive") == "/fields/north/drive"
+    assert NodeName("a").resolved("drive") == "/drive"
+    assert NodeName("a", "fields").resolved("/drive") == "/drive"
