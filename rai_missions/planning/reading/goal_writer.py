@@ -24,6 +24,8 @@ STACKED = Phrase("things", "", types=frozenset({"cube"}), has_noun=True, is_many
 """What a tower is made of where nothing is said about it."""
 WHOLE = frozenset({0, None, -1})
 """The levels of a tower of three: bottom, middle and top."""
+PLACED = frozenset({"on", "in", "at", "swapped"})
+"""Predicates of a thing that lies where it is put; next to another it may lie on the desk as well."""
 SIDE_BY_SIDE = frozenset({"left_of", "right_of", "next_to", "apart", "swap", "place_of"})
 """Kinds of clauses after which `it` may be either thing."""
 
@@ -45,6 +47,9 @@ class GoalWriter:
         self._before: tuple[Names, Names] = (), ()
         self._moved_to = list[tuple[str, str]]()
         self._is_held = False
+        self._until_put = list[Plain]()
+        """What holds of things until they are put elsewhere: what was taken from somewhere lies on the desk."""
+        self._latest = list[Plain]()
 
     def predicates(self, clauses: Sequence[Clause]) -> list[Plain]:
         """The predicates as plain data, each once.
@@ -56,7 +61,11 @@ class GoalWriter:
         for clause in clauses:
             self._before = self._subjects, self._target
             self._check_held(clause)
-            found += self._of(clause)
+            wanted = list(self._of(clause))
+            put = {name for each in wanted if each.keys() & PLACED for name in _moved(each)}
+            found = [each for each in found if each not in self._until_put or put.isdisjoint(_moved(each))] + wanted
+            self._until_put += wanted if clause.kind == "off" else []
+            self._latest = wanted
             if clause.kind != "too":
                 self._last = clause
         if self._is_held:
@@ -67,8 +76,8 @@ class GoalWriter:
 
     def _check_swapped(self, found: Sequence[Plain]) -> None:
         """A thing that is swapped and moved otherwise, too: where it comes to depends on which is first."""
-        for each in found:
-            others = {name for other in found if other != each for name in _moved(other)}
+        for at, each in enumerate(found):
+            others = {name for index, other in enumerate(found) if index != at for name in _moved(other)}
             if moved := [name for name in each.get("swapped", ()) if name in others]:
                 text = self._things.lexicon.text("swapped_and_moved", self._listed(tuple(moved[:1])))
                 raise Unread("order", text)
@@ -100,9 +109,11 @@ class GoalWriter:
         return names[0]
 
     def _alternatives(self, phrase: Phrase) -> Sequence[Names]:
-        if phrase.kind not in ("pronoun", "there"):
+        if phrase.kind not in ("pronoun", "those", "there"):
             return self._things.alternatives(phrase)
         subjects, target = self._before
+        if phrase.kind == "those" or (phrase.kind == "pronoun" and self._is_taken(phrase)):
+            return (subjects,)
         if phrase.kind == "there" and target:
             return (target,)
         if not subjects or phrase.kind == "there" or (len(subjects) > 1) != phrase.is_many:
@@ -110,6 +121,13 @@ class GoalWriter:
         if self._last is not None and self._last.kind in SIDE_BY_SIDE and target and target != subjects:
             return (subjects, target)
         return (subjects,)
+
+    def _is_taken(self, pronoun: Phrase) -> bool:
+        """Whether what was taken from somewhere is meant, as many as they were: `take everything out and put it …`."""
+        last = self._last
+        if last is None or last.kind != "off":
+            return False
+        return pronoun.is_many or any(each.kind == "everything" for each in last.subjects)
 
     def _ask(self, text: str, *values: object) -> Unread:
         reason = text if text in ("pronoun", "order") else "unread"
@@ -187,7 +205,10 @@ class GoalWriter:
             return there
         if len(alternatives) == 1 and len(alternatives[0]) == 1 and phrase.kind not in ("everything", "rest"):
             return alternatives
-        text = self._things.lexicon.text("none_there", f"'{phrase.text}'", f"'{spoken(place)}'")
+        lexicon, where = self._things.lexicon, f"'{spoken(place)}'"
+        if phrase.kind in ("everything", "rest"):
+            raise Unread("absent", lexicon.text("nothing_there", where), refused=True)
+        text = lexicon.text("none_there", f"'{phrase.text}'", where)
         raise Unread("absent", text, refused=True)
 
     def _left(self, clause: Clause) -> Iterator[Plain]:
@@ -241,14 +262,27 @@ class GoalWriter:
         return names
 
     def _stack(self, clause: Clause) -> Iterator[Plain]:
+        base = self._base(clause)
         if not clause.levels:
-            yield from _tower(self._several(_stackable(clause.subjects) or (STACKED,)))
-            return
-        members = self._names(_stackable(clause.subjects)) if clause.subjects else ()
-        placed = [(self._one(_stackable([phrase])[0]), level) for phrase, level in clause.levels]
-        if not members:
-            members = self._members(placed)
-        yield from _tower(self._by_level(members, placed))
+            names = self._several(_stackable(clause.subjects) or (STACKED,))
+        else:
+            members = self._names(_stackable(clause.subjects)) if clause.subjects else ()
+            placed = [(self._one(_stackable([phrase])[0]), level) for phrase, level in clause.levels]
+            names = self._by_level(members or self._members(placed), placed)
+        names = tuple(name for name in names if name != base)
+        yield {"in" if self._is_container(base) else "on": [names[0], base]}
+        yield from ({"on": [above, below]} for below, above in pairwise(names))
+
+    def _base(self, clause: Clause) -> str:
+        """What a tower stands on: what is given, the container that its things were just put into, or the desk."""
+        if clause.target is not None:
+            return self._one(clause.target)
+        was_put = self._last is not None and self._last.kind in ("in", "on", "to")
+        is_of_those = any(each.kind == "pronoun" for each in clause.subjects)
+        if was_put and is_of_those and len(self._target) == 1 and self._is_container(self._target[0]):
+            self._until_put += self._latest
+            return self._target[0]
+        return DESK
 
     def _members(self, placed: Sequence[tuple[str, int | None]]) -> Names:
         """All that can be stacked, where not each level is given from below."""
@@ -290,7 +324,17 @@ class GoalWriter:
         yield {"grouped": list(self._several(clause.subjects))}
 
     def _spread(self, clause: Clause) -> Iterator[Plain]:
-        yield {"apart": list(self._several(clause.subjects))}
+        """Each thing from every other; of several groups those of one from those of another: `fruit and vegetables`."""
+        groups = [self._names([phrase]) for phrase in clause.subjects]
+        names = tuple(dict.fromkeys(name for group in groups for name in group))
+        self._subjects = names
+        if len(names) < 2:
+            raise self._ask("too_few", self._listed(names))
+        if len(groups) < 2 or all(len(group) == 1 for group in groups):
+            yield {"apart": list(names)}
+            return
+        for one, other in combinations(groups, 2):
+            yield from ({"apart": list(pair)} for pair in product(one, other) if pair[0] != pair[1])
 
     def _side_by_side(self, clause: Clause) -> Iterator[Plain]:
         names = self._several(clause.subjects)
@@ -333,11 +377,6 @@ class GoalWriter:
             raise self._ask("where", self._listed(names))
         target = self._target[0]
         yield from self._put(names, target)
-
-
-def _tower(names: Names) -> Iterator[Plain]:
-    yield {"on": [names[0], DESK]}
-    yield from ({"on": [above, below]} for below, above in pairwise(names))
 
 
 def _stackable(phrases: Sequence[Phrase]) -> tuple[Phrase, ...]:

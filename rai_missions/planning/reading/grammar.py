@@ -25,6 +25,7 @@ MUTUAL: dict[str, ClauseKind] = {
 NEAR_IT = frozenset({"under", "next_to", "left_of", "right_of"})
 """After a verb of grasping these may as well mean where the thing is now: `take the cube under the apple`."""
 WHERE = NEAR_IT | {"on", "in"}
+THOSE = (Phrase("those", ""),)
 
 
 def clauses(symbols: Sequence[Symbol], lexicon: Vocabulary) -> tuple[Clause, ...]:
@@ -165,8 +166,15 @@ class Rules:
         if word.kind == "by":
             return Clause("by", subjects, by=word.value)
         if word.kind == "each_other":
-            return Clause(MUTUAL[word.value], subjects)
+            return Clause(MUTUAL[word.value], subjects, self._base(word.value))
         return Clause("swap" if word.kind == "swap" else "too", subjects)
+
+    def _base(self, word: str) -> Phrase | None:
+        """What a tower stands on: `… on top of each other in the tray`."""
+        if word != "stack" or self.cursor.kind() != "relation" or self._value() not in ("on", "in"):
+            return None
+        self.cursor.take()
+        return noun_phrase(self.cursor)
 
     def _value(self) -> object:
         return self.cursor.symbols[self.cursor.at].value
@@ -207,6 +215,8 @@ class Rules:
         first = Clause(relation, subjects, target, gap_m=gap_m)
         if relation == "on" and cursor.kind() == "relation" and cursor.symbols[cursor.at].value == "on":
             return [first, *self._related((target,))]
+        if relation == "off" and (cursor.kind() == "relation" or has_place(cursor)):
+            return [first, *self._about(THOSE, is_held=False)]  # `the apple from the tray to the bin`
         return [first]
 
     # -- clauses that begin with a word of their own -------------------------------------------------------------------
@@ -282,7 +292,9 @@ class Rules:
         if self.cursor.kind() == "by":
             return [Clause("by", subjects, by=self.cursor.take().value)]
         if self.cursor.kind() == "relation":
-            return self._related(subjects)
+            where = self._related(subjects)
+            is_desk = where[-1].target is not None and where[-1].target.kind == "desk"
+            return [*where, Clause("group", THOSE)] if is_desk else where
         self.cursor.skip("each_other")
         return [Clause("group", subjects)]
 

@@ -8,7 +8,8 @@ from typing import Literal
 
 __all__ = ("Clause", "ClauseKind", "Phrase", "PhraseKind", "Unread")
 
-PhraseKind = Literal["things", "everything", "rest", "pronoun", "there", "desk"]
+PhraseKind = Literal["things", "everything", "rest", "pronoun", "those", "there", "desk"]
+"""`those` has no words: the things of the clause before, whatever their number."""
 ClauseKind = Literal[
     "on", "in", "to", "left_of", "right_of", "next_to", "apart", "place_of", "off", "at", "stack", "swap", "group",
     "spread", "side_by_side", "in_order", "by", "held", "too", "under",

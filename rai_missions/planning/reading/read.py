@@ -12,6 +12,7 @@ from typing import Any
 
 from rai_missions.errors import DefinitionError
 from rai_missions.planning.goal import Goal, Swapped, read_goal
+from rai_missions.planning.reading.arranging import left_out
 from rai_missions.planning.reading.describe import described
 from rai_missions.planning.reading.goal_writer import GoalWriter
 from rai_missions.planning.reading.grammar import clauses
@@ -132,6 +133,8 @@ def _read_symbols(found: list[Symbol], scene: Scene, words: Vocabulary) -> Reque
     is_sorted = any(symbol.kind == "sorted" for symbol in found)
     wishes = _wishes([symbol for symbol in found if symbol.kind != "sorted"], words)
     goals, is_sure = _goals(wishes, scene, words)
+    if word := left_out(found, goals[0]):
+        raise Unread("unread", words.text("left_out", word))
     if len(goals) == 1 and is_sure and not thrown and not is_sorted:
         return RequestReading(goal=goals[0], covers_all=_covers_all(wishes, goals[0]))
     return _asked(goals, words)
@@ -200,8 +203,8 @@ def _is_thrown_away(symbol: Symbol) -> bool:
 
 
 def _taken_out(found: list[Symbol], words: Vocabulary) -> list[Symbol]:
-    """`take the apple out of the tray`: a word of coming out before a container is `off`, if no other relation is."""
-    if any(symbol.kind in ("relation", "each_other", "place", "axis") for symbol in found):
+    """`take the apple out of the tray`: `out of` a container is `off`; words for what is apart are not."""
+    if any(symbol.kind == "apart" or symbol.value == "apart" for symbol in found):
         return found
     return [
         symbol._replace(kind="relation", value="off")

@@ -51,7 +51,7 @@ def tower(
         raise Unread("order", lexicon.text("order"))  # `two towers`: of what is each?
     first = first or noun_phrases(cursor)
     if first and cursor.kind() == "relation":
-        return _chain(first, cursor, unread)
+        return _based(first, cursor, lexicon) or _chain(first, cursor, unread)
     cursor.skip("put")
     cursor.skip("each_other")
     members, levels = _levels(first, cursor, lexicon)
@@ -71,6 +71,21 @@ def _skip_head(cursor: Cursor) -> bool:
         is_one = is_one and symbol.value not in ("many", "two")
         is_one = is_one and not (symbol.kind == "number" and symbol.value.value > 1)
     return is_one
+
+
+def _based(first: tuple[Phrase, ...], cursor: Cursor, lexicon: Vocabulary) -> list[Clause]:
+    """`stack the cubes on the tray`: one tower of several things, and what it stands on; empty where it is a chain."""
+    begun, relation = cursor.at, cursor.take().value
+    target = noun_phrase(cursor) if relation in ("on", "in") and (len(first) > 1 or _is_several(first[0])) else None
+    if target is None or cursor.kind() == "relation":
+        cursor.back_to(begun)
+        return []
+    members, levels = _levels(first, cursor, lexicon)
+    return [Clause("stack", members, target, levels=levels)]
+
+
+def _is_several(phrase: Phrase) -> bool:
+    return phrase.is_many or phrase.is_all or (phrase.count or 1) > 1
 
 
 def _chain(first: tuple[Phrase, ...], cursor: Cursor, unread: Callable[[], Unread]) -> list[Clause]:

@@ -79,4 +79,4 @@ def test_what_is_taken_out_is_wanted_on_the_desk(request_: str) -> None:
 
 
 def test_where_a_thing_comes_from_says_nothing_of_where_it_is_to_be() -> None:
-    assert reading_of("put the apple from the tray in the bin", SCENES["full"]).goal is None
+    assert reading_of("put the apple from the tray in the bin", SCENES["full"]).goal == goal({"in": ["apple", "bin"]})

@@ -1,0 +1,110 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Words of arranging are in the goal, or the request is asked back: to lie on the desk is no stack and no row."""
+
+from __future__ import annotations
+
+from itertools import pairwise, product
+from typing import Any
+
+import pytest
+
+from rai_missions.planning import feasible
+from rai_missions.planning.reading import is_said, read_request, reading_of
+from tests.planning.reading.stored import goal
+from tests.planning.scenes import scene, thing
+
+SEEN = scene(
+    thing("tray", 0.6, 0.3), thing("bin", 0.6, -0.3),
+    thing("red_cube", 0.4, 0.1, colour="red"), thing("blue_cube", 0.4, 0.2, colour="blue"),
+    thing("green_cube", 0.4, -0.1, colour="green"), thing("carrot", 0.4, 0.0),
+    thing("tomato", 0.58, 0.3, level=0.004), thing("apple", 0.64, 0.3, level=0.004),
+)  # fmt: skip
+CUBES = ("red_cube", "blue_cube", "green_cube")
+ARRANGED = {
+    "en": (
+        ("stack", "pile up", "build a tower of", "heap up", "group", "gather", "sort", "line up", "arrange", "tidy"),
+        "the cubes", ("on the desk", "on the tray", "in the tray", "on the table"),
+    ),
+    "de": (("stapel", "sammle", "sortiere", "ordne"), "die Würfel", ("auf dem Tisch", "auf dem Tablett", "im Eimer")),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("code", ARRANGED)
+def test_no_word_of_arranging_is_lost_before_a_place(code: str) -> None:
+    verbs, things, places = ARRANGED[code]
+    for verb, place in product(verbs, places):
+        request = f"{verb} {things} {place}"
+        found = reading_of(request, SEEN).goal
+        words = {each.word for each in found.all} if found is not None else {"asked"}
+        lies_there = [{"on": [name, "desk"]} for name in CUBES]
+        assert found is None or (found != goal(*lies_there) and is_said(found, request, SEEN)), request
+        if verb in ("stack", "pile up", "build a tower of", "heap up", "stapel"):
+            assert found is not None and sum("on" in each.written() for each in found.all) >= 2, request
+        if verb in ("line up", "arrange", "tidy", "ordne"):
+            assert words <= {"in", "left_of", "asked"}, request
+
+
+@pytest.mark.parametrize(
+    ("request_", "base", "names"),
+    [
+        ("stack the cubes on the desk", {"on": ["red_cube", "desk"]}, CUBES),
+        ("stack the cubes on the tray", {"in": ["red_cube", "tray"]}, CUBES),
+        ("stack the cubes in the tray", {"in": ["red_cube", "tray"]}, CUBES),
+        ("put the cubes on top of each other in the tray", {"in": ["red_cube", "tray"]}, CUBES),
+        ("stack red and green on blue", {"on": ["red_cube", "blue_cube"]}, ("red_cube", "green_cube")),
+        ("stack the cubes on the red cube", {"on": ["blue_cube", "red_cube"]}, ("blue_cube", "green_cube")),
+        ("stack the cubes on the tray with green at the bottom", {"in": ["green_cube", "tray"]},
+         ("green_cube", "red_cube", "blue_cube")),
+        ("stapel alle Würfel auf dem Tisch", {"on": ["red_cube", "desk"]}, CUBES),
+    ],
+)  # fmt: skip
+def test_a_tower_stands_where_it_is_asked_for(request_: str, base: Any, names: tuple[str, ...]) -> None:
+    above = [{"on": [upper, lower]} for lower, upper in pairwise(names)]
+    found = reading_of(request_, SEEN).goal
+    assert found == goal(base, *above) and is_said(found, request_, SEEN)
+    assert feasible(found, SEEN) is None
+
+
+def test_things_in_a_container_are_stacked_there() -> None:
+    found = reading_of("put the cubes in the tray and stack them", SEEN).goal
+    above = {"on": ["blue_cube", "red_cube"]}, {"on": ["green_cube", "blue_cube"]}
+    assert found == goal({"in": ["red_cube", "tray"]}, *above)
+    assert feasible(found, SEEN) is None
+
+
+@pytest.mark.parametrize(
+    ("request_", "predicates"),
+    [
+        ("take the apple off the tray and put it in the bin", [{"in": ["apple", "bin"]}]),
+        ("take the apple out of the tray and put it into the bin", [{"in": ["apple", "bin"]}]),
+        ("move the apple from the tray to the bin", [{"in": ["apple", "bin"]}]),
+        ("move the apple from the tray to x 0.4, y 0.3", [{"at": "apple", "x": 0.4, "y": 0.3}]),
+        ("remove the apple from the tray and place it next to the carrot",
+         [{"on": ["apple", "desk"]}, {"next_to": ["apple", "carrot"]}]),
+        ("take everything off the tray and put it in the bin", [{"in": ["tomato", "bin"]}, {"in": ["apple", "bin"]}]),
+        ("move everything from the tray to the bin", [{"in": ["tomato", "bin"]}, {"in": ["apple", "bin"]}]),
+        ("nimm den Apfel vom Tablett und leg ihn in den Eimer", [{"in": ["apple", "bin"]}]),
+        ("nimm den Apfel vom Tablett", [{"on": ["apple", "desk"]}]),
+    ],
+)  # fmt: skip
+def test_what_is_taken_from_somewhere_is_wanted_where_it_is_then_put(request_: str, predicates: list[Any]) -> None:
+    found = reading_of(request_, SEEN).goal
+    assert found == goal(*predicates) and is_said(found, request_, SEEN)
+    assert feasible(found, SEEN) is None
+
+
+@pytest.mark.parametrize("request_", ["separate the fruit and the vegetables", "trenne Obst und Gemüse"])
+def test_groups_are_separated_and_what_is_in_one_group_is_not(request_: str) -> None:
+    assert reading_of(request_, SEEN).goal == goal({"apart": ["apple", "carrot"]}, {"apart": ["apple", "tomato"]})
+
+
+def test_a_swap_that_is_undone_is_asked_back() -> None:
+    assert reading_of("swap red and blue, then swap them back", SEEN).reason == "order"
+
+
+@pytest.mark.parametrize(
+    ("request_", "text"),
+    [("empty the bin", "I see nothing in or on 'bin'."), ("leere den Eimer", "In oder auf 'bin' sehe ich nichts.")],
+)
+def test_an_empty_container_is_named(request_: str, text: str) -> None:
+    assert read_request(request_, SEEN)["about"] == text
