@@ -13,7 +13,7 @@ from collections.abc import Iterable, Iterator, Mapping
 
 from rai_missions.errors import UsageError
 
-__all__ = ("Phrases",)
+__all__ = ("Phrases", "example_of")
 
 ATOM = re.compile(r"[()\[\]|*$]|\{(\w+)\}|<(\w+)>|[^\s()\[\]|{}<>*$]+")
 WORDS = r"(?:\S+ )+?"
@@ -41,6 +41,18 @@ def _compiled(phrase: str, parts: Mapping[str, str]) -> str:
     except re.error as error:
         raise UsageError(f"the phrase '{phrase}' is not closed: {error}") from None
     return "".join(made)
+
+
+LEFT_OUT = re.compile(r"\[[^()\[\]]*\]|<\w+>|\$")
+ONE_OF = re.compile(r"\(([^()\[\]|]*)[^()\[\]]*\)")
+
+
+def example_of(phrase: str) -> str:
+    """The plainest sentence of a phrase, with `…` for what is free: `find …` for `[please] (find|search) {object}`."""
+    text, before = re.sub(r"\{\w+\}|\*", "…", phrase), ""
+    while text != before:
+        text, before = ONE_OF.sub(r"\1", LEFT_OUT.sub("", text)), text
+    return " ".join(text.split())
 
 
 NOTHING = r"(?!)"

@@ -20,7 +20,6 @@ from rai_missions.conversation.outputs import TalkTurn
 from rai_missions.conversation.senses import Sense
 from rai_missions.conversation.settings import ORDERS
 from rai_missions.conversation.speaking import SpeechSide
-from rai_missions.conversation.start_phrases import StartPhrases
 from rai_missions.conversation.state_answers import Asker
 from rai_missions.conversation.talk import Talk
 from rai_missions.conversation.values import is_known
@@ -47,8 +46,7 @@ class SentenceSide:
 
     def __init__(self, talk: Talk, speaking: SpeechSide, orders: OrderSide) -> None:
         self._talk, self._speaking, self._orders = talk, speaking, orders
-        phrases = StartPhrases(talk.settings.phrases, talk.settings.names, talk.language)
-        self._grammar = Grammar(talk.language, phrases, talk.settings.questions)
+        self._grammar = Grammar(talk.language, talk.starts, talk.settings.questions)
         self._unfinished: EarlierOrder | None = None
         """The order that the last sentence of its speaker had refused or dropped, and which the next may complete."""
         self._closed, self._closed_at = tuple[Question, ...](), float("-inf")

@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 
 from rai_missions.conversation.arguments import BadValue, key_value, spoken_name
 from rai_missions.conversation.language import Language, spoken
-from rai_missions.conversation.phrases import Phrases
+from rai_missions.conversation.phrases import Phrases, example_of
 from rai_missions.conversation.senses import Sense
 from rai_missions.conversation.view import KeyView, MissionView
 
@@ -82,6 +82,12 @@ class StartPhrases:
     def _called(self, name: str) -> str:
         """The words for a value, as a sentence has them."""
         return self._language.written_out(spoken(name))
+
+    def examples(self, missions: Sequence[MissionView]) -> tuple[str, ...]:
+        """A plain sentence for each phrase that starts one of the missions: `go to …`."""
+        keys = [{key.name for key in mission.arguments} for mission in missions]
+        starting = (each.given.phrase for each in self._each if any(each.keys <= names for names in keys))
+        return tuple(dict.fromkeys(example_of(phrase) for phrase in starting))
 
     def senses(self, words: Sequence[str], missions: Sequence[MissionView]) -> Iterator[Sense]:
         """The starts that the words are; of several phrases that fit, the one that names the most."""

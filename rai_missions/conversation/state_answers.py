@@ -14,6 +14,7 @@ from rai_missions.conversation.language import Language, spoken
 from rai_missions.conversation.named import unit_of
 from rai_missions.conversation.places import PlaceArea, place_words
 from rai_missions.conversation.senses import Sense
+from rai_missions.conversation.start_phrases import StartPhrases
 from rai_missions.conversation.values import (
     about_words,
     capital,
@@ -146,16 +147,18 @@ class StateAnswers:
 
     Args:
         language: Its templates.
+        starts: The sentences that start a mission.
         results: The keys whose values are the mission's result.
         places: The name of a place → where it is.
         asked_with: The evidence whose text is spoken with a question.
     """
 
     def __init__(
-        self, language: Language, results: Sequence[str] = (), places: Mapping[str, PlaceArea] = NOWHERE,
-        asked_with: Sequence[str] = (),
+        self, language: Language, starts: StartPhrases, results: Sequence[str] = (),
+        places: Mapping[str, PlaceArea] = NOWHERE, asked_with: Sequence[str] = (),
     ) -> None:  # fmt: skip
-        self.language, self._results, self._places, self._asked_with = language, results, places, asked_with
+        self.language, self._starts, self._results = language, starts, results
+        self._places, self._asked_with = places, asked_with
         self._by_name: Mapping[str, Callable[[StatusView, Asker], str]] = {
             "doing": self._doing, "progress": self._progress, "time_left": self._time_left, "where": self._where,
             "why_stopped": self._why_stopped, "waits": self._waits, "asked": self._asked, "ordered": self._ordered,
@@ -341,12 +344,16 @@ class StateAnswers:
     def _capabilities(self, view: StatusView, asker: Asker) -> str:
         language = self.language
         keys = [unit_of(key.name, language.data["units"])[0] for key in view.keys.values() if key.source == "robot"]
-        parts = [language.text("capabilities", keys=language.listed(keys) or language.text("nothing"))]
+        parts = [language.text("capabilities")]
+        if keys:
+            parts.append(language.text("capabilities_keys", keys=language.listed(keys)))
         if asker.may:
             parts.append(language.text("capabilities_orders", orders=language.listed(list(asker.may))))
         missions = [self._mission_line(each.name, each.about) for each in view.missions]
         if missions:
             parts.append(language.text("capabilities_missions", missions="; ".join(missions)))
+        if examples := self._starts.examples(view.missions):
+            parts.append(language.text("capabilities_starts", starts="; ".join(examples)))
         return " ".join(parts)
 
     def _mission_line(self, name: str, about: str) -> str:

@@ -11,6 +11,7 @@ from rai_missions.conversation.inputs import Utterance
 from rai_missions.conversation.language import language
 from rai_missions.conversation.outputs import NoteKind, Output, Speech, TalkNote, TalkTurn
 from rai_missions.conversation.settings import Settings
+from rai_missions.conversation.start_phrases import StartPhrases
 from rai_missions.conversation.state_answers import StateAnswers
 from rai_missions.conversation.view import StatusView
 from rai_missions.planning.text.normalise import LONGEST
@@ -33,7 +34,8 @@ class Talk:
     def __init__(self, settings: Settings, view: StatusView) -> None:
         self.settings, self.view = settings, view
         self.language = language(settings.language)
-        self.answers = StateAnswers(self.language, settings.results, settings.places, settings.asked_with)
+        self.starts = StartPhrases(settings.phrases, settings.names, self.language)
+        self.answers = StateAnswers(self.language, self.starts, settings.results, settings.places, settings.asked_with)
         self.now = float("-inf")
         self.turns: deque[TalkTurn] = deque(maxlen=settings.history)
         self._out: list[Output] = []

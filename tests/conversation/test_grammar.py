@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from rai_missions.conversation import KeyView, MissionView, StatusView
 from rai_missions.conversation.grammar import STOP, Grammar
 from rai_missions.conversation.language import language, languages
-from rai_missions.conversation.phrases import Phrases
+from rai_missions.conversation.phrases import Phrases, example_of
 from rai_missions.conversation.start_phrases import StartPhrase, StartPhrases
 from rai_missions.engine.decision import Offer, Question
 from rai_missions.errors import UsageError
@@ -91,6 +91,20 @@ def test_no_phrases_fit_nothing_and_a_sign_ends_one() -> None:
     assert not any(test(words) for words in ([], ["stop"]) for test in (none.begin, none.within, none.fits))
     assert end.within(["at", "the", "end"]) and end.begin(["the", "end"])
     assert not end.within(["the", "end", "of", "it"]) and not end.begin(["the", "end", "of"])
+
+
+@pytest.mark.parametrize(
+    ("phrase", "example"),
+    [
+        ("(find|look for) {object} (in|at) {place}", "find … in …"), ("[please] put {rest}", "put …"),
+        ("(go|drive) [and] (charge|[back] to (the|your) dock)", "go charge"), ("dock", "dock"),
+        ("([back] to (the|your) dock|home)", "to the dock"), ("wait [here] [for <long>] * $", "wait …"),
+    ],
+)  # fmt: skip
+def test_the_example_of_a_phrase_is_its_first_words(phrase: str, example: str) -> None:
+    assert example_of(phrase) == example
+    if "{" not in phrase and "<" not in phrase:
+        assert Phrases([phrase], {}).fits(example.split())
 
 
 def test_a_language_without_a_file_is_refused_with_those_that_have_one() -> None:
