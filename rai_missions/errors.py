@@ -142,7 +142,8 @@ def in_words(what: object) -> str:
 
 def escaped(word: object) -> str:
     """A step of a JSON pointer (RFC 6901)."""
-    return str(word).replace("~", "~0").replace("/", "~1")
+    text = str(word)
+    return text if text.isidentifier() else text.replace("~", "~0").replace("/", "~1")
 
 
 def unescaped(step: str) -> str:

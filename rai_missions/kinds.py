@@ -83,12 +83,11 @@ PATH, TEMPLATE, OPERAND, TRIGGER = Refers("path"), Refers("template"), Refers("o
 
 
 class Reference(NamedTuple):
-    """A name that a written thing refers to."""
+    """A name that a written thing refers to; left out are the words of a `trigger`, which are of several sorts."""
 
     refers: Refers
     """Of a `template` or an `operand`, the paths in it: `path`."""
     name: Any
-    """The name, or the names of a `trigger`."""
     place: str
     """The JSON pointer of the name."""
 
@@ -150,8 +149,12 @@ def _fields_of(kind: Any) -> tuple[FieldUse, ...]:
 
 @cache
 def _naming_fields(kind: Any) -> tuple[FieldUse, ...]:
-    """The fields that refer to something, next to what written things in them refer to."""
-    return tuple(use for use in _fields_of(kind) if any(isinstance(each, Refers) for each in _parts(use.hint)))
+    """The fields that refer to something of one sort; the words of a trigger are of several sorts."""
+    return tuple(use for use in _fields_of(kind) if any(_is_named(each) for each in _parts(use.hint)))
+
+
+def _is_named(hint: Any) -> bool:
+    return isinstance(hint, Refers) and hint.sort != "trigger"
 
 
 @cache
@@ -195,7 +198,8 @@ def _hint(annotation: Any) -> Any:
 def found(thing: Any, place: str = "") -> Iterator[Reference]:
     """What a written thing itself refers to; not what is referred to by the things inside it."""
     kind: Any = type(thing)
-    return iter(_found(thing, _naming_fields(kind), place))
+    uses = _naming_fields(kind)
+    return iter(_found(thing, uses, place) if uses else ())
 
 
 def written_keys(thing: Any, place: str = "") -> Iterator[KeyValue]:

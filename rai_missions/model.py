@@ -101,6 +101,8 @@ def _key_text(value: Any) -> Any:
 
 
 def _tuple(value: Any) -> Any:
+    if type(value) is str:  # as most are written
+        return (value,)
     value = _key_text(value)
     return tuple(value) if isinstance(value, list | tuple) else (value,)
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 import json
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from functools import cache
+from itertools import chain
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, NamedTuple, Self, get_args
 
 from pydantic import BeforeValidator, Field, model_validator
@@ -106,14 +107,15 @@ class Transition(MissionModel):
 
     @model_validator(mode="after")
     def _one_trigger(self) -> Self:
-        if self.on and self.after_s is not None:
+        has_event, is_timed = bool(self.on), self.after_s is not None
+        if has_event and is_timed:
             raise fault("trigger", "a transition has 'on' or 'after_s', not both; write two transitions")
-        if not self.on and self.after_s is None and self.when is None:
+        if not has_event and not is_timed and self.when is None:
             raise fault(
                 "trigger",
                 "a transition without 'on', 'after_s' and 'when' would fire at once, always; give one of them",
             )
-        if self.of is not None and not self.on:
+        if not has_event and self.of is not None:
             raise fault("of", "'of' names the state whose outcome 'on' means; give 'on' too")
         return self
 
@@ -267,10 +269,8 @@ class State(TaggedModel, family="state", group="rai_missions.activities", word="
 
     def inside(self, place: str = "") -> Iterator[tuple[str, Any]]:
         """The written things directly inside it, and the tree that it makes of them, which has its own place."""
-        yield from super().inside(place)
-        made = self.made()
-        if made is not None:
-            yield place, made
+        held, made = super().inside(place), self.made()
+        return held if made is None else chain(held, ((place, made),))
 
     def nodes(self) -> Mapping[str, TreeNode]:
         """Path → the node of its tree, outer before inner."""
