@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -18,6 +19,7 @@ from hypothesis import given, strategies as st
 
 @given(st.integers())
 def test_it(number):
+    print("example", number, flush=True)
     while True:
         pass
 """
@@ -47,11 +49,12 @@ def test_a_test_ends_by_its_limit(tmp_path: Path, source: str, sentence: str) ->
     (tmp_path / "test_endless.py").write_text(source)
     (tmp_path / "conftest.py").write_text("import tests.limits\ntests.limits.GRACE_S = 0.4\n")
     run = subprocess.run(
-        [sys.executable, "-m", "pytest", *LOADED, "-p", "no:cacheprovider", "--timeout", "0.3", tmp_path],
+        [sys.executable, "-m", "pytest", *LOADED, "-s", "-p", "no:cacheprovider", "--timeout", "0.3", tmp_path],
         cwd=ROOT, env=ENV, capture_output=True, text=True, timeout=60, check=False,
     )  # fmt: skip
     assert run.returncode != 0
     assert sentence in run.stdout + run.stderr
+    assert len(re.findall(r"example -?\d", run.stdout)) <= 1, "no other example follows"
 
 
 def test_a_drill_has_its_time_also_where_it_is_run_by_itself(request: pytest.FixtureRequest) -> None:
