@@ -22,7 +22,7 @@ from rai_missions.runtime.lifecycle import Status
 from rai_missions.runtime.runner import Result
 from rai_missions.runtime.view import RunView
 from rai_missions.states import answerer_words
-from rai_missions.states.final import Final, FinalOutcome
+from rai_missions.states.final import FinalOutcome
 
 __all__ = ("Lines", "Person", "Tone", "trimmed")
 
@@ -212,10 +212,11 @@ class Lines:
         since = " since it was resumed" if self._is_resumed else ""
         asked = f"questions {result.decisions} (answers that counted{since}: {counts})"
         asked += f" · fallbacks {self._fallbacks}" if self._fallbacks else ""
+        stated = self._mission.end_words(result.outcome, result.state) if result.outcome != "succeeded" else ""
         # By the clock of the lines above, which has run since the robot was looked for.
         ended_s = self._view.at if self._view is not None else result.duration_s
         lines = (
-            self._ending(result),
+            stated and f"{'':4}{trimmed(stated, 400)}",
             trimmed(result.warning, 400) if result.open_goals != self._warned else "",
             f"steps {result.steps} · {asked} · {ended_s:.1f} s",
             result.journal and f"journal: {result.journal}",
@@ -223,11 +224,6 @@ class Lines:
         )
         for line in filter(None, lines):
             self._print(line)
-
-    def _ending(self, result: Result) -> str:
-        """What its author states about an end that is no success, which has the reason that a state's name lacks."""
-        ends = (self._mission.state(name) for name in result.state if result.outcome != "succeeded")
-        return next((f"{'':4}{trimmed(end.about, 400)}" for end in ends if isinstance(end, Final) and end.about), "")
 
     def _event(self, event: Event) -> str:
         return f"{event.name} = {trimmed(event.data.get('value'), 20)}" if event.kind == "write" else event_words(event)

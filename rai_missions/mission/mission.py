@@ -6,7 +6,7 @@ Rule: all that a mission means is data in it; nothing in it can be executed.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
 from pydantic import AfterValidator, BeforeValidator, Field, model_validator
@@ -31,6 +31,7 @@ from rai_missions.model import (
     without_schema,
 )
 from rai_missions.states.decision import answerer_offer
+from rai_missions.states.final import Final
 from rai_missions.states.state import State, States, Transition, Transitions, descendants
 from rai_missions.states.tree.behaviour import ONLY_IN_PYTHON, BehaviourLeaf
 
@@ -206,6 +207,16 @@ class Mission(MissionModel):
             if found == name:
                 return state
         raise KeyError(name)
+
+    def end_words(self, outcome: str | None, active: Iterable[str]) -> str:
+        """What its author states about the end that a run has reached; empty where there is nothing.
+
+        Args:
+            outcome: Of the run: one other than its final's has another reason, such as a `requires` that is not true.
+            active: The names of the active states.
+        """
+        ends = (state for name in active if isinstance(state := self.states.get(name), Final))
+        return next((end.about for end in ends if end.final == outcome), "")
 
     def written(self) -> dict[str, Any]:
         """As JSON has it.

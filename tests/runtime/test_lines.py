@@ -215,9 +215,15 @@ def test_a_fallback_is_counted_apart_from_the_answers() -> None:
     assert "steps 3 · questions 2 (answers that counted: the model 1) · fallbacks 1 · " in out.getvalue()
 
 
-@pytest.mark.parametrize(("outcome", "is_there"), [("failed", True), ("succeeded", False), ("canceled", True)])
-def test_what_an_end_means_is_under_its_name(outcome: Any, is_there: bool) -> None:
-    states = {"a": {"transitions": [{"after_s": 1, "to": "z"}]}, "z": {"final": "failed", "about": "no such place"}}
+@pytest.mark.parametrize(
+    ("final", "outcome", "is_there"),
+    [("failed", "failed", True), ("succeeded", "succeeded", False), ("succeeded", "failed", False),
+     ("failed", "canceled", False)],
+)  # fmt: skip
+def test_what_its_author_states_about_an_end_is_under_the_end_that_was_reached(
+    final: str, outcome: Any, is_there: bool
+) -> None:
+    states = {"a": {"transitions": [{"after_s": 1, "to": "z"}]}, "z": {"final": final, "about": "no such place"}}
     out = io.StringIO()
     lines = Lines(Mission.model_validate({"name": "m", "initial": "a", "states": states}), out)
     lines.end(Result(outcome, "'z' was reached", 2, state=("z",)))

@@ -7,7 +7,7 @@ Rule: it rests on what the engine and the robot report alone; the run's thread l
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from typing import Any, NamedTuple
 
 from rai_missions.agents.talk.happenings import happenings
@@ -19,7 +19,7 @@ from rai_missions.keys import Blackboard, Key, stale_at
 from rai_missions.mission.mission import Mission
 from rai_missions.runtime.lifecycle import Status
 from rai_missions.runtime.runner import Runner
-from rai_missions.states import Final, State
+from rai_missions.states import State
 
 __all__ = ("RobotWords", "RunStatus", "arguments_of", "mission_view")
 
@@ -102,7 +102,7 @@ class RunStatus:
             revision=status.revision if status is not None else 0,
             mode=run.outcome or run.mode, awaits_start=self._runner.waits, control=run.holder,
             active=active, state=state,
-            outcome=run.outcome, why=_why(mission, run.outcome, active) or run.why, began=self._began,
+            outcome=run.outcome, why=mission.end_words(run.outcome, active) or run.why, began=self._began,
             wanted=tuple(sorted(run.wanted)), held_by=run.held_by, held_since=run.held_since,
             open_goals=tuple(dict.fromkeys(goal.action for goal in run.loose_goals)),
             questions=questions, confirm=frozenset(one for each in questions for one in _confirmed(mission, each)),
@@ -112,12 +112,6 @@ class RunStatus:
             progress=tuple(progress(mission, frozenset(active), board)), happened=tuple(self._happened),
             since=self._entered.get(state), mode_by=self._mode_by, mode_since=self._mode_since,
         )  # fmt: skip
-
-
-def _why(mission: Mission, outcome: str | None, active: Iterable[str]) -> str:
-    """The mission's own sentence about the end that it reached; empty where it has none, or ended in another way."""
-    ends = [state for name in active if isinstance(state := mission.states.get(name), Final)]
-    return next((state.about for state in ends if state.final == outcome), "")
 
 
 def _abouts(states: Mapping[str, State], around: str = "") -> Iterator[tuple[str, str]]:
