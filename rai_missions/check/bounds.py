@@ -24,21 +24,21 @@ __all__ = (
 Found = Iterator[tuple[str, str]]
 
 
-def unbounded_actions(survey: MissionIndex) -> Found:
+def unbounded_actions(index: MissionIndex) -> Found:
     """An action has a `timeout_s`, or something around it does."""
-    for use in _unbounded(survey, "action"):
+    for use in _unbounded(index, "action"):
         yield use.place, f"action '{use.name}' has no 'timeout_s', so it may run for ever; add one, in seconds"
 
 
-def unbounded_calls(survey: MissionIndex) -> Found:
+def unbounded_calls(index: MissionIndex) -> Found:
     """A call has a `timeout_s`, or something around it does."""
-    for use in _unbounded(survey, "service"):
+    for use in _unbounded(index, "service"):
         yield use.place, f"call '{use.name}' has no 'timeout_s', so it may wait for ever; add one, in seconds"
 
 
-def _unbounded(survey: MissionIndex, sort: Interface) -> Iterator[RobotUse]:
+def _unbounded(index: MissionIndex, sort: Interface) -> Iterator[RobotUse]:
     """What waits for the robot without an end: no effect, and of a state that makes a tree its leaves alone."""
-    for use in survey.uses:
+    for use in index.uses:
         if use.sort == sort and not _waits_elsewhere(use.user) and use.user.timeout_s is None:
             around = use.scope.owner.upward() if use.scope.owner is not None else ()
             if not use.scope.timed and not any(map(_timed, around)):
@@ -57,9 +57,9 @@ def _timed(spot: StateRef) -> bool:
     )
 
 
-def unbounded_decisions(survey: MissionIndex) -> Found:
+def unbounded_decisions(index: MissionIndex) -> Found:
     """A decision has a `deadline_s`, and a `fallback` for when it has passed."""
-    for asked, place, _ in survey.asked:
+    for asked, place, _ in index.asked:
         if asked.deadline_s is None:
             yield place, "the decision has no 'deadline_s', so it may wait for an answer for ever; add one, in seconds"
         if asked.fallback is None:
@@ -72,29 +72,29 @@ def unbounded_decisions(survey: MissionIndex) -> Found:
             yield place, f"the decision has no 'fallback' for when no one answers; {remedy}"
 
 
-def misspelled_answerers(survey: MissionIndex) -> Found:
+def misspelled_answerers(index: MissionIndex) -> Found:
     """`ask` names agent, operator, rules or another answerer; nothing that only resembles one of the three."""
-    for asked, place, _ in survey.asked:
-        for index, name in enumerate(asked.ask):
+    for asked, place, _ in index.asked:
+        for number, name in enumerate(asked.ask):
             close = () if name in ANSWERERS else difflib.get_close_matches(name, ANSWERERS, n=1, cutoff=0.75)
             if close and _offering(name) is None:
-                yield f"{place}/ask/{index}", f"no one is called '{name}'; did you mean '{close[0]}'?"
-            elif name in asked.ask[:index]:
-                yield f"{place}/ask/{index}", f"'{name}' is asked twice; raise 'attempts' instead"
+                yield f"{place}/ask/{number}", f"no one is called '{name}'; did you mean '{close[0]}'?"
+            elif name in asked.ask[:number]:
+                yield f"{place}/ask/{number}", f"'{name}' is asked twice; raise 'attempts' instead"
 
 
-def unlisted_answerers(survey: MissionIndex) -> Found:
+def unlisted_answerers(index: MissionIndex) -> Found:
     """The package of an answerer is listed in `uses`; one of the program needs no package."""
-    packages = {named(each) for each in survey.mission.uses}
-    for asked, place, _ in survey.asked:
-        for index, name in enumerate(asked.ask):
+    packages = {named(each) for each in index.mission.uses}
+    for asked, place, _ in index.asked:
+        for number, name in enumerate(asked.ask):
             offering = _offering(name)
             if isinstance(offering, str):
-                yield f"{place}/ask/{index}", offering
+                yield f"{place}/ask/{number}", offering
             elif offering is not None and offering.package not in packages:
                 remedy = f'add "uses": ["{offering.package}>={offering.version}"]'
                 yield (
-                    f"{place}/ask/{index}",
+                    f"{place}/ask/{number}",
                     f"'{name}' is not asked unless the program brings it; if {offering} is meant, {remedy}",
                 )
 
@@ -107,9 +107,9 @@ def _offering(name: str) -> PackageOffer | str | None:
         return str(error)
 
 
-def wrong_parameters(survey: MissionIndex) -> Found:
+def wrong_parameters(index: MissionIndex) -> Found:
     """An option's `parameters` are a JSON Schema of an object."""
-    for asked, place, _ in survey.asked:
+    for asked, place, _ in index.asked:
         for name, option in asked.options.items():
             if option.parameters is not None and (why := schema_fault(option.parameters)):
                 remedy = 'write {"type": "object", "properties": {…}}'

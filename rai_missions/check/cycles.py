@@ -57,18 +57,18 @@ class Cycle(NamedTuple):
     """While the guard of one is true, so are all."""
 
 
-def endless_cycles(survey: MissionIndex) -> Found:
+def endless_cycles(index: MissionIndex) -> Found:
     """Transitions without an event do not lead round in a circle while their guards stay true."""
-    return _found(survey, certain=True)
+    return _found(index, certain=True)
 
 
-def possible_cycles(survey: MissionIndex) -> Found:
+def possible_cycles(index: MissionIndex) -> Found:
     """Transitions without an event do not lead round in a circle where different guards happen to be true together."""
-    return _found(survey, certain=False)
+    return _found(index, certain=False)
 
 
-def _found(survey: MissionIndex, *, certain: bool) -> Found:
-    for cycle in _cycles(survey):
+def _found(index: MissionIndex, *, certain: bool) -> Found:
+    for cycle in _cycles(index):
         if cycle.certain is certain:
             transitions = " → ".join(jump.transition.place for jump in (*cycle.jumps, cycle.jumps[0])[:12])
             what = (
@@ -81,14 +81,14 @@ def _found(survey: MissionIndex, *, certain: bool) -> Found:
             yield cycle.jumps[0].transition.place, f"{what}{when}; {remedy}"
 
 
-def _cycles(survey: MissionIndex) -> list[Cycle]:
+def _cycles(index: MissionIndex) -> list[Cycle]:
     """One cycle for each knot of transitions, in document order; worked out once."""
-    found = survey.remembered.get("cycles")
+    found = index.remembered.get("cycles")
     if isinstance(found, list):
         return found
     cycles: list[Cycle] = []
-    survey.remembered["cycles"] = cycles
-    jumps = [_jump(survey, transition) for transition in survey.transitions if transition.definition.eventless]
+    index.remembered["cycles"] = cycles
+    jumps = [_jump(index, transition) for transition in index.transitions if transition.definition.eventless]
     loops = {index for index, jump in enumerate(jumps) if not never(jump.form) and _endless((jump,))}
     cycles += [Cycle((jumps[index],), True) for index in sorted(loops)]
     follows = _followers([jump for index, jump in enumerate(jumps) if index not in loops and not never(jump.form)])
@@ -99,12 +99,12 @@ def _cycles(survey: MissionIndex) -> list[Cycle]:
     return cycles
 
 
-def _jump(survey: MissionIndex, transition: TransitionRef) -> Jump:
+def _jump(index: MissionIndex, transition: TransitionRef) -> Jump:
     guard = transition.definition.when
     assert guard is not None
-    targets = survey.found(transition.definition.to)
+    targets = index.found(transition.definition.to)
     stays = _stays(transition, targets)
-    active = tuple(sorted(entered_with(survey, targets, stays), key=lambda spot: spot.index))
+    active = tuple(sorted(entered_with(index, targets, stays), key=lambda spot: spot.index))
     written = _set_by(transition.definition.do)
     moved = [spot for spot in active if spot.inside(stays)] if targets else []
     left = transition.owner.upward() if transition.owner is not None and targets else ()

@@ -40,25 +40,25 @@ class Origin(NamedTuple):
 ROBOT, STRANGER, NO_ROBOT = Origin(robot=True), Origin(stranger=True), Origin()
 
 
-def origins(survey: MissionIndex) -> Mapping[str, Origin]:
+def origins(index: MissionIndex) -> Mapping[str, Origin]:
     """Where the values of each key come from; a fixpoint, for keys are copied to keys."""
-    found = survey.remembered.get("origins")
+    found = index.remembered.get("origins")
     if isinstance(found, dict):
         return found
-    found = {name: _first(key.source, key.initial) for name, key in survey.mission.blackboard.items()}
-    survey.remembered["origins"] = found
+    found = {name: _first(key.source, key.initial) for name, key in index.mission.blackboard.items()}
+    index.remembered["origins"] = found
     waiting: dict[str, list[KeyWrite]] = {}
-    for write in survey.writes:
+    for write in index.writes:
         if write.by in ("from", "each"):
             waiting.setdefault(write.value.partition(".")[0], []).append(write)
-        if write.key in found and survey.mission.blackboard[write.key].source == "mission":
+        if write.key in found and index.mission.blackboard[write.key].source == "mission":
             found[write.key] = found[write.key].joined(_of(write))
     todo = list(found)
     while todo:
         name = todo.pop()
         for write in waiting.get(name, ()):
             before = found.get(write.key)
-            if before is None or survey.mission.blackboard[write.key].source != "mission":
+            if before is None or index.mission.blackboard[write.key].source != "mission":
                 continue
             after = before.joined(_taken(found[name], write))
             if after != before:
@@ -124,27 +124,27 @@ def _taken(origin: Origin, write: KeyWrite) -> Origin:
 class _Sources:
     """Where the values of a mission's keys come from, for guards."""
 
-    def __init__(self, survey: MissionIndex) -> None:
-        self._survey = survey
+    def __init__(self, index: MissionIndex) -> None:
+        self._index = index
 
     def is_robots(self, path: str) -> bool:
-        return _origin(self._survey, path) == ROBOT
+        return _origin(self._index, path) == ROBOT
 
     def constants(self, path: str) -> list[Any] | None:
-        origin = _origin(self._survey, path)
+        origin = _origin(self._index, path)
         return None if not origin.robot or origin.stranger else _fields(origin, path)
 
     def known(self, path: str) -> list[Any]:
         name = path.partition(".")[0]
-        key = self._survey.mission.blackboard.get(name)
+        key = self._index.mission.blackboard.get(name)
         initial = [key.initial] if key is not None and key.initial is not None and "." not in path else []
-        return initial + _fields(_origin(self._survey, path), path)
+        return initial + _fields(_origin(self._index, path), path)
 
 
-def _origin(survey: MissionIndex, path: str) -> Origin:
+def _origin(index: MissionIndex, path: str) -> Origin:
     """Of the key that a path means; a key that there is not is another rule's fault, and not two."""
-    name = key_of(survey, path)
-    return STRANGER if path.startswith(("event.", "answer.")) else origins(survey).get(name or "", ROBOT)
+    name = key_of(index, path)
+    return STRANGER if path.startswith(("event.", "answer.")) else origins(index).get(name or "", ROBOT)
 
 
 def _fields(origin: Origin, path: str) -> list[Any]:
@@ -154,12 +154,12 @@ def _fields(origin: Origin, path: str) -> list[Any]:
     return values
 
 
-def unfounded_success(survey: MissionIndex) -> Found:
+def unfounded_success(index: MissionIndex) -> Found:
     """`achieved` and the `requires` of a top-level `succeeded` each rest on a robot key or an action's result."""
-    for ruled in survey.guards:
+    for ruled in index.guards:
         owner = ruled.scope.owner
         final = ruled.role == "requires" and owner is not None and owner.parent is None and _succeeds(owner.state)
-        if (ruled.role == "achieved" or final) and not ruled.guard.rests(_Sources(survey)):
+        if (ruled.role == "achieved" or final) and not ruled.guard.rests(_Sources(index)):
             yield (
                 ruled.place,
                 f"this can be true without a word of the robot: {ruled.guard.words():.200}; "
@@ -171,13 +171,13 @@ def _succeeds(state: object) -> bool:
     return isinstance(state, Final) and state.final == "succeeded"
 
 
-def missing_requires(survey: MissionIndex) -> Found:
+def missing_requires(index: MissionIndex) -> Found:
     """A top-level `succeeded` has a `requires`."""
-    for spot in survey.top:
+    for spot in index.top:
         if isinstance(spot.state, Final) and _succeeds(spot.state) and spot.state.requires is None:
             answered = any(
                 transition.owner is not None and bool(transition.owner.state.options)
-                for transition in survey.transitions
+                for transition in index.transitions
                 if spot.name in transition.definition.to
             )
             why = (

@@ -17,15 +17,15 @@ __all__ = ("forbidden_writes", "unknown_keys", "unknown_payload", "unused_events
 Found = Iterator[tuple[str, str]]
 
 
-def unknown_keys(survey: MissionIndex) -> Found:
+def unknown_keys(index: MissionIndex) -> Found:
     """What is read or written is a key of the blackboard, a field of one, or what the transition's trigger brings."""
-    for read in survey.reads:
-        if fault := meaning(survey, read).fault:
+    for read in index.reads:
+        if fault := meaning(index, read).fault:
             yield read.place, fault
-    for write in survey.writes:
-        if write.key not in survey.keys:
+    for write in index.writes:
+        if write.key not in index.keys:
             order = " ('result' has key → field of the result)" if write.by == "result" else ""
-            yield _place(write), survey.keys.missing(write.key) + order
+            yield _place(write), index.keys.missing(write.key) + order
 
 
 def _place(write: KeyWrite) -> str:
@@ -33,10 +33,10 @@ def _place(write: KeyWrite) -> str:
     return f"{write.place}/set" if write.by in ("set", "add", "from") else write.place
 
 
-def unknown_payload(survey: MissionIndex) -> Found:
+def unknown_payload(index: MissionIndex) -> Found:
     """What a `raise` brings along is what its event declares."""
-    for effect, place, _ in survey.effects:
-        event = survey.mission.events.get(effect.event) if isinstance(effect, Raise) else None
+    for effect, place, _ in index.effects:
+        event = index.mission.events.get(effect.event) if isinstance(effect, Raise) else None
         if event is None or not event.fields or not isinstance(effect, Raise):
             continue
         fields = Lexicon(f"field of event '{effect.event}'", event.fields)
@@ -45,15 +45,15 @@ def unknown_payload(survey: MissionIndex) -> Found:
                 yield pointer(place, "data", name), fields.missing(name)
 
 
-def forbidden_writes(survey: MissionIndex) -> Found:
+def forbidden_writes(index: MissionIndex) -> Found:
     """Only keys of the source `mission` are set."""
     whose = {
         "robot": "the robot profile alone writes it",
         "argument": "it is given at the start",
         "answer": "an option's parameter writes it",
     }
-    for write in survey.writes:
-        key = survey.mission.blackboard.get(write.key)
+    for write in index.writes:
+        key = index.mission.blackboard.get(write.key)
         if key is not None and key.source != "mission":
             yield (
                 _place(write),
@@ -62,12 +62,12 @@ def forbidden_writes(survey: MissionIndex) -> Found:
             )
 
 
-def unwritten_keys(survey: MissionIndex) -> Found:
+def unwritten_keys(index: MissionIndex) -> Found:
     """A key that is read has an `initial`, or is written somewhere."""
-    written = {survey.keys.meant(write.key) for write in survey.writes}
-    brought = _parameters(survey)
-    read = {key_of(survey, read.path) for read in survey.reads}
-    for name, key in survey.mission.blackboard.items():
+    written = {index.keys.meant(write.key) for write in index.writes}
+    brought = _parameters(index)
+    read = {key_of(index, read.path) for read in index.reads}
+    for name, key in index.mission.blackboard.items():
         if name not in read or name in written or key.initial is not None:
             continue
         if key.source == "mission":
@@ -80,10 +80,10 @@ def unwritten_keys(survey: MissionIndex) -> Found:
             yield pointer("/blackboard", name), sentence
 
 
-def _parameters(survey: MissionIndex) -> set[str] | None:
+def _parameters(index: MissionIndex) -> set[str] | None:
     """The names of all options' parameters; None where some option takes any."""
     names: set[str] = set()
-    for asked, _, _ in survey.asked:
+    for asked, _, _ in index.asked:
         for option in asked.options.values():
             own = parameter_types(option)
             if own is None:
@@ -92,25 +92,23 @@ def _parameters(survey: MissionIndex) -> set[str] | None:
     return names
 
 
-def unused_keys(survey: MissionIndex) -> Found:
+def unused_keys(index: MissionIndex) -> Found:
     """Every key is read, or is a key of the mission that is written."""
-    used = {key_of(survey, read.path) for read in survey.reads} | {
-        survey.keys.meant(write.key) for write in survey.writes
-    }
-    unused = [name for name in survey.mission.blackboard if name not in used]
-    if not unused or any(part.predicates() for _, part, _ in survey.parts) or survey.mission.behaviours():
+    used = {key_of(index, read.path) for read in index.reads} | {index.keys.meant(write.key) for write in index.writes}
+    unused = [name for name in index.mission.blackboard if name not in used]
+    if not unused or any(part.predicates() for _, part, _ in index.parts) or index.mission.behaviours():
         return  # what is in the program may read any key
     for name in unused:
         yield pointer("/blackboard", name), f"nothing uses '{name}'; take it away, unless the robot profile reads it"
 
 
-def unused_events(survey: MissionIndex) -> Found:
+def unused_events(index: MissionIndex) -> Found:
     """Every declared event fires a transition."""
-    words = {word for transition in survey.transitions for word in transition.definition.on}
+    words = {word for transition in index.transitions for word in transition.definition.on}
     if ANY_EVENT in words:
         return
-    used = {survey.events.meant(word) for word in words}
-    for name in survey.mission.events:
+    used = {index.events.meant(word) for word in words}
+    for name in index.mission.events:
         if name not in used:
             yield (
                 pointer("/events", name),

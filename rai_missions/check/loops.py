@@ -51,9 +51,9 @@ STATUSES: Mapping[type[TreeNode], Mapping[str, str]] = {
 """What a decorator makes of the status of its child."""
 
 
-def long_loops(survey: MissionIndex) -> Found:
+def long_loops(index: MissionIndex) -> Found:
     """A loop with a number goes round 10000 times at most."""
-    for node, place in survey.nodes:
+    for node, place in index.nodes:
         times = node.num_success if isinstance(node, Repeat) else node.num_failures if isinstance(node, Retry) else 0
         if times > MOST_TIMES:
             instead = '"repeat": -1' if isinstance(node, Repeat) else "'failure_is_running'"
@@ -63,12 +63,12 @@ def long_loops(survey: MissionIndex) -> Found:
             )
 
 
-def waitless_loops(survey: MissionIndex) -> Found:
+def waitless_loops(index: MissionIndex) -> Found:
     """A loop without a number has something to wait for between its rounds: a leaf that takes time, or a key."""
-    for node, place in survey.nodes:
+    for node, place in index.nodes:
         continues = _continues(node)
         if continues and isinstance(node, Decorator):
-            ends = _ends(node.child, survey.mission.blackboard)
+            ends = _ends(node.child, index.mission.blackboard)
             if ends <= ENDED and ends & continues:
                 yield (
                     place,

@@ -28,19 +28,19 @@ __all__ = (
 Found = Iterator[tuple[str, str]]
 
 
-def duplicate_states(survey: MissionIndex) -> Found:
+def duplicate_states(index: MissionIndex) -> Found:
     """A state's name is unique in the mission, whatever it is in."""
-    for spot in survey.spots:
-        first = survey.by_name[spot.name]
+    for spot in index.spots:
+        first = index.by_name[spot.name]
         if first is not spot:
             yield spot.place, f"a second state is called '{spot.name}', as {first.place} is; give it a name of its own"
 
 
-def unknown_states(survey: MissionIndex) -> Found:
+def unknown_states(index: MissionIndex) -> Found:
     """What `to`, `initial`, `of`, `in` and `on_cancel` name is a state."""
-    for place, name in survey.state_names:
-        if name not in survey.states:
-            yield place, survey.states.missing(name)
+    for place, name in index.state_names:
+        if name not in index.states:
+            yield place, index.states.missing(name)
 
 
 def _listed(place: str, names: tuple[str, ...]) -> Iterator[tuple[str, str]]:
@@ -49,29 +49,29 @@ def _listed(place: str, names: tuple[str, ...]) -> Iterator[tuple[str, str]]:
         yield (place if len(names) == 1 else f"{place}/{index}"), name
 
 
-def unknown_events(survey: MissionIndex) -> Found:
+def unknown_events(index: MissionIndex) -> Found:
     """What `on` and `raise` name is an event, an outcome, or an option of the transition's own decision."""
-    words = Lexicon("event or outcome", (*survey.events.known, *OUTCOMES))
+    words = Lexicon("event or outcome", (*index.events.known, *OUTCOMES))
     known = {ANY_EVENT, *words.known}
-    options = {name: spot for spot in survey.spots for name in spot.options}
-    for transition in survey.transitions:
+    options = {name: spot for spot in index.spots for name in spot.options}
+    for transition in index.transitions:
         if known.issuperset(transition.definition.on):
             continue
-        source = survey.spot(transition.definition.of) if transition.definition.of is not None else transition.owner
+        source = index.spot(transition.definition.of) if transition.definition.of is not None else transition.owner
         own = tuple(source.options) if source is not None else ()
         for place, word in _listed(f"{transition.place}/on", transition.definition.on):
             if word not in known and word not in own:
-                yield place, _of_another_sort(word, survey) or _unknown_trigger(word, own, words, options)
-    for effect, place, _ in survey.effects:
-        if isinstance(effect, Raise) and effect.event not in survey.events:
-            yield f"{place}/raise", survey.events.missing(effect.event)
+                yield place, _of_another_sort(word, index) or _unknown_trigger(word, own, words, options)
+    for effect, place, _ in index.effects:
+        if isinstance(effect, Raise) and effect.event not in index.events:
+            yield f"{place}/raise", index.events.missing(effect.event)
 
 
-def _of_another_sort(word: str, survey: MissionIndex) -> str:
+def _of_another_sort(word: str, index: MissionIndex) -> str:
     """The sentence on a word that fires nothing, but names a state or a key; empty for any other."""
-    if word in survey.states:
+    if word in index.states:
         return f"'{word}' is a state, and no event; name it in 'to' to lead there"
-    if word in survey.keys:
+    if word in index.keys:
         return f"'{word}' is a key, and no event; compare it in 'when'"
     return ""
 
@@ -89,11 +89,11 @@ def _unknown_trigger(word: str, own: tuple[str, ...], words: Lexicon, options: d
     return words.missing(word)
 
 
-def unknown_ids(survey: MissionIndex) -> Found:
+def unknown_ids(index: MissionIndex) -> Found:
     """What `drop` names is the `id` of a delayed `raise`."""
-    raised = [done.effect for done in survey.effects if isinstance(done.effect, Raise)]
+    raised = [done.effect for done in index.effects if isinstance(done.effect, Raise)]
     ids = Lexicon("delayed 'raise' with the id", (effect.id for effect in raised if effect.id is not None))
-    for effect, place, _ in survey.effects:
+    for effect, place, _ in index.effects:
         if isinstance(effect, Drop) and effect.drop not in ids:
             remedy = "" if ids.known else "; give the 'raise' that it takes back an 'id'"
             yield f"{place}/drop", ids.missing(effect.drop) + remedy
@@ -104,13 +104,13 @@ def unknown_ids(survey: MissionIndex) -> Found:
             )
 
 
-def unknown_predicates(survey: MissionIndex) -> Found:
+def unknown_predicates(index: MissionIndex) -> Found:
     """What `named` names is a predicate that was registered, where the registered ones are known, and fits its use."""
-    if survey.predicates is None:
+    if index.predicates is None:
         return
-    known = Lexicon("registered predicate", survey.predicates, "register it with --guards FILE.py")
-    functions = survey.predicates if isinstance(survey.predicates, Mapping) else {}
-    for place, part, _ in survey.parts:
+    known = Lexicon("registered predicate", index.predicates, "register it with --guards FILE.py")
+    functions = index.predicates if isinstance(index.predicates, Mapping) else {}
+    for place, part, _ in index.parts:
         for refers, name, here in part.references(place):
             if refers.sort == "predicate" and name not in known:
                 yield here, known.missing(name)
@@ -137,23 +137,23 @@ def _misfits(guard: Named, function: Callable[..., Any]) -> Iterator[str]:
         )
 
 
-def colliding_names(survey: MissionIndex) -> Found:
+def colliding_names(index: MissionIndex) -> Found:
     """No event is called as an outcome, no option as an event, no key `event` or `answer`."""
-    for name in survey.mission.blackboard:
+    for name in index.mission.blackboard:
         if name in ("event", "answer"):
             what = "an event's payload" if name == "event" else "an option's parameters"
             yield (
                 pointer("/blackboard", name),
                 f"a key may not be called '{name}': '{name}.…' reads {what}; choose another word",
             )
-    for name in survey.mission.events:
+    for name in index.mission.events:
         if name in OUTCOMES:
             yield (
                 pointer("/events", name),
                 f"an event may not be called '{name}': that is an outcome; choose another word",
             )
-    for asked, place, _ in survey.asked:
+    for asked, place, _ in index.asked:
         for name in asked.options:
-            if name in survey.mission.events or name in BUILT_IN_EVENTS:
+            if name in index.mission.events or name in BUILT_IN_EVENTS:
                 sentence = f"an option may not be called '{name}': that is an event; choose another word"
                 yield pointer(place, "options", name), sentence

@@ -23,38 +23,38 @@ FAILURES = ("failed", "timed_out", "rejected", "unclear", "refused")
 Found = Iterator[tuple[str, str]]
 
 
-def handled(survey: MissionIndex) -> set[tuple[str, str]]:
+def handled(index: MissionIndex) -> set[tuple[str, str]]:
     """Each (state, word) that a transition of the state, or one that names it by `of`, waits for."""
-    found = survey.remembered.get("handled")
+    found = index.remembered.get("handled")
     if not isinstance(found, set):
         found = {
             (source, word)
-            for transition in survey.transitions
+            for transition in index.transitions
             for source in (transition.definition.of or (transition.owner.name if transition.owner else ""),)
             for word in transition.definition.on
         }
-        survey.remembered["handled"] = found
+        index.remembered["handled"] = found
     return found
 
 
-def unhandled_options(survey: MissionIndex) -> Found:
+def unhandled_options(index: MissionIndex) -> Found:
     """Every option of a decision has a transition of its own decision."""
-    for spot in survey.spots:
+    for spot in index.spots:
         asked = spot.state.question() if spot.options else None
         for name in spot.options:
-            if (spot.name, name) not in handled(survey) and name not in OUTCOMES:
+            if (spot.name, name) not in handled(index) and name not in OUTCOMES:
                 what = f"the fallback '{name}'" if asked and name == asked.fallback else f"option '{name}'"
                 place = pointer(spot.place, "decision", "options", name)
                 yield place, f'nothing handles {what}; add a transition {{"on": "{name}", "to": …}} to \'{spot.name}\''
 
 
-def unhandled_success(survey: MissionIndex) -> Found:
+def unhandled_success(index: MissionIndex) -> Found:
     """The `succeeded` of an activity, and of a compound state with a final, is handled by a transition of its own."""
-    ends = reported(survey)
-    for spot in survey.spots:
+    ends = reported(index)
+    for spot in index.spots:
         if "succeeded" not in ends.by(spot) or _is_region(spot):
             continue
-        if (spot.name, "succeeded") not in handled(survey):
+        if (spot.name, "succeeded") not in handled(index):
             yield (
                 spot.place,
                 f"nothing handles 'succeeded' of '{spot.name}', and it would stay there; "
@@ -62,20 +62,20 @@ def unhandled_success(survey: MissionIndex) -> Found:
             )
 
 
-def unhandled_failures(survey: MissionIndex) -> Found:
+def unhandled_failures(index: MissionIndex) -> Found:
     """`failed`, `timed_out`, `rejected`, `unclear` or `refused` of a state is handled, by its state or around it.
 
     The outcome of a nested final is left out, since its author wrote it. So is a handover of control that is not
     acknowledged, which is `rejected` as well: another holder has the robot then, and the mission's end is expected.
     """
     caught_by = cache(_caught_by)
-    for spot in survey.spots:
+    for spot in index.spots:
         own = spot.state.outcomes()
         if not own or isinstance(spot.state, Final | History):
             continue
         around = frozenset[str]().union(*map(caught_by, spot.upward()))
         words = [word for word in FAILURES if word in own and word not in around]
-        if words := [word for word in words if handled(survey).isdisjoint([("", word), (spot.name, word)])]:
+        if words := [word for word in words if handled(index).isdisjoint([("", word), (spot.name, word)])]:
             remedy = f'{{"on": {json.dumps(words[0] if len(words) == 1 else words)}, "to": …}}'
             yield (
                 spot.place,
@@ -95,11 +95,11 @@ def _is_region(spot: StateRef) -> bool:
     return spot.parent is not None and isinstance(spot.parent.state, Parallel) and bool(spot.children)
 
 
-def deaf_transitions(survey: MissionIndex) -> Found:
+def deaf_transitions(index: MissionIndex) -> Found:
     """An outcome that a transition waits for can be reported while the transition's state is active."""
-    ends, outcomes = reported(survey), frozenset(OUTCOMES) - survey.mission.events.keys()
-    for transition in survey.transitions:
-        source = survey.by_name.get(transition.definition.of) if transition.definition.of is not None else None
+    ends, outcomes = reported(index), frozenset(OUTCOMES) - index.mission.events.keys()
+    for transition in index.transitions:
+        source = index.by_name.get(transition.definition.of) if transition.definition.of is not None else None
         if transition.definition.of is not None and source is None:
             continue  # it is unknown, and that is reported
         words = [word for word in transition.definition.on if word in outcomes]
@@ -162,10 +162,10 @@ def together(one: StateRef | None, other: StateRef) -> bool:
     return meeting is not None and isinstance(meeting.state, Parallel)
 
 
-def unused_wildcards(survey: MissionIndex) -> Found:
+def unused_wildcards(index: MissionIndex) -> Found:
     """`*` is any declared event, so at least one is declared."""
-    if not survey.mission.events:
-        for transition in survey.transitions:
+    if not index.mission.events:
+        for transition in index.transitions:
             if ANY_EVENT in transition.definition.on:
                 yield (
                     f"{transition.place}/on",

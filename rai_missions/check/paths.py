@@ -27,25 +27,25 @@ class Meaning(NamedTuple):
     """Why it reads nothing."""
 
 
-def key_of(survey: MissionIndex, path: str) -> str | None:
+def key_of(index: MissionIndex, path: str) -> str | None:
     """The key that a path reads; None for a payload, and for a name that nothing resembles."""
     root = path.partition(".")[0]
-    if root in ("event", "answer") and root not in survey.keys:
+    if root in ("event", "answer") and root not in index.keys:
         return None
-    return survey.keys.meant(root)
+    return index.keys.meant(root)
 
 
-def meaning(survey: MissionIndex, read: PathUse) -> Meaning:
+def meaning(index: MissionIndex, read: PathUse) -> Meaning:
     """What a path means where it is."""
     root, *fields = read.path.split(".")
-    key = survey.mission.blackboard.get(root)
+    key = index.mission.blackboard.get(root)
     if key is not None:
         return _field(root, key, fields)
     if root == "event":
-        return _event(survey, read.scope, fields)
+        return _event(index, read.scope, fields)
     if root == "answer":
-        return _answer(survey, read.scope, fields)
-    return Meaning(None, survey.keys.missing(root))
+        return _answer(index, read.scope, fields)
+    return Meaning(None, index.keys.missing(root))
 
 
 def _field(name: str, key: Key, fields: list[str]) -> Meaning:
@@ -66,7 +66,7 @@ def _field(name: str, key: Key, fields: list[str]) -> Meaning:
     return Meaning(kind)
 
 
-def _event(survey: MissionIndex, scope: Scope, fields: list[str]) -> Meaning:
+def _event(index: MissionIndex, scope: Scope, fields: list[str]) -> Meaning:
     """The payload of what fires the transition."""
     if scope.transition is None or not scope.transition.definition.on:
         return Meaning(
@@ -75,7 +75,7 @@ def _event(survey: MissionIndex, scope: Scope, fields: list[str]) -> Meaning:
             "'set' a key in a transition with 'on', and read that",
         )
     words = scope.transition.definition.on
-    declared = survey.mission.events
+    declared = index.mission.events
     events = [(word, declared[word]) for word in (declared if ANY_EVENT in words else words) if word in declared]
     if len(fields) != 1 or any(word not in declared and word != ANY_EVENT for word in words):
         return Meaning()  # an outcome brings whatever its server reports
@@ -88,9 +88,9 @@ def _event(survey: MissionIndex, scope: Scope, fields: list[str]) -> Meaning:
     return Meaning(kinds.pop() if len(kinds) == 1 else None)
 
 
-def _answer(survey: MissionIndex, scope: Scope, fields: list[str]) -> Meaning:
+def _answer(index: MissionIndex, scope: Scope, fields: list[str]) -> Meaning:
     """The parameters of the option that fires the transition."""
-    options = _options(survey, scope)
+    options = _options(index, scope)
     if not options:
         return Meaning(
             None,
@@ -115,14 +115,14 @@ def _answer(survey: MissionIndex, scope: Scope, fields: list[str]) -> Meaning:
     return Meaning(kinds.pop() if len(kinds) == 1 and len(fields) == 1 else None)
 
 
-def _options(survey: MissionIndex, scope: Scope) -> dict[str, Option]:
+def _options(index: MissionIndex, scope: Scope) -> dict[str, Option]:
     """The options whose answer may be in hand."""
     if scope.option is not None:
         return {"": scope.option}
     if scope.transition is None:
         return {}
     transition = scope.transition.definition
-    source = survey.spot(transition.of) if transition.of is not None else scope.transition.owner
+    source = index.spot(transition.of) if transition.of is not None else scope.transition.owner
     options = source.state.options if source is not None else {}
     return {word: options[word] for word in transition.on if word in options}
 

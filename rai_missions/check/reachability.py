@@ -18,8 +18,8 @@ Found = Iterator[tuple[str, str]]
 class Reach:
     """What can be active at some time, as far as the transitions' targets state: guards and triggers do not count."""
 
-    def __init__(self, survey: MissionIndex) -> None:
-        self.survey = survey
+    def __init__(self, index: MissionIndex) -> None:
+        self.index = index
         self.active: set[StateRef] = set()
         self._descended: set[StateRef] = set()
 
@@ -36,19 +36,19 @@ class Reach:
                 if parent is not None and isinstance(parent.state, Parallel) and parent not in self.active:
                     todo += [region for region in parent.children if region is not here]
                 for transition in here.transitions if follow else ():
-                    todo += self.survey.found(transition.definition.to)
+                    todo += self.index.found(transition.definition.to)
             if (spot.children or isinstance(spot.state, History)) and spot not in self._descended:
                 self._descended.add(spot)
-                todo += default_entry(self.survey, spot)
+                todo += default_entry(self.index, spot)
 
 
-def default_entry(survey: MissionIndex, spot: StateRef) -> list[StateRef]:
+def default_entry(index: MissionIndex, spot: StateRef) -> list[StateRef]:
     """The states that entering one leads into by itself."""
     if isinstance(spot.state, History):
-        return survey.found(spot.state.default) or ([spot.parent] if spot.parent is not None else [])
+        return index.found(spot.state.default) or ([spot.parent] if spot.parent is not None else [])
     if isinstance(spot.state, Parallel):
         return [child for child in spot.children if not isinstance(child.state, History)]
-    named = survey.found(spot.state.starts())
+    named = index.found(spot.state.starts())
     found = [
         each
         for each in named
@@ -58,36 +58,36 @@ def default_entry(survey: MissionIndex, spot: StateRef) -> list[StateRef]:
     return found or spot.children  # an initial that is wrong is one fault, not one a child
 
 
-def entered_with(survey: MissionIndex, targets: Iterable[StateRef], stays: StateRef | None) -> set[StateRef]:
+def entered_with(index: MissionIndex, targets: Iterable[StateRef], stays: StateRef | None) -> set[StateRef]:
     """What entering the targets makes active inside a state that stays so, history without memory; that state too."""
-    reach = Reach(survey)
+    reach = Reach(index)
     reach.active.update(stays.upward() if stays is not None else ())
     reach.enter(targets, follow=False)
     return reach.active
 
 
-def reached(survey: MissionIndex) -> set[StateRef]:
+def reached(index: MissionIndex) -> set[StateRef]:
     """The states that can be active; worked out once."""
-    found = survey.remembered.get("reached")
+    found = index.remembered.get("reached")
     if not isinstance(found, set):
-        mission, reach = survey.mission, Reach(survey)
-        reach.enter(survey.found(mission.initial) or survey.top)
+        mission, reach = index.mission, Reach(index)
+        reach.enter(index.found(mission.initial) or index.top)
         for transition in mission.transitions:
-            reach.enter(survey.found(transition.to))
-        reach.enter(survey.found((mission.on_cancel,) if mission.on_cancel is not None else ()))
-        found = survey.remembered["reached"] = reach.active
+            reach.enter(index.found(transition.to))
+        reach.enter(index.found((mission.on_cancel,) if mission.on_cancel is not None else ()))
+        found = index.remembered["reached"] = reach.active
     return found
 
 
-def unreachable_states(survey: MissionIndex) -> Found:
+def unreachable_states(index: MissionIndex) -> Found:
     """Every state is entered: by a transition, an `initial`, a history, as a region, or by `on_cancel`."""
-    active = reached(survey)
+    active = reached(index)
     lost = {
-        spot: [*_subtree(survey, spot)]
-        for spot in survey.spots
-        if spot not in active and (spot.parent is None or spot.parent in active) and _own_fault(survey, spot)
+        spot: [*_subtree(index, spot)]
+        for spot in index.spots
+        if spot not in active and (spot.parent is None or spot.parent in active) and _own_fault(index, spot)
     }
-    follows = {spot: [each for each in _targets(survey, inside, spot) if each in lost] for spot, inside in lost.items()}
+    follows = {spot: [each for each in _targets(index, inside, spot) if each in lost] for spot, inside in lost.items()}
     parts = knots(follows)
     part_of = {spot: part[0] for part in parts for spot in part}
     led = {part_of[each] for spot, after in follows.items() for each in after if part_of[each] is not part_of[spot]}
@@ -100,28 +100,28 @@ def unreachable_states(survey: MissionIndex) -> Found:
             )
 
 
-def _own_fault(survey: MissionIndex, spot: StateRef) -> bool:
+def _own_fault(index: MissionIndex, spot: StateRef) -> bool:
     """Whether no other finding explains why it is not reached."""
     homeless = spot.parent is None or isinstance(spot.parent.state, Parallel)
-    return survey.by_name[spot.name] is spot and not (homeless and isinstance(spot.state, History))
+    return index.by_name[spot.name] is spot and not (homeless and isinstance(spot.state, History))
 
 
-def _subtree(survey: MissionIndex, spot: StateRef) -> list[StateRef]:
-    return survey.spots[spot.index : spot.last + 1]
+def _subtree(index: MissionIndex, spot: StateRef) -> list[StateRef]:
+    return index.spots[spot.index : spot.last + 1]
 
 
-def _targets(survey: MissionIndex, inside: list[StateRef], whole: StateRef) -> Iterator[StateRef]:
+def _targets(index: MissionIndex, inside: list[StateRef], whole: StateRef) -> Iterator[StateRef]:
     """Where transitions inside a state lead to, and what that is inside of, as far as it is outside the state."""
-    for target in survey.found(
+    for target in index.found(
         name for spot in inside for transition in spot.transitions for name in transition.definition.to
     ):
         yield from (here for here in target.upward() if here is not whole and not here.inside(whole))
 
 
-def dead_ends(survey: MissionIndex) -> Found:
+def dead_ends(index: MissionIndex) -> Found:
     """A state that only waits has a transition, here or further out, that can fire and leaves it."""
-    ways = WaysOut(survey)
-    for spot in _waiting(survey):
+    ways = WaysOut(index)
+    for spot in _waiting(index):
         if not ways.here(spot) and not ways.of_mission(spot):
             yield (
                 spot.place,
@@ -130,21 +130,21 @@ def dead_ends(survey: MissionIndex) -> Found:
             )
 
 
-def waiting_rooms(survey: MissionIndex) -> Found:
+def waiting_rooms(index: MissionIndex) -> Found:
     """A state that only waits is left by more than those transitions of the mission that give up."""
-    success = {spot for spot in survey.top if isinstance(spot.state, Final) and spot.state.final == "succeeded"}
-    ways = WaysOut(survey)
+    success = {spot for spot in index.top if isinstance(spot.state, Final) and spot.state.final == "succeeded"}
+    ways = WaysOut(index)
     hopeful: dict[tuple[str, ...], bool] = {}
 
     def leads_on(transition: TransitionRef) -> bool:
         targets = tuple(transition.definition.to)
         if targets not in hopeful:
-            reach = Reach(survey)
-            reach.enter(survey.found(targets))
+            reach = Reach(index)
+            reach.enter(index.found(targets))
             hopeful[targets] = bool(reach.active & success)
         return hopeful[targets]
 
-    for spot in _waiting(survey) if success else ():
+    for spot in _waiting(index) if success else ():
         if ways.here(spot) or ways.leads(spot, leads_on):
             continue
         if transitions := ways.first_of_mission(spot, 4):
@@ -153,10 +153,10 @@ def waiting_rooms(survey: MissionIndex) -> Found:
             yield spot.place, f"only {places} can leave '{spot.name}', and gives the mission up; {remedy}"
 
 
-def _waiting(survey: MissionIndex) -> Iterator[StateRef]:
+def _waiting(index: MissionIndex) -> Iterator[StateRef]:
     """The reachable states that run nothing and are left by transitions alone."""
-    active = reached(survey)
-    for spot in survey.spots:
+    active = reached(index)
+    for spot in index.spots:
         ends = isinstance(spot.state, Final | History) or spot.children or spot.state.activity()
         if not ends and spot in active and all(here.state.timeout_s is None for here in spot.upward()):
             yield spot

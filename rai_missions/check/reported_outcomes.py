@@ -69,9 +69,9 @@ class OutcomeReports:
         return worst | ({"succeeded"} if all("succeeded" in each for each in ends) else frozenset())
 
 
-def reported(survey: MissionIndex) -> OutcomeReports:
+def reported(index: MissionIndex) -> OutcomeReports:
     """Which outcomes the states of a mission can report; worked out once."""
-    found = survey.remembered.get("reported")
+    found = index.remembered.get("reported")
     if not isinstance(found, OutcomeReports):
-        found = survey.remembered["reported"] = OutcomeReports(survey.spots, survey.top)
+        found = index.remembered["reported"] = OutcomeReports(index.spots, index.top)
     return found

@@ -107,9 +107,9 @@ def check(mission: Mission, *, named: Collection[str] | None = None) -> tuple[Fi
         named: The names of the registered predicates, or name → function, whose parameters are held against the uses;
             left out, `named` guards are taken on trust.
     """
-    survey, order = MissionIndex(mission, named), document_order(mission)
+    index, order = MissionIndex(mission, named), document_order(mission)
     found = [
-        Finding(place, sentence, rule.severity, rule.name) for rule in RULES for place, sentence in rule.find(survey)
+        Finding(place, sentence, rule.severity, rule.name) for rule in RULES for place, sentence in rule.find(index)
     ]
     return tuple(sorted(dict.fromkeys(found), key=lambda finding: order(finding.place)))
 

@@ -22,13 +22,13 @@ WATCHED = ("invariants", "check", "eternal_guard")
 """The fields whose guards are asked for how long something has held; next to the guards of transitions."""
 
 
-def overlapping_transitions(survey: MissionIndex) -> Found:
+def overlapping_transitions(index: MissionIndex) -> Found:
     """No transition comes after one of the same state that fires whenever it would."""
-    for _, group in itertools.groupby(survey.transitions, key=lambda transition: transition.owner):
+    for _, group in itertools.groupby(index.transitions, key=lambda transition: transition.owner):
         transitions = [*group]
         if len(transitions) == 1 or _all_differ(transitions):
             continue
-        earlier, leaving = Earlier(survey.mission.events), TimedExits()
+        earlier, leaving = Earlier(index.mission.events), TimedExits()
         for transition in transitions:
             when = transition.definition.when
             guard, after_s, words = form(when), transition.definition.after_s, _triggers(transition)
@@ -153,11 +153,11 @@ def _overlap(transition: TransitionRef, before: list[TransitionRef]) -> str:
     )
 
 
-def impossible_guards(survey: MissionIndex) -> Found:
+def impossible_guards(index: MissionIndex) -> Found:
     """A guard can be true: it does not ask for two things that exclude each other."""
-    for guard, place, role, scope in survey.guards:
+    for guard, place, role, scope in index.guards:
         written = form(guard)
-        if role == "invariants" or not never(_there(survey, written, scope.owner)):
+        if role == "invariants" or not never(_there(index, written, scope.owner)):
             continue
         remedy = "keep one of the conditions that exclude each other, or fill the empty list"
         if not never(written) and scope.owner is not None:
@@ -165,9 +165,9 @@ def impossible_guards(survey: MissionIndex) -> Found:
         yield place, f"this can never be true: {guard.words():.200}; {remedy}"
 
 
-def unwatched_holds(survey: MissionIndex) -> Found:
+def unwatched_holds(index: MissionIndex) -> Found:
     """`held` is in a transition, an invariant or a tree: it is watched there, and nowhere else."""
-    for guard, place, role, scope in survey.guards:
+    for guard, place, role, scope in index.guards:
         held = next((part for part in guard.walk() if part.held_s > 0), None)
         if held is not None and scope.transition is None and role not in WATCHED:
             yield (
@@ -177,11 +177,11 @@ def unwatched_holds(survey: MissionIndex) -> Found:
             )
 
 
-def _there(survey: MissionIndex, this: Form, owner: StateRef | None) -> Form:
+def _there(index: MissionIndex, this: Form, owner: StateRef | None) -> Form:
     """A guard where it is: `in` a state that is never active together with its owner is not true there."""
     if isinstance(this, Junction):
-        return Junction(this.word, tuple(_there(survey, part, owner) for part in this.parts))
-    spot = survey.by_name.get(this.path) if this.kind == "in" else None
+        return Junction(this.word, tuple(_there(index, part, owner) for part in this.parts))
+    spot = index.by_name.get(this.path) if this.kind == "in" else None
     if spot is None or together(owner, spot):
         return this
     return ALWAYS if this.op else NEVER

@@ -18,16 +18,16 @@ __all__ = ("blind_transitions",)
 Found = Iterator[tuple[str, str]]
 
 
-def blind_transitions(survey: MissionIndex) -> Found:
+def blind_transitions(index: MissionIndex) -> Found:
     """A transition or invariant that protects comes with one that reacts when its key becomes stale."""
     watched: dict[str, set[StateRef | None]] = {}
-    for ruled in survey.guards:
+    for ruled in index.guards:
         if ruled.scope.transition is not None or ruled.role == "invariants":
             for key in ruled.guard.noticed():
                 watched.setdefault(key, set()).add(ruled.scope.owner)
-    for ruled in survey.guards:
-        depth = _protects(survey, ruled)
-        for key in dict.fromkeys(_aging(survey, ruled.guard)) if depth else ():
+    for ruled in index.guards:
+        depth = _protects(index, ruled)
+        for key in dict.fromkeys(_aging(index, ruled.guard)) if depth else ():
             owners = watched.get(key, set())
             if not (owners if depth == "within" else owners & {None, *_upward(ruled.scope.owner)}):
                 yield (
@@ -42,22 +42,22 @@ def _upward(spot: StateRef | None) -> Iterator[StateRef]:
     return spot.upward() if spot is not None else iter(())
 
 
-def _protects(survey: MissionIndex, ruled: GuardUse) -> str:
+def _protects(index: MissionIndex, ruled: GuardUse) -> str:
     """How a guard protects: `outside` (of what it ends), `within` an activity that it interrupts, or not at all."""
     transition = ruled.scope.transition
     if ruled.role == "invariants":
         return "within"
     if transition is None or not transition.definition.eventless:
         return ""
-    if transition.owner is None or transition.owner.children or _gives_up(survey, transition):
+    if transition.owner is None or transition.owner.children or _gives_up(index, transition):
         return "outside"
     return "within" if transition.owner.state.activity() else ""
 
 
-def _gives_up(survey: MissionIndex, transition: TransitionRef) -> bool:
+def _gives_up(index: MissionIndex, transition: TransitionRef) -> bool:
     """Whether a transition leads to an end that is no success, or hands control to someone else."""
     before = _control(transition.owner)
-    for target in survey.found(transition.definition.to):
+    for target in index.found(transition.definition.to):
         if isinstance(target.state, Final) and target.state.final != "succeeded":
             return True
         after = _control(target)
@@ -70,9 +70,9 @@ def _control(spot: StateRef | None) -> str | None:
     return next((here.state.control for here in _upward(spot) if here.state.control is not None), None)
 
 
-def _aging(survey: MissionIndex, guard: Guard) -> Iterator[str]:
+def _aging(index: MissionIndex, guard: Guard) -> Iterator[str]:
     """The robot keys that can go stale and that a comparison in the guard rests on."""
     for name in guard.fading():
-        key = survey.mission.blackboard.get(name)
+        key = index.mission.blackboard.get(name)
         if key is not None and key.must_recur:
             yield name

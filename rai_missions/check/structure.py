@@ -21,13 +21,13 @@ __all__ = (
 Found = Iterator[tuple[str, str]]
 
 
-def initial_outside(survey: MissionIndex) -> Found:
+def initial_outside(index: MissionIndex) -> Found:
     """`initial` names a state inside the one that it is in; a history of the same has a default."""
-    for spot in survey.spots:
+    for spot in index.spots:
         names = spot.state.starts()
-        for index, name in enumerate(names):
-            target = survey.by_name.get(name)
-            place = f"{spot.place}/initial" + (f"/{index}" if len(names) > 1 else "")
+        for number, name in enumerate(names):
+            target = index.by_name.get(name)
+            place = f"{spot.place}/initial" + (f"/{number}" if len(names) > 1 else "")
             if target is None:
                 continue
             if not target.inside(spot):
@@ -35,10 +35,10 @@ def initial_outside(survey: MissionIndex) -> Found:
                 yield place, f"'{name}' is not inside '{spot.name}'; inside it are: {inside}"
             elif isinstance(target.state, History) and target.parent is spot and not target.state.default:
                 yield place, _leads_back(name)
-    for index, name in enumerate(survey.mission.initial):
-        target = survey.by_name.get(name)
+    for number, name in enumerate(index.mission.initial):
+        target = index.by_name.get(name)
         if target is not None and isinstance(target.state, History) and target.parent is None:
-            place = "/initial" + (f"/{index}" if len(survey.mission.initial) > 1 else "")
+            place = "/initial" + (f"/{number}" if len(index.mission.initial) > 1 else "")
             yield place, _leads_back(name)
 
 
@@ -47,12 +47,12 @@ def _leads_back(name: str) -> str:
     return f"the history '{name}' leads to this 'initial' where there is no memory; {remedy}"
 
 
-def history_defaults(survey: MissionIndex) -> Found:
+def history_defaults(index: MissionIndex) -> Found:
     """A history's default is a state inside its parent, of a shallow one a child, and no history."""
-    for spot in survey.spots:
+    for spot in index.spots:
         if not isinstance(spot.state, History) or spot.parent is None:
             continue
-        for target in survey.found(spot.state.default):
+        for target in index.found(spot.state.default):
             place, parent = f"{spot.place}/transitions/0/to", spot.parent
             if not target.inside(parent):
                 yield (
@@ -67,14 +67,14 @@ def history_defaults(survey: MissionIndex) -> Found:
                 yield place, f"a shallow history leads to a child of '{parent.name}', not to '{target.name}'; {remedy}"
 
 
-def target_lists(survey: MissionIndex) -> Found:
+def target_lists(index: MissionIndex) -> Found:
     """A list of targets names one state in each of several regions of one parallel."""
-    lists = [("/initial", survey.mission.initial)]
-    initials = ((spot.place, spot.state.starts()) for spot in survey.spots)
+    lists = [("/initial", index.mission.initial)]
+    initials = ((spot.place, spot.state.starts()) for spot in index.spots)
     lists += [(f"{place}/initial", names) for place, names in initials if len(names) > 1]
-    lists += [(f"{each.place}/to", each.definition.to) for each in survey.transitions if len(each.definition.to) > 1]
+    lists += [(f"{each.place}/to", each.definition.to) for each in index.transitions if len(each.definition.to) > 1]
     for place, names in lists:
-        targets = [survey.by_name.get(name) for name in names]
+        targets = [index.by_name.get(name) for name in names]
         if sentence := _clash([target for target in targets if target is not None]):
             yield place, sentence
 
@@ -93,17 +93,17 @@ def _clash(targets: Sequence[StateRef]) -> str:
             if above is None:
                 break
             below = above
-    for index, target in enumerate(targets):
-        if target in targets[:index]:
+    for number, target in enumerate(targets):
+        if target in targets[:number]:
             return f"'{target.name}' is named twice; name one state a region"
         if target in via:
             return f"'{via[target].name}' is inside '{target.name}', and the list enters both; name one state a region"
     return ""
 
 
-def misplaced_states(survey: MissionIndex) -> Found:
+def misplaced_states(index: MissionIndex) -> Found:
     """A history is in a compound state, a final not next to regions, and neither has a timeout or control."""
-    for spot in survey.spots:
+    for spot in index.spots:
         state, parent = spot.state, spot.parent
         if isinstance(state, History) and (parent is None or isinstance(parent.state, Parallel)):
             where = "at the top, which is never left" if parent is None else f"among the regions of '{parent.name}'"
@@ -125,9 +125,9 @@ def misplaced_states(survey: MissionIndex) -> Found:
                     yield f"{spot.place}/{word}", f"a {kind} state has no '{word}', for {why}; take it away"
 
 
-def misused_internal(survey: MissionIndex) -> Found:
+def misused_internal(index: MissionIndex) -> Found:
     """`internal` leads from a compound state to a state inside it."""
-    for transition in survey.transitions:
+    for transition in index.transitions:
         if not transition.definition.internal:
             continue
         place, owner = f"{transition.place}/internal", transition.owner
@@ -135,7 +135,7 @@ def misused_internal(survey: MissionIndex) -> Found:
             name = "the mission's own transition" if owner is None else f"'{owner.name}'"
             yield place, f"'internal' is for transitions of a compound state, which {name} is not; take it away"
             continue
-        for target in survey.found(transition.definition.to):
+        for target in index.found(transition.definition.to):
             if target is owner:
                 yield (
                     place,
@@ -149,12 +149,12 @@ def misused_internal(survey: MissionIndex) -> Found:
                 )
 
 
-def crossing_transitions(survey: MissionIndex) -> Found:
+def crossing_transitions(index: MissionIndex) -> Found:
     """A transition that leads from one region into another restarts the whole parallel."""
-    if not any(isinstance(spot.state, Parallel) for spot in survey.spots):
+    if not any(isinstance(spot.state, Parallel) for spot in index.spots):
         return
-    for transition in survey.transitions:
-        for target in survey.found(transition.definition.to):
+    for transition in index.transitions:
+        for target in index.found(transition.definition.to):
             parallel = _crossed(transition, target)
             if parallel is not None and len(transition.definition.to) == 1:
                 yield (
@@ -173,11 +173,11 @@ def _crossed(transition: TransitionRef, target: StateRef) -> StateRef | None:
     return meeting if meeting is not None and inner and isinstance(meeting.state, Parallel) else None
 
 
-def words_in_vain(survey: MissionIndex) -> Found:
+def words_in_vain(index: MissionIndex) -> Found:
     """`in` asks for a state that can be active."""
-    for place, part, _ in survey.parts:
+    for place, part, _ in index.parts:
         for name in part.states():
-            spot = survey.by_name.get(name)
+            spot = index.by_name.get(name)
             if spot is not None and isinstance(spot.state, History):
                 remedy = f"'{spot.parent.name}'" if spot.parent is not None else "a state that it leads to"
                 yield f"{place}/in", f"'{name}' is a history, which is never active itself; ask for {remedy}"

@@ -15,10 +15,10 @@ __all__ = ("hasty_retries", "lost_timers", "rival_actions")
 Found = Iterator[tuple[str, str]]
 
 
-def lost_timers(survey: MissionIndex) -> Found:
+def lost_timers(index: MissionIndex) -> Found:
     """A transition with `after_s` and `when` fires at one instant or never; give another one for the other case."""
-    latest = _latest(survey)
-    for transition in survey.transitions:
+    latest = _latest(index)
+    for transition in index.transitions:
         after_s, guard = transition.definition.after_s, transition.definition.when
         if after_s is not None and guard is not None and not _continues(transition, latest):
             wait = f'"when": {{"all": [{{"elapsed_s": {after_s:g}}}, …]}}'
@@ -29,10 +29,10 @@ def lost_timers(survey: MissionIndex) -> Found:
             )
 
 
-def _latest(survey: MissionIndex) -> dict[StateRef | None, list[float]]:
+def _latest(index: MissionIndex) -> dict[StateRef | None, list[float]]:
     """The two latest instants at which transitions of a state, or of the mission, fire."""
     found: dict[StateRef | None, list[float]] = {}
-    for transition in survey.transitions:
+    for transition in index.transitions:
         if transition.definition.after_s is not None:
             instants = [*found.get(transition.owner, ()), transition.definition.after_s]
             found[transition.owner] = sorted(instants, reverse=True)[:2]
@@ -47,9 +47,9 @@ def _continues(transition: TransitionRef, latest: dict[StateRef | None, list[flo
     return bounded or sum(instant >= after_s for instant in latest[owner]) > 1
 
 
-def hasty_retries(survey: MissionIndex) -> Found:
+def hasty_retries(index: MissionIndex) -> Found:
     """An action or a call that is `rejected` is begun again at once, and so on, as long as its server is away."""
-    for spot in survey.spots:
+    for spot in index.spots:
         if not spot.state.reports_robot:
             continue
         retry = next((each for each in spot.transitions if _is_about(each, spot, "rejected")), None)
@@ -66,11 +66,11 @@ def _is_about(transition: TransitionRef, spot: StateRef, word: str) -> bool:
     return word in transition.definition.on and transition.definition.of in (None, spot.name)
 
 
-def rival_actions(survey: MissionIndex) -> Found:
+def rival_actions(index: MissionIndex) -> Found:
     """Of two actions in regions of one parallel, one handles `rejected`: they may need the same of the robot."""
-    used = ((use, use.scope.owner) for use in survey.uses if use.sort == "action")
+    used = ((use, use.scope.owner) for use in index.uses if use.sort == "action")
     places = {spot: use.named_at for use, spot in used if spot is not None and use.user is spot.state}
-    acting = ActionStates(survey, sorted(places, key=lambda spot: spot.index))
+    acting = ActionStates(index, sorted(places, key=lambda spot: spot.index))
     for spot in acting.spots:
         rivals = acting.rivals(spot)
         first = next((acting.spots[start] for start, end in rivals if start < end), None)
@@ -88,15 +88,15 @@ class ActionStates:
     """The states with an action, in document order, and which of them may run next to one.
 
     Args:
-        survey: The mission.
+        index: The mission.
         spots: Those states; what is inside a state is a span of them.
     """
 
-    def __init__(self, survey: MissionIndex, spots: list[StateRef]) -> None:
+    def __init__(self, index: MissionIndex, spots: list[StateRef]) -> None:
         self.spots = spots
         self._indices = [spot.index for spot in spots]
         self._handled: list[bool] = []
-        for spot in survey.spots:
+        for spot in index.spots:
             around = spot.parent is not None and self._handled[spot.parent.index]
             self._handled.append(around or any("rejected" in each.definition.on for each in spot.transitions))
         self._count = [0, *itertools.accumulate(self._handled[index] for index in self._indices)]

@@ -18,69 +18,69 @@ __all__ = (
 Found = Iterator[tuple[str, str]]
 
 
-def _kind(survey: MissionIndex, path: str, scope: Scope) -> str | None:
-    return meaning(survey, PathUse(path, "", scope)).kind
+def _kind(index: MissionIndex, path: str, scope: Scope) -> str | None:
+    return meaning(index, PathUse(path, "", scope)).kind
 
 
 class _DeclaredTypes:
     """What is declared where a guard is."""
 
-    def __init__(self, survey: MissionIndex, scope: Scope) -> None:
-        self._survey, self._scope = survey, scope
+    def __init__(self, index: MissionIndex, scope: Scope) -> None:
+        self._index, self._scope = index, scope
 
     def kind(self, path: str) -> str | None:
-        return _kind(self._survey, path, self._scope)
+        return _kind(self._index, path, self._scope)
 
     def frame(self, path: str) -> str | None:
-        key = self._survey.mission.blackboard.get(path)
+        key = self._index.mission.blackboard.get(path)
         return key.frame if key is not None else None
 
 
-def mismatched_comparisons(survey: MissionIndex) -> Found:
+def mismatched_comparisons(index: MissionIndex) -> Found:
     """A comparison is between values of one type, and `<` between numbers or strings."""
-    for place, part, ruled in survey.parts:
+    for place, part, ruled in index.parts:
         if part.word != "near":
-            yield from ((place + inner, why) for inner, why in part.type_faults(_DeclaredTypes(survey, ruled.scope)))
+            yield from ((place + inner, why) for inner, why in part.type_faults(_DeclaredTypes(index, ruled.scope)))
 
 
-def mismatched_poses(survey: MissionIndex) -> Found:
+def mismatched_poses(index: MissionIndex) -> Found:
     """`near` measures between two poses that are given in one frame."""
-    for place, part, ruled in survey.parts:
+    for place, part, ruled in index.parts:
         if part.word == "near":
-            yield from ((place + inner, why) for inner, why in part.type_faults(_DeclaredTypes(survey, ruled.scope)))
+            yield from ((place + inner, why) for inner, why in part.type_faults(_DeclaredTypes(index, ruled.scope)))
 
 
-def mismatched_lists(survey: MissionIndex) -> Found:
+def mismatched_lists(index: MissionIndex) -> Found:
     """`each` goes over a list."""
-    for write in survey.writes:
-        kind = _kind(survey, write.value, write.scope) if write.by == "each" else None
+    for write in index.writes:
+        kind = _kind(index, write.value, write.scope) if write.by == "each" else None
         if kind not in (None, "list"):
             assert write.scope.owner is not None
             place = f"{write.scope.owner.place}/each"
             yield place, f"'{write.value}' is of type '{kind}', not 'list'; 'each' goes over a list"
 
 
-def mismatched_activities(survey: MissionIndex) -> Found:
+def mismatched_activities(index: MissionIndex) -> Found:
     """A request is read from a string, a goal is an object, and so is what is seen, what is read and a plan."""
-    for spot in survey.spots:
+    for spot in index.spots:
         for use in spot.state.type_needs():
-            kind = _kind(survey, use.path, Scope(spot))
+            kind = _kind(index, use.path, Scope(spot))
             if kind not in (None, use.kind):
                 yield f"{spot.place}{use.place}", f"'{use.path}' is of type '{kind}', not '{use.kind}'; {use.why}"
 
 
-def mismatched_writes(survey: MissionIndex) -> Found:
+def mismatched_writes(index: MissionIndex) -> Found:
     """What is set, added or copied to a key is of the key's type."""
-    for write in survey.writes:
-        key = survey.mission.blackboard.get(write.key)
-        if key is not None and (found := _written(survey, write, key)):
+    for write in index.writes:
+        key = index.mission.blackboard.get(write.key)
+        if key is not None and (found := _written(index, write, key)):
             yield found
 
 
-def _written(survey: MissionIndex, write: KeyWrite, key: Key) -> tuple[str, str] | None:
+def _written(index: MissionIndex, write: KeyWrite, key: Key) -> tuple[str, str] | None:
     """What is wrong with a write, if anything is."""
     if write.by == "from":
-        kind = _kind(survey, write.value, write.scope)
+        kind = _kind(index, write.value, write.scope)
         exact = key.type == "integer" and kind == "number"
         if kind is not None and (exact or not (comparable(kind, key.type) or {kind, key.type} == {"object", "pose"})):
             return (

@@ -25,7 +25,7 @@ class FreeTransitions:
     """The transitions of one owner that can fire while nothing runs, and lead somewhere.
 
     Args:
-        survey: The mission.
+        index: The mission.
         owner: Whose they are; None: the mission's own.
         transitions: All of its transitions.
         in_parallel: Whether a parallel is between the states that are asked about and the owner, so that outcomes of
@@ -33,10 +33,10 @@ class FreeTransitions:
     """
 
     def __init__(
-        self, survey: MissionIndex, owner: StateRef | None, transitions: Iterable[TransitionRef], *, in_parallel: bool
+        self, index: MissionIndex, owner: StateRef | None, transitions: Iterable[TransitionRef], *, in_parallel: bool
     ) -> None:
-        self._survey, self._rest = survey, iter(transitions)
-        self._outcomes = reported(survey).possible_at(owner) if in_parallel else frozenset[str]()
+        self._index, self._rest = index, iter(transitions)
+        self._outcomes = reported(index).possible_at(owner) if in_parallel else frozenset[str]()
         self._found: list[Lead] = []
         self._different: list[StateRef | None] = []
         """Up to two of the states that transitions lead to: at most one of them leads back to where it is."""
@@ -51,8 +51,8 @@ class FreeTransitions:
     def _look_on(self) -> Iterator[Lead]:
         """Those that were not looked at so far; how many are needed, the caller knows."""
         for transition in self._rest:
-            if transition.definition.to and _can_fire(self._survey, transition, self._outcomes):
-                targets = {self._survey.spot(name) for name in transition.definition.to}
+            if transition.definition.to and _can_fire(self._index, transition, self._outcomes):
+                targets = {self._index.spot(name) for name in transition.definition.to}
                 lead = (transition, targets.pop() if len(targets) == 1 else None)
                 self._found.append(lead)
                 if len(self._different) < 2 and lead[1] not in self._different:
@@ -72,11 +72,11 @@ class WaysOut:
     """Which transitions can leave the states that run nothing: those of the state, around it, and the mission's own.
 
     Args:
-        survey: The mission.
+        index: The mission.
     """
 
-    def __init__(self, survey: MissionIndex) -> None:
-        self._survey = survey
+    def __init__(self, index: MissionIndex) -> None:
+        self._index = index
         self._known: dict[tuple[StateRef | None, bool], FreeTransitions] = {}
         self._hopeful: dict[bool, list[tuple[TransitionRef, StateRef | None]]] = {}
 
@@ -94,8 +94,8 @@ class WaysOut:
     def _leaves(self, spot: StateRef, transition: TransitionRef) -> bool:
         """Whether a transition of a state that has none inside can fire there, and leads to one other."""
         targets = transition.definition.to
-        is_led_away = len(targets) == 1 and self._survey.spot(targets[0]) is not spot
-        return is_led_away and _can_fire(self._survey, transition, frozenset())
+        is_led_away = len(targets) == 1 and self._index.spot(targets[0]) is not spot
+        return is_led_away and _can_fire(self._index, transition, frozenset())
 
     def of_mission(self, spot: StateRef) -> bool:
         """Whether one of the mission's own transitions leaves it."""
@@ -124,8 +124,8 @@ class WaysOut:
     def _freeing(self, owner: StateRef | None, in_parallel: bool) -> FreeTransitions:
         key = (owner, in_parallel)
         if key not in self._known:
-            transitions = owner.transitions if owner is not None else _own_transitions(self._survey)
-            self._known[key] = FreeTransitions(self._survey, owner, transitions, in_parallel=in_parallel)
+            transitions = owner.transitions if owner is not None else _own_transitions(self._index)
+            self._known[key] = FreeTransitions(self._index, owner, transitions, in_parallel=in_parallel)
         return self._known[key]
 
 
@@ -133,19 +133,19 @@ def _in_parallel(spot: StateRef) -> bool:
     return any(isinstance(here.state, Parallel) for here in spot.upward())
 
 
-def _can_fire(survey: MissionIndex, transition: TransitionRef, outcomes: frozenset[str]) -> bool:
+def _can_fire(index: MissionIndex, transition: TransitionRef, outcomes: frozenset[str]) -> bool:
     """Whether a transition can fire in a state that runs nothing, where these outcomes come from next to it."""
     definition = transition.definition
     if not definition.on:
         return True
-    if any(word == ANY_EVENT or word in survey.events or survey.events.meant(word) for word in definition.on):
+    if any(word == ANY_EVENT or word in index.events or index.events.meant(word) for word in definition.on):
         return True
     if definition.of is not None:
-        source = survey.spot(definition.of)
-        outcomes = reported(survey).by(source) if source is not None else frozenset()
+        source = index.spot(definition.of)
+        outcomes = reported(index).by(source) if source is not None else frozenset()
     return any(word in outcomes for word in definition.on)
 
 
-def _own_transitions(survey: MissionIndex) -> list[TransitionRef]:
+def _own_transitions(index: MissionIndex) -> list[TransitionRef]:
     """The mission's own transitions, which are last."""
-    return survey.transitions[len(survey.transitions) - len(survey.mission.transitions) :]
+    return index.transitions[len(index.transitions) - len(index.mission.transitions) :]

@@ -33,10 +33,10 @@ def missing(mission: Mission, robot: Robot, *, remedies: Mapping[str, str] = NOT
         robot: The profile.
         remedies: Section → what adds a name to it, with `{}` for the name; by default the profile's author names it.
     """
-    survey = MissionIndex(mission)
+    index = MissionIndex(mission)
     return (
-        *_keys(mission, robot, remedies), *_events(survey, robot), *_interfaces(survey, robot, remedies),
-        *_actions(survey, robot), *_rules(survey, robot),
+        *_keys(mission, robot, remedies), *_events(index, robot), *_interfaces(index, robot, remedies),
+        *_actions(index, robot), *_rules(index, robot),
     )  # fmt: skip
 
 
@@ -82,9 +82,9 @@ def _takes(key: Key, given: str) -> bool:
     return key.type == given or key.type in FITTING.get(given, ())
 
 
-def _events(survey: MissionIndex, robot: Robot) -> Iterator[Fault]:
-    raised = {done.effect.event for done in survey.effects if isinstance(done.effect, Raise)}
-    for name, declared in survey.mission.events.items():
+def _events(index: MissionIndex, robot: Robot) -> Iterator[Fault]:
+    raised = {done.effect.event for done in index.effects if isinstance(done.effect, Raise)}
+    for name, declared in index.mission.events.items():
         source = robot.events.get(name)
         if source is None:
             if name not in raised:
@@ -95,10 +95,10 @@ def _events(survey: MissionIndex, robot: Robot) -> Iterator[Fault]:
                 yield Fault(place, f"missing; the mission's '{name}' has it{suggestion(field, source.fields)}")
 
 
-def _interfaces(survey: MissionIndex, robot: Robot, remedies: Mapping[str, str]) -> Iterator[Fault]:
+def _interfaces(index: MissionIndex, robot: Robot, remedies: Mapping[str, str]) -> Iterator[Fault]:
     """The actions, services and topics that are used and not there, each once."""
     first: dict[tuple[str, str], str] = {}
-    for use in sorted(survey.uses, key=lambda use: use.sort):
+    for use in sorted(index.uses, key=lambda use: use.sort):
         first.setdefault((use.sort, use.name), use.named_at)
     for (sort, name), place in first.items():
         known = getattr(robot, f"{sort}s")
@@ -106,9 +106,9 @@ def _interfaces(survey: MissionIndex, robot: Robot, remedies: Mapping[str, str])
             yield _lacks(f"{sort}s", name, known, place, remedies)
 
 
-def _actions(survey: MissionIndex, robot: Robot) -> Iterator[Fault]:
+def _actions(index: MissionIndex, robot: Robot) -> Iterator[Fault]:
     reported: set[str] = set()
-    for use in survey.uses:
+    for use in index.uses:
         entry = robot.actions.get(use.name)
         if use.sort != "action" or entry is None:
             continue
@@ -119,34 +119,34 @@ def _actions(survey: MissionIndex, robot: Robot) -> Iterator[Fault]:
             yield Fault(where, f"it takes '{field}' from the mission, which gives no such field at {use.place}/goal")
         for word, guard in (("succeeded", entry.succeeded), ("failed", entry.failed)):
             if guard is not None and use.name not in reported:
-                yield from _unknown_keys(survey, guard, pointer(["actions", use.name, word]))
+                yield from _unknown_keys(index, guard, pointer(["actions", use.name, word]))
         reported.add(use.name)
 
 
-def _rules(survey: MissionIndex, robot: Robot) -> Iterator[Fault]:
+def _rules(index: MissionIndex, robot: Robot) -> Iterator[Fault]:
     options: dict[str, set[str]] = {}
-    for asked, _, spot in survey.asked:
+    for asked, _, spot in index.asked:
         options.setdefault(spot.name, set()).update(asked.options)
     for state, rows in robot.rules.items():
         if state not in options:
             known = suggestion(state, options) if options else "; drop it"
             yield Fault(pointer(["rules", state]), f"the mission asks nothing in a state '{state}'{known}")
             continue
-        for index, row in enumerate(rows):
-            here = pointer(["rules", state, index])
+        for number, row in enumerate(rows):
+            here = pointer(["rules", state, number])
             if row.answer not in options[state]:
                 near = suggestion(row.answer, options[state])
                 yield Fault(f"{here}/answer", f"'{state}' has no option '{row.answer}'{near}")
             if row.when is not None:
-                yield from _unknown_keys(survey, row.when, f"{here}/when")
+                yield from _unknown_keys(index, row.when, f"{here}/when")
 
 
-def _unknown_keys(survey: MissionIndex, guard: Guard, place: str) -> Iterator[Fault]:
+def _unknown_keys(index: MissionIndex, guard: Guard, place: str) -> Iterator[Fault]:
     """The keys and states of a guard in the profile that the mission does not have."""
-    keys = survey.mission.blackboard
+    keys = index.mission.blackboard
     site = Site(place, keys)
     guard.compiled(site)
     for key in sorted(site.reads - keys.keys() - {"*"}):
         yield Fault(place, f"the mission has no key '{key}'{suggestion(key, keys)}")
-    for state in sorted(site.states - survey.by_name.keys()):
-        yield Fault(place, f"the mission has no state '{state}'{suggestion(state, survey.by_name)}")
+    for state in sorted(site.states - index.by_name.keys()):
+        yield Fault(place, f"the mission has no state '{state}'{suggestion(state, index.by_name)}")

@@ -78,9 +78,9 @@ def _all(robot: Robot) -> dict[str, set[str]]:
 
 
 def _used(mission: Mission) -> dict[str, set[str]]:
-    survey = MissionIndex(mission)
+    index = MissionIndex(mission)
     used: dict[str, set[str]] = {"actions": set(), "services": set(), "topics": set()}
     used |= {"blackboard": set(mission.blackboard), "events": set(mission.events)}
-    for use in survey.uses:
+    for use in index.uses:
         used[f"{use.sort}s"].add(use.name)
     return used

@@ -95,12 +95,12 @@ def _guard(rng: random.Random, names: list[str], depth: int) -> Json:
 
 def differences(mission: Mission) -> Counter[str]:
     """How many findings of each rule there are; that they are those of the definitions is asserted."""
-    survey, counted = MissionIndex(mission), Counter[str]()
+    index, counted = MissionIndex(mission), Counter[str]()
     rules = {rule.name: rule.find for rule in RULES}
     with pytest.MonkeyPatch.context() as patched:
         patched.setattr(shadowed_transitions, "NEAR", NEAR)
         for name, definition in DEFINITIONS.items():
-            found, wanted = list(rules[name](survey)), definition(survey, NEAR)
+            found, wanted = list(rules[name](index)), definition(index, NEAR)
             assert [place for place, _ in found] == [place for place, _ in wanted], name
             for (_, sentence), (_, words) in zip(found, wanted, strict=True):
                 assert all(word in sentence for word in words), (name, sentence, words)
