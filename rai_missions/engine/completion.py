@@ -23,8 +23,8 @@ from rai_missions.states.compound import Each
 from rai_missions.states.final import Final, FinalOutcome, worst
 
 __all__ = (
-    "check_invariants", "complete_parallels", "current_round", "end", "enter_each", "has_reported", "kill",
-    "reach_final", "set_item", "settle_final", "settle_nested",
+    "check_invariants", "complete_parallels", "current_round", "end", "enter_each", "has_reported", "is_current",
+    "kill", "reach_final", "set_item", "settle_final", "settle_nested",
 )  # fmt: skip
 
 
@@ -61,6 +61,13 @@ def current_round(state: RunState, node: Node) -> tuple[tuple[Any, ...], int]:
     items, index = state.rounds[node.name]
     finals = (final for final in _reached(state, node) if final.name not in state.settling)
     return items, index - any(_counted(state, final) == "succeeded" for final in finals)
+
+
+def is_current(state: RunState, node: Node, item: Any) -> bool:
+    """Whether the key of an `each` has this very item."""
+    assert isinstance(node.state, Each)
+    entry = state.board.get(node.state.item)
+    return entry is not None and entry.value is item
 
 
 def set_item(program: Program, state: RunState, node: Node, item: Any) -> bool:

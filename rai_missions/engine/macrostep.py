@@ -17,6 +17,7 @@ from rai_missions.engine.completion import (
     current_round,
     end,
     has_reported,
+    is_current,
     set_item,
     settle_final,
     settle_nested,
@@ -255,7 +256,7 @@ def _enter(program: Program, state: RunState, node: Node) -> None:
     if (node.activity or node.control) and node in state.config.atomic:
         state.draft.starting.append(node)
     if node.is_each and node in state.config.atomic:
-        _next_round(program, state, node)
+        _next_round(program, state, node, is_entry=True)
     elif node.is_each and not state.rounds[node.name][0]:
         _end_list(program, state, node)
 
@@ -270,13 +271,16 @@ def _set_timers(state: RunState, node: Node) -> None:
             set_timer(state, ("after", transition.place), transition.definition.after_s, "after_s", None, node.control)
 
 
-def _next_round(program: Program, state: RunState, node: Node) -> None:
-    """Make the next item of a list the current one; after the last one the `each` succeeds."""
+def _next_round(program: Program, state: RunState, node: Node, *, is_entry: bool = False) -> None:
+    """Make the next item of a list the current one; after the last one the `each` succeeds.
+
+    On entry the item is current already, unless an effect of that entry has written its key.
+    """
     program.surroundings.before_round(state, node)
     _pass_round(program, state.draft, node)
     items, index = state.rounds[node.name]
     if index < len(items):
-        if set_item(program, state, node, items[index]):
+        if (is_entry and is_current(state, node, items[index])) or set_item(program, state, node, items[index]):
             jump(program, state, program.graph.reenter(state.config, node, state.memory))
     else:
         _end_list(program, state, node)

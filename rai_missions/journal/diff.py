@@ -11,6 +11,7 @@ from rai_missions.redaction import cut_repr
 
 __all__ = ("difference",)
 
+Writes = tuple[tuple[str, Any], ...]
 MISSING = object()
 LATER = ("mode", "holder", "verdicts", "refusal", "kept")
 """Fields that a row has only if it was written by a version that knew them; then it has a mode."""
@@ -20,16 +21,31 @@ def difference(expected: Step, got: Step, *, without: Collection[str] = ()) -> s
     """The first difference between two steps, in the order of their fields; empty where there is none.
 
     A step that was stored before steps had a mode is compared by the fields that it has. Those of `without` are
-    left out.
+    left out. A write that repeats the value which its key has from the same step counts for nothing: earlier versions
+    wrote the first item of an `each` twice.
 
     Such as `step 12 (anomaly, 3.2 s): moves[0].entered[1] was 'driving', now it is 'assessing'`.
     """
     left_out = {*without, *(LATER if expected.mode is None else ())}
     for name in [name for name in Step._fields if name not in left_out]:
-        found = _parted(name, getattr(expected, name), getattr(got, name))
+        old, new = getattr(expected, name), getattr(got, name)
+        if name == "writes" and len(old) != len(new):
+            old, new = _without_repeats(old), _without_repeats(new)
+        found = _parted(name, old, new)
         if found:
             return f"step {expected.seq} ({expected.event.name}, {expected.at:g} s): {found}"
     return ""
+
+
+def _without_repeats(writes: Writes) -> Writes:
+    """The writes of a step that gave a key another value than it had from that step."""
+    newest: dict[str, Any] = {}
+    kept: list[tuple[str, Any]] = []
+    for key, value in writes:
+        if key not in newest or not _same(newest[key], value):
+            kept.append((key, value))
+        newest[key] = value
+    return tuple(kept)
 
 
 def _parted(place: str, expected: Any, got: Any) -> str:

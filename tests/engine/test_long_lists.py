@@ -72,3 +72,24 @@ def test_a_cycle_round_a_list_is_one(inside: str, items: int) -> None:
 def test_a_cycle_within_a_round_is_one(items: int) -> None:
     inside = {"transitions": [{"when": {"key": "n", ">=": 0}, "to": "work", "do": [{"set": "n", "add": 1}]}]}
     assert started(inside, items).cause == "cycle"
+
+
+@pytest.mark.parametrize(("entry", "writes"), [
+    ([], [("item", 0)]),
+    ([{"set": "n", "add": 1}], [("item", 0), ("n", 1)]),
+    ([{"set": "item", "value": 7}], [("item", 0), ("item", 7), ("item", 0)]),
+])  # fmt: skip
+def test_the_first_item_is_written_once_unless_the_entry_overwrites_it(
+    entry: list[Json], writes: list[tuple[str, Any]]
+) -> None:
+    list_state: Json = {"each": "items", "as": "item", "initial": "work", "states": {"work": {}}, "entry": entry}
+    chart = Chart(Mission.model_validate({
+        "name": "lists", "initial": "list",
+        "blackboard": {
+            "items": {"type": "list", "initial": [0, 1]},
+            "item": {"type": "integer"}, "n": {"type": "integer", "initial": 0},
+        },
+        "states": {"list": list_state},
+    }))  # fmt: skip
+    assert list(chart.start(0.0).writes) == writes
+    assert chart.active == {"list", "work"}

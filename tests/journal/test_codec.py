@@ -148,3 +148,11 @@ def test_a_row_of_an_earlier_version_is_compared_by_the_fields_that_it_has(step:
 def test_what_no_step_can_be_is_no_step(field: str, value: object) -> None:
     with pytest.raises((ValueError, TypeError)):
         decode({**encode(STEP), field: value})
+
+
+def test_a_write_that_repeats_a_value_of_its_step_counts_for_nothing() -> None:
+    """As in journals of earlier versions, which have the first item of an `each` twice."""
+    once = STEP._replace(writes=(("item", 1), ("n", 1), ("item", 2)))
+    assert difference(once._replace(writes=(("item", 1), ("n", 1), ("item", 1), ("item", 2))), once) == ""
+    assert difference(once._replace(writes=(("item", 1), ("n", 1), ("item", 1.0), ("item", 2))), once) != ""
+    assert difference(once._replace(writes=(*once.writes, ("item", 1))), once) != ""
