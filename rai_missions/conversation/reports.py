@@ -7,11 +7,13 @@ Rule: a report has an identity; its texts may be spoken again, its identity is r
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from typing import Any, Literal, NamedTuple
 
 from rai_missions.conversation.language import Language, spoken
 from rai_missions.conversation.outputs import Priority
+from rai_missions.conversation.settings import Settings
+from rai_missions.conversation.spoken_starts import spoken_start
 from rai_missions.conversation.state_answers import control_text, is_alive, question_text
 from rai_missions.conversation.values import about_words, result_sentences
 from rai_missions.conversation.view import StatusView
@@ -50,12 +52,11 @@ class Reports:
 
     Args:
         language: Their templates.
-        results: The keys whose values are spoken with the end, where they have one.
-        asked_with: The evidence whose text is spoken with a question.
+        settings: What starts are called, and which values are spoken with a question and with the end.
     """
 
-    def __init__(self, language: Language, results: Sequence[str] = (), asked_with: Sequence[str] = ()) -> None:
-        self._language, self._results, self._asked_with = language, results, asked_with
+    def __init__(self, language: Language, settings: Settings) -> None:
+        self._language, self._settings = language, settings
         self._all: dict[str, MissionReport] = {}
         self._run = ""
         self._waiting: MissionReport | None = None
@@ -105,17 +106,31 @@ class Reports:
         if view.mode == "ready" and view.awaits_start:
             yield f"{run}:ready", language.text("report_ready", mission=spoken(view.mission)), "question"
         if view.mode and view.mode != "ready" and not view.awaits_start:
-            about, mission = view.about.strip(), spoken(view.mission)
+            about, mission = self._started_for(view), spoken(view.mission)
             form = "report_start" if about else "report_start_only"
             yield f"{run}:start", language.text(form, mission=mission, about=about), "question"
         for question in view.questions if is_alive(view) else ():
-            text = language.text("report_question", question=question_text(question, language, self._asked_with))
+            text = language.text(
+                "report_question", question=question_text(question, language, self._settings.asked_with)
+            )
             yield f"{run}:question:{question.number}", text, "question"
         if view.mode and not is_alive(view):
             yield f"{run}:end", self._end(view), "end"
 
+    def _started_for(self, view: StatusView) -> str:
+        """What the run is for: its start as the profile calls it, or what its mission does."""
+        offered = next((each.arguments for each in view.missions if each.name == view.mission), ())
+        initial = {key.name: key.value for key in offered}
+        keys = {key.name: key for key in view.keys.values() if key.source == "argument"}
+        given = {
+            name: key.value for name, key in keys.items() if key.value is not None and key.value != initial.get(name)
+        }
+        settings = self._settings
+        called = spoken_start(settings.spoken, settings.names, given, keys, self._language)
+        return f"{called}." if called else view.about.strip()
+
     def _end(self, view: StatusView) -> str:
-        results = result_sentences(self._results, view.keys, self._language)
+        results = result_sentences(self._settings.results, view.keys, self._language)
         why = "" if results and view.mode == "succeeded" else about_words(view.why)
         mode = self._language.word("modes", view.mode)
         text = self._language.text(

@@ -31,7 +31,7 @@ class SpeechSide:
         self._talk = talk
         self._keys = 0
         self._open: dict[str, OutstandingSpeech] = {}
-        self.reports = Reports(talk.language, talk.settings.results, talk.settings.asked_with)
+        self.reports = Reports(talk.language, talk.settings)
 
     def reply(self, name: str, to: Utterance, number: int = 0, /, **values: object) -> Speech:
         """A template of the language, as an answer to a sentence."""
