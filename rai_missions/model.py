@@ -603,8 +603,13 @@ def _attribute_docs(kind: type[Any]) -> dict[str, str]:
     """
     found: dict[str, str] = {}
     for each in reversed(kind.__mro__):
-        found.update(_in_module(each.__module__).get(each.__qualname__, {}) if "__annotations__" in vars(each) else {})
+        found.update(_in_module(each.__module__).get(each.__qualname__, {}) if _annotates(each) else {})
     return found
+
+
+def _annotates(kind: type[Any]) -> bool:
+    """Whether a class itself is annotated; from Python 3.14 on by a function, unless its module postpones that."""
+    return "__annotations__" in vars(kind) or getattr(kind, "__annotate__", None) is not None
 
 
 @cache

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import importlib
 import inspect
 import pydoc
 import re
@@ -82,11 +83,22 @@ def test_help_states_the_unit_of_every_number_that_has_one(kind: Any) -> None:
 def test_help_is_what_a_person_reads() -> None:
     text = pydoc.plain(pydoc.render_doc(Action))
     one_line = re.sub(r"\n \|\s+", " ", text).replace("( ", "(")  # from Python 3.13 each word has a line of its own
-    assert "Action(action: 'str', *, goal: 'Mapping[str, Value]' = {}" in one_line
+    one_line = one_line.replace("'", "")  # until Python 3.13 a type is quoted
+    assert "Action(action: str, *, goal: Mapping[str, Value] = {}" in one_line
     assert "    cancel_s: Seconds that the end of a canceled goal may take to be confirmed" in text
     assert "    timeout_s: Seconds after which it reports `timed_out` and the goal is canceled." in text
     assert "*given" not in text
     assert Action.summary() == "Pursues a goal. Its success counts only while `achieved` is true."
+
+
+def test_help_explains_the_words_of_a_module_that_postpones_no_annotations(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    imported = "from rai_missions.model import MissionModel, Seconds"
+    text = f'{imported}\n\nclass Wait(MissionModel):\n    for_s: Seconds\n    """Seconds."""\n'
+    (tmp_path / "eager_words.py").write_text(text, encoding="utf-8")
+    monkeypatch.syspath_prepend(str(tmp_path))
+    assert importlib.import_module("eager_words").Wait.meanings()["for_s"] == "Seconds."
 
 
 @pytest.mark.parametrize("function", [On, When, After, Ref.near, Ref.is_in])
