@@ -16,7 +16,8 @@ from collections.abc import Iterator
 from typing import Any
 
 import pytest
-from hypothesis import HealthCheck, Phase, settings
+from hypothesis import HealthCheck, Phase, given, settings
+from hypothesis import strategies as st
 
 pytest_plugins = ("tests.limits",)
 
@@ -98,6 +99,11 @@ def is_on_ros(item: pytest.Item) -> bool:
     return bool(ON_ROS & set(getattr(item, "fixturenames", ()))) or item.path.name == "test_ros2.py"
 
 
+@given(st.none())
+def draw_nothing(nothing: None) -> None:
+    """With its first example hypothesis looks for who keeps its source of chance, and not among what is frozen."""
+
+
 @pytest.hookimpl(wrapper=True)
 def pytest_collection() -> Iterator[None]:
     """Nearly all that is loaded stays: no search for garbage meanwhile, and none of it in what was loaded later."""
@@ -105,6 +111,7 @@ def pytest_collection() -> Iterator[None]:
     try:
         return (yield)
     finally:
+        draw_nothing()
         gc.collect()
         gc.freeze()
         gc.enable()

@@ -56,7 +56,7 @@ def test_python_is_refused_unexecuted_where_it_is_not_wanted(tmp_path: Path) -> 
     ("text", "sentence"),
     [
         ("x = 1\ndef f(:\n", "/: line 2: not Python: invalid syntax"),
-        (b"\xff\xfe", "/: line 1: not Python: (unicode error) 'utf-8' codec can't decode byte 0xff"),
+        (b"\xff\xfe", "/: line 1: not Python: "),  # in words of Python's own, which differ from 3.14 on
         (b"x = 1\0", "/: line 1: not Python: source code "),
         ("x = 1\n\nx = {}['a']\n", "/: line 3: KeyError: 'a'"),
         ("import sys\nsys.exit(3)", "/: line 2: SystemExit: 3"),
