@@ -32,7 +32,7 @@ def test_the_scripted_person_is_answered_in_three_ways_and_its_orders_are_carrie
     scene = talk.SCENES[name]._replace(sentences=short, speed=2.0)
     result = talk.play(scene, lines.append)
     shown = "\n".join(lines)
-    assert result.outcome == "canceled"
+    assert result.outcome == "canceled", shown
     for way in ("by rule", "by a model", "knows no answer"):
         assert f"robot, {way}" in shown, shown
     assert "paused by operator" in shown and shown.count("was canceled") == 1
