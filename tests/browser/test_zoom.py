@@ -134,6 +134,21 @@ def test_the_nearer_the_more_is_drawn_and_no_label_is_crossed_or_covered(opened:
     assert window.evaluate(NAMES) == fitted
 
 
+def test_a_chart_that_was_fitted_is_fitted_again_when_its_window_is_resized(opened: Open) -> None:
+    window = opened(review(tractor()), viewport=SCREEN)
+    for width, height in ((1000, 640), (1600, 700)):
+        window.set_viewport_size({"width": width, "height": height})
+        until(window, f"innerWidth === {width} && {NAMES}.inside")
+        assert window.evaluate(NAMES)["least"] >= LEAST_PX
+    for key in ("+", "ArrowLeft"):
+        window.keyboard.press(key)
+    moved = window.evaluate("review.chart.gestures.at")
+    window.set_viewport_size(SCREEN)
+    until(window, f"innerWidth === {SCREEN['width']}")
+    window.evaluate("() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))")
+    assert window.evaluate("review.chart.gestures.at") == moved, "what was moved by hand stays where it is"
+
+
 def test_what_is_under_the_pointer_stays_when_more_is_drawn(opened: Open) -> None:
     window = opened(review(tractor()), viewport=SCREEN)
     form = FORM.replace("NAME", "returning")

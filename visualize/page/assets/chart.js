@@ -24,8 +24,9 @@ class Chart {
     this.gestures = new Gestures(this.svg, this.layer,
       { size: () => this.size, zoomed: (x, y) => this.refine(x, y), moved: () => this.within() });
     Object.assign(this, { view: null, size: { w: 1, h: 1 }, groups: new Map(), arrows: [], level: 0, turned: false,
-      plans: null, plan: null, work: null });
+      plans: null, plan: null, work: null, sight: null });
     this.openFirst();
+    new ResizeObserver(() => this.resized()).observe(this.svg);
   }
 
   /** Which states carry a fault, and its sentences. */
@@ -346,8 +347,10 @@ class Chart {
     const ways = levels.map((level) => this.around(names, level, room));
     const way = ways.find((each) => each && each.whole) || ways.find((each) => each && each.level === WHOLE_NAMES)
       || ways[0];
-    if (way) this.draw((plans) => plans.making(way.level, this.turned, room),
-      () => this.gestures.frame(way, room, LEVELS[way.level].most));
+    if (way) this.draw((plans) => plans.making(way.level, this.turned, room), () => {
+      this.gestures.frame(way, room, LEVELS[way.level].most);
+      this.keep(() => this.frame(names));
+    });
   }
 
   /** Where states are at a level: as many of a list, from its beginning, as can be read together. */
@@ -383,14 +386,35 @@ class Chart {
 
   /** All of it, in as much detail as can be read; with a least scale, and on a phone, what is active where all cannot
    *  be read. */
-  fit(least = this.isNarrow()) {
+  fit(asked) {
     this.draw((plans, room) => plans.fitting(room), () => {
+      const least = asked ?? this.isNarrow();
       const { most } = LEVELS[this.level], room = this.room(), [active] = [...this.state.active].reverse();
       const readable = scaleOf(this.plan, room) >= readableIn(this.level, room) ? readableIn(this.level, room)
         : readableCut(this.level, room);
       this.gestures.fit(least ? readable : 0, least ? this.place(active || this.first()) : null,
         { most, margin: room.margin });
+      this.keep(() => this.fit(asked));
     });
+  }
+
+  /** Remembers how what is in view was found, until it is moved by hand. */
+  keep(again) {
+    this.sight = { again, size: this.measure(), at: this.gestures.at };
+  }
+
+  measure() {
+    const { width, height } = this.svg.getBoundingClientRect();
+    return `${width} ${height}`;
+  }
+
+  /** The window was resized or turned: what was in view and not moved by hand is brought into view again. */
+  resized() {
+    if (!this.sight || this.svg.hasAttribute("viewBox")) return;
+    const { again, size, at } = this.sight;
+    if (size === this.measure() || at !== this.gestures.at) return;
+    if (!this.work) this.plans = this.planned(); // a layout is made for the window's proportions
+    again();
   }
 
   /** All of it, in a box that is scaled to the paper's: it is laid out for the screen's. */

@@ -15,6 +15,11 @@ class Gestures {
     svg.addEventListener("click", (event) => { if (this.dragged) event.stopPropagation(); }, true);
   }
 
+  /** What part of the chart is seen, to compare. */
+  get at() {
+    return `${this.x} ${this.y} ${this.scale}`;
+  }
+
   apply() {
     this.layer.setAttribute("transform",
       `translate(${this.x.toFixed(2)},${this.y.toFixed(2)}) scale(${this.scale.toFixed(4)})`);
