@@ -109,6 +109,18 @@ def test_at_fit_all_names_are_read(name: str, opened: Open) -> None:
     assert window.evaluate(MEETING) == []
 
 
+def test_where_arrows_are_left_out_their_target_has_a_tip_that_counts_them(opened: Open) -> None:
+    window = opened(review(flat(200)), viewport={"width": 1000, "height": 640})
+    assert window.evaluate("review.chart.view.signs") is False
+    tips = """[...document.querySelectorAll('.state > .unseen')].map((tip) =>
+      [tip.parentNode.dataset.state, tip.textContent])"""
+    assert window.evaluate(tips) == [["lost", "198 more transitions lead to lost; zoom in"]]
+    assert window.is_visible("#legend .unseen")
+    window.set_viewport_size(SCREEN)
+    until(window, "review.chart.view.signs")
+    assert window.evaluate(tips) == [] and not window.is_visible("#legend .unseen")
+
+
 def test_the_nearer_the_more_is_drawn_and_no_label_is_crossed_or_covered(opened: Open) -> None:
     run = run_of_steps(tractor_path())
     window = opened(review(tractor(), runs=[run]), viewport=SCREEN)

@@ -174,6 +174,7 @@ class Chart {
     this.svg.dataset.detail = LEVELS[plan.level].word;
     this.svg.toggleAttribute("data-dots",
       !LEVELS[plan.level].triggers && [...allItems(view.root)].some((item) => item.kind === "stub"));
+    this.svg.toggleAttribute("data-unseen", [...allItems(view.root)].some((item) => item.unseen));
     this.layer.replaceChildren(...borders, ...lines, ...boxes);
     this.show({});
   }

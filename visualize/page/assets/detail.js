@@ -8,7 +8,7 @@ const NAME = 13, LEAST_NAME = 11, LEAST_NARROW = 10, LEAST_TOGETHER = 9, HYSTERE
 
 /** Coarse to fine. `limit`, `lines`: of a name; `whole`: a word that is wider than the limit, but not than this, is not
  *  cut; `area`: what a state takes at least; `readable`: the least scale. Without `signs` arrows that would
- *  end in a name, since very many lead there or it is far, are left out. */
+ *  end in a name, since very many lead there or it is far, are left out; where they lead is a tip without a line. */
 const LEVELS = [
   { word: "shortest names", lines: 1, limit: 44, area: 1200, readable: LEAST_NAME / NAME, most: 1.6, row: 8, apart: 8,
     close: 6, gutter: 16, edge: 6 },

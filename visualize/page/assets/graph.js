@@ -22,6 +22,11 @@ class Model {
     for (const transition of data.transitions) push(this.transitions, transition.place, transition);
   }
 
+  /** Whether so many arrows lead to some state that far away they are left out. */
+  get hasHubs() {
+    return [...this.here.values()].some((into) => into.length > HUB);
+  }
+
   /** The states around one, outermost first, itself last. */
   chain(name) {
     const found = [];
@@ -106,7 +111,7 @@ class View {
   }
 
   item(scope, kind, name) {
-    const item = { kind, name, scope, inner: null, w: 0, h: 0, rank: 0, x: 0, y: 0, order: 0 };
+    const item = { kind, name, scope, inner: null, w: 0, h: 0, rank: 0, x: 0, y: 0, order: 0, unseen: 0 };
     scope.items.push(item);
     return item;
   }
@@ -145,7 +150,7 @@ class View {
       bundle.quiet = Boolean(bundle.option);
       if ((into.get(bundle.to) > HUB && bundle.from.kind !== "any") || this.farAway.has(bundle.key)) {
         if (this.signs) this.stub(bundle);
-        else found.delete(bundle.key);
+        else this.leaveOut(found, bundle);
       }
     }
     for (const [parent, target] of this.model.data.initials) {
@@ -171,6 +176,12 @@ class View {
       bends -= span;
     }
     return found;
+  }
+
+  /** An arrow that has no room; its target has a sign instead, which counts its transitions. */
+  leaveOut(found, bundle) {
+    found.delete(bundle.key);
+    bundle.to.unseen += bundle.transitions.length;
   }
 
   start(scope, parent) {

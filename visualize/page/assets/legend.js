@@ -28,6 +28,9 @@ class Legend {
     items.push(make("li", { class: "dots" },
       draw("svg", { class: "key", width: 26, height: 20, "aria-hidden": "true" }, draw("path", { d: "M2,10H16" }), dot),
       "leads elsewhere; its name: zoom in"));
+    if (new Model(data.chart).hasHubs) items.push(make("li", { class: "unseen" },
+      draw("svg", { class: "key", width: 26, height: 20, "aria-hidden": "true" }, draw("path", { d: tipAt(16, 10) })),
+      "many arrows lead here: zoom in"));
     host.replaceChildren(make("ul", {}, items));
   }
 

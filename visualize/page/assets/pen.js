@@ -53,9 +53,16 @@ class Pen {
     if (this.detail.triggers) group.append(
       draw("text", { class: "count", x: item.box.w - (holder ? KNOB + 6 : 6), y: PAD + NAME - 3,
         "text-anchor": "end" }));
-    group.append(this.badge(item));
+    group.append(this.badge(item), item.unseen ? this.tip(item) : "");
     this.made.groups.set(item.name, group);
     return group;
+  }
+
+  /** The tip of the arrows that are left out. */
+  tip(item) {
+    const count = item.unseen === 1 ? "1 more transition leads" : `${item.unseen} more transitions lead`;
+    return draw("g", { class: "unseen" }, draw("title", {}, `${count} to ${item.name}; zoom in`),
+      draw("path", { d: tipAt(0, item.h / 2) }));
   }
 
   badge(item) {

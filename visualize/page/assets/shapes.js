@@ -53,6 +53,11 @@ function treeParts(box) {
       texts(each.texts, 7, 2))))];
 }
 
+/** The tip of an arrow that leads to the right, to a point. */
+function tipAt(x, y) {
+  return `M${x - 8},${y - 5}L${x},${y}L${x - 8},${y + 5}Z`;
+}
+
 function markers() {
   return draw("defs", {}, draw("marker",
     { id: "tip", viewBox: "0 0 8 8", refX: 7.2, refY: 4, markerWidth: 8, markerHeight: 8, markerUnits: "userSpaceOnUse",
