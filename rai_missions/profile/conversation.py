@@ -6,6 +6,7 @@ Rule: it grants orders to roles. Which role a person has, the door through which
 
 from __future__ import annotations
 
+import re
 from typing import Annotated, Literal, get_args
 
 from pydantic import Field, ValidationInfo, field_validator
@@ -26,6 +27,7 @@ Keys = Annotated[tuple[Name, ...], LISTED]
 WhileAnswering = Literal["queue", "last", "interrupt"]
 
 
+BELOW = re.compile(r"(?:/[A-Za-z_][A-Za-z0-9_]*)*")
 Span = Annotated[tuple[Number, Number], LISTED]
 
 
@@ -84,6 +86,15 @@ class ConversationPolicy(MissionModel):
     """Keys whose values are spoken with the end of a mission, where they have one; those that it lacks are left out."""
     hri: Bool = False
     """Whether it receives messages on `/from_human`, of persons, and reports on `/to_human`."""
+    hri_below: Text = ""
+    """Where these two topics are: `/alpha` for `/alpha/from_human`, so that a person addresses one robot of several."""
+
+    @field_validator("hri_below")
+    @classmethod
+    def _is_a_namespace(cls, below: str) -> str:
+        if not BELOW.fullmatch(below):
+            raise fault("hri_below", f"'{below}' is no beginning of a topic's name; write it like '/alpha'")
+        return below
 
     @field_validator("may")
     @classmethod

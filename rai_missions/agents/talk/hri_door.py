@@ -37,12 +37,14 @@ class HRIDoor:
     Args:
         hri: Carries them.
         name: The robot's, in what it sends.
+        below: What the names of the topics begin with, as `/alpha`.
     """
 
     channel, is_aloud, is_open = CHANNEL, False, True
 
-    def __init__(self, hri: HRIConnector, name: str = "") -> None:
+    def __init__(self, hri: HRIConnector, name: str = "", *, below: str = "") -> None:
         self._hri, self._name = hri, cut(name, 200)
+        self._from, self._to = below + FROM_HUMAN, below + TO_HUMAN
 
     def open(self, take: TakesSentence) -> None:
         """Receive from now on."""
@@ -50,9 +52,9 @@ class HRIDoor:
         def receive(message: HRIMessage) -> None:
             author, number = message.name, message.communication_id
             if why := take(message.text, role="person", channel=CHANNEL, author=author, message_id=number):
-                log.warning("a message on %s is not taken: %s", FROM_HUMAN, why)
+                log.warning("a message on %s is not taken: %s", self._from, why)
 
-        self._hri.listen(FROM_HUMAN, receive)
+        self._hri.listen(self._from, receive)
 
     def close(self) -> None:
         """Receive no more."""
@@ -61,9 +63,9 @@ class HRIDoor:
     def speak(self, speech: Speech, on_end: OnSpoken) -> None:
         """Publish; whether anyone was reached, no topic reports."""
         try:
-            self._hri.send(HRIMessage(speech.text, author="ai", name=self._name), TO_HUMAN)
+            self._hri.send(HRIMessage(speech.text, author="ai", name=self._name), self._to)
         except MissionError as error:
-            log.warning("%s: %s", TO_HUMAN, cut(error, 200))
+            log.warning("%s: %s", self._to, cut(error, 200))
             on_end("failed")
         else:
             on_end("whole")

@@ -160,7 +160,9 @@ class TalkSession:
         if not connector.running:
             connector.start()
             prepared.closing.closes(connector.stop)
-        self._hri = HRIDoor(HRIConnector(connector), name)
+        self._hri = HRIDoor(
+            HRIConnector(connector), name, below=self._policy.hri_below if self._policy is not None else ""
+        )
         return self._hri
 
     def type(self, text: str) -> str:

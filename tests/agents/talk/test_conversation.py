@@ -349,6 +349,26 @@ def test_a_person_on_the_topic_asks_and_stops_and_orders_nothing_else() -> None:
     connector.stop()
 
 
+def test_a_person_addresses_one_robot_of_two_by_where_its_topics_are() -> None:
+    connector, received = LocalConnector(), {name: Inbox[HRIMessage]() for name in ("/alpha", "/beta")}
+    connector.start()
+    person, taken = HRIConnector(connector), list[tuple[str, str]]()
+    doors = {name: HRIDoor(HRIConnector(connector), name[1:], below=name) for name in received}
+    for name, door in doors.items():
+        person.listen(f"{name}{TO_HUMAN}", received[name])
+        door.open(lambda text, name=name, **_: taken.append((name, text)) or "")  # type: ignore[misc]
+    for text in ("stop", "what are you doing?"):
+        person.send(HRIMessage(text), f"/beta{FROM_HUMAN}")
+    doors["/alpha"].speak(Speech("1", "I am waiting."), lambda _: None)
+    received["/alpha"].wait(lambda all_: [each.text for each in all_] == ["I am waiting."], "alpha's reply")
+    for door in doors.values():
+        door.close()
+    person.close()
+    connector.stop()
+    assert taken == [("/beta", "stop"), ("/beta", "what are you doing?")]
+    assert received["/beta"].all == []
+
+
 def test_a_model_that_asks_for_a_flood_of_tools_looks_at_nothing_and_the_person_is_answered() -> None:
     looked: list[str] = []
 
