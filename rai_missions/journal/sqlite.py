@@ -190,15 +190,13 @@ def open_again(path: Path) -> sqlite3.Connection:
     is_new = _length(log_of(path)) <= REST_BYTES
     connection = _connected(path, new=False)
     if is_new:
-        for pragma in ("synchronous=OFF", "wal_autocheckpoint=0"):
-            connection.execute(f"PRAGMA {pragma}").fetchall()
+        _set(connection, "synchronous=OFF", "wal_autocheckpoint=0")
     return connection
 
 
 def end_of_opening(connection: sqlite3.Connection) -> None:
     """The log has its header: what is moved from it into the file waits for the disk."""
-    for pragma in ("synchronous=NORMAL", f"wal_autocheckpoint={CHECKPOINT_PAGES}"):
-        connection.execute(f"PRAGMA {pragma}").fetchall()
+    _set(connection, "synchronous=NORMAL", f"wal_autocheckpoint={CHECKPOINT_PAGES}")
 
 
 def _connected(path: Path, *, new: bool) -> sqlite3.Connection:
@@ -208,17 +206,24 @@ def _connected(path: Path, *, new: bool) -> sqlite3.Connection:
     )  # fmt: skip
     try:
         connection.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, LONGEST_BYTES)
-        for pragma in ("locking_mode=EXCLUSIVE", "journal_mode=WAL", "synchronous=NORMAL", "trusted_schema=OFF"):
-            connection.execute(f"PRAGMA {pragma}").fetchall()
+        _set(connection, "locking_mode=EXCLUSIVE", "journal_mode=WAL", "synchronous=NORMAL", "trusted_schema=OFF")
         if new:
             marks = [f"PRAGMA application_id={APPLICATION}", f"PRAGMA user_version={FORMAT}"]
             connection.executescript("; ".join(["BEGIN", *marks, *TABLES.values(), "COMMIT"]))
-        for pragma in (f"cache_size={FEW_PAGES}", "shrink_memory"):  # what is set aside already is for 20 pages
-            connection.execute(f"PRAGMA {pragma}").fetchall()
+        _set(connection, f"cache_size={FEW_PAGES}", "shrink_memory")  # what is set aside already is for 20 pages
     except BaseException:
         connection.close()
         raise
     return connection
+
+
+def _set(connection: sqlite3.Connection, *pragmas: str) -> None:
+    """Set what a connection is to do.
+
+    As a script, for which Python's lock is given up once a pragma. `execute` does so six times, and a thread that
+    writes rows waits for the lock each time, behind all runs of the process.
+    """
+    connection.executescript("".join(f"PRAGMA {pragma};" for pragma in pragmas))
 
 
 def close_to_rest(connection: sqlite3.Connection, path: Path) -> None:
@@ -255,7 +260,7 @@ def _length(log: Path) -> int:
 
 def widen(connection: sqlite3.Connection) -> None:
     """Give a connection that writes pictures SQLite's own amount of memory; a picture takes longer without."""
-    connection.execute(f"PRAGMA cache_size={MANY_PAGES}").fetchall()
+    _set(connection, f"cache_size={MANY_PAGES}")
 
 
 def out_of_files() -> str:
