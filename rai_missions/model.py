@@ -306,7 +306,7 @@ class MissionModel(Model):  # noqa: PLW1641 - pydantic gives a frozen model its 
             super().__init__(**words)
         except ValidationError as error:
             known = list(inspect.signature(kind.__init__).parameters)[1:] if "__init__" in vars(kind) else ()
-            raise DefinitionError(faults_of(error, kind, words, known), f"{kind.__name__}(…)") from None
+            raise DefinitionError(faults_of(error, kind, words, known), _called(kind, given)) from None
 
     # Else pydantic takes what is inside another model through here too, and JSON could use Python's names.
     __init__.__pydantic_base_init__ = True  # type: ignore[attr-defined]
@@ -397,6 +397,11 @@ class MissionModel(Model):  # noqa: PLW1641 - pydantic gives a frozen model its 
     def written(self) -> dict[str, Any]:
         """As JSON has it: aliases, and no word that has its default."""
         return self.model_dump(mode="json")
+
+
+def _called(kind: type[MissionModel], given: Sequence[Any]) -> str:
+    """A call as a fault names it; where several values were given by position, with their order."""
+    return f"{kind.__name__}({', '.join((*kind.positional, '…')) if len(given) > 1 else '…'})"
 
 
 def _too_many(kind: type[MissionModel], given: Sequence[Any]) -> str:

@@ -135,6 +135,12 @@ def test_a_wrong_word_is_refused_with_the_right_one(wrong: Any, fault: str) -> N
     assert fault in str(reported.value)
 
 
+def test_what_is_given_in_the_wrong_order_is_refused_with_the_right_one() -> None:
+    with pytest.raises(DefinitionError) as reported:
+        tree.Repeat(3, tree.Wait(1))  # type: ignore[arg-type]
+    assert "Repeat(child, num_success, …): /child: a tree node is an object, not 3" in str(reported.value)
+
+
 def test_a_wrong_attribute_is_reported_with_the_right_one() -> None:
     with pytest.raises(AttributeError) as reported:
         Action("go").timeout  # noqa: B018
