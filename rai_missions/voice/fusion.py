@@ -4,7 +4,8 @@
 The evidence of both for a phrase is added, as logarithms of likelihood ratios are, and that of the letters of the free
 text: "close the mission" is nearer to "pause the mission" than "open it" is. A phrase counts where the sum is
 large, and larger than that of any other, and where the turn lasted as long as the phrase can. The second agrees where
-it holds the phrase for one of the two most probable. What is read as "no" and is too short for it is no word.
+it holds the phrase for one of the two most probable. What is read as "no" and is too short for it is no word; nor is a
+phrase of one word that the second takes for others, but for "stop".
 
 Another phrase for which both have evidence, or the first has more, may have been meant as well, and is a reading, too:
 "start the mission" is nearer to "pause the mission" by some voices. Which is meant is decided where orders are judged.
@@ -36,11 +37,13 @@ LEAST_FIRST_OF_ANY = min(LEAST_FIRST, LEAST_STOP_FIRST)
 """With less of the first's own, no phrase counts."""
 SHORTEST_S, LONGEST_S = (0.18, 0.03), (0.5, 0.08)
 """How long a phrase lasts, in seconds, and so many more for each of its letters."""
-LONGEST_STOP_S, LEAST_DRAWN_OUT = 0.56, 4.0
-"""How long "stop" lasts. It may be drawn out where the second agrees, or the first's own comes to so many nats."""
 LEAST_AGREED_S = 0.24
-"""So short may "stop" be where the second agrees or the first's own comes to `LEAST`, and any phrase that both read
-freely."""
+"""So short may "stop" be with evidence enough, and any phrase that both read freely."""
+STOP_S, LONGER_STOP_S = (0.3, 0.37), 0.56
+"""How long "stop" lasts: it needs no more evidence then. How long it may be drawn out where the second disagrees."""
+LEAST_SHORT, LEAST_LONG, LEAST_DRAWN_OUT = 3.5, 3.0, 4.0
+"""What the first's own evidence for "stop" must come to in a sound that is shorter, where the second agrees; longer;
+drawn out. Other speech that is nearest to "stop" has seldom as much."""
 PAUSE = "pause"
 LIKENESS, NO_LIKENESS, NO_TEXT = 6.0, 0.5, -1.5
 """Nats for the share of letters that a free text has in common with a phrase, the share that is no evidence, and nats
@@ -79,6 +82,8 @@ def fused(
         spoken_s: From the first frame of speech to the end of the last, in seconds; None where that is unknown.
     """
     plain = " ".join("".join(each if each.isalnum() or each == "'" else " " for each in text.lower()).split())
+    if plain in phrases and _is_denied(plain, second):
+        return FusedTurn("")
     phrase = plain if plain in phrases else _phrase(plain, first, second, phrases)
     if phrase and (
         spoken_s is None
@@ -92,17 +97,34 @@ def fused(
     return FusedTurn(text, (text,)) if plain else FusedTurn("")
 
 
+def _is_denied(phrase: str, second: Mapping[str, float]) -> bool:
+    """Whether the second takes a phrase of one word, which the first reads freely, for others alone."""
+    return bool(second) and phrase not in second and phrase not in STOPS and " " not in phrase
+
+
 def _can_last(phrase: str, spoken_s: float, own: float, *, is_read: bool, is_agreed: bool) -> bool:
     """Whether a turn is long enough for a phrase, and no longer unless it was read freely; `own` is the first's."""
-    letters = sum(each.isalpha() for each in phrase)
-    least, most = (base + each * letters for base, each in (SHORTEST_S, LONGEST_S))
     if phrase in STOPS and is_read:
         return True
-    if (is_agreed and (is_read or phrase == STOP)) or (phrase == STOP and own >= LEAST):
-        least = LEAST_AGREED_S
     if phrase == STOP:
-        most = math.inf if is_agreed or own >= LEAST_DRAWN_OUT else LONGEST_STOP_S
+        return own >= _least_of_stop(spoken_s, is_agreed=is_agreed)
+    letters = sum(each.isalpha() for each in phrase)
+    least, most = (base + each * letters for base, each in (SHORTEST_S, LONGEST_S))
+    if is_agreed and is_read:
+        least = LEAST_AGREED_S
     return least <= spoken_s and (spoken_s <= most or is_read)
+
+
+def _least_of_stop(spoken_s: float, *, is_agreed: bool) -> float:
+    """What the first's own evidence must come to for a sound of that length to be "stop"."""
+    shortest, longest = STOP_S
+    if spoken_s < LEAST_AGREED_S:
+        return math.inf
+    if spoken_s < shortest:
+        return LEAST_SHORT if is_agreed else LEAST
+    if spoken_s <= longest:
+        return LEAST_STOP_FIRST
+    return LEAST_LONG if is_agreed or spoken_s <= LONGER_STOP_S else LEAST_DRAWN_OUT
 
 
 def _phrase(plain: str, first: Mapping[str, float], second: Mapping[str, float], phrases: Sequence[str]) -> str:

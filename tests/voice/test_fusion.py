@@ -26,7 +26,7 @@ def test_a_phrase_is_read_freely_or_has_evidence_and_the_second_alone_makes_none
     same = found.readings.count(found.text)
     assert same == (0 if not found.text else 2 if found.text in second else 1)
     assert found.readings == (found.text,) * same + found.readings[same:]
-    assert fused(text, {}, second, PHRASES).text in (text, "yes")
+    assert fused(text, {}, second, PHRASES).text in (text, "yes" if "yes" in second or not second else "")
 
 
 @given(evidence, votes)
@@ -78,12 +78,25 @@ def test_a_turn_that_is_too_short_or_too_long_for_a_phrase_is_none() -> None:
     assert alone == ["", "stop", "stop", ""], "longer where the second disagrees and the first is less sure"
 
 
-def test_a_longer_sound_is_stop_where_the_second_agrees_or_the_first_has_more_evidence() -> None:
-    read = [
-        fused("Just have", {"stop": own}, second, PHRASES, spoken_s).text
-        for spoken_s, own, second in ((0.5, 2.7, {}), (0.6, 2.7, {}), (0.6, 2.7, {"stop": 1.0}), (0.6, 4.2, {}))
-    ]
-    assert read == ["stop", "Just have", "stop", "stop"]
+def test_a_sound_that_is_shorter_or_longer_than_stop_needs_more_evidence_for_it() -> None:
+    agreed = {"stop": 1.0}
+    cases = (
+        (0.26, 3.2, agreed, False), (0.26, 4.2, agreed, True), (0.26, 4.2, {}, False), (0.35, 2.7, {}, True),
+        (0.5, 2.7, agreed, False), (0.5, 3.2, {}, True), (0.6, 3.2, {}, False), (0.6, 3.2, agreed, True),
+        (0.6, 4.2, {}, True),
+    )  # fmt: skip
+    for spoken_s, own, second, is_stop in cases:
+        found = fused("Just have", {"stop": own}, second, PHRASES, spoken_s).text
+        assert found == ("stop" if is_stop else "Just have"), (spoken_s, own, second)
+
+
+def test_one_word_that_the_second_takes_for_others_is_no_phrase_but_stop_is() -> None:
+    others, phrases = {"no": 2.0, "resume the mission": 1.0}, (*PHRASES, "wait")
+    assert fused("Wait.", {"wait": 20.0}, others, phrases) == ("", ())
+    assert fused("Wait.", {"wait": 20.0}, {}, phrases) == ("wait", ("wait",)), "it may have found nothing, or be none"
+    assert fused("Wait.", {"wait": 20.0}, {**others, "wait": 1.0}, phrases).text == "wait"
+    assert fused("Stop.", {"stop": 20.0}, others, phrases).text == "stop"
+    assert fused("Cancel the mission.", {"cancel the mission": 20.0}, others, phrases).text == "cancel the mission"
 
 
 def test_two_phrases_that_are_as_probable_are_none() -> None:
