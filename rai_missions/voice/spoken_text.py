@@ -7,11 +7,14 @@ Rule: every text that was added ends exactly once: whole, cut or failed.
 from __future__ import annotations
 
 import re
+import textwrap
 from collections.abc import Callable
 from typing import Literal, NamedTuple, get_args
 
-__all__ = ("PRIORITIES", "SpeechQueue", "SpokenEnd", "SpokenText", "sentences")
+__all__ = ("MOST_LETTERS", "PRIORITIES", "SpeechQueue", "SpokenEnd", "SpokenText", "sentences")
 
+MOST_LETTERS = 200
+"""Of what is spoken in one piece: a voice takes longer than its letters for a longer one, and begins later."""
 SpeechPriority = Literal["end", "question", "answer", "chatter"]
 PRIORITIES: tuple[SpeechPriority, ...] = get_args(SpeechPriority)
 """What is spoken first: the mission's end, questions, answers, the rest."""
@@ -62,5 +65,7 @@ class SpeechQueue:
 
 
 def sentences(text: str) -> list[str]:
-    """The sentences of a text, to be spoken one by one."""
-    return [each for each in re.split(r"(?<=[.!?])\s+", text.strip()) if re.search(r"\w", each)]
+    """The sentences of a text, to be spoken one by one; a longer one in parts, between its words where it has any."""
+    whole = [each for each in re.split(r"(?<=[.!?])\s+", text.strip()) if re.search(r"\w", each)]
+    parts = (textwrap.wrap(each, MOST_LETTERS) if len(each) > MOST_LETTERS else [each] for each in whole)
+    return [part for each in parts for part in each if re.search(r"\w", part)]

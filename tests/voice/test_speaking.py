@@ -19,7 +19,7 @@ from rai_missions.connectors.sound.room import RoomSound
 from rai_missions.errors import UsageError
 from rai_missions.testing import Inbox, check_agent
 from rai_missions.voice.listener import Transcript
-from rai_missions.voice.spoken_text import PRIORITIES, SpeechQueue, SpokenText, sentences
+from rai_missions.voice.spoken_text import MOST_LETTERS, PRIORITIES, SpeechQueue, SpokenText, sentences
 from tests.voice.conftest import needs_voice, spoken
 
 TEXTS = st.lists(st.sampled_from(PRIORITIES), max_size=20)
@@ -50,6 +50,15 @@ def test_what_is_dropped_and_what_stays_are_all(priorities: list[str], which: st
 def test_sentences_lose_no_letter(texts: list[str]) -> None:
     text = " ".join(texts)
     assert "".join(sentences(text)).replace(" ", "").replace("\n", "").count("a") == text.count("a")
+
+
+@given(st.text(alphabet="ab \n", min_size=1, max_size=900))
+def test_what_is_spoken_in_one_piece_is_short_and_is_divided_between_words(text: str) -> None:
+    found = sentences(text)
+    assert all(len(each) <= MOST_LETTERS for each in found) or len(text.strip()) <= MOST_LETTERS
+    if max(map(len, text.split()), default=0) <= MOST_LETTERS:
+        assert [word for each in found for word in each.split()] == text.split()
+    assert sentences("a" * 4000) == ["a" * MOST_LETTERS] * (4000 // MOST_LETTERS)
 
 
 class Stage:
