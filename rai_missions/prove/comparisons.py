@@ -59,8 +59,9 @@ class Comparisons:
                 self.atoms.setdefault(each.each, [])
         self.steps: dict[str, set[float]] = {}
         """Key → what is added to it."""
+        self.met: set[tuple[str, str, str]] = set()
+        """Path, operator and path of each comparison of two; the operator is empty where it is not known."""
         self._copied: set[str] = set()
-        self._met: set[str] = set()
         self._odd: set[str] = set()
         for guard in (*guards_in(mission), *guards_in(terms.succeeded), *guards_in(terms.failed)):
             guard.distinguish(self)
@@ -87,7 +88,7 @@ class Comparisons:
         self.atoms.setdefault(path, [])
         self.atoms.setdefault(other, [])
         self._join(path, other)
-        self._met |= {path, other}
+        self.met.add((path, op, other))
         self._odd |= {path} if op == "in" else set()
 
     def measure(self, path: str, other: str, within_m: float) -> None:
@@ -195,7 +196,7 @@ class Comparisons:
 
     def _reckoned(self) -> Iterator[str]:
         """Numbers that are compared with a key that is counted or copied, and poses with several distances."""
-        for path in self._met:
+        for path in {each for one, _, other in self.met for each in (one, other)}:
             kin = self.kin_of(path)
             if kin & (self.steps.keys() | self._copied) and self.kind_of(path) not in ("boolean", "string"):
                 yield path

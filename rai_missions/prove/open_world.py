@@ -13,7 +13,7 @@ from typing import Any
 from rai_missions.engine import Chart
 from rai_missions.engine.activities.computing import ComputedResult
 from rai_missions.engine.nodes import CompiledGuard, Node
-from rai_missions.guards.guard import Truth
+from rai_missions.guards.guard import Site, Truth
 from rai_missions.keys import Stamped
 from rai_missions.mission.mission import Mission
 from rai_missions.prove.comparisons import Comparisons
@@ -22,7 +22,8 @@ from rai_missions.prove.nondeterminism import Choices, OpenBoard, OpenFields
 from rai_missions.prove.open_rounds import OpenRounds, list_name
 from rai_missions.prove.open_sight import OpenSight, Sights
 from rai_missions.prove.parts import guards_in, parts, writes_in
-from rai_missions.prove.representatives import Values
+from rai_missions.prove.questions import questions
+from rai_missions.prove.representatives import SCALARS, Values
 from rai_missions.states.action import Action
 from rai_missions.states.call import Call
 from rai_missions.states.tree.leaves import ActionLeaf, CallLeaf
@@ -84,6 +85,14 @@ class OpenWorld:
         self.facts = self._facts()
         """The keys that rest on what the robot, its servers and services report."""
         self._assume()
+        scalars = (key for key in self.fleeting if keys[key].type in SCALARS)
+        self.chosen = {} if self.is_open else {key: self._distinguished(key) for key in scalars}
+        """Reported scalar → the values of which a look finds one: of those that are alike the first."""
+
+    @property
+    def is_open(self) -> bool:
+        """Others may look at a value in their own way: the user's predicates, and kinds of other packages."""
+        return bool(self.predicates or self._chart.mission.uses)
 
     def _facts(self) -> frozenset[str]:
         mission = self._chart.mission
@@ -106,7 +115,23 @@ class OpenWorld:
             return None if can_lack and self.choices.choose(2) == 0 else shape.fresh({})
         if self._chart.mission.blackboard[key].type == "list":
             return self._list(key)
-        return self.choices.pick(self.values.of(key))
+        return self.choices.pick(self.chosen.get(key) or self.values.of(key))
+
+    def _distinguished(self, key: str) -> tuple[Any, ...]:
+        """Of values that are alike to all that is asked of a key the first.
+
+        Either of two such values leads to the same steps as long as it lasts, and any other can follow on both.
+        """
+        mission, state, facts = self._chart.mission, self._chart.state, self._chart.program.facts
+        asked, first = questions((mission, facts.succeeded, facts.failed), key), dict[Any, Any]()
+        if asked is None:
+            return self.values.of(key)
+        tests = [each.compile(Site("", mission.blackboard)) for each in asked]
+        for value in self.values.of(key):
+            state.board = {} if value is None else {key: Stamped(value, NOW)}
+            first.setdefault(tuple([test(state) for test in tests]), value)
+        state.board = self.board
+        return tuple(first.values())
 
     def _list(self, key: str) -> list[Any] | None:
         """Of no, one or two items, each anything; `Abstraction` has longer ones."""

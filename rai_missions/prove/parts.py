@@ -11,12 +11,13 @@ from rai_missions.model import MissionModel
 from rai_missions.states.effects import Set
 from rai_missions.states.tree.leaves import SetLeaf
 
-__all__ = ("guards_in", "parts", "writes_in")
+__all__ = ("guards_in", "inside", "parts", "writes_in")
 
 Part = TypeVar("Part")
 
 
-def _inside(value: Any) -> Iterable[Any]:
+def inside(value: Any) -> Iterable[Any]:
+    """What is directly inside a mission, or a part of it."""
     if isinstance(value, MissionModel):
         return [part for _, part in value.inside()]
     if isinstance(value, Mapping):
@@ -28,7 +29,7 @@ def parts(value: Any, kind: type[Part]) -> Iterator[Part]:
     """Every part of a mission, or of a part of it, that is of a kind; outermost first."""
     if isinstance(value, kind):
         yield value
-    for part in _inside(value):
+    for part in inside(value):
         yield from parts(part, kind)
 
 
@@ -37,7 +38,7 @@ def guards_in(value: Any) -> Iterator[Guard]:
     if isinstance(value, Guard):
         yield from value.walk()
         return
-    for part in _inside(value):
+    for part in inside(value):
         yield from guards_in(part)
 
 

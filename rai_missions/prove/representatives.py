@@ -15,6 +15,7 @@ from typing import Any
 
 from rai_missions.engine.robot_facts import RobotFacts
 from rai_missions.guards.compare import OPERATORS, truth
+from rai_missions.guards.guard import Truth
 from rai_missions.guards.near import distance
 from rai_missions.image import Image
 from rai_missions.keys import Key
@@ -26,7 +27,7 @@ from rai_missions.prove.goals import NO_GOAL, requests, sights
 from rai_missions.prove.parts import parts
 from rai_missions.states.effects import Raise, references
 
-__all__ = ("Values",)
+__all__ = ("SCALARS", "Values")
 
 OTHER = "something else"
 FAR_M = 1e6
@@ -263,18 +264,23 @@ class Values:
         if self._is_fixed(path, kin):
             yield many
         elif any(self._is_fixed(each, kin) for each in kin):
-            yield from range(2 * many) if many > 2 else (many - 1, many, many + 1)
+            yield from range(2 * many) if many > 2 else self._around(path, many)
         else:
             yield from range(many)
 
-    def _apart(self, path: str, candidates: Iterable[Any]) -> Iterator[Any]:
+    def _around(self, path: str, fixed: float) -> Iterable[float]:
+        """Below, at and above the argument that it is compared with; of values that are alike to guards the first."""
+        values, met = (fixed - 1, fixed, fixed + 1), self.learned.met
+        ops = [(op, one == path) for one, op, other in met if path in (one, other)]
+        if not all(op for op, _ in ops):
+            return values
+        return _first(values, lambda value: tuple(
+            _truth(op, value, fixed) if is_left else _truth(op, fixed, value) for op, is_left in ops
+        ))  # fmt: skip
+
+    def _apart(self, path: str, candidates: Iterable[Any]) -> Iterable[Any]:
         """Those that some guard treats otherwise than all before."""
-        seen: set[tuple[Any, ...]] = set()
-        for value in candidates:
-            found = _found_out(self.learned.atoms.get(path, ()), value)
-            if found not in seen:
-                seen.add(found)
-                yield value
+        return _first(candidates, partial(_found_out, self.learned.atoms.get(path, ())))
 
     def _is_fixed(self, path: str, kin: set[str]) -> bool:
         """One argument among facts: where it lies makes no difference, as long as they can lie on either side."""
@@ -294,10 +300,21 @@ def _distinct(poses: list[Any], others: list[Any], radii: list[float]) -> Iterat
             yield pose
 
 
+def _first(values: Iterable[Any], found_out: Callable[[Any], Any]) -> Iterable[Any]:
+    """Of values of which the same is found out the first."""
+    first: dict[Any, Any] = {}
+    for value in values:
+        first.setdefault(found_out(value), value)
+    return first.values()
+
+
 def _found_out(atoms: Iterable[tuple[str, Any]], value: Any) -> tuple[Any, ...]:
     """What each comparison makes of a value, and whether there is one."""
-    made = [truth(OPERATORS[op].apply, value, operand, equality=op in ("==", "!=")) for op, operand in atoms]
-    return (value is None, *made)
+    return (value is None, *[_truth(op, value, operand) for op, operand in atoms])
+
+
+def _truth(op: str, left: Any, right: Any) -> Truth:
+    return truth(OPERATORS[op].apply, left, right, equality=op in ("==", "!="))
 
 
 def _past(op: str, operand: float, step: int) -> float:

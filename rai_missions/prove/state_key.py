@@ -79,10 +79,9 @@ class StateCodec:
     def __init__(self, chart: Chart, world: OpenWorld, rest: Abstraction) -> None:
         self._chart, self._world, self._rest = chart, world, rest
         self._levels = self._thresholds()
-        is_open = bool(world.predicates or chart.mission.uses)  # others may look at a value in their own way
-        classes = {} if is_open else world.values.classes(chart.mission)
+        classes = {} if world.is_open else world.values.classes(chart.mission)
         counters = classes.keys() & world.values.counters() if not world.own_fade else frozenset[str]()
-        self.stores = Stores(chart.terms, classes, counters, rest.saturating, rest.idle if not is_open else ())
+        self.stores = Stores(chart.terms, classes, counters, rest.saturating, rest.idle if not world.is_open else ())
         world.board.count(counters)
         self._by_config: dict[tuple[int, ...], Ahead] = {}
         self._by_reads: dict[tuple[Later, frozenset[str]], Ahead] = {}

@@ -1,0 +1,66 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Values that all guards treat alike: one of them represents the others."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+from rai_missions.mission.mission import Mission
+from rai_missions.prove.environment import Environment
+
+Json = dict[str, Any]
+LOW: Json = {"key": "battery", "<": 0.15}
+SILENT: Json = {"not": {"fresh": "battery"}}
+EITHER: Json = {"any": [LOW, SILENT]}
+OVER: Json = {"final": "aborted"}
+
+
+def environment(*guards: Json, state: Json | None = None, **keys: Json) -> Environment:
+    """Of a mission that may leave its only state by one of these guards."""
+    transitions = [{"when": guard, "to": "over"} for guard in guards]
+    battery = {"type": "number", "source": "robot", "max_age_s": 5}
+    return Environment(Mission.model_validate({
+        "format": 1, "name": "values", "initial": "waiting", "blackboard": {"battery": battery, **keys},
+        "states": {"waiting": {**(state or {}), "transitions": transitions}, "over": OVER},
+    }))  # fmt: skip
+
+
+@pytest.mark.parametrize("guard", [
+    EITHER, {"not": EITHER}, {"held": EITHER, "for_s": 2}, {"all": [{"not": {"in": "over"}}, EITHER]},
+])  # fmt: skip
+def test_values_that_a_part_of_a_guard_treats_alike_as_a_whole_are_chosen_once(guard: Json) -> None:
+    world = environment(guard).world
+    assert world.chosen["battery"] == (None, 0.15) and len(world.values.of("battery")) == 3
+
+
+@pytest.mark.parametrize("guards", [(EITHER, SILENT), (EITHER, LOW), ({"any": [{"held": LOW, "for_s": 2}, SILENT]},)])
+def test_values_that_some_guard_treats_otherwise_are_each_chosen(guards: tuple[Json, ...]) -> None:
+    assert len(environment(*guards).world.chosen["battery"]) == 3
+
+
+def test_values_that_more_than_guards_read_are_each_chosen() -> None:
+    copied = environment(
+        EITHER, state={"entry": [{"set": "before", "from": "battery"}]}, before={"type": "number", "initial": 0}
+    )
+    question = {"question": "?", "options": {"on": {}}, "evidence": ["battery"], "deadline_s": 5, "fallback": "on"}
+    shown = environment(EITHER, state={"decision": question})
+    for world in (copied.world, shown.world):
+        assert world.chosen["battery"] == world.values.of("battery")
+
+
+@pytest.mark.parametrize(("ops", "many"), [
+    ((">=", "<"), 2), ((">", "<="), 2), (("==",), 2), ((">", ">="), 3), (("==", "<"), 3),
+])  # fmt: skip
+def test_numbers_next_to_an_argument_are_as_many_as_the_comparisons_distinguish(
+    ops: tuple[str, ...], many: int
+) -> None:
+    goal: Json = {"type": "integer", "source": "argument", "initial": 6}
+    done: Json = {"type": "integer", "source": "robot", "max_age_s": 5}
+    either_way: list[list[Json]] = [
+        [{"key": "done", op: {"key": "goal"}} for op in ops], [{"key": "goal", op: {"key": "done"}} for op in ops]
+    ]  # fmt: skip
+    for guards in either_way:
+        values = environment(*guards, goal=goal, done=done).world.values.of("done")
+        assert values[0] is None and len(values) == 1 + many
