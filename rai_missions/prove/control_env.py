@@ -6,6 +6,8 @@ Rule: the operator may take control and give it back at any time, so a look find
 
 from __future__ import annotations
 
+import math
+
 from rai_missions.engine import Chart
 from rai_missions.engine.hold import held_controls
 from rai_missions.engine.nodes import Node
@@ -126,7 +128,9 @@ class ControlEnvironment:
     def lay_by(self) -> None:
         """The mission is paused: while it is, it makes no difference who has control, or why something waits."""
         state, nodes = self._chart.state, self._chart.program.graph.nodes
-        names = {*state.suspended, *state.laid_by}
+        asked = {name for name, until in state.pending.items() if until < math.inf and name not in state.running}
+        state.pending = {name: until for name, until in state.pending.items() if name not in asked}
+        names = {*state.suspended, *state.laid_by, *asked}  # each begins at the end, or asks for control then
         state.suspended = tuple(sorted(names, key=lambda name: nodes[name].index))
         state.laid_by = ()
         state.queue, state.kept = state.kept, ()

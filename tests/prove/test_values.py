@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Values that all guards treat alike: one of them represents the others."""
+"""Values that all guards treat alike, and pauses that end alike: one of them represents the others."""
 
 from __future__ import annotations
 
@@ -64,3 +64,18 @@ def test_numbers_next_to_an_argument_are_as_many_as_the_comparisons_distinguish(
     for guards in either_way:
         values = environment(*guards, goal=goal, done=done).world.values.of("done")
         assert values[0] is None and len(values) == 1 + many
+
+
+def test_in_a_pause_what_was_asked_for_control_is_like_what_was_interrupted() -> None:
+    cores = set()
+    for finds, is_asked in ((0, False), (1, True)):
+        paused = environment(LOW, state={"action": "drive", "control": "autonomy", "timeout_s": 9})
+        paused.choices.begin((0, 0, finds))  # control is not taken, the battery unknown; who has control
+        paused.load(paused.codec.place())
+        paused.make(paused.begin)
+        paused.settle()
+        assert bool(paused.chart.state.pending) is is_asked
+        paused.make(paused.ordering("pause"))
+        paused.settle()
+        cores.add(paused.codec.core())
+    assert len(cores) == 1
