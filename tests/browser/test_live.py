@@ -55,6 +55,10 @@ def test_the_states_light_up_as_the_run_enters_them_and_the_row_taken_fades(run:
     moving = "getComputedStyle(document.querySelector('#chart .arrow.taken .line')).animationTimingFunction"
     assert window.evaluate(moving).startswith("steps(1"), "who asks for less motion sees it go at once"
     window.wait_for_selector("#chart .arrow.taken", state="detached")
+    key = "getComputedStyle(document.querySelector('#legend .taken .line'))"
+    assert [window.evaluate(f"{key}.{word}") for word in ("animationName", "strokeWidth")] == ["none", "5px"], (
+        "the legend shows what was taken as it looks at first"
+    )
     window.click("#tab-journal")
     assert "anomaly working, driving → assessing" in " ".join(window.inner_text("#steps li:first-child").split())
 
