@@ -39,7 +39,7 @@ SHORTEST_S, LONGEST_S = (0.18, 0.03), (0.5, 0.08)
 """How long a phrase lasts, in seconds, and so many more for each of its letters."""
 LEAST_AGREED_S = 0.24
 """So short may "stop" be with evidence enough, and any phrase that both read freely."""
-STOP_S, LONGER_STOP_S = (0.3, 0.37), 0.56
+STOP_S, LONGER_STOP_S = (0.3, 0.4), 0.56
 """How long "stop" lasts: it needs no more evidence then. How long it may be drawn out where the second disagrees."""
 LEAST_SHORT, LEAST_LONG, LEAST_DRAWN_OUT = 3.5, 3.0, 4.0
 """What the first's own evidence for "stop" must come to in a sound that is shorter, where the second agrees; longer;

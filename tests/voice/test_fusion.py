@@ -83,7 +83,7 @@ def test_a_sound_that_is_shorter_or_longer_than_stop_needs_more_evidence_for_it(
     cases = (
         (0.26, 3.2, agreed, False), (0.26, 4.2, agreed, True), (0.26, 4.2, {}, False), (0.35, 2.7, {}, True),
         (0.5, 2.7, agreed, False), (0.5, 3.2, {}, True), (0.6, 3.2, {}, False), (0.6, 3.2, agreed, True),
-        (0.6, 4.2, {}, True),
+        (0.6, 4.2, {}, True), (0.384, 2.6, agreed, True),
     )  # fmt: skip
     for spoken_s, own, second, is_stop in cases:
         found = fused("Just have", {"stop": own}, second, PHRASES, spoken_s).text
