@@ -14,7 +14,6 @@ import queue
 import threading
 import time
 import weakref
-from collections import deque
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any, Protocol
@@ -30,11 +29,8 @@ QUIET_S = 1.0
 """How long a write that enabled nothing may travel before it is written down, and a running timer be silent."""
 MOST_FREE = 1
 """So many threads wait for the next row. One that is busy takes row after row without being woken."""
-HURRY_S, FEW = 0.02, 8
-"""Where fewer rows were taken within that time, and one waits, the threads wait for disks: one more starts.
-
-Threads that wait for Python's lock and not for disks take more than so many.
-"""
+HURRY_S = 0.02
+"""Where no thread has taken a row for so long, and one waits, all of them wait for disks."""
 LONGEST_S = 10.0
 """A disk that has not taken a row by then is one that cannot be written."""
 Job = tuple[Callable[[], object], Callable[[], object]]
@@ -54,16 +50,12 @@ class JournalSink(Protocol):
 
 
 class DiskThreads:
-    """The threads of a process that wait for disks: one, and more where they wait for one that is slow.
+    """The threads of a process that wait for disks: one, and one more where all of them wait for one that is slow.
 
     What is to be written waits for a thread in the order in which it came. Without journals there are none.
-
-    Args:
-        now: The time, in seconds.
     """
 
-    def __init__(self, now: Callable[[], float] = time.monotonic) -> None:
-        self._now = now
+    def __init__(self) -> None:
         self.forget()
 
     def forget(self) -> None:
@@ -72,9 +64,7 @@ class DiskThreads:
         self._jobs: queue.SimpleQueue[Job | None] = queue.SimpleQueue()
         self._idle: set[threading.Thread] = set()
         self._journals = self._count = 0
-        self._taken = deque([-math.inf] * FEW, FEW)
-        """When the last rows were taken, the first of them in front."""
-        self._hurried_at = -math.inf
+        self._taken_at = -math.inf
 
     def enter(self) -> None:
         """A journal may be written from now on."""
@@ -101,12 +91,12 @@ class DiskThreads:
             self._start()
 
     def hurry(self) -> None:
-        """Something has waited for a thread for `HURRY_S`: have another one where few rows were taken since."""
-        now = self._now()
+        """Something has waited for a thread for `HURRY_S`: have another one where none has taken anything since."""
+        now = time.monotonic()
         with self._lock:
-            if now - max(self._taken[0], self._hurried_at) < HURRY_S:
+            if now - self._taken_at < HURRY_S:
                 return
-            self._hurried_at = now
+            self._taken_at = now
         self._start()
 
     def _start(self) -> None:
@@ -121,7 +111,7 @@ class DiskThreads:
         while is_kept and (job := jobs.get()) is not None:
             with self._lock:
                 self._idle.discard(thread)
-                self._taken.append(self._now())
+                self._taken_at = time.monotonic()
             work, done = job
             work()
             is_kept = self._is_kept(thread, jobs)  # before that is known: who learns of it finds the thread free

@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 import gc
-import queue
 import threading
 from pathlib import Path
 from typing import Any
@@ -14,7 +13,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from rai_missions.engine.step import Step
-from rai_missions.journal.buffer import FEW, HURRY_S, MOST_FREE, BufferedWriter, DiskThreads
+from rai_missions.journal.buffer import MOST_FREE, BufferedWriter
 
 PATIENCE_S = 30.0
 
@@ -116,46 +115,4 @@ def test_each_journal_has_its_rows_in_their_order_whichever_thread_writes_them(o
     ]
     for thread in waiting_for_disks() - before:  # more than are kept end by themselves
         thread.join(PATIENCE_S)
-    assert waiting_for_disks() <= before
-
-
-class SlowDisk:
-    """Threads with a clock of their own, on a disk of which each row takes as long as the test has it take."""
-
-    def __init__(self) -> None:
-        self.at = HURRY_S
-        self.threads = DiskThreads(lambda: self.at)
-        self.taken, self._given = queue.SimpleQueue[int](), queue.SimpleQueue[None]()
-        self.threads.enter()
-
-    def wait_for_row(self, number: int) -> None:
-        assert self.taken.get(timeout=PATIENCE_S) == number
-
-    def add(self, number: int) -> None:
-        self.threads.do(lambda: (self.taken.put(number), self._given.get(timeout=PATIENCE_S)), lambda: None)
-
-    def answer(self, rows: int = 1) -> None:
-        for _ in range(rows):
-            self._given.put(None)
-
-
-@pytest.mark.parametrize(("rows", "more"), [(1, True), (FEW - 1, True), (FEW, False), (3 * FEW, False)])
-def test_another_thread_writes_where_few_rows_were_taken_and_one_waits(rows: int, more: bool) -> None:
-    before, disk = waiting_for_disks(), SlowDisk()
-    for number in range(rows + 1):
-        disk.add(number)
-    for number in range(rows):
-        disk.at = HURRY_S * (1 + 0.99 * number / rows)
-        disk.answer(min(number, 1))
-        disk.wait_for_row(number)
-    disk.at = HURRY_S * 1.99
-    disk.threads.hurry()
-    disk.threads.hurry()
-    if more:
-        disk.wait_for_row(rows)
-    assert len(waiting_for_disks() - before) == 1 + more, "one more at once, however many wait"
-    disk.answer(2)
-    disk.threads.leave()
-    for left in waiting_for_disks() - before:
-        left.join(PATIENCE_S)
     assert waiting_for_disks() <= before
