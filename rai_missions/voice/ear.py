@@ -23,8 +23,10 @@ PART = 2 * RATE_HZ // 100
 """Bytes of 10 ms: what the audio processing takes at once."""
 MEMORY_FRAMES, BEGINNING_FRAMES = 62, 12
 """After how many frames the look for speech begins again, and how many it needs to begin: 2 s and 0.4 s."""
-SILENT = 0.3
-"""Probability of speech below which no one speaks."""
+SILENT, SPEECH = 0.3, 0.5
+"""Probability of speech below which no one speaks; from which on a person may."""
+HELD_FRAMES = 6
+"""For how long no speech begins after the room has changed: 0.2 s."""
 WAKE_WORDS = ("okay_nabu", "hey_jarvis", "hey_mycroft", "alexa")
 
 
@@ -53,6 +55,7 @@ class SoundEar:
         self._activity = SpeechActivity()
         self._canceller = EchoCanceller() if echo else None
         self._filter, self._double_talk = EchoFilter(), DoubleTalk()
+        self._held, self._is_speech = 0, False
         self._suppressor = EchoCanceller(noise=True)
         self._wake = WakeWord(wake_word) if wake_word else None
 
@@ -60,14 +63,36 @@ class SoundEar:
         """See `FrameReader`."""
         if len(recorded) != FRAME_BYTES or len(played) != FRAME_BYTES:
             raise UsageError(f"a frame has {FRAME_BYTES} bytes each way, not {len(recorded)} and {len(played)}")
-        clear = recorded
-        if self._canceller is not None:
-            without, filtered = self._canceller.take(recorded, played), self._filter.take(recorded, played)
-            clear = filtered if self._double_talk.take(recorded, filtered, played) else without
+        clear = self._without_echo(recorded, played)
         quiet = self._suppressor.take(clear, b"")
-        return EarReading(
-            self._activity.take(quiet), self._wake.take(clear) if self._wake is not None else 0.0, clear, quiet
-        )
+        speech = self._speech(self._activity.take(quiet))
+        return EarReading(speech, self._wake.take(clear) if self._wake is not None else 0.0, clear, quiet)
+
+    def _without_echo(self, recorded: bytes, played: bytes) -> bytes:
+        """The next frame as the canceller has it, or as a filter does where a person surely speaks.
+
+        In another room all of them begin again: what they know of the one before lets the echo pass. A person who is
+        far louder than the echo is no other room.
+        """
+        if self._canceller is None:
+            return recorded
+        without, filtered = self._canceller.take(recorded, played), self._filter.take(recorded, played)
+        is_person = self._double_talk.take(recorded, filtered, played)
+        match = self._filter.match
+        if match.is_changed and not is_person:
+            self._canceller, self._double_talk = EchoCanceller(), DoubleTalk()
+            self._filter.forget()
+            without, is_person, self._held = self._canceller.take(recorded, played), False, HELD_FRAMES
+        elif match.is_wrong and (self._held or (match.is_known and not is_person)):
+            self._held = HELD_FRAMES
+        return filtered if is_person else without
+
+    def _speech(self, found: float) -> float:
+        """How probable speech is: none begins where the room has just changed; what has begun continues."""
+        if self._held and not self._is_speech:
+            found = 0.0
+        self._held, self._is_speech = max(0, self._held - 1), found >= SPEECH
+        return found
 
 
 class SpeechActivity:

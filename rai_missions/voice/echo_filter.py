@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from rai_missions.connectors.sound.connector import FRAME_SAMPLES
 from rai_missions.connectors.sound.wav import numpy
+from rai_missions.voice.echo_match import EchoMatch
 
 __all__ = ("EchoFilter",)
 
@@ -36,11 +37,18 @@ class EchoFilter:
 
     def __init__(self) -> None:
         self._np = np = numpy()
-        size = FRAME_SAMPLES + 1
-        self._filter, self._played = (np.zeros((PARTS, size), complex) for _ in range(2))
+        self._played, self._last = np.zeros((PARTS, FRAME_SAMPLES + 1), complex), np.zeros(FRAME_SAMPLES)
+        self.forget()
+
+    def forget(self) -> None:
+        """The room is another one: it is learned from the next frame on."""
+        np, size = self._np, FRAME_SAMPLES + 1
+        self._filter = np.zeros((PARTS, size), complex)
         self._doubt = np.full((PARTS, size), 1.0 / PARTS)
         """The variance of the filter: a room that is not known returns at most what was played."""
-        self._last, self._noise = np.zeros(FRAME_SAMPLES), np.zeros(size)
+        self._noise = np.zeros(size)
+        self.match = EchoMatch()
+        """Whether what is predicted is the echo that returns."""
 
     def take(self, recorded: bytes, played: bytes) -> bytes:
         """The next frame without the echo that is predicted."""
@@ -51,7 +59,10 @@ class EchoFilter:
         self._last = far
         echo = np.fft.irfft((self._filter * self._played).sum(axis=0))[FRAME_SAMPLES:]
         rest = np.frombuffer(recorded, "<i2") - echo
-        self._learn(np.fft.rfft(np.concatenate([np.zeros(FRAME_SAMPLES), rest])))
+        before = np.zeros(FRAME_SAMPLES)
+        left = np.fft.rfft(np.concatenate([before, rest]))
+        self._learn(left)
+        self.match.take(np.fft.rfft(np.concatenate([before, echo])), left)
         return bytes(np.clip(np.rint(rest), -32768, 32767).astype("<i2").tobytes())
 
     def _learn(self, rest: object) -> None:

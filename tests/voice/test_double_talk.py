@@ -3,6 +3,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from functools import partial
+
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -116,6 +119,32 @@ def test_an_echo_that_is_predicted_and_does_not_come_is_no_person() -> None:
     assert found_in(frames * 2 + gone) == []
 
 
+@pytest.mark.parametrize(
+    "other", [(7, -6.0, 200.0, 0), (8, -20.0, 20.0, 20), (9, -12.0, 120.0, 20), (10, -3.0, 60.0, 20)]
+)
+def test_another_room_is_noticed_once_and_learned_again(other: tuple[int, float, float, int]) -> None:
+    echo_filter, known = EchoFilter(), frames_of((3, -12.0, 60.0, 20))
+    changed = list[int]()
+    for number, each in enumerate(known * 2 + frames_of(other) * 2):
+        echo_filter.take(each.recorded, each.played)
+        if echo_filter.match.is_changed:
+            changed.append(number - 2 * len(known))
+            echo_filter.forget()
+    assert len(changed) == 1
+    assert 0 <= changed[0] < 25
+
+
+@settings(max_examples=8)
+@given(st.integers(0, 9999), st.floats(-20.0, 0.0), st.integers(5, 80), st.floats(300.0, 8000.0))
+def test_a_person_changes_no_room(seed: int, echo_db: float, begin: int, loud: float) -> None:
+    person = np.frombuffer(syllables(np.random.default_rng(seed + 1), 20), "<i2") * (loud / 3000.0)
+    room, echo_filter = (seed, echo_db, 60.0, 20), EchoFilter()
+    speech = bytes(begin * FRAME_BYTES) + bytes(person.clip(-32768, 32767).astype("<i2").tobytes())
+    for number, each in enumerate(frames_of(room) * 2 + frames_of(room, speech)):
+        echo_filter.take(each.recorded, each.played)
+        assert not echo_filter.match.is_changed, number
+
+
 def test_nothing_is_certain_before_enough_was_played() -> None:
     random = np.random.default_rng(1)
     loud = [(random.normal(size=FRAME) * 5000).astype("<i2").tobytes() for _ in range(100)]
@@ -143,3 +172,27 @@ def test_a_person_is_recognised_within_the_first_report(echo_db: float | None) -
     first, last = at // FRAME, (at + len(stop) // 2) // FRAME
     assert len([number for number in speech if first <= number <= last]) >= 3
     assert [number for number in speech if number < first] == []
+
+
+@needs_voice
+@pytest.mark.xdist_group("voice")
+def test_our_own_voice_is_no_person_in_a_room_that_has_just_changed() -> None:
+    from rai_missions.voice.ear import SoundEar
+
+    report, ear, speech = "I am driving to the kitchen.", SoundEar(), list[float]()
+    for echo_db, delay_ms, text in ((-6.0, 200.0, f"{report} Four of six waypoints are done."), (-12.0, 20.0, report)):
+        ours = spoken(text, "rms")
+        room = RoomSound(bytes(len(ours) + RATE_HZ), echo_db=echo_db, delay_ms=delay_ms)
+        room.play(partial(played_of, iter(range(0, len(ours), FRAME_BYTES)), ours))
+        frames = list[SoundFrame]()
+        room.listen(frames.append)
+        room.start()
+        while not room.over:
+            room.step()
+        speech = [ear.take(each.recorded, each.played).speech for each in frames]
+    assert max(speech) < 0.5
+
+
+def played_of(starts: Iterator[int], ours: bytes, _at: float) -> bytes:
+    start = next(starts, None)
+    return b"" if start is None else ours[start : start + FRAME_BYTES]
