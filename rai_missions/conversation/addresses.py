@@ -36,6 +36,7 @@ class Addresses:
     def __init__(self, rules: ClaimWords) -> None:
         self._rules, data = rules, rules.addresses
         self._asking, self._bidding = Phrases(data["asking"], {}), Phrases(data["bidding"], {})
+        self._asking_past = Phrases(data["asking_past"], {})
         self._settings, self._knowing = Phrases(data["settings"], {}), frozenset(data["knowing"])
         self._stating = rules.states | rules.acts | rules.strong | rules.work | rules.scene
         self._unknown = re.compile(data["unknown_pattern"], re.IGNORECASE)
@@ -63,7 +64,9 @@ class Addresses:
         """
         words, *others = [self._rules.skip_lead(each) or each for each in self.main(clauses)] or [[]]
         rest = words[self._asked(words) if is_question else 1 :]
-        if not all(self._is_aside(each) for each in others) or self._states(rest):
+        if not all(self._is_aside(each) for each in others):
+            return False
+        if self._states(rest, is_past_asked=is_question and self._asking_past.begin(words)):
             return False
         if self._rules.has_place(words):
             return False
@@ -86,9 +89,10 @@ class Addresses:
         is_short = len(words) <= LONGEST_SETTING and self._settings.begin(words)
         return is_short and not (self._rules.second | self._rules.self_words) & set(words)
 
-    def _states(self, words: Sequence[str]) -> bool:
-        """Whether another verb may state something."""
+    def _states(self, words: Sequence[str], *, is_past_asked: bool) -> bool:
+        """Whether another verb may state something; the past of the person does not: `did you sleep well?`."""
         rules = self._rules
         if rules.relative & set(words[:-1]):
             return True
-        return any(word in rules.second or word in self._knowing or rules.is_past(word) for word in words)
+        is_stated = any(word in rules.second or word in self._knowing for word in words)
+        return is_stated or (not is_past_asked and any(map(rules.is_past, words)))

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Mapping, Sequence
+from itertools import pairwise
 from typing import Any, Literal, NamedTuple
 
 from rai_missions.conversation.language import Language
@@ -13,6 +14,10 @@ from rai_missions.conversation.phrases import Phrases
 __all__ = ("ClaimWords", "Subject", "SubjectKind")
 
 POSSESSIVE = re.compile(r"(?<=\w{3})'s\b")
+DEFINED_WITHIN = 3
+"""Words, without articles, up to which what precedes a noun defines one by it: `an alley is the way between trees`."""
+LONGEST_ASIDE = 4
+"""Words up to which a clause without a verb is an aside, and of which the clause before it has at least as many."""
 LEAST_PREDICATE = 2
 """Words that follow a kind of things in a whole sentence: `plants need water`, but not `engines off`."""
 CERTAIN_WITHIN = 4
@@ -66,9 +71,15 @@ class ClaimWords:
         self._not_of_habits = self._owned | (self.second - self.present)
         self._world, self._dates = Phrases(data["world"], {}), re.compile(data["date_pattern"])
         self._habits, self._hidden = Phrases(data["habits"], {}), Phrases(data["hidden"], {})
+        self._wishes = Phrases(data["wishes"], {})
+        self._far, self._advice = Phrases(data["far"], {}), Phrases(data["advice"], {})
         small = (self.function, self.adverbs, self.articles, self.auxiliaries, self.modals, self.person)
         self._small = self.substances.union(*small)
         self._reported = self.acts | self.states | self.strong
+        subjects = self.self_words | self.possessive | self.person
+        self._stating = subjects.union(self.acts, self.strong, self.auxiliaries, self.second)
+        self._near = self.definite.union(self.work, self.scene, self.soft, self.quantities, self.negations, self.states)
+        self._infinitive = re.compile(data["infinitive"])
 
     def __getattr__(self, name: str) -> frozenset[str]:
         """A word list of the file, by its name there.
@@ -137,8 +148,13 @@ class ClaimWords:
             at += 1
         return at
 
-    def is_marked(self, words: Sequence[str]) -> bool:
-        """Whether a sentence has a mark of what is no report: a modal, a condition, a kind of things, a definition."""
+    def is_marked(self, words: Sequence[str], *, least: int = LEAST_PREDICATE) -> bool:
+        """Whether a sentence has a mark of what is no report: a modal, a condition, a kind of things, a definition.
+
+        Args:
+            words: Of a clause.
+            least: Words that follow a kind of things.
+        """
         words = words[: min(self.ends(words))]
         bare = self.skip_lead(words)
         if not bare or self._marks.within(words) or self.is_gerund(bare) or self.is_of_world(words):
@@ -149,21 +165,22 @@ class ClaimWords:
             return True
         if self.quantities & {*words[: len(words) - len(bare)], bare[0]}:  # `both doors are shut`
             return False
-        if self._is_present(words):
+        if self.is_present(words):
             return False
         if bare[0] in self.indefinite:  # `a truck blocks the road`
             return len(bare) > 1 + LEAST_PREDICATE and not self._certain & set(bare[1 : CERTAIN_WITHIN + 1])
-        return self.is_kind(bare)
+        return self.is_kind(bare, least=least)
 
-    def is_kind(self, words: Sequence[str]) -> bool:
+    def is_kind(self, words: Sequence[str], *, least: int = LEAST_PREDICATE) -> bool:
         """Whether a clause is about a kind of things, and about no certain one: `plants need water`."""
-        is_certain = bool(self._certain & set(words[1:CERTAIN_WITHIN]))
-        return any(self._is_kind(words, at, is_certain=is_certain) for at in range(KIND_WITHIN))
+        near = list(pairwise([*words[1 : CERTAIN_WITHIN + 1], ""]))
+        is_certain = any(word in self._certain and noun not in self.natural for word, noun in near)
+        return any(self._is_kind(words, at, is_certain=is_certain, least=least) for at in range(KIND_WITHIN))
 
-    def _is_kind(self, words: Sequence[str], at: int, *, is_certain: bool) -> bool:
+    def _is_kind(self, words: Sequence[str], at: int, *, is_certain: bool, least: int) -> bool:
         """Whether a word names a kind of things, of which the rest is always so: `heavy clay soil holds water`."""
         before, noun, rest = words[:at], words[at : at + 1], words[at + 1 :]
-        if len(rest) < LEAST_PREDICATE or (self.articles | self.auxiliaries | self.function) & {*before, *noun}:
+        if len(rest) < least or (self.articles | self.auxiliaries | self.function) & {*before, *noun}:
             return False
         if any(self.is_past(word) or self._kind_noun.fullmatch(word) for word in before):  # `Anna brings coffee cups`
             return False
@@ -186,7 +203,10 @@ class ClaimWords:
 
         A condition or a wish does not: `if the cup is on the table`.
         """
-        return not self.hypothetical & set(words) and self.has_place(words) and not self._is_dated(words)
+        if self.hypothetical & set(words) or self._is_elsewhere(words):
+            return False
+        place = self._place.search(" ".join(words))
+        return place is not None and not (place.group().split()[-1] in self.natural and self.is_kind(words))
 
     def has_place(self, words: Sequence[str]) -> bool:
         """Whether a clause has a certain place."""
@@ -200,14 +220,46 @@ class ClaimWords:
         return before[-1] in self.definite or (before[0] in self.definite and before[-1] not in self.articles)
 
     def is_object(self, words: Sequence[str], subject: Subject) -> bool:
-        """Whether a noun is no subject: `ask the robot`, `about your mission`."""
+        """Whether a noun is no subject: `ask the robot`, `about your mission`, `you could clear the desk`."""
         before = [word for word in words[: subject.start] if word not in self.articles]
-        return bool(before) and before[-1] in self.objects_after
+        if not before:
+            return False
+        is_advice = words[subject.start] not in self.possessive and self._advice.begin(before)
+        is_defined = (
+            words[0] in self.indefinite
+            and len(before) <= DEFINED_WITHIN
+            and before[-1] in self.present
+            and not self.has_place(words)
+        )
+        return before[-1] in self.objects_after or is_advice or is_defined
+
+    def is_duty(self, words: Sequence[str], subject: Subject) -> bool:
+        """Whether a clause demands something of its subject: `the engine must be off`."""
+        near = words[subject.end : subject.end + 1] if not self.verb_second else words[max(0, subject.start - 2) :][:4]
+        is_reported = self.is_present(words) or any(map(self.is_past, words[subject.end :]))
+        return bool(self.duties & set(near)) and not is_reported and not self.foretold_not & set(words)
+
+    def is_wish(self, words: Sequence[str]) -> bool:
+        """Whether a clause only wishes: `I hope your train is on time`."""
+        bare = self.skip_lead(words)
+        if not self._wishes.begin(bare) or self.deictic & set(bare) or any(map(self.is_past, bare)):
+            return False
+        return not (self.self_words | self.possessive) & set(bare[2:])
+
+    def is_aside(self, words: Sequence[str], before: Sequence[str]) -> bool:
+        """Whether a clause without a verb only adds to the one before: `soda and lime`, `for obvious reasons`."""
+        bare = self.skip_lead(words)
+        if len(before) < LONGEST_ASIDE or len(bare) > LONGEST_ASIDE or self.is_present(bare):
+            return False
+        if (self._stating | self._near | self.particles | self.positions) & set(bare):
+            return False
+        return not any(self.is_past(each) or self.is_progressive(each) or each.isdigit() for each in bare)
 
     def is_generic(self, words: Sequence[str], subject: Subject) -> bool:
         """Whether a noun is any of its kind: `a robot`, `most robots`."""
         before, after = words[max(0, subject.start - 2) : subject.start], list(words[subject.end :])
-        if before and before[-1] in self.generic and words[subject.start] in self.work:
+        is_one = bool(self.indefinite & set(before[:1])) and before[-1] not in self.articles
+        if (is_one or self.generic & set(before[-1:])) and words[subject.start] in self.work:
             return True
         is_kind = self._kind_noun.fullmatch(words[subject.end - 1]) and not self._owned & set(before)
         return bool(is_kind) and any(word in self.stative for word in after[: 3 if after[1:2] == ["not"] else 1])
@@ -215,27 +267,35 @@ class ClaimWords:
     def is_of_world(self, words: Sequence[str]) -> bool:
         """Whether a clause is about the world, which no mission changes.
 
-        By its subject, `the moon orbits the earth`; by a date of history, `the first robot was built in 1954`; or by a
-        habit, `apples are usually harvested in autumn`.
+        By its subject, `the moon orbits the earth`; by a date of history, `the first robot was built in 1954`; by what
+        is far away, `coffee was banned in Sweden`; or by a habit, `apples are usually harvested in autumn`.
         """
         given = set(words)
         if given & (self.self_words | self.possessive | self.objects):
             return False
-        if self._is_dated(words):
+        if self._is_elsewhere(words):
             return True
-        if self._is_present(words):
+        if self.is_present(words):
             return False
         if self._is_of_nature(words):
             return True
         return not self._not_of_habits & given and self._habits.within(words)
 
-    def _is_present(self, words: Sequence[str]) -> bool:
+    def is_present(self, words: Sequence[str]) -> bool:
         """Whether a clause is about here and now, or about what has just been: `apples roll around here`."""
         return bool(self.deictic & set(words)) or self.progress.within(words)
 
     def _is_dated(self, words: Sequence[str]) -> bool:
         """Whether a clause has a date of history: `in 1954`, `years ago`."""
         return self._dates.search(" ".join(words)) is not None
+
+    def _is_elsewhere(self, words: Sequence[str]) -> bool:
+        """Whether a clause has a date of history, or what is far away and nothing near: `in Sweden`, `Mozart`."""
+        given = set(words)
+        if self._is_dated(words):
+            return True
+        is_near = bool(self.work & given) or bool(self.scene & given and self._certain & given)
+        return not is_near and not self.is_present(words) and self._far.within(words)
 
     def _is_of_nature(self, words: Sequence[str]) -> bool:
         """Whether the subject of a clause is of nature or language, and nothing has happened."""
@@ -252,9 +312,29 @@ class ClaimWords:
         What it can see or report is no such thing, and `I can not reach it` reports an attempt.
         """
         modals = self.conditional if is_conditional else self.abilities
-        if not after or after[0] not in modals or self._is_present(after):
+        if not after or after[0] not in modals or self.is_present(after):
             return False
         return not self._hidden.within(after[1:] if self.verb_second else after[1:ABILITY_WITHIN])
+
+    def states_ability(self, words: Sequence[str]) -> bool:
+        """Whether a clause begins with what the robot can do: `I can drive`."""
+        bare = self.skip_lead(words)
+        return bool(self.speaker & set(bare[:1])) and self.is_ability(bare[1:], is_conditional=False)
+
+    def is_listed(self, words: Sequence[str]) -> bool:
+        """Whether a clause adds only infinitives to an ability: `I can follow a row, stop at its end and turn`."""
+        bare = [word for word in self.skip_lead(words) if word not in self.conjunctions]
+        if not bare or bare[-1] in self.states or self.is_present(words):
+            return False
+        if self._stating & set(bare) or any(map(self.is_past, bare)):
+            return False
+        verb = bare[-1 if self.verb_second else 0]
+        return self._infinitive.fullmatch(verb) is not None and verb not in self.work | self.scene | self.soft
+
+    def is_foretold(self, words: Sequence[str]) -> bool:
+        """Whether a clause behind a condition only foretells: `(if it rains,) the soil will be too wet`."""
+        given = set(words)
+        return bool(self.future & given) and not given & (self.self_words | self.deictic | self.foretold_not)
 
     def is_asked(self, words: Sequence[str], subject: Subject) -> bool:
         """Whether the robot is only whom the person may ask: `Sie könnten mich fragen`."""

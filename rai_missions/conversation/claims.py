@@ -14,11 +14,11 @@ import re
 import unicodedata
 from collections.abc import Iterator, Sequence
 from functools import cache
-from itertools import pairwise
+from itertools import chain, pairwise
 from typing import Literal
 
 from rai_missions.conversation.addresses import Addresses
-from rai_missions.conversation.claim_words import ClaimWords, Subject
+from rai_missions.conversation.claim_words import LEAST_PREDICATE, ClaimWords, Subject
 from rai_missions.conversation.language import language, languages, spoken
 from rai_missions.conversation.view import StatusView
 from rai_missions.planning.text.normalise import LONGEST_WORD, readable
@@ -135,7 +135,7 @@ class Claims:
                 kind = _JudgedSentence(rules, known, names, is_conditional=known != text).kind
                 if kind:
                     return kind
-        if not self._is_marked(clauses, is_question=is_question):
+        if not self._is_marked(clauses, is_question=is_question, is_conditional=known != text):
             return "report"
         if any(self._own.is_placed(each) for each in clauses):
             return "place"
@@ -166,11 +166,18 @@ class Claims:
         is_idiom = self._own.whole_idioms.fits(words)
         return not is_idiom and self._addresses.is_address(clauses, is_question=is_question)
 
-    def _is_marked(self, clauses: Sequence[Sequence[str]], *, is_question: bool) -> bool:
+    def _is_marked(self, clauses: Sequence[Sequence[str]], *, is_question: bool, is_conditional: bool) -> bool:
         """Whether each clause that states something has a mark of what is no report."""
-        main = self._addresses.main(clauses)
-        stated = [each for each in main[1:] if each[0] in self._own.relative] if is_question else main
-        return all(self._own.is_marked(each) or self._own.harmless.fits(each) for each in stated)
+        rules, main, is_list = self._own, self._addresses.main(clauses), False
+        stated = [each for each in main[1:] if each[0] in rules.relative] if is_question else main
+        least = 1 if is_conditional else LEAST_PREDICATE
+        for before, each in pairwise([[], *stated]):
+            is_list = is_list and rules.is_listed(each)
+            is_open = is_list or (is_conditional and rules.is_foretold(each)) or rules.is_aside(each, before)
+            if not (is_open or rules.is_marked(each, least=least) or rules.harmless.fits(each)):
+                return False
+            is_list = is_list or rules.states_ability(each)
+        return True
 
     def _unknown(self, words: Sequence[str], share: float) -> ClaimKind:
         if len(words) <= SHORT:
@@ -209,8 +216,12 @@ class _JudgedSentence:
 
     def __init__(self, rules: ClaimWords, text: str, names: frozenset[str], *, is_conditional: bool) -> None:
         self._rules, self._names, self._is_conditional = rules, names, is_conditional
-        self._clauses = _clauses(text, rules)
-        self.kind = self._judge(rules.words(text))
+        clauses = _clauses(text, rules)
+        self._clauses = [each for each in clauses if not rules.harmless.fits(each) and not rules.is_wish(each)]
+        first = rules.skip_lead(clauses[0]) if clauses else []
+        self._is_about_kind = rules.is_kind(first) and not any(rules.is_present(each) for each in clauses)
+        is_whole = len(self._clauses) == len(clauses)
+        self.kind = self._judge(rules.words(text) if is_whole else [*chain(*self._clauses)])
 
     def _judge(self, words: list[str]) -> ClaimKind:
         rules = self._rules
@@ -247,9 +258,7 @@ class _JudgedSentence:
             return bool(after) and not rules.let.begin(after)
         allowed = rules.allowed.get(subject.kind)
         before = words[subject.start - 1] if subject.start else ""
-        if rules.is_asked(words, subject) or rules.is_of_world(words):
-            return False
-        if subject.kind == "it" and rules.is_referring(words, subject):
+        if self._is_spared(words, subject):
             return False
         if subject.kind in ("self", "it"):
             if before in rules.inverted or (allowed and (allowed.begin(after) or allowed.begin(predicate))):
@@ -269,6 +278,19 @@ class _JudgedSentence:
         if rules.is_generic(words, subject):
             return rules.reports(after, is_relative=False)
         return bool(after)
+
+    def _is_spared(self, words: Sequence[str], subject: Subject) -> bool:
+        """Whether the clause states nothing of its subject: of the world, of a kind, a duty, a consequence."""
+        rules, word = self._rules, words[subject.start]
+        if rules.is_asked(words, subject) or rules.is_of_world(words):
+            return True
+        if subject.kind == "it" and rules.is_referring(words, subject):
+            return True
+        if word in rules.referring and subject.start and self._is_about_kind:
+            return True
+        if subject.kind == "work" and rules.is_duty(words, subject):
+            return True
+        return self._is_conditional and word not in rules.work | rules.self_words and rules.is_foretold(words)
 
     def _is_inverted_harmless(self, words: Sequence[str], subject: Subject) -> bool:
         """In a language whose verb may precede the subject: `das kann ich nicht sagen`."""
