@@ -3,7 +3,7 @@
 
 Rule: reads missions, steps and journals only, and changes nothing; Graphviz is looked for when a picture needs it.
 
-Imports `campaign`, `engine`, `guards`, `journal`, `mission` and `states`, and the modules of the root.
+Imports `campaign`, `engine`, `guards`, `journal`, `mission`, `model` and `states`, and the modules of the root.
 """
 
 from visualize.build import picture

@@ -9,8 +9,9 @@ from collections.abc import Iterator
 from rai_missions.check.index import MissionIndex, RobotUse, StateRef
 from rai_missions.check.pointers import pointer
 from rai_missions.errors import UsageError
-from rai_missions.kinds import Interface, PackageOffer, named
+from rai_missions.kinds import PackageOffer, named
 from rai_missions.mission.option_parameters import schema_fault
+from rai_missions.model.references import Interface
 from rai_missions.states import State
 from rai_missions.states.decision import ANSWERERS, answerer_offer
 from rai_missions.states.effects import Effect

@@ -15,9 +15,9 @@ from rai_missions.check.name_table import Lexicon
 from rai_missions.check.pointers import guard_parts
 from rai_missions.errors import escaped, unescaped
 from rai_missions.guards import Guard
-from rai_missions.kinds import INTERFACES, Interface
 from rai_missions.mission.mission import BUILT_IN_EVENTS, Mission
 from rai_missions.model import MissionModel
+from rai_missions.model.references import INTERFACES, Interface
 from rai_missions.states import DecisionSpec, Option, State, Transition
 from rai_missions.states.effects import Effect
 from rai_missions.states.tree import TreeNode

@@ -6,7 +6,7 @@ from __future__ import annotations
 import difflib
 from collections.abc import Iterable
 
-from rai_missions.model import suggestion
+from rai_missions.errors import suggestion
 
 __all__ = ("Lexicon",)
 

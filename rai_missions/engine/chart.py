@@ -30,12 +30,11 @@ from rai_missions.engine.step import Cause, Step
 from rai_missions.engine.stepping import begin_run, close, compiled, fresh, make_step
 from rai_missions.engine.surroundings import Surroundings
 from rai_missions.engine.timing import look_ahead
-from rai_missions.errors import UsageError
+from rai_missions.errors import UsageError, suggestion
 from rai_missions.event import Event
 from rai_missions.guards.guard import View
 from rai_missions.keys import Stamped
 from rai_missions.mission.mission import Mission
-from rai_missions.model import suggestion
 from rai_missions.states.final import FinalOutcome
 from rai_missions.states.state import Holder
 

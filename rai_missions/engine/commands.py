@@ -28,9 +28,9 @@ from rai_missions.engine.state import RunState, refuse
 from rai_missions.engine.step import Move
 from rai_missions.engine.timers import late_s
 from rai_missions.engine.timing import look_ahead
+from rai_missions.errors import suggestion
 from rai_missions.event import Event
 from rai_missions.keys import Stamped, type_error
-from rai_missions.model import suggestion
 
 __all__ = ("receive_command", "resync")
 

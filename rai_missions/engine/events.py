@@ -17,9 +17,9 @@ from rai_missions.engine.program import Program
 from rai_missions.engine.reports import WATCHED, receive_answer, receive_report, watch_goal
 from rai_missions.engine.running import poll
 from rai_missions.engine.state import RunState, Trigger, refuse
+from rai_missions.errors import suggestion
 from rai_missions.event import KINDS, Event, EventKind
 from rai_missions.keys import Stamped, stale_at, type_error
-from rai_missions.model import suggestion
 
 __all__ = ("NOT_STARTED", "handle", "handle_before_start")
 

@@ -3,7 +3,7 @@
 
 Rule: it takes its orders from no one's memory. Who holds control is what the gate reports, by `lifecycle.py`'s rules.
 
-Imports `connectors`, `mission` and `runtime`, and the modules of the root.
+Imports `connectors`, `mission`, `model` and `runtime`, and the modules of the root.
 """
 
 from rai_missions.gate.config import CommandTopic, GateWords, gate_words, read_gate

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Guards: conditions over what is known, one file a kind.
 
-Imports `planning` and the modules of the root.
+Imports `model` and `planning`, and the modules of the root.
 """
 
 from typing import TYPE_CHECKING

@@ -13,8 +13,8 @@ from pydantic import Field, model_validator
 from rai_missions.guards.expression import SIGNS
 from rai_missions.guards.form import Atom, Form
 from rai_missions.guards.guard import Distinctions, Guard, Operand, Site, Sources, Test, Truth, TypeFault, Types, View
-from rai_missions.kinds import OPERAND, OPERAND_WORDS, reference_word
 from rai_missions.model import Json, KeyPath, Path, Value, fault
+from rai_missions.model.references import OPERAND, OPERAND_WORDS, reference_word
 from rai_missions.redaction import clipped
 
 __all__ = ("OPERATORS", "OPPOSITES", "ORDERED", "Compare", "Operator", "comparable", "holds", "json_text")

@@ -9,8 +9,8 @@ from typing import Annotated, Any, ClassVar
 from pydantic import Field
 
 from rai_missions.guards.guard import Distinctions, Guard, Operand, Site, Sources, Test, Truth, View
-from rai_missions.kinds import TEMPLATE, Refers, template_words
 from rai_missions.model import Json, Name, Value
+from rai_missions.model.references import TEMPLATE, Refers, template_words
 
 __all__ = ("Named",)
 

@@ -12,8 +12,8 @@ from typing import Any, NamedTuple
 
 from rai_missions.errors import DefinitionError, Fault, irregular, pointer, suggestion
 from rai_missions.keys import Key, type_error
-from rai_missions.kinds import reference_word
 from rai_missions.mission.mission import Mission
+from rai_missions.model.references import reference_word
 from rai_missions.redaction import shown
 from rai_missions.states import DecisionSpec, Include
 from rai_missions.states.state import ANY_EVENT

@@ -12,8 +12,8 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Any, NamedTuple, TypeVar
 
-from rai_missions.kinds import HELD, rewritten
 from rai_missions.model import MissionModel
+from rai_missions.model.references import HELD, rewritten
 
 __all__ = ("Names", "matched", "renamed")
 

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Goals over things on a desk: what is wanted, what is seen, whether it holds, and which moves lead there.
 
-Imports the modules of the root only. Everything is in the robot's base frame (x forward, y to its left, z up, the
-desk's top at z = 0), in metres and radians.
+Imports `model` and the modules of the root. Everything is in the robot's base frame (x forward, y to its left, z up,
+the desk's top at z = 0), in metres and radians.
 """
 
 from rai_missions.planning.goal import (

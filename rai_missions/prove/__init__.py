@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Proof: every run of a mission, explored; what is promised of all of them is proved, or refuted by a shortest run.
 
-Imports `check`, `engine`, `guards`, `journal`, `mission`, `planning` and `states`, and the modules of the root.
+Imports `check`, `engine`, `guards`, `journal`, `mission`, `model`, `planning` and `states`, and the modules of the
+root.
 """
 
 from __future__ import annotations

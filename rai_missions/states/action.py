@@ -9,8 +9,8 @@ from typing import Annotated, ClassVar
 from pydantic import Field
 
 from rai_missions.guards.guard import Guard, GuardOrKey
-from rai_missions.kinds import TEMPLATE
 from rai_missions.model import ActionName, AnyOf, Bool, Json, MissionModel, Seconds, Text, Value
+from rai_missions.model.references import TEMPLATE
 from rai_missions.states.effects import Effect, call_lines
 from rai_missions.states.state import Controller, ResultKey, State, Transition
 

@@ -8,8 +8,8 @@ from typing import Annotated, ClassVar
 
 from pydantic import Field
 
-from rai_missions.kinds import TEMPLATE
 from rai_missions.model import Json, MissionModel, Seconds, ServiceName, Text, Value
+from rai_missions.model.references import TEMPLATE
 from rai_missions.states.effects import Effect, call_lines
 from rai_missions.states.state import Controller, ResultKey, State, Transition
 

@@ -8,10 +8,10 @@ from typing import Annotated, Any, ClassVar, Self
 
 from pydantic import Field, model_validator
 
-from rai_missions.errors import nearest
+from rai_missions.errors import nearest, suggestion
 from rai_missions.guards.guard import Guard, GuardOrKey
 from rai_missions.kinds import PackageOffer, offered
-from rai_missions.model import AnyOf, Bool, Json, KeyPath, MissionModel, Name, Path, Text, fault, suggestion
+from rai_missions.model import AnyOf, Bool, Json, KeyPath, MissionModel, Name, Path, Text, fault
 from rai_missions.states.effects import Effect
 from rai_missions.states.state import OUTCOMES, Controller, State, Transition
 

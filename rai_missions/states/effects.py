@@ -12,7 +12,6 @@ from typing import Annotated, Any, ClassVar, Self
 from pydantic import Field, model_validator
 
 from rai_missions.guards.guard import Operand, Site, View
-from rai_missions.kinds import TEMPLATE, KeyValue, Refers, reference_word, template_paths, template_words
 from rai_missions.model import (
     EventName,
     Json,
@@ -29,6 +28,7 @@ from rai_missions.model import (
     Value,
     fault,
 )
+from rai_missions.model.references import TEMPLATE, KeyValue, Refers, reference_word, template_paths, template_words
 
 __all__ = (
     "Call",

@@ -8,8 +8,8 @@ from typing import Annotated
 
 from pydantic import Field
 
-from rai_missions.kinds import TEMPLATE, template_words
 from rai_missions.model import Json, Name, Text, Value
+from rai_missions.model.references import TEMPLATE, template_words
 from rai_missions.states.effects import Effect
 from rai_missions.states.state import Controller, State, Transition
 

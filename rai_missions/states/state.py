@@ -14,9 +14,9 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, NamedTuple,
 
 from pydantic import BeforeValidator, Field, model_validator
 
+from rai_missions.errors import suggestion
 from rai_missions.guards.guard import Distinctions, Guard, GuardOrKey
 from rai_missions.guards.purity import impurity
-from rai_missions.kinds import PATH, TRIGGER, Refers, fields_of
 from rai_missions.model import (
     AnyOf,
     Bool,
@@ -28,8 +28,8 @@ from rai_missions.model import (
     Text,
     fault,
     one_or_many,
-    suggestion,
 )
+from rai_missions.model.references import PATH, TRIGGER, Refers, fields_of
 from rai_missions.states.effects import Effect
 
 if TYPE_CHECKING:

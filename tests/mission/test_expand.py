@@ -14,10 +14,11 @@ from hypothesis import given
 from rai_missions import DefinitionError, Mission, dump, load
 from rai_missions.guards import Guard
 from rai_missions.keys import Key
-from rai_missions.kinds import fields_of
 from rai_missions.mission import include
 from rai_missions.mission.mission import EventSpec
-from rai_missions.model import NAME, PATH_PATTERN, Json, MissionModel
+from rai_missions.model import Json, MissionModel
+from rai_missions.model.fields import NAME, PATH_PATTERN
+from rai_missions.model.references import fields_of
 from rai_missions.states import Compound, DecisionSpec, Option, State, Transition
 from rai_missions.states.tree import TreeNode
 from tests.strategies import mission_documents

@@ -4,7 +4,7 @@
 Rule: every difference of meaning gives a sentence; what may loosen a protection comes first, and where that is unclear
 it counts as such.
 
-Imports `guards`, `mission` and `states`, and the modules of the root.
+Imports `guards`, `mission`, `model` and `states`, and the modules of the root.
 """
 
 from visualize.diff.difference import Difference, difference

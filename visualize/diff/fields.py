@@ -11,8 +11,8 @@ from typing import Any, Literal, NamedTuple
 
 from rai_missions.guards.guard import Guard
 from rai_missions.guards.implication import form, implies
-from rai_missions.kinds import template_words
 from rai_missions.model import MissionModel, alike
+from rai_missions.model.references import template_words
 from rai_missions.plain_data import is_number
 from rai_missions.states.decision import Budget, Option
 from rai_missions.states.tree import TreeNode

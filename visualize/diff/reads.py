@@ -11,8 +11,8 @@ from collections import Counter
 from collections.abc import Iterable, Mapping
 from typing import NamedTuple
 
-from rai_missions.kinds import INTERFACES
 from rai_missions.mission.mission import Mission
+from rai_missions.model.references import INTERFACES
 from rai_missions.states import Transition
 from rai_missions.states.effects import Effect, Raise
 from rai_missions.states.state import ANY_EVENT

@@ -3,7 +3,7 @@
 
 Rule: what is shown is data. It is in the page as JSON, is put on the screen as text alone, and nothing of it runs.
 
-Imports `engine`, `guards`, `journal`, `mission` and `states`, and the modules of the root.
+Imports `engine`, `guards`, `journal`, `mission`, `model` and `states`, and the modules of the root.
 """
 
 from visualize.page.chart_data import chart_data

@@ -23,8 +23,7 @@ from rai_missions.answerers.model.secrets import secrets_of
 from rai_missions.answerers.model.tool_calls import is_read_only
 from rai_missions.embodiment.identity import Identity
 from rai_missions.engine.decision import Question
-from rai_missions.errors import UsageError
-from rai_missions.model import suggestion
+from rai_missions.errors import UsageError, suggestion
 from rai_missions.redaction import Redaction, cut, first_line
 
 __all__ = ("DecisionAgent",)

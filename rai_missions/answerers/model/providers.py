@@ -17,8 +17,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
-from rai_missions.errors import UsageError, install_command
-from rai_missions.model import suggestion
+from rai_missions.errors import UsageError, install_command, suggestion
 from rai_missions.redaction import first_line
 
 if TYPE_CHECKING:

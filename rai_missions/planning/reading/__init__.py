@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Requests in free words, read into goals by rules; what is not sure is asked back, what is forbidden is refused.
 
-Imports the modules of the root only.
+Imports `model` and the modules of the root.
 """
 
 from rai_missions.planning.reading.answer import chosen, read_answer

@@ -4,7 +4,7 @@
 Rule: nothing here knows py_trees. A tree's state is a frozen value from which a ticker rebuilds.
 Rule: a leaf is offered under its word of the format: `tree.Action` is next to the state `Action`.
 
-Imports `guards` and the modules of the root.
+Imports `guards` and `model`, and the modules of the root.
 """
 
 from typing import TYPE_CHECKING

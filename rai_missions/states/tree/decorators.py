@@ -8,8 +8,8 @@ from typing import Annotated, ClassVar, Literal
 from pydantic import Field
 
 from rai_missions.guards.guard import Guard, GuardOrKey
-from rai_missions.kinds import Refers
 from rai_missions.model import AnyOf, Integer, KeyPath, Name, Number
+from rai_missions.model.references import Refers
 from rai_missions.states.tree.node import Decorator, TreeNode
 
 __all__ = (

@@ -8,8 +8,8 @@ from typing import Annotated, Any, ClassVar, Self
 
 from pydantic import Field, model_validator
 
+from rai_missions.errors import suggestion
 from rai_missions.guards.guard import Guard, GuardOrKey
-from rai_missions.kinds import TEMPLATE, KeyValue, Refers
 from rai_missions.model import (
     AnyOf,
     Json,
@@ -21,8 +21,8 @@ from rai_missions.model import (
     TopicName,
     Value,
     fault,
-    suggestion,
 )
+from rai_missions.model.references import TEMPLATE, KeyValue, Refers
 from rai_missions.states.action import GoalFields
 from rai_missions.states.call import CallFields
 from rai_missions.states.decision import BUDGET, Budget, DecisionSpec, Option, asked_apart

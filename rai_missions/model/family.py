@@ -1,0 +1,162 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A family of written things, each distinguished by a word; other packages may offer kinds of it."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from functools import cache
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, TypeVar
+
+from pydantic import PlainSerializer, PlainValidator, WithJsonSchema
+
+from rai_missions.errors import UsageError, suggestion
+from rai_missions.kinds import PackageOffer, offered
+from rai_missions.model.fields import NAME, fault
+from rai_missions.model.mission_model import MissionModel
+from rai_missions.redaction import shown
+
+__all__ = ("FAMILY", "AnyOf", "TaggedModel", "kind_of")
+
+FAMILY = "x-family"
+"""In a JSON Schema, before `schema.py` puts the kinds in its place."""
+
+
+class TaggedModel(MissionModel):
+    """A family of written things, each distinguished by a word that it must have.
+
+    A family derives from `TaggedModel` with `family="guard"`; each kind of it derives from the family and has a word.
+    Where the family has a `group`, other packages offer further kinds under it by entry points.
+    """
+
+    kinds: ClassVar[dict[str, type[Any]]]
+    """The format's own: word → kind."""
+    foreign: ClassVar[set[type[Any]]]
+    """Kinds of other packages that were imported."""
+    word: ClassVar[str] = ""
+    family: ClassVar[str] = ""
+    group: ClassVar[str] = ""
+    """The group of entry points for kinds of other packages; empty where there are none."""
+
+    def __init_subclass__(cls, *, family: str = "", word: str | None = None, group: str = "", **rest: Any) -> None:
+        super().__init_subclass__(**rest)
+        if family:
+            cls.family, cls.kinds, cls.foreign, cls.group = family, {}, set(), group
+        if word is None:
+            return
+        cls.word = word
+        if cls.__module__.partition(".")[0] == __name__.partition(".")[0]:
+            cls.kinds[word] = cls
+        elif word in cls.kinds or not re.match(NAME, word):
+            owner = "is a word of the format" if word in cls.kinds else "is no name"
+            raise TypeError(f"the {cls.family} '{word}' of {cls.__module__}: '{word}' {owner}; choose another")
+        else:
+            cls.foreign.add(cls)
+
+    @classmethod
+    def admit(cls, kind: type[Any]) -> str:
+        """Why a kind of another package may not be used; empty if it may."""
+        return "" if issubclass(kind, cls) else f"it is no {cls.family}"
+
+    @classmethod
+    def offer(cls, word: str) -> PackageOffer | None:
+        """Which other package offers the kind of a word.
+
+        Raises:
+            UsageError: Several do.
+        """
+        return offered(cls.group, word, {}) if cls.group and word not in cls.kinds else None
+
+    @classmethod
+    def kind(cls, word: str) -> type[Any] | None:
+        """The kind of a word: the format's own, else that of an installed package.
+
+        Raises:
+            PydanticCustomError: The package's does not load, or may not be used.
+        """
+        if word in cls.kinds:
+            return cls.kinds[word]
+        try:
+            offer = cls.offer(word)
+            family: Any = cls
+            return None if offer is None else _admitted(family, offer)
+        except UsageError as error:
+            raise fault("package", str(error)) from None
+
+    @classmethod
+    def choose(cls, data: Mapping[str, Any]) -> str:
+        """The word of a mapping that names its kind.
+
+        Raises:
+            PydanticCustomError: No word or several.
+        """
+        given = [word for word in cls.kinds if word and word in data]
+        given = given or [word for word in map(str, data) if cls.kind(word) is not None]
+        if len(given) == 1:
+            return given[0]
+        if not given and "" in cls.kinds:
+            return ""
+        known = ", ".join(word for word in cls.kinds if word)
+        if given:
+            raise fault("kinds", f"a {cls.family} is one thing, this is {len(given)}: {', '.join(given)}; keep one")
+        unknown = next((str(word) for word in data), "")
+        if meant := next((cls.meant[word] for word in map(str, data) if word in cls.meant), ""):
+            raise fault("kind", f"no {cls.family} is written {sorted(map(str, data))}; did you mean '{meant}'?")
+        near = suggestion(unknown, cls.kinds) if unknown else f"; there is: {known}"
+        like = "" if near.endswith("?") else cls.remedy(data)
+        raise fault("kind", f"no {cls.family} is written {sorted(map(str, data))}{near}{like}")
+
+    @classmethod
+    def remedy(cls, data: Any) -> str:
+        """What to write instead of a value that is no object, for the end of a sentence; empty where it is unknown."""
+        return ""
+
+    @classmethod
+    def read(cls, data: Any) -> Any:
+        """A member of the family from JSON, or the value itself if it is one."""
+        if isinstance(data, cls):
+            return data
+        if not isinstance(data, Mapping):
+            raise fault("object", f"a {cls.family} is an object, not {shown(data)}{cls.remedy(data)}")
+        kind = cls.kind(cls.choose(data))
+        assert kind is not None
+        return kind.model_validate(data)
+
+
+@cache
+def _admitted(family: Any, offer: PackageOffer) -> Any:
+    """The kind that a package offers.
+
+    Raises:
+        UsageError: It does not load, or may not be used.
+    """
+    kind = offer.load()
+    why: str = family.admit(kind) if isinstance(kind, type) else f"it is no {family.family}"
+    why = why or ("" if offer.name == kind.word else f"its word is '{kind.word}'")
+    if why:
+        raise UsageError(f"{offer} cannot be used: {why}")
+    return kind
+
+
+def kind_of(family: type[TaggedModel]) -> Any:
+    """The field type for any member of a family."""
+    return Annotated[
+        family,
+        PlainValidator(family.read),
+        PlainSerializer(lambda item: item.written(), return_type=Any),
+        WithJsonSchema({FAMILY: family.__name__}),
+    ]
+
+
+Member = TypeVar("Member", bound=TaggedModel)
+
+if TYPE_CHECKING:
+    AnyOf = Annotated[Member, "one of a family's kinds"]
+    """`AnyOf[Guard]`: the field type for any member of a family."""
+else:
+
+    class AnyOf:
+        """`AnyOf[Guard]`: the field type for any member of a family."""
+
+        def __class_getitem__(cls, family: type[TaggedModel]) -> Any:
+            return kind_of(family)

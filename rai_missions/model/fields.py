@@ -1,0 +1,153 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The types of fields: what a text, a name, a path, a number or a value may be, and how it is written in JSON.
+
+Rule: nothing is coerced.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Annotated, Any, Literal, Protocol, TypeAlias
+
+from pydantic import AfterValidator, BeforeValidator, Field, PlainSerializer, Strict
+from pydantic_core import PydanticCustomError, PydanticKnownError
+
+from rai_missions.model.references import EVENT, KEY, PATH, STATE, TIMER, OneOrMany, Refers
+
+__all__ = (
+    "LISTED", "NAME", "NOT_NULL", "PATH_PATTERN", "ActionName", "Bool", "EventName", "Format", "HasPath", "Integer",
+    "Json", "KeyName", "KeyPath", "Name", "Number", "Path", "Seconds", "ServiceName", "StateName", "StateNames", "Text",
+    "TimerName", "TopicName", "Value", "alike", "fault", "one_or_many",
+)  # fmt: skip
+
+NAME = r"^[a-z][a-z0-9_]*(/[a-z][a-z0-9_]*)*$"
+PATH_PATTERN = r"^[a-z][a-z0-9_]*(/[a-z][a-z0-9_]*)*(\.[A-Za-z_][A-Za-z0-9_]*)*$"
+
+
+def fault(kind: str, sentence: str) -> PydanticCustomError:
+    """A fault of the author, as pydantic wants it raised in a validator; the sentence reaches the author as it is."""
+    return PydanticCustomError(kind, "{sentence}", {"sentence": sentence})
+
+
+def _key_text(value: Any) -> Any:
+    """A reference made by `Keys` reads as its path."""
+    return getattr(value, "__path__", value) if not isinstance(value, str) else value
+
+
+def _tuple(value: Any) -> Any:
+    if type(value) is str:  # as most are written
+        return (value,)
+    value = _key_text(value)
+    return tuple(value) if isinstance(value, list | tuple) else (value,)
+
+
+def _shorter(value: tuple[Any, ...]) -> Any:
+    return value[0] if len(value) == 1 else list(value)
+
+
+class _OneOrManySchema(OneOrMany):
+    """States in a JSON Schema that a word may be written without its list."""
+
+    def __get_pydantic_json_schema__(self, core_schema: Any, handler: Any) -> dict[str, Any]:
+        listed = handler(core_schema)
+        return {"anyOf": [listed["items"], listed]}
+
+
+one_or_many = (BeforeValidator(_tuple), PlainSerializer(_shorter, return_type=Any), _OneOrManySchema())
+"""A word or a list of words in JSON, always a tuple here."""
+
+Text = Annotated[str, Strict()]
+Name = Annotated[str, Strict(), Field(pattern=NAME), BeforeValidator(_key_text)]
+"""Lower case, digits and underscores; `/` only in what an inclusion brought."""
+Path = Annotated[str, PATH, Strict(), Field(pattern=PATH_PATTERN), BeforeValidator(_key_text)]
+"""A key, or a field within one: `obstacle.height_m`; `event.…` and `answer.…` are of the trigger."""
+StateName = Annotated[Name, STATE]
+KeyName = Annotated[Name, KEY]
+EventName = Annotated[Name, EVENT]
+TimerName = Annotated[Name, TIMER]
+ActionName = Annotated[Name, Refers("action")]
+"""An action of the robot's profile."""
+ServiceName = Annotated[Name, Refers("service")]
+TopicName = Annotated[Name, Refers("topic")]
+StateNames = Annotated[tuple[StateName, ...], Field(min_length=1), *one_or_many]
+Bool = Annotated[bool, Strict()]
+Integer = Annotated[int, Strict()]
+Number = Annotated[int, Strict()] | Annotated[float, Strict(), Field(allow_inf_nan=False)]
+Seconds = Annotated[
+    float,
+    Strict(),
+    Field(ge=0, allow_inf_nan=False),
+    PlainSerializer(lambda value: int(value) if isinstance(value, float) and value.is_integer() else value),
+]
+
+
+def _whole(value: Any) -> Any:
+    if type(value) in (bool, float):  # true and 1.0 are equal to 1
+        raise PydanticKnownError("literal_error", {"expected": "1"})
+    return value
+
+
+Format = Annotated[Literal[1], BeforeValidator(_whole)]
+"""The version of the format of a file."""
+
+
+def _frozen(value: Any) -> Any:
+    """JSON values as they compare: lists as lists, finite numbers only."""
+    if isinstance(value, float) and (value != value or value in (float("inf"), float("-inf"))):
+        raise fault("finite", f"{value} is not a number that JSON has; give a finite one")
+    if isinstance(value, Mapping):
+        return {str(_key_text(name)): _frozen(item) for name, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [_frozen(item) for item in value]
+    if value is None or isinstance(value, str | int | float):
+        return value
+    text = _key_text(value)
+    if isinstance(text, str):
+        return {"from": text}
+    raise fault("json", f"{value!r} is not JSON; give text, a number, true, false, a list or an object")
+
+
+Json = Annotated[Any, AfterValidator(_frozen)]
+"""A JSON value; in Python a reference made by `Keys` is read as `{"from": path}`."""
+
+
+def _not_null(value: Any) -> Any:
+    if value is None:
+        raise fault("null", "null is no value; leave the word out")
+    return value
+
+
+NOT_NULL = BeforeValidator(_not_null)
+"""Of a word that may be left out."""
+
+
+def _listed(value: Any) -> Any:
+    return tuple(value) if isinstance(value, list) else value
+
+
+LISTED = BeforeValidator(_listed)
+"""Of a tuple, which JSON and Python may write as a list; a word alone is none."""
+
+
+def alike(one: Any, other: Any) -> bool:
+    """Whether two values are equal as JSON is written: 1, 1.0 and true are three values."""
+    if type(one) is not type(other):
+        return False
+    if isinstance(one, dict):
+        return one.keys() == other.keys() and all(alike(value, other[name]) for name, value in one.items())
+    if isinstance(one, list | tuple):
+        return len(one) == len(other) and all(map(alike, one, other))
+    return bool(one == other)
+
+
+class HasPath(Protocol):
+    """A reference as `Keys`, `event` and `answer` make it: `k.obstacle.height_m`."""
+
+    @property
+    def __path__(self) -> str: ...
+
+
+KeyPath: TypeAlias = str | HasPath
+"""Where an author names a key or a field of one: a reference, or its path as text."""
+Value: TypeAlias = object
+"""What an author writes in a goal, request or message: a JSON value, with references for what a run will know."""
