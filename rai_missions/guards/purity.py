@@ -35,7 +35,7 @@ SOURCES = {
     "os": "the system", "pathlib": "files", "io": "files", "open": "files", "socket": "the network",
     "urllib": "the network", "http": "the network", "subprocess": "other programs", "threading": "other threads",
 }  # fmt: skip
-UNCALLED = ("__hash__", "__repr__", "__setattr__", "__delattr__")
+UNCALLED = ("__annotate_func__", "__hash__", "__repr__", "__setattr__", "__delattr__")
 """What a class has for other uses than to be evaluated, and Python makes for it."""
 FOREIGN = frozenset(("numpy.random", "requests", "httpx", "rclpy", "paho"))
 
