@@ -199,6 +199,10 @@ class SerialQueue:
                 work()
             except Exception:
                 log.exception("a callback failed")
+            except BaseException:  # Ctrl-C: what waits is left for the next run
+                with self._lock:
+                    self._is_busy = False
+                raise
 
     def _next(self) -> Work | None:
         with self._lock:

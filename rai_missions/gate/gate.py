@@ -130,7 +130,8 @@ class GateAgent:
             ConnectorError: A type is not there, or a stop is no message of its topic's type.
         """
         name, self._is_closed = self._words.name, False
-        self._publish_stops()
+        for _, error in self._publish_stops():
+            raise error
         if self._memory is not None:
             self._memory.note(self.gate.holder)
         for who in COMMANDERS:
@@ -190,7 +191,7 @@ class GateAgent:
         try:
             began, identity = json.loads(message.data["data"])["gate"]
             is_older = [float(began), str(identity)] < self._identity
-        except (KeyError, TypeError, ValueError, RecursionError):
+        except (KeyError, TypeError, ValueError, OverflowError, RecursionError):
             return
         if is_older and not self.gives_way:
             self.gives_way = True
@@ -219,10 +220,11 @@ class GateAgent:
     def _do(self, deed: Deed) -> None:
         try:
             if isinstance(deed, Pass):
-                topic = self._topics[deed.command.topic]
-                self._connector.publish(topic.topic, topic.type, deed.command.data)
+                words = self._topics[deed.command.topic]
+                self._connector.publish(words.topic, words.type, deed.command.data)
             elif isinstance(deed, ControlChange | Halt):
-                self._publish_stops()
+                for topic, error in self._publish_stops():
+                    log.error("the stop of %s was not published", topic, exc_info=error)
                 if self._memory is not None and isinstance(deed, ControlChange):
                     self._memory.note(deed.holder)
             elif isinstance(deed, PublishStatus):
@@ -236,10 +238,17 @@ class GateAgent:
         elif isinstance(deed, Refuse):
             log.debug("refused: %s", deed)
 
-    def _publish_stops(self) -> None:
-        for topic in self._words.commands:
-            if topic.stop_message is not None:
-                self._connector.publish(topic.topic, topic.type, topic.stop_message)
+    def _publish_stops(self) -> list[tuple[str, Exception]]:
+        """Stop what each topic moves, whatever becomes of the others; returns the topics that failed, and why."""
+        failed = list[tuple[str, Exception]]()
+        for each in self._words.commands:
+            if each.stop_message is None:
+                continue
+            try:
+                self._connector.publish(each.topic, each.type, each.stop_message)
+            except Exception as error:  # noqa: BLE001 - of whatever connector
+                failed.append((each.topic, error))
+        return failed
 
     def _publish(self, gate: Gate) -> None:
         status = {"gate": self._identity, **status_of(gate, self._terms), "commands": list(self._topics)}

@@ -74,7 +74,9 @@ def _request(gate: Gate, request: Request) -> Turn:
         why = f"no one called '{request.by}' can ask for control; there is: {', '.join(COMMANDERS)}"
     if why:
         note = f"{request.by} asked for control to go to {request.to}: {why}"
-        gate = gate._replace(requests_refused=_counted(gate.requests_refused, request.by), last_refusal=note)
+        if request.by in COMMANDERS:  # of others there is no end
+            gate = gate._replace(requests_refused=_counted(gate.requests_refused, request.by))
+        gate = gate._replace(last_refusal=note)
         return gate, (Answer(gate.revision, request, why),)
     changes: tuple[Deed, ...] = ()
     if request.to != gate.holder:

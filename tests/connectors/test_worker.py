@@ -9,11 +9,12 @@ import math
 import signal
 import threading
 from collections.abc import Iterator
+from functools import partial
 from typing import Any
 
 import pytest
 
-from rai_missions.connectors.worker import Worker
+from rai_missions.connectors.worker import SerialQueue, Worker
 from rai_missions.errors import UsageError
 
 PATIENCE_S = 30.0
@@ -81,6 +82,20 @@ def test_what_a_piece_raises_is_reported_and_the_next_is_done(caplog: pytest.Log
         worker.close()
     assert [str(error) for error in raised] == ["no more", "no more"]
     assert caplog.messages == ["'plain' failed at a piece of work; later failures are not logged"]
+
+
+def test_what_waits_behind_an_interrupted_piece_is_done_by_the_next_run() -> None:
+    queue, done = SerialQueue(), list[str]()
+
+    def interrupted() -> None:
+        queue.post(partial(done.append, "behind"))
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        queue.post(interrupted)
+    assert done == []
+    queue.post(partial(done.append, "next"))
+    assert done == ["behind", "next"]
 
 
 def test_a_result_is_waited_for_and_what_was_raised_is_raised_there() -> None:

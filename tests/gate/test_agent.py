@@ -11,12 +11,12 @@ from typing import Any
 
 import pytest
 
-from rai_missions.connectors.connector import Message, Reply
+from rai_missions.connectors.connector import Data, Message, Reply
 from rai_missions.connectors.local import LocalConnector
 from rai_missions.errors import ConnectorError
 from rai_missions.gate import GateAgent, GateWords, gate_words
 from rai_missions.gate.gate import EMPTY, STRING, TRIGGER
-from rai_missions.gate.state import Deed, Pass, Refuse
+from rai_missions.gate.state import ControlChange, Deed, Pass, Refuse
 from rai_missions.runtime.clock import WallClock
 from rai_missions.testing import Inbox, check_agent
 from tests.rigs.runs import ManualClock
@@ -27,9 +27,9 @@ TWIST = "geometry_msgs/msg/Twist"
 class Rig:
     """A gate, and everybody around it."""
 
-    def __init__(self, words: GateWords | None = None) -> None:
+    def __init__(self, words: GateWords | None = None, connector: type[LocalConnector] = LocalConnector) -> None:
         self.clock = ManualClock()
-        self.connector = LocalConnector(now=self.clock.now)
+        self.connector = connector(now=self.clock.now)
         self.connector.start()
         self.deeds: list[Deed] = []
         self.base: list[float] = []
@@ -119,6 +119,13 @@ def test_no_one_asks_in_another_s_name(rig: Rig) -> None:
     assert "no one called 'agent as operator' can ask for control" in rig.status[-1]["last_refusal"]
 
 
+def test_names_of_strangers_are_not_kept(rig: Rig) -> None:
+    for name in ("agent", "x1", "x2"):
+        rig.connector.publish("/gate/agent/request", STRING, {"data": json.dumps({"to": "moon", "by": name})})
+    assert rig.agent.gate.requests_refused == {"agent": 1}
+    assert "agent as x2" in rig.status[-1]["last_refusal"]
+
+
 def test_a_silent_agent_loses_control_at_the_instant_at_which_its_lease_ends(rig: Rig) -> None:
     rig.ask("agent", "agent")
     rig.clock.at = 0.4
@@ -169,6 +176,34 @@ def test_several_topics_are_guarded_alike_and_stopped_as_each_is() -> None:
     rig.agent.close()
 
 
+class HalfDown(LocalConnector):
+    """A connector of which some topics are down."""
+
+    down: frozenset[str] = frozenset()
+
+    def publish(self, topic: str, type_name: str, message: Data) -> None:
+        if topic in self.down:
+            raise ConnectorError(f"{topic} is down")
+        super().publish(topic, type_name, message)
+
+
+def test_a_stop_that_fails_holds_up_neither_the_others_nor_the_handover(caplog: pytest.LogCaptureFixture) -> None:
+    commands = [
+        {"topic": "/cmd_vel", "type": TWIST},
+        {"topic": "/arm", "type": "std_msgs/msg/String", "stop": {"data": "hold"}},
+    ]
+    rig = Rig(gate_words({"commands": commands}), HalfDown)
+    lines: list[str] = []
+    rig.connector.subscribe("/arm", STRING, lambda received: lines.append(received.data["data"]))
+    rig.connector.down = frozenset({"/cmd_vel"})  # type: ignore[attr-defined]
+    assert rig.ask("agent", "agent").data["success"]
+    assert lines == ["hold"] and rig.holders[-1] == "agent"
+    assert any(isinstance(deed, ControlChange) for deed in rig.deeds)
+    assert "the stop of /cmd_vel was not published" in caplog.text
+    rig.agent.close()
+    assert lines == ["hold", "hold"]
+
+
 def test_a_gate_that_ends_leaves_a_stop_and_lets_nothing_through(rig: Rig) -> None:
     rig.command("autonomy", 1.0)
     rig.agent.close()
@@ -185,7 +220,7 @@ def test_of_two_gates_the_later_one_ends(rig: Rig) -> None:
 
     ours = rig.status[-1]["gate"][0]
     assert not report(ours + 1.0)
-    for text in ("", "[]", "{}", '{ "gate": 3}', '{ "gate": ["x", "y"]}'):
+    for text in ("", "[]", "{}", '{ "gate": 3}', '{ "gate": ["x", "y"]}', '{ "gate": [1' + "0" * 400 + ', "y"]}'):
         rig.connector.publish("/gate/status", STRING, {"data": text})
     assert not rig.agent.gives_way
     assert report(ours - 1.0)
