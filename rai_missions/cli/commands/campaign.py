@@ -120,6 +120,7 @@ def _loaded(options: CampaignOptions) -> LoadedCampaign:
 
 
 def _run(options: CampaignOptions) -> int:
+    import sys
     from pathlib import Path
 
     from rai_missions.campaign.run import run_campaign
@@ -135,9 +136,14 @@ def _run(options: CampaignOptions) -> int:
         shown[0] = progress.words(loaded.file.currency)
 
     with ResultStore(path, writes=True) as store, LongWork(lambda: shown[0]):
-        result = run_campaign(
-            loaded, store, settings, open_pool=open_pool, labels_alone=options.subcommand == "label", on_progress=note
-        )
+        try:
+            result = run_campaign(
+                loaded, store, settings, open_pool=open_pool, labels_alone=options.subcommand == "label",
+                on_progress=note,
+            )  # fmt: skip
+        except KeyboardInterrupt:
+            print(f"{shown[0]}; it is in {path}, and the same command continues there", file=sys.stderr)
+            raise
         labelled = len(store.labels())
     unlabelled = _reasons("scenes without labels", result.unlabelled)
     if options.subcommand == "label":
