@@ -9,7 +9,7 @@ from rai_missions.agents.runner import AgentRunner
 from rai_missions.agents.text_to_speech import TextToSpeech
 from rai_missions.agents.voice_recognition import VoiceRecognition
 from rai_missions.cli.sound import line_of
-from rai_missions.connectors.hri.connector import HRIConnector
+from rai_missions.connectors.hri.connector import FROM_HUMAN, TO_HUMAN, HRIConnector
 from rai_missions.connectors.sound.connector import SoundConnector
 from rai_missions.voice.listener import Transcript
 from rai_missions.voice.setup import ListenNames
@@ -18,7 +18,9 @@ from rai_missions.voice.spoken_text import SpokenEnd
 __all__ = ("serve_voice",)
 
 
-def serve_voice(sound: SoundConnector, names: ListenNames, *, voice: str, domain: int | None) -> int:
+def serve_voice(
+    sound: SoundConnector, names: ListenNames, *, voice: str, domain: int | None, below: str = ""
+) -> int:  # fmt: skip
     """Listen and speak until an interrupt; returns the exit status.
 
     Args:
@@ -26,6 +28,7 @@ def serve_voice(sound: SoundConnector, names: ListenNames, *, voice: str, domain
         names: Which recognisers and which wake word.
         voice: By name.
         domain: The ROS domain; None is that of `ROS_DOMAIN_ID`.
+        below: What the robot's topics begin with: `/alpha`.
 
     Raises:
         UsageError: A recogniser is not installed.
@@ -35,7 +38,7 @@ def serve_voice(sound: SoundConnector, names: ListenNames, *, voice: str, domain
 
     connector = open_connector({} if domain is None else {"domain_id": domain})
     hri = HRIConnector(connector)
-    speech = TextToSpeech(sound, hri, voice=voice, on_message_end=_show_end, on_fault=_warn)
+    speech = TextToSpeech(sound, hri, topic=below + TO_HUMAN, voice=voice, on_message_end=_show_end, on_fault=_warn)
 
     def take(transcript: Transcript) -> None:
         speech.resume(cut=bool(transcript.text))
@@ -43,8 +46,9 @@ def serve_voice(sound: SoundConnector, names: ListenNames, *, voice: str, domain
             print(line_of(transcript), flush=True)
 
     recognition = VoiceRecognition(
-        sound, hri, names=names, on_transcript=take, on_present=speech.interrupt, on_fault=_warn
-    )
+        sound, hri, topic=below + FROM_HUMAN, names=names, on_transcript=take, on_present=speech.interrupt,
+        on_fault=_warn,
+    )  # fmt: skip
     agents = AgentRunner({"voice": speech, "recognition": recognition}, connector=connector, name="speech")
     try:
         connector.start()

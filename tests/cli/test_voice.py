@@ -12,6 +12,7 @@ from rai_missions.cli.main import main
     ("words", "sentence"),
     [
         ([], "'rai-missions voice --ros' joins the ROS graph"),
+        (["--ros", "--below", "alpha"], "'--below alpha' is no beginning of a topic's name; write it like '/alpha'"),
         (["--ros", "-o", "spoken.wav"], "leave -o out, or name a FILE"),
         (["no.wav", "--ros"], "there is no file no.wav"),
         (["pyproject.toml", "--ros"], "pyproject.toml is no WAV file that can be read"),

@@ -16,6 +16,7 @@ def voice(
     *,
     ros: bool = False,
     domain: Annotated[int | None, Argument("N")] = None,
+    below: Annotated[str, Argument("TOPIC")] = "",
     output: Annotated[str | None, Argument("FILE", short="-o", files=("*.wav",))] = None,
     voice: Annotated[str, Argument("NAME")] = "flite",
     recogniser: Annotated[str, Argument("NAME")] = "whisper",
@@ -34,6 +35,7 @@ def voice(
         file: A WAV file instead of the microphone, at the pace of the wall; silence follows it.
         ros: On the ROS 2 graph.
         domain: The ROS domain, instead of ROS_DOMAIN_ID.
+        below: Of several robots the one that is talked with: its profile's hri_below, as /alpha.
         output: With FILE: a WAV file that is written at the end, with all that was spoken.
         voice: flite, espeak, piper, kokoro, or a voice of another package; with options as flite:speaker=rms.
         recogniser: whisper, or a recogniser of another package; with options as whisper:weights=base,
@@ -61,9 +63,11 @@ def voice(
             "name where the robot is: 'rai-missions voice --ros' joins the ROS graph; "
             "in one process with its mission: rai-missions run MISSION --robot ROBOT --talk --voice"
         )
+    if below and not below.startswith("/"):
+        raise UsageError(f"'--below {below}' is no beginning of a topic's name; write it like '/alpha'")
     if file is None and output is not None:
         raise UsageError("-o writes what is spoken next to a FILE; a speaker plays it: leave -o out, or name a FILE")
     sound: SoundConnector = (
         FileSound(file, output, paced=True) if file is not None else DeviceSound(microphone, speaker)
     )
-    return serve_voice(sound, ListenNames(recogniser, second, wake_word), voice=voice, domain=domain)
+    return serve_voice(sound, ListenNames(recogniser, second, wake_word), voice=voice, domain=domain, below=below)
