@@ -256,7 +256,9 @@ class GoalWriter:
     # -- things among themselves ---------------------------------------------------------------------------------------
 
     def _several(self, phrases: Sequence[Phrase]) -> Names:
-        names = self._names(phrases)
+        return self._at_least_two(self._names(phrases))
+
+    def _at_least_two(self, names: Names) -> Names:
         if len(names) < 2:
             raise self._ask("too_few", self._listed(names))
         return names
@@ -269,7 +271,7 @@ class GoalWriter:
             members = self._names(_stackable(clause.subjects)) if clause.subjects else ()
             placed = [(self._one(_stackable([phrase])[0]), level) for phrase, level in clause.levels]
             names = self._by_level(members or self._members(placed), placed)
-        names = tuple(name for name in names if name != base)
+        names = self._at_least_two((base, *(name for name in names if name != base)))[1:]
         yield {"in" if self._is_container(base) else "on": [names[0], base]}
         yield from ({"on": [above, below]} for below, above in pairwise(names))
 
@@ -326,10 +328,8 @@ class GoalWriter:
     def _spread(self, clause: Clause) -> Iterator[Plain]:
         """Each thing from every other; of several groups those of one from those of another: `fruit and vegetables`."""
         groups = [self._names([phrase]) for phrase in clause.subjects]
-        names = tuple(dict.fromkeys(name for group in groups for name in group))
+        names = self._at_least_two(tuple(dict.fromkeys(name for group in groups for name in group)))
         self._subjects = names
-        if len(names) < 2:
-            raise self._ask("too_few", self._listed(names))
         if len(groups) < 2 or all(len(group) == 1 for group in groups):
             yield {"apart": list(names)}
             return

@@ -65,6 +65,14 @@ def test_a_tower_stands_where_it_is_asked_for(request_: str, base: Any, names: t
     assert feasible(found, SEEN) is None
 
 
+@pytest.mark.parametrize(
+    "request_", ["stack the cubes on the red cube with the red cube at the bottom", "stack the cubes on the red cube"]
+)
+def test_a_tower_on_the_only_thing_that_could_be_in_it_is_asked_back(request_: str) -> None:
+    found = reading_of(request_, scene(thing("red_cube", 0.4, 0.1, colour="red"), thing("tray", 0.6, 0.3)))
+    assert found.question.startswith("That takes two things or more, and I see only 'red cube' of them.")
+
+
 def test_things_in_a_container_are_stacked_there() -> None:
     found = reading_of("put the cubes in the tray and stack them", SEEN).goal
     above = {"on": ["blue_cube", "red_cube"]}, {"on": ["green_cube", "blue_cube"]}
