@@ -85,6 +85,14 @@ class Parameter(NamedTuple):
         """Its name on the command line."""
         return self.name if self.argument.is_positional else f"--{self.name.rstrip('_').replace('_', '-')}"
 
+    @property
+    def usage(self) -> str:
+        """As it is typed: `FILE`, `[FILE]` where it may be left out, `--option VALUE`."""
+        value = self.argument.metavar or self.name.upper()
+        if self.argument.is_positional:
+            return value if self.is_required else f"[{value}]"
+        return self.flag if self.kind is bool or self.argument.bare is not None else f"{self.flag} {value}"
+
     def add_to(self, parser: argparse.ArgumentParser) -> argparse.Action:
         """Have a parser read it."""
         words: dict[str, Any] = {"metavar": self.argument.metavar, "default": argparse.SUPPRESS, "dest": self.name}
@@ -174,6 +182,13 @@ class Command:
             argument = argument._replace(is_positional=argument.is_positional or number < ahead)
             made.append(Parameter(name, kind, argument, helps[name], name not in defaults, defaults.get(name)))
         return made
+
+    def usage_with(self, flag: str) -> str:
+        """`rai-missions run [MISSION] --talk`: what to type for this option; empty where there is none of that name."""
+        parameters = self.parameters()
+        ahead = [each.usage for each in parameters if each.argument.is_positional]
+        usages = [each.usage for each in parameters if each.flag == flag and not each.argument.is_positional]
+        return " ".join(["rai-missions", self.name, *ahead, *usages]) if usages else ""
 
     def _options(self) -> Any:
         """The `NamedTuple` that the function takes; None where it takes the arguments themselves."""

@@ -53,7 +53,8 @@ def _without_command(words: Sequence[str]) -> int:
     if words and not words[0].startswith("-"):
         from rai_missions.errors import suggestion
 
-        root.error(f"there is no command {words[0]!r}{suggestion(words[0], names())}")
+        meant = _with_option(words[0]) or suggestion(words[0], names())
+        root.error(f"there is no command {words[0]!r}{meant}")
     if root.parse_args(words).version:
         from importlib.metadata import version
 
@@ -62,6 +63,13 @@ def _without_command(words: Sequence[str]) -> int:
         return 0
     root.print_help()
     return 2
+
+
+def _with_option(word: str) -> str:
+    """The commands that have an option of this name, for the end of a sentence; empty where none has."""
+    commands = (load_command(name) for name in names())
+    usages = [usage for each in commands if (usage := each.usage_with(f"--{word}"))]
+    return f"; it is an option: {', '.join(usages)}" if usages else ""
 
 
 def _run(command: Command, words: Sequence[str], raised: RaisedSignals) -> int:

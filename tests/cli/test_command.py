@@ -112,6 +112,10 @@ def test_words_of_a_command_line_become_typed_arguments_in_any_order(
     ("words", "sentence"),
     [
         ("cuont 3", "rai-missions: error: there is no command 'cuont'; did you mean 'count'?"),
+        (
+            "is-loud",
+            "rai-missions: error: there is no command 'is-loud'; it is an option: rai-missions count UPTO [FROM] --is",
+        ),
         ("count", "rai-missions count: error: the following arguments are required: upto"),
         ("count x", "rai-missions count: error: argument upto: invalid int value: 'x'"),
         ("count 1 2 3", "rai-missions count: error: unrecognized arguments: 3"),
