@@ -8,7 +8,8 @@ from __future__ import annotations
 
 import json
 import threading
-from collections.abc import Mapping
+from collections import deque
+from collections.abc import Iterable, Mapping
 from typing import Any, NamedTuple
 
 from rai_missions.errors import DefinitionError
@@ -22,7 +23,7 @@ RUNS_TOPIC = "/rai_missions/runs"
 FORGET_S = 5.0
 """A run of which nothing was received for so long, in seconds, is over."""
 MOST, LONGEST, NAMED = 64, 200, 4
-"""Runs that are known at a time; characters of a text of another node; common names in a sentence."""
+"""Runs that are known at a time, and pairs that were named; characters of another node's text; names in a sentence."""
 
 
 class RunClaim(NamedTuple):
@@ -47,6 +48,8 @@ class OtherMissions:
     def __init__(self) -> None:
         self._lock = threading.Lock()
         self._seen: dict[str, tuple[RunClaim, float]] = {}
+        self._named: deque[tuple[str, str, str]] = deque(maxlen=MOST)
+        """What was named last: the own run, the other's instance and its run."""
 
     def receive(self, text: str, at: float) -> None:
         """A node has reported its run.
@@ -75,6 +78,13 @@ class OtherMissions:
             others = [claim for claim, _ in self._seen.values() if claim.instance != own.instance]
         common = (each._replace(commands=each.commands & own.commands) for each in others)
         return tuple(sorted(each for each in common if each.commands))
+
+    def news(self, own: RunClaim, rivals: Iterable[RunClaim]) -> tuple[RunClaim, ...]:
+        """Those of the rivals that this run has not named yet; they count as named now."""
+        pairs = {(own.run, each.instance, each.run): each for each in rivals}
+        new = [pair for pair in pairs if pair not in self._named]
+        self._named.extend(new)
+        return tuple(pairs[pair] for pair in new)
 
 
 def warning_of(rival: RunClaim) -> str:

@@ -74,7 +74,6 @@ class StatusPublisher:
         self._instance = uuid.uuid4().hex[:12]
         self._strangers: set[str] = set()
         self._others = OtherMissions()
-        self._warned: set[tuple[str, str, str]] = set()
         self._outlet = Worker("publisher", limit=LONGEST_QUEUE, keep="newest")
         self.lines = LogLines(self._logger, self.log)
         self._on_status: Callable[[StatusMessage], None] = lambda _: None
@@ -195,23 +194,23 @@ class StatusPublisher:
         stale, sources = (session.stale(), session.sources()) if session is not None else ((), {})
         fields = array_of(
             status, at=time.time(), stale=stale, strangers=len(self._strangers), sources=sources,
-            rivals=self._rivals(status, session), robot=self._robot(),
+            rivals=self._rivals(session), robot=self._robot(),
         )  # fmt: skip
         self._carrier.connector.publish("/diagnostics", DIAGNOSTICS, carried(fields))
 
-    def _rivals(self, status: StatusMessage, session: RunSession | None) -> tuple[str, ...]:
+    def _rivals(self, session: RunSession | None) -> tuple[str, ...]:
         """Report what the run commands; a sentence of each other mission that commands it too, written down once."""
-        is_live = self._carrier.robots and session is not None and not session.is_over
-        commands = session.commands if is_live and session is not None else ()
-        claim = RunClaim(
-            self._instance, status.node, status.mission, status.run, frozenset(map(self._name.resolved, commands))
-        )
+        claim = RunClaim(self._instance, self._name.path, "", "")
+        if session is not None:  # its own names: the status of a run that has just begun is the last one's yet
+            is_live = self._carrier.robots and not session.is_over
+            commands = frozenset(map(self._name.resolved, session.commands if is_live else ()))
+            claim = claim._replace(
+                mission=session.runner.mission.name, run=session.runner.run_id, commands=commands
+            )  # fmt: skip
         self._carrier.connector.publish(RUNS_TOPIC, STRING, carried({"data": claim.text()}))
         rivals = self._others.rivals(claim, time.monotonic())
-        for each in rivals:
-            pair = (claim.run, each.instance, each.run)
-            if pair not in self._warned and session is not None:
-                self._warned.add(pair)
+        if session is not None:
+            for each in self._others.news(claim, rivals):
                 log.warning("%s", warning_of(each))
                 session.runner.note(warning_of(each))
         return tuple(map(warning_of, rivals))

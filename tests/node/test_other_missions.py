@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import json
 import logging
 from collections.abc import Iterator
 from typing import Any
@@ -10,12 +11,13 @@ from typing import Any
 import pytest
 
 from rai_missions.agents.mission import RunConfig
+from rai_missions.connectors.connector import Message
 from rai_missions.connectors.contract import Inbox
 from rai_missions.connectors.local import LocalConnector
 from rai_missions.node import MissionNode
 from rai_missions.node.diagnostics import OK, WARN
 from rai_missions.node.names import NodeName
-from rai_missions.node.other_missions import FORGET_S, OtherMissions, RunClaim
+from rai_missions.node.other_missions import FORGET_S, MOST, RUNS_TOPIC, OtherMissions, RunClaim
 from rai_missions.node.transport import Carrier
 from tests.node.scenes import PATIENCE_S, Client, FakeRobot, mission, robot
 
@@ -38,6 +40,8 @@ def test_each_of_two_missions_on_one_robot_names_the_other_and_what_both_command
     connector: LocalConnector, caplog: pytest.LogCaptureFixture, below: str, robots: bool, is_rival: bool
 ) -> None:
     found: dict[str, Inbox[dict[str, Any]]] = {name: Inbox(PATIENCE_S) for name in ("first", "second")}
+    claims: Inbox[Message] = Inbox(PATIENCE_S)
+    connector.subscribe(RUNS_TOPIC, "std_msgs/msg/String", claims)
     connector.subscribe("/diagnostics", "diagnostic_msgs/msg/DiagnosticArray", lambda message: _sort(found, message))
     FakeRobot(connector, "/a"), FakeRobot(connector, "/b")
     nodes = [
@@ -68,6 +72,8 @@ def test_each_of_two_missions_on_one_robot_names_the_other_and_what_both_command
             for node in nodes:
                 node.stop()
     assert len([each for each in caplog.messages if "commands the same robot" in each]) == (2 if is_rival else 0)
+    claimed = [json.loads(each.data["data"]) for each in claims.all]
+    assert all(each["run"] and each["mission"] == "errand" for each in claimed if each["commands"])
 
 
 def _sort(found: dict[str, Inbox[dict[str, Any]]], message: Any) -> None:
@@ -83,6 +89,17 @@ def test_only_what_both_command_makes_a_rival_and_a_run_that_is_silent_is_over()
     assert others.rivals(MINE, 10.0) == (OTHER._replace(commands=frozenset({"/base/drive"})),)
     assert others.rivals(MINE._replace(commands=frozenset({"/horn"})), 10.0) == ()
     assert others.rivals(MINE, 10.0 + FORGET_S) == ()
+
+
+def test_a_rival_is_news_once_a_run_and_what_is_remembered_of_a_long_life_is_bounded() -> None:
+    others = OtherMissions()
+    assert others.news(MINE, [OTHER]) == (OTHER,)
+    assert others.news(MINE, [OTHER]) == ()
+    assert others.news(MINE._replace(run="r9"), [OTHER]) == (OTHER,)
+    for number in range(10 * MOST):
+        each = OTHER._replace(run=f"r{number + 10}")
+        assert others.news(MINE, [each]) == (each,)
+    assert others.news(MINE, [OTHER]) == (OTHER,), "what is long over is forgotten"
 
 
 @pytest.mark.parametrize(
