@@ -27,6 +27,7 @@ REPLIES: Mapping[str, str] = {
     "timed_out": "did NOT ANSWER in time, and whether it did what was asked is unknown",
     "unavailable": "is NOT THERE, and nothing was done",
 }
+VANISHED = "is GONE since the request was sent, and whether it did what was asked is unknown"
 
 
 class ActuatorTools:
@@ -63,7 +64,7 @@ class ActuatorTools:
     def _ended(self, reply: Reply) -> str:
         if reply.outcome == "succeeded" and reply.data.get("success") is False:
             return "answered that it did NOT do it (success: false)"
-        return REPLIES[reply.outcome]
+        return VANISHED if reply.may_have_arrived else REPLIES[reply.outcome]
 
     def start_action(
         self, action: str, goal: Data | None = None, *, timeout_s: float = 5.0, type_name: str = ""

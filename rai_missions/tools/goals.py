@@ -26,7 +26,7 @@ STATES: Mapping[str, State] = {
     "accepted": "running", "feedback": "running", "cancel_rejected": "running", "rejected": "rejected",
     "succeeded": "succeeded", "failed": "aborted", "canceled": "canceled", "lost": "lost",
 }  # fmt: skip
-"""What a server reports → how the goal is; `aborted` is ROS's word for a failed action."""
+"""What a server reports → how the goal is, where that changes; `aborted` is ROS's word for a failed action."""
 ENDS = frozenset({"rejected", "succeeded", "aborted", "canceled", "lost"})
 WORDS: Mapping[State, str] = {
     "sent": "was sent; the server has not yet reported whether it takes it",
@@ -37,6 +37,11 @@ WORDS: Mapping[State, str] = {
     "canceled": "was CANCELED before it was done, and has not succeeded",
     "lost": "is LOST: its server is gone, and whether it continues is unknown",
 }
+AFTERWARDS: Mapping[str, str] = {
+    "stray": "; YET a server is executing it although its end was reported, and it is canceled there",
+    "over": "; it is executing nowhere any more",
+}
+"""What may be reported of a goal that has ended → what is added to its words."""
 NOTHING: Data = MappingProxyType({})
 KEPT = 100
 """Goals that are remembered after their end."""
@@ -59,6 +64,8 @@ class GoalState(NamedTuple):
     why: str = ""
     cancel: Literal["", "asked", "refused"] = ""
     """Whether the server was asked to cancel it, and whether it refused."""
+    after: str = ""
+    """What was reported after its end, one of `AFTERWARDS`: `stray` while it is executing nevertheless."""
 
     @property
     def is_over(self) -> bool:
@@ -68,7 +75,9 @@ class GoalState(NamedTuple):
         """In a sentence of our own; what the server reported next to it is data."""
         refused = "; the server refused to cancel it" if self.cancel == "refused" and not self.is_over else ""
         asked = "; it was asked to cancel and has not confirmed" if self.cancel == "asked" and not self.is_over else ""
-        return f"goal {self.goal_id} of {self.action} {WORDS[self.state]}{refused}{asked}"
+        return (
+            f"goal {self.goal_id} of {self.action} {WORDS[self.state]}{refused}{asked}{AFTERWARDS.get(self.after, '')}"
+        )
 
     def data(self) -> dict[str, Any]:
         return {**self._asdict(), "result": dict(self.result), "is_over": self.is_over}
@@ -88,14 +97,17 @@ class ToolGoal:
         return self.news.value
 
     def receive(self, report: Report) -> None:
-        """What the server reports; after an end nothing changes it."""
+        """What the server reports; after an end nothing changes but whether it is executing nevertheless."""
         with self._lock:
             now = self.state_now
-            if now.is_over or report.goal_id != now.goal_id:
+            if report.goal_id != now.goal_id:
                 return
-            changed = now._replace(state=STATES[report.status], why=report.why)
+            if now.is_over:
+                self.news.put(now._replace(after=report.status if report.status in AFTERWARDS else now.after))
+                return
+            changed = now._replace(state=STATES.get(report.status, now.state), why=report.why)
             if report.status == "feedback":
-                changed = changed._replace(feedback=report.data, feedbacks=now.feedbacks + 1)
+                changed = changed._replace(feedback=report.data, feedbacks=now.feedbacks + 1, why=now.why)
             elif report.status == "cancel_rejected":
                 changed = changed._replace(cancel="refused")
             elif changed.is_over:

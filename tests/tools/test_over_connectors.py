@@ -4,17 +4,17 @@
 from __future__ import annotations
 
 import threading
-from typing import Any
+from typing import Any, get_args, get_type_hints
 
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from rai_missions.connectors.connector import Message, Report
+from rai_missions.connectors.connector import Message, Reply, Report
 from rai_missions.connectors.contract import ENDS, Inbox, PatientServer
 from rai_missions.connectors.local import LocalConnector
 from rai_missions.errors import MissionError
-from rai_missions.tools import Toolbox
+from rai_missions.tools import Allowlist, Toolbox
 from rai_missions.tools.goals import ToolGoal
 from tests.tools.conftest import PATIENCE_S, RepeatingPublisher, ToolRig
 
@@ -27,6 +27,8 @@ REPORTED = {
     "lost": "lost",
 }
 MOVES = ("accepted", "rejected", "feedback", "succeeded", "failed", "canceled", "cancel_rejected", "cancel")
+STATUSES = get_args(get_type_hints(Report)["status"])
+KNOWN = {"accepted": "running", "feedback": "running", "cancel_rejected": "running", **REPORTED}
 
 
 def needs(tried: ToolRig, mode: Any) -> None:
@@ -109,6 +111,17 @@ def test_a_service_that_raises_has_failed(tried: ToolRig) -> None:
 def test_a_service_that_is_not_there_has_done_nothing(tried: ToolRig) -> None:
     reported = tried.box().acting.call_service("/tools/no_one", type_name=TRIGGER, timeout_s=1.0)
     assert reported.data["outcome"] in ("unavailable", "timed_out")
+    assert reported.data["done"] is False
+
+
+def test_a_service_that_vanishes_with_a_request_may_have_done_it() -> None:
+    class Vanishing(LocalConnector):
+        def call(self, *_: Any, on_reply: Any, **__: Any) -> None:
+            on_reply(Reply("unavailable", {}, "the server vanished", may_have_arrived=True))
+
+    box = Toolbox(Vanishing(), Allowlist(write=("*",)), now=lambda: 0.0)
+    reported = box.acting.call_service("/tools/gone", type_name=TRIGGER)
+    assert "whether it did what was asked is unknown" in reported.words
     assert reported.data["done"] is False
 
 
@@ -241,7 +254,7 @@ def test_stop_cancels_what_still_runs_and_names_what_no_one_confirmed(tried: Too
     close()
 
 
-@given(st.lists(st.sampled_from([move for move in MOVES if move != "cancel"])))
+@given(st.lists(st.sampled_from(STATUSES)))
 def test_after_its_end_nothing_changes_how_a_goal_is(status: list[Any]) -> None:
     """Even if a connector continued reporting."""
     goal = ToolGoal("g", "/a")
@@ -249,8 +262,18 @@ def test_after_its_end_nothing_changes_how_a_goal_is(status: list[Any]) -> None:
         goal.receive(Report("other", each, {}))
         goal.receive(Report("g", each, {"n": each}))
     ends = [each for each in status if each in ENDS]
-    expected = REPORTED[ends[0]] if ends else "running" if status else "sent"
+    known = [KNOWN[each] for each in status if each in KNOWN]
+    expected = REPORTED[ends[0]] if ends else known[-1] if known else "sent"
     assert goal.state_now.state == expected
     assert goal.state_now.is_over == bool(ends)
     if ends:
         assert goal.state_now.result == {"n": ends[0]}
+
+
+def test_a_goal_that_is_executing_after_its_end_is_reported_so_until_it_is_not() -> None:
+    goal = ToolGoal("g", "/a")
+    for status in ("accepted", "contested", "succeeded", "stray"):
+        goal.receive(Report("g", status, {}))
+    assert "YET a server is executing it" in goal.state_now.words()
+    goal.receive(Report("g", "over", {}))
+    assert goal.state_now.words().endswith("has SUCCEEDED; it is executing nowhere any more")
