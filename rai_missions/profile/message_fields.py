@@ -36,11 +36,11 @@ def unknown_fields(mission: Mission | None, robot: Robot, fields_of: FieldsOf) -
         fields_of: Reports what a type holds; what it cannot determine is left to the run.
     """
     faults = []
-    for sort, name, source in listened(mission, robot):
+    for place, source in listened(mission, robot):
         fields = fields_of(source.type, "srv" if source.service is not None else "msg") if source.type else None
         for where, path in _paths(source) if fields is not None else ():
             if why := lack(fields, path):
-                faults.append(Fault(pointer([sort, name, *where]), f"{_a(source.type)} {why}"))
+                faults.append(Fault(pointer([*place, *where]), f"{_a(source.type)} {why}"))
     return (*faults, *unknown_sent_fields(mission, robot, fields_of))
 
 

@@ -10,7 +10,7 @@ from rai_missions.check.index import MissionIndex
 from rai_missions.connectors.connector import TypeKind
 from rai_missions.errors import Fault, pointer
 from rai_missions.mission.mission import Mission
-from rai_missions.profile.profile import Robot
+from rai_missions.profile.profile import Place, Robot, service_places
 from rai_missions.profile.sources import EventSource, Source
 
 __all__ = ("TypeUse", "lacking", "listened", "typed")
@@ -27,32 +27,32 @@ class TypeUse(NamedTuple):
 def typed(mission: Mission | None, robot: Robot) -> Iterator[TypeUse]:
     """The types of what the mission uses, of everything without one; a type not written is left out."""
     used = _used(mission) if mission is not None else _all(robot)
-    for sort, name, source in listened(mission, robot):
-        yield from _one(source.type, "srv" if source.service is not None else "msg", sort, name, "type")
+    for place, source in listened(mission, robot):
+        yield from _one(source.type, "srv" if source.service is not None else "msg", *place, "type")
     for name, action in robot.actions.items():
         if name in used["actions"]:
             yield from _one(action.type, "action", "actions", name, "type")
-            for word, service in (("start", action.start), ("cancel", action.cancel)):
-                if service is not None:
-                    yield from _one(service.type, "srv", "actions", name, word)
-    for name, service in robot.services.items():
-        if name in used["services"]:
-            yield from _one(service.type, "srv", "services", name, "type")
+    for place, service in service_places(robot):
+        sort, name = place[:2]
+        if sort == "control" or name in used[sort]:
+            yield from _one(service.type, "srv", *place, *(("type",) if sort == "services" else ()))
     for name, topic in robot.topics.items():
         if name in used["topics"]:
             yield from _one(topic.type, "msg", "topics", name, "type")
-    for name, service in robot.control.items():
-        yield from _one(service.type, "srv", "control", name)
+    if robot.alive is not None:
+        yield from _one(robot.alive.type, "msg", "alive", "type")
 
 
-def listened(mission: Mission | None, robot: Robot) -> Iterator[tuple[str, str, Source | EventSource]]:
-    """What the mission receives, everything without one: `blackboard` or `events`, the name there, and the source."""
+def listened(mission: Mission | None, robot: Robot) -> Iterator[tuple[Place, Source | EventSource]]:
+    """What a run of the mission receives, everything without one: each source with its place."""
     for name, source in robot.blackboard.items():
         if mission is None or name in mission.blackboard:
-            yield "blackboard", name, source
+            yield ("blackboard", name), source
     for name, event in robot.events.items():
         if mission is None or name in mission.events:
-            yield "events", name, event
+            yield ("events", name), event
+    if robot.holder is not None:
+        yield ("holder",), robot.holder
 
 
 def lacking(mission: Mission, robot: Robot, why: Callable[[str, TypeKind], str]) -> tuple[Fault, ...]:

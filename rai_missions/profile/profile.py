@@ -20,7 +20,7 @@ from rai_missions.profile.entries import ActionEntry, AliveEntry, OneService, Se
 from rai_missions.profile.sources import EventSource, Source
 from rai_missions.states.state import HOLDERS
 
-__all__ = ("Endpoint", "Robot", "Rule", "ToolPolicy", "endpoints", "terms")
+__all__ = ("Endpoint", "Place", "Robot", "Rule", "ToolPolicy", "endpoints", "service_places", "terms")
 
 HANDS_OVER = ("agent", "operator")
 """By whom control may be handed over; each has services of its own where the name reports `{by}`."""
@@ -137,6 +137,22 @@ def terms(robot: Robot) -> RobotFacts:
     )
 
 
+Place = tuple[str, ...]
+"""Where something is in a profile, word by word: `("actions", "go", "start")`."""
+
+
+def service_places(robot: Robot) -> Iterator[tuple[Place, ServiceEntry]]:
+    """The services that a run may ask, each with its place: the mission's, those of composed actions, handovers."""
+    for name, service in robot.services.items():
+        yield ("services", name), service
+    for name, action in robot.actions.items():
+        for word, part in (("start", action.start), ("cancel", action.cancel)):
+            if part is not None:
+                yield ("actions", name, word), part
+    for name, service in robot.control.items():
+        yield ("control", name), service
+
+
 class Endpoint(NamedTuple):
     """A service, an action or a topic that is published on, by its name on the robot."""
 
@@ -147,18 +163,14 @@ class Endpoint(NamedTuple):
 
 def endpoints(robot: Robot) -> Iterator[Endpoint]:
     """What a run on a robot may ask or publish on, as its profile names it; each once."""
-    services: list[ServiceEntry | None] = [*robot.services.values()]
     found: dict[Endpoint, None] = {}
     for action in robot.actions.values():
         if action.action is not None:
             found[Endpoint("actions", action.action, action.type)] = None
-        services += (action.start, action.cancel)
-    for service in services:
-        if service is not None:
-            found[Endpoint("services", service.service, service.type)] = None
-    for entry in robot.control.values():
-        for by in HANDS_OVER:
-            found[Endpoint("services", entry.service.replace("{by}", by), entry.type)] = None
+    for place, service in service_places(robot):
+        for by in HANDS_OVER if place[0] == "control" else ("",):
+            name = service.service.replace("{by}", by) if by else service.service
+            found[Endpoint("services", name, service.type)] = None
     for topic in robot.topics.values():
         found[Endpoint("topics", topic.topic, topic.type)] = None
     yield from found

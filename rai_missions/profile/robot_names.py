@@ -11,7 +11,9 @@ from typing import NamedTuple
 
 from rai_missions.connectors.connector import TYPE_KINDS, Mode, TypeKind
 from rai_missions.errors import Fault
-from rai_missions.profile.profile import HANDS_OVER, Robot
+from rai_missions.profile.message_types import listened
+from rai_missions.profile.profile import HANDS_OVER, Robot, service_places
+from rai_missions.profile.sources import EventSource
 
 __all__ = ("RobotEntry", "misnamed", "wanted")
 
@@ -49,25 +51,22 @@ def wanted(robot: Robot) -> Iterator[RobotEntry]:
 
 
 def _received(robot: Robot) -> Iterator[RobotEntry]:
-    received = (("blackboard", robot.blackboard), ("events", robot.events), ("", {"holder": robot.holder}))
-    for sort, sources in received:
-        for name, source in sources.items():
-            place = f"{sort}/{name}".lstrip("/")
-            if source is not None and source.topic is not None:
-                yield RobotEntry(place, "topics", source.topic, source.type, may_be_silent=sort == "events")
-            elif source is not None and source.service is not None:
-                yield RobotEntry(place, "services", source.service, source.type)
+    for place, source in listened(None, robot):
+        if source.topic is not None:
+            yield RobotEntry(
+                "/".join(place), "topics", source.topic, source.type, may_be_silent=isinstance(source, EventSource)
+            )
+        elif source.service is not None:
+            yield RobotEntry("/".join(place), "services", source.service, source.type)
 
 
 def _done(robot: Robot) -> Iterator[RobotEntry]:
-    services = {f"services/{name}": service for name, service in robot.services.items()}
     for name, action in robot.actions.items():
         if action.action is not None:
             yield RobotEntry(f"actions/{name}", "actions", action.action, action.type)
-        parts = (("start", action.start), ("cancel", action.cancel))
-        services |= {f"actions/{name}/{word}": part for word, part in parts if part is not None}
-    services |= {f"control/{name}": each for name, each in robot.control.items() if "{" not in each.service}
-    yield from (RobotEntry(place, "services", each.service, each.type) for place, each in services.items())
+    for place, each in service_places(robot):
+        if place[0] != "control" or "{" not in each.service:
+            yield RobotEntry("/".join(place), "services", each.service, each.type)
 
 
 def misnamed(robot: Robot, why: Callable[[str, TypeKind], str]) -> tuple[Fault, ...]:

@@ -12,13 +12,12 @@ from typing import Any, NamedTuple
 from rai_missions.check.index import MissionIndex
 from rai_missions.errors import Fault, pointer
 from rai_missions.mission.mission import Mission
-from rai_missions.profile.entries import ServiceEntry, references
-from rai_missions.profile.profile import Robot
+from rai_missions.profile.entries import references
+from rai_missions.profile.message_types import listened
+from rai_missions.profile.profile import Place, Robot, service_places
 from rai_missions.profile.type_fields import FieldsOf, TypePart, lack
 
 __all__ = ("unknown_sent_fields",)
-
-Place = tuple[str, ...]
 
 
 class SentField(NamedTuple):
@@ -51,21 +50,16 @@ def _words(use: SentField) -> str:
 
 
 def _of_profile(robot: Robot) -> Iterator[SentField]:
-    services: dict[Place, ServiceEntry] = {("services", name): each for name, each in robot.services.items()}
-    services |= {("control", name): each for name, each in robot.control.items()}
     for name, action in robot.actions.items():
-        parts = (("start", action.start), ("cancel", action.cancel))
-        services |= {("actions", name, word): each for word, each in parts if each is not None}
         yield from _given(("actions", name, "goal"), action.type, "goal", action.goal)
         for word, path in action.result.items():
             yield SentField(("actions", name, "result", word), action.type, "result", path)
-    for place, service in services.items():
+    for place, service in service_places(robot):
         yield from _given((*place, "request"), service.type, "request", service.request)
     for name, topic in robot.topics.items():
         yield from _given(("topics", name, "message"), topic.type, "msg", topic.message)
-    for sort, sources in (("blackboard", robot.blackboard), ("events", robot.events)):
-        for name, source in sources.items():
-            yield from _given((sort, name, "request"), source.type, "request", source.request)
+    for place, source in listened(None, robot):
+        yield from _given((*place, "request"), source.type, "request", source.request)
 
 
 def _given(place: Place, type_name: str, part: TypePart, template: Mapping[str, Any]) -> Iterator[SentField]:

@@ -20,7 +20,7 @@ from rai_missions.model import AnyOf, Bool, Json, MissionModel, Name, Seconds, T
 from rai_missions.profile.convert import at_path, image_of, json_of, plain, pose_of
 from rai_missions.redaction import cut_repr
 
-__all__ = ("EventSource", "Source", "check_source", "truth_of")
+__all__ = ("EventSource", "Source", "truth_of")
 
 Read = Literal["plain", "pose", "image"]
 READ_AS: Mapping[str, Read] = {
@@ -57,6 +57,24 @@ class SourceFields(MissionModel):
     request: dict[Text, Json] = Field(default_factory=dict)
     """What the service is asked with."""
 
+    def _check_is_one(self) -> None:
+        """Whether a source is one thing, with the words of that.
+
+        Raises:
+            PydanticCustomError: It is not.
+        """
+        topic, service, every_s = self.topic, self.service, self.every_s
+        if (topic is None) == (service is None):
+            which = "neither" if topic is None else "both"
+            raise fault("source", f"a source is a 'topic' or a 'service', this is {which}")
+        if service is not None and every_s is None:
+            sentence = "is a service and is asked again and again: state how often with 'every_s'"
+            raise fault("every_s", f"'{service}' {sentence}")
+        if topic is not None and every_s is not None:
+            raise fault("every_s", f"'{topic}' is a topic and speaks by itself: drop 'every_s'")
+        if topic is not None and self.request:
+            raise fault("request", "a topic is not asked; 'request' belongs to a 'service'")
+
 
 class Source(SourceFields):
     """A topic, or a service polled `every_s`, and the part of its messages that counts."""
@@ -71,9 +89,7 @@ class Source(SourceFields):
 
     @model_validator(mode="after")
     def _has_a_source(self) -> Self:
-        check_source(self.topic, self.service, self.every_s)
-        if self.topic is not None and self.request:
-            raise fault("request", "a topic is not asked; 'request' belongs to a 'service'")
+        self._check_is_one()
         if self.json_ and self.read is not None:
             raise fault("as", "'json' and 'as' are two ways to read one field; keep one")
         return self
@@ -148,7 +164,7 @@ class EventSource(SourceFields):
     @model_validator(mode="after")
     def _has_a_source(self) -> Self:
         if not self.posted:
-            check_source(self.topic, self.service, self.every_s)
+            self._check_is_one()
         elif self.topic is not None or self.service is not None:
             raise fault("posted", "an event is 'posted' or received on a topic or service, not both; drop one")
         elif self.during is not None:
@@ -192,17 +208,3 @@ def truth_of(guard: Guard, message: Mapping[str, Any]) -> Truth:
     board = {name: Stamped(item, 0.0) for name, item in message.items() if not isinstance(item, Image | bytes)}
     view = SimpleNamespace(at=0.0, board=board, active=frozenset(), entered={}, held={}, event={}, answer={})
     return guard.compile(Site("", WORDS_OF_GUARDS))(cast(View, view))
-
-
-def check_source(topic: str | None, service: str | None, every_s: float | None) -> None:
-    """Whether a source is one thing.
-
-    Raises:
-        PydanticCustomError: It is not.
-    """
-    if (topic is None) == (service is None):
-        raise fault("source", f"a source is a 'topic' or a 'service', this is {'neither' if topic is None else 'both'}")
-    if service is not None and every_s is None:
-        raise fault("every_s", f"'{service}' is a service and is asked again and again: state how often with 'every_s'")
-    if topic is not None and every_s is not None:
-        raise fault("every_s", f"'{topic}' is a topic and speaks by itself: drop 'every_s'")

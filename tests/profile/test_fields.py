@@ -83,6 +83,13 @@ def test_a_field_that_is_sent_or_taken_and_that_its_type_has_not_is_reported(
     assert len(found) == bool(fault) and all(each.startswith(fault) for each in found)
 
 
+def test_the_fields_of_who_holds_control_are_compared_as_those_of_any_source() -> None:
+    who = {"service": "/who", "type": "s/srv/Ask", "every_s": 1, "field": "sucess"}
+    assert faults(holder=who)[0].startswith(
+        "/holder/field: a s/srv/Ask has no field 'sucess' (did you mean 'success'?)"
+    )
+
+
 def test_what_a_mission_sends_is_compared_where_the_profile_passes_it_on() -> None:
     def mission(goal: dict[str, Any], result: dict[str, Any]) -> Mission:
         doing = [{"publish": "lamp", "message": {"value": True}}, {"call": "ask", "request": {"on": 1}}]

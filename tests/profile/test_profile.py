@@ -98,6 +98,10 @@ def test_a_file_that_is_not_there_is_the_callers_affair(tmp_path: Path) -> None:
             "/blackboard/battery: a topic is not asked; 'request' belongs to a 'service'",
         ),
         (
+            {"events/anomaly": {"topic": "/t", "request": {"a": 1}}},
+            "/events/anomaly: a topic is not asked; 'request' belongs to a 'service'",
+        ),
+        (
             {"blackboard/obstacle/as": "pose"},
             "/blackboard/obstacle: 'json' and 'as' are two ways to read one field; keep one",
         ),

@@ -64,6 +64,8 @@ ROBOT = Robot.model_validate(
         },
         "topics": {"light": {"topic": "/light", "type": "p/msg/Light"}},
         "control": {"agent": {"service": "/hand", "type": "p/srv/Hand"}},
+        "holder": {"topic": "/holder", "type": "p/msg/Holder"},
+        "alive": {"topic": "/alive", "type": "p/msg/Alive"},
     }
 )
 
@@ -71,11 +73,13 @@ ROBOT = Robot.model_validate(
 def test_what_the_mission_does_not_use_need_not_be_here() -> None:
     assert list(typed(MISSION, ROBOT)) == [
         TypeUse("/blackboard/here/type", "msg", "p/msg/Here"),
+        TypeUse("/holder/type", "msg", "p/msg/Holder"),
         TypeUse("/actions/go/type", "action", "p/action/Go"),
-        TypeUse("/actions/made/start", "srv", "p/srv/S"),
         TypeUse("/services/bell/type", "srv", "p/srv/Bell"),
-        TypeUse("/topics/light/type", "msg", "p/msg/Light"),
+        TypeUse("/actions/made/start", "srv", "p/srv/S"),
         TypeUse("/control/agent", "srv", "p/srv/Hand"),
+        TypeUse("/topics/light/type", "msg", "p/msg/Light"),
+        TypeUse("/alive/type", "msg", "p/msg/Alive"),
     ]
 
 
@@ -83,8 +87,8 @@ def test_what_is_not_here_is_reported_all_at_once_with_why() -> None:
     faults = lacking(MISSION, ROBOT, lambda name, kind: "" if kind == "msg" else f"no {name}")
     assert [str(fault) for fault in faults] == [
         "/actions/go/type: no p/action/Go",
-        "/actions/made/start: no p/srv/S",
         "/services/bell/type: no p/srv/Bell",
+        "/actions/made/start: no p/srv/S",
         "/control/agent: no p/srv/Hand",
     ]
     assert lacking(MISSION, ROBOT, lambda _name, _kind: "") == ()
