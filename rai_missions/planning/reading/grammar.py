@@ -214,6 +214,8 @@ class Rules:
         subjects = (*subjects[:-1], with_limits(cursor, subjects[-1]))
         first = Clause(relation, subjects, target, gap_m=gap_m)
         if relation == "on" and cursor.kind() == "relation" and cursor.symbols[cursor.at].value == "on":
+            if target.others:
+                raise self.unread()  # `red on blue or green on yellow` is no chain
             return [first, *self._related((target,))]
         if relation == "off" and (cursor.kind() == "relation" or has_place(cursor)):
             return [first, *self._about(THOSE, is_held=False)]  # `the apple from the tray to the bin`

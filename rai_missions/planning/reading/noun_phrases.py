@@ -106,7 +106,6 @@ def noun_phrase(cursor: Cursor) -> Phrase | None:
 
 
 def _single(cursor: Cursor) -> Phrase | None:
-    cursor.skip("or")
     kind = cursor.kind()
     if kind == "rest":
         return Phrase("rest", cursor.take().text, is_many=True, is_all=True)

@@ -6,7 +6,7 @@ Rule: a goal comes out only where every word is accounted for and one reading is
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Iterator, Mapping, Sequence
+from collections.abc import Hashable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -15,13 +15,13 @@ from rai_missions.planning.goal import Goal, Swapped, read_goal
 from rai_missions.planning.reading.arranging import left_out
 from rai_missions.planning.reading.describe import described
 from rai_missions.planning.reading.goal_writer import GoalWriter
-from rai_missions.planning.reading.grammar import clauses
 from rai_missions.planning.reading.lexicon import Vocabulary, lexicon, lexicons
 from rai_missions.planning.reading.phrases import Clause, Phrase, Unread
 from rai_missions.planning.reading.picks import Picks, tries
 from rai_missions.planning.reading.reading import RequestReading
 from rai_missions.planning.reading.symbols import LONGEST_REQUEST, MOST_WORDS, Symbol, symbols
 from rai_missions.planning.reading.things import Things
+from rai_missions.planning.reading.wishes import wishes_of
 from rai_missions.planning.relations import without_swaps
 from rai_missions.planning.scene import CONTAINERS, Scene
 from rai_missions.redaction import clipped
@@ -35,11 +35,6 @@ MOST_TRIES = 40
 LONGEST_SENTENCE = 4_000
 """Characters of a question or a reason."""
 PREFERRED = "en"
-AFTER: Mapping[str, frozenset[str]] = {
-    "noun": frozenset({"the", "a", "all", "colour", "noun", "put", "grasp"}),
-    "colour": frozenset({"the", "a", "all", "colour"}),
-}
-"""Kinds of symbols that end a phrase about a thing → those that begin another one, or a wish."""
 
 
 def read_request(request: str, scene: Scene) -> dict[str, Any]:
@@ -131,33 +126,19 @@ def _read_symbols(found: list[Symbol], scene: Scene, words: Vocabulary) -> Reque
     if _is_part_of_desk([symbol.kind for symbol in found if symbol.kind != "the"]):
         raise Unread("coordinates", words.text("coordinates"))
     is_sorted = any(symbol.kind == "sorted" for symbol in found)
-    wishes = _wishes([symbol for symbol in found if symbol.kind != "sorted"], words)
-    goals, is_sure = _goals(wishes, scene, words)
-    if word := left_out(found, goals[0]):
-        raise Unread("unread", words.text("left_out", word))
-    if len(goals) == 1 and is_sure and not thrown and not is_sorted:
-        return RequestReading(goal=goals[0], covers_all=_covers_all(wishes, goals[0]))
-    return _asked(goals, words)
-
-
-def _wishes(found: Sequence[Symbol], words: Vocabulary) -> tuple[Clause, ...]:
-    """The clauses; those of words without a comma, as they are spoken, where they are none as they are."""
-    try:
-        return clauses(found, words)
-    except Unread:
-        listed = list(_with_commas(found))
-        if len(listed) == len(found):
-            raise
-        return clauses(listed, words)
-
-
-def _with_commas(found: Sequence[Symbol]) -> Iterator[Symbol]:
-    """A comma between two things that follow each other, and before the verb after one: `red blue green`."""
-    for at, symbol in enumerate(found):
-        after = AFTER.get(found[at - 1].kind, frozenset()) if at else frozenset[str]()
-        if symbol.kind in after:
-            yield Symbol(",", None, ",")
-        yield symbol
+    found = [symbol for symbol in found if symbol.kind != "sorted"]
+    ways = list(wishes_of(found, words))
+    goals, is_sure = dict[Hashable, Goal](), len(ways) == 1 and not thrown and not is_sorted
+    for way, wishes in ways:
+        meant, is_whole = _goals(wishes, scene, words)
+        is_sure = is_sure and is_whole
+        if word := left_out(way, meant[0]):
+            raise Unread("unread", words.text("left_out", word))
+        goals = goals | {each.meaning: each for each in meant if each.meaning not in goals}
+    if len(goals) == 1 and is_sure:
+        (goal,) = goals.values()
+        return RequestReading(goal=goal, covers_all=_covers_all(ways[0][1], goal))
+    return _asked([*goals.values()], words)
 
 
 def _is_part_of_desk(kinds: Sequence[str]) -> bool:

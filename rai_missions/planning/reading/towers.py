@@ -93,7 +93,7 @@ def _chain(first: tuple[Phrase, ...], cursor: Cursor, unread: Callable[[], Unrea
     found, above = list[Clause](), first
     while cursor.kind() == "relation":
         relation, target = cursor.take().value, noun_phrase(cursor)
-        if relation != "on" or target is None:
+        if relation != "on" or target is None or (target.others and cursor.kind() == "relation"):
             raise unread()
         found.append(Clause("on", above, target))
         above = (target,)
