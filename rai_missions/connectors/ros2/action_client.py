@@ -45,7 +45,7 @@ class ClientGoal:
     Args:
         client: The action that it is for.
         goal_id: As the mission calls it.
-        report: Whom to notify.
+        on_report: Notified of all that becomes of it.
         ended: Called once, before the end is reported.
     """
 

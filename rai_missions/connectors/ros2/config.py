@@ -69,7 +69,6 @@ CONVENTIONS: Mapping[str, QosProfile] = {
 
 A publisher of such a topic that latches nothing is received all the same.
 """
-"""tf2 reports once what does not change, to anyone who comes later as well."""
 
 
 def read_options(given: Mapping[str, Any]) -> Options:

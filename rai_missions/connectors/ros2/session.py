@@ -22,7 +22,7 @@ from rai_missions.connectors.connector import (
     Reply,
     Report,
 )
-from rai_missions.connectors.ros2.action_client import ClientGoal
+from rai_missions.connectors.ros2.action_client import ClientGoal, End
 from rai_missions.connectors.ros2.action_server import ServedAction
 from rai_missions.connectors.ros2.config import Options
 from rai_missions.connectors.ros2.goal_client import GoalClient
@@ -38,6 +38,7 @@ from rai_missions.redaction import logger
 __all__ = ("Session",)
 
 Kind = TypeVar("Kind", bound=ClientGoal)
+Made = TypeVar("Made")
 
 log = logger(__name__)
 
@@ -121,8 +122,31 @@ class Session:
         self, service: str, cls: Any, request: Any, on_reply: Callable[[Reply], None], timeout_s: float | None
     ) -> None:
         once = _Once(on_reply, self._calls, self._lock)
-        if not self.runtime.post(lambda: self._client(service, cls).call(request, once, timeout_s)):
+        if not self._use(
+            lambda: self._client(service, cls), lambda client: client.call(request, once, timeout_s),
+            lambda why: once(Reply("failed", {}, why)),
+        ):  # fmt: skip
             once(Reply("unavailable", {}, "ROS was shut down"))
+
+    def _use(self, make: Callable[[], Made], use: Callable[[Made], object], refuse: Callable[[str], object]) -> bool:
+        """Have a client made and used on the runtime's thread; False once it is closed.
+
+        Args:
+            make: Makes it; where ROS raises, such as for a type whose library is not here, `refuse` takes the reason.
+            use: Takes it.
+            refuse: Called instead of `use`.
+        """
+
+        def work() -> None:
+            try:
+                made = make()
+            except Exception as fault:
+                log.exception("ROS makes no client")
+                refuse(f"ROS makes no client: {type(fault).__name__}: {fault}")
+            else:
+                use(made)
+
+        return self.runtime.post(work)
 
     def _client(self, service: str, cls: Any) -> Client:
         if service not in self._clients:
@@ -158,27 +182,35 @@ class Session:
 
     def survey(self, action: str, cls: Any, within_s: float, on_result: Callable[[str], None]) -> None:
         """State who serves an action next to another; empty where at most one server answers, or ROS was shut down."""
-        if not self.runtime.post(lambda: self._goal_client(action, cls).survey(on_result, within_s)):
+        if not self._use(
+            lambda: self._goal_client(action, cls), lambda client: client.survey(on_result, within_s),
+            lambda _why: on_result(""),  # its first use reports it
+        ):  # fmt: skip
             on_result("")
 
     def send_goal(self, action: str, cls: Any, goal: Any, goal_id: str, on_report: Callable[[Report], None]) -> None:
-        self._pursue(goal_id, on_report, lambda: self._goal(action, cls, goal_id, on_report, ClientGoal).send(goal))
+        make = partial(self._goal, action, cls, goal_id, on_report, ClientGoal)
+        self._pursue(goal_id, on_report, make, lambda sent: sent.send(goal), unmade="rejected")
 
     def find_goal(self, action: str, cls: Any, goal_id: str, on_report: Callable[[Report], None]) -> None:
-        self._pursue(goal_id, on_report, lambda: self._goal(action, cls, goal_id, on_report, RecoveredGoal).find())
+        make = partial(self._goal, action, cls, goal_id, on_report, RecoveredGoal)
+        self._pursue(goal_id, on_report, make, RecoveredGoal.find, unmade="lost")
 
-    def _pursue(self, goal_id: str, on_report: Callable[[Report], None], begin: Work) -> None:
-        def lose(why: str) -> None:
+    def _pursue(
+        self, goal_id: str, on_report: Callable[[Report], None], make: Callable[[], Made],
+        begin: Callable[[Made], object], *, unmade: End,
+    ) -> None:  # fmt: skip
+        def lose(why: str, how: End = "lost") -> None:
             with self._lock:
                 is_here = self._goals.pop(goal_id, None) is not None
             if is_here:
-                guarded(lambda: on_report(Report(goal_id, "lost", {}, why)))
+                guarded(lambda: on_report(Report(goal_id, how, {}, why)))
 
         with self._lock:
             if goal_id in self._goals:
                 raise UsageError(f"goal {goal_id!r} is still running: every goal needs an id of its own")
             self._goals[goal_id] = lose
-        if not self.runtime.post(begin):
+        if not self._use(make, begin, lambda why: lose(why, unmade)):
             lose("ROS was shut down")
 
     def _goal(self, action: str, cls: Any, goal_id: str, on_report: Callable[[Report], None], kind: type[Kind]) -> Kind:
@@ -206,13 +238,15 @@ class Session:
 
     def close(self) -> None:
         """Cancel the goals, notify the clients, then close; from a callback it continues after that has returned."""
-        is_sent = threading.Event()
-        end = self.runtime.close if self.runtime.is_here else is_sent.set
-        if self.runtime.post(lambda: self._part(end)) and not self.runtime.is_here:
+        is_here, is_sent = self.runtime.is_here, threading.Event()
+        if self.runtime.post(lambda: self._part(self._end if is_here else is_sent.set)) and not is_here:
             is_sent.wait(4 * FAREWELL_S)
-        if not self.runtime.is_here:
-            self.runtime.close()
-            self._give_up("the connector was stopped")
+        if not is_here:
+            self._end()
+
+    def _end(self) -> None:
+        self.runtime.close()
+        self._give_up("the connector was stopped")
 
     def _part(self, end: Work) -> None:
         """Cancel every goal; then, or when that has taken too long, abort those that are served; then end."""

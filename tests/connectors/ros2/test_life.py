@@ -11,6 +11,7 @@ import textwrap
 import threading
 import time
 from collections.abc import Callable
+from concurrent.futures import Future
 from pathlib import Path
 from typing import Any
 
@@ -160,6 +161,30 @@ def test_a_stop_from_a_callback_ends_it_without_a_deadlock(open_ros: Open) -> No
     assert not thread.is_alive()
     connector.start()
     assert connector._session is not None, "it can be started again"
+
+
+@pytest.mark.usefixtures("alone")
+def test_a_stop_from_a_callback_ends_the_calls_that_wait(open_ros: Open) -> None:
+    connector, replies = open_ros(), Inbox[Reply]()
+    connector.serve("/slow", TRIGGER, lambda _: connector.stop() or Future())
+    connector.call("/slow", TRIGGER, {}, on_reply=replies)
+    (reply,) = replies.wait(bool, "the call ends with the connector")
+    assert (reply.outcome, reply.why) == ("unavailable", "the connector was stopped")
+
+
+@pytest.mark.usefixtures("alone")
+def test_a_goal_and_a_call_end_where_ros_makes_no_client_for_them(open_ros: Open) -> None:
+    """Names that are too long for DDS only below the node's namespace are known by rclpy alone."""
+    connector, name = open_ros(namespace="/" + "n" * 160), "a" * 90
+    reports, replies, surveys = Inbox[Report](), Inbox[Reply](), Inbox[str]()
+    connector.send_goal(name, FIBONACCI, {"order": 1}, goal_id="g", on_report=reports)
+    connector.find_goal(name, FIBONACCI, goal_id="found", on_report=reports)
+    connector.call(name, TRIGGER, {}, on_reply=replies)
+    connector.survey(name, FIBONACCI, within_s=1.0, on_result=surveys)
+    ends = reports.wait(lambda all_: len(all_) == 2, "each goal has an end")
+    assert {each.goal_id: each.status for each in ends} == {"g": "rejected", "found": "lost"}
+    assert [each.outcome for each in replies.wait(bool, "the call is answered")] == ["failed"]
+    assert surveys.wait(bool, "the survey ends") == [""]
 
 
 @pytest.mark.usefixtures("alone")
