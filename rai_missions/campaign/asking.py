@@ -19,7 +19,7 @@ from rai_missions.campaign.embodiments import RobotView
 from rai_missions.campaign.file import CampaignFile, PriceEntry
 from rai_missions.campaign.models import CampaignModels, CellReply, is_chat, provider_of
 from rai_missions.campaign.questions import AskedScene
-from rai_missions.campaign.store import CellRecord, QuestionRecord, graded, is_tried
+from rai_missions.campaign.records import CellRecord, QuestionRecord, graded, is_tried
 from rai_missions.engine.decision import Evidence, Question, Verdict
 from rai_missions.event import Event
 from rai_missions.redaction import cut

@@ -9,7 +9,8 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from rai_missions.campaign.file import BudgetEntry, RateEntry
-from rai_missions.campaign.store import CellRecord, DroppedUse
+from rai_missions.campaign.records import CellRecord
+from rai_missions.campaign.store import DroppedUse
 
 __all__ = ("CallPace", "Spending", "with_use_of")
 

@@ -10,8 +10,8 @@ from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass
 from typing import Any
 
+from rai_missions.campaign.records import BEST_FIRST, OptionVerdict
 from rai_missions.campaign.scenes import CampaignScene
-from rai_missions.campaign.store import BEST_FIRST, OptionVerdict
 from rai_missions.worlds.orchard.trial import Trial, try_options
 
 __all__ = ("Label", "best_options", "label", "verdict_of")

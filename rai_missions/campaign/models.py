@@ -16,7 +16,7 @@ from rai_missions.answerers.rules import RulesAnswerer
 from rai_missions.answerers.script import ScriptAnswerer
 from rai_missions.campaign.cells import digest
 from rai_missions.campaign.file import ANY_KIND, CONSTANT, CampaignFile
-from rai_missions.campaign.store import BEST_FIRST, SceneRecord
+from rai_missions.campaign.records import BEST_FIRST, SceneRecord
 from rai_missions.engine.decision import Answerer, Question
 from rai_missions.guards.guard import View
 from rai_missions.profile import Robot

@@ -16,7 +16,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from functools import partial
 from typing import Any, Protocol
 
-from rai_missions.campaign.store import CellRecord, PictureRecord
+from rai_missions.campaign.records import CellRecord, PictureRecord
 from rai_missions.campaign.tasks import SceneTask, TaskRecord, WorkSettings
 from rai_missions.campaign.worker import RECORDS, task_words
 from rai_missions.connectors.process.life import ProcessLife

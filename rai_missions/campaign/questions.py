@@ -13,8 +13,8 @@ from typing import Any, NamedTuple
 
 from rai_missions.agents.launch import prepare
 from rai_missions.agents.run_config import RunConfig
+from rai_missions.campaign.records import SceneRecord
 from rai_missions.campaign.rollout import Branchable, OpenDecision
-from rai_missions.campaign.store import SceneRecord
 from rai_missions.check import load_whole
 from rai_missions.engine import Chart
 from rai_missions.engine.decision import Question

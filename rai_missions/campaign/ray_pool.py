@@ -13,7 +13,7 @@ from collections.abc import Iterable, Iterator
 from typing import Any, NamedTuple
 
 from rai_missions.campaign.pool import MOST_DEATHS
-from rai_missions.campaign.store import CellRecord
+from rai_missions.campaign.records import CellRecord
 from rai_missions.campaign.tasks import SceneTask, TaskRecord, Workplace, WorkSettings
 from rai_missions.errors import UsageError, install_command
 from rai_missions.redaction import first_line, logger, variables

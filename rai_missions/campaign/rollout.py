@@ -12,7 +12,7 @@ from collections.abc import Callable, Mapping
 from typing import Any, Literal, NamedTuple, Protocol, runtime_checkable
 
 from rai_missions.answerers.rules import RulesAnswerer
-from rai_missions.campaign.store import BEST_FIRST, OptionVerdict
+from rai_missions.campaign.records import BEST_FIRST, OptionVerdict
 from rai_missions.connectors.local import LocalConnector
 from rai_missions.engine import Chart
 from rai_missions.engine.decision import Answerer, Question

@@ -19,17 +19,16 @@ from rai_missions.campaign.embodiments import embodiment_digest
 from rai_missions.campaign.file import LoadedCampaign
 from rai_missions.campaign.models import is_chat, model_digest
 from rai_missions.campaign.pool import LocalPool, TaskPool
-from rai_missions.campaign.store import (
+from rai_missions.campaign.records import (
     CellRecord,
     LabelRecord,
-    LostParts,
-    ResultStore,
     SceneRecord,
     UnlabelledScene,
     graded,
     is_tried,
     parameters_in,
 )
+from rai_missions.campaign.store import LostParts, ResultStore
 from rai_missions.campaign.tasks import SceneTask, TaskRecord, WorkSettings
 from rai_missions.errors import UsageError
 

@@ -9,8 +9,8 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field, model_validator
 
+from rai_missions.campaign.records import SceneRecord
 from rai_missions.campaign.scene_spec import scene_spec
-from rai_missions.campaign.store import SceneRecord
 from rai_missions.model import LISTED, Integer, Json, MissionModel, Name, Text, fault
 
 __all__ = ("GivenScene", "ScenesEntry")

@@ -20,17 +20,17 @@ from rai_missions.campaign.embodiments import embodied
 from rai_missions.campaign.file import load_campaign
 from rai_missions.campaign.models import CampaignModels
 from rai_missions.campaign.questions import AskedScene, NoQuestion, ask_in
-from rai_missions.campaign.rollout import answers_of, rollouts
-from rai_missions.campaign.scene_spec import later_of
-from rai_missions.campaign.store import (
+from rai_missions.campaign.records import (
     CellRecord,
     LabelRecord,
     PictureRecord,
     QuestionRecord,
-    ResultStore,
     SceneRecord,
     UnlabelledScene,
 )
+from rai_missions.campaign.rollout import answers_of, rollouts
+from rai_missions.campaign.scene_spec import later_of
+from rai_missions.campaign.store import ResultStore
 from rai_missions.errors import MissionError, UsageError
 from rai_missions.redaction import cut, first_line
 from rai_missions.worlds.world import load_world

@@ -15,7 +15,7 @@ from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Any
 
 from rai_missions.campaign.cells import Cell
-from rai_missions.campaign.store import (
+from rai_missions.campaign.records import (
     CellRecord,
     LabelRecord,
     PictureRecord,

@@ -8,7 +8,7 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
-from rai_missions.campaign.store import CellRecord, LabelRecord
+from rai_missions.campaign.records import CellRecord, LabelRecord
 
 OPTIONS = ("left", "right", "wait")
 MISSION = {

@@ -10,16 +10,16 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
-from rai_missions.campaign.store import (
+from rai_missions.campaign.records import (
     BEST_FIRST,
     CellRecord,
     LabelRecord,
     PictureRecord,
     QuestionRecord,
-    ResultStore,
     SceneRecord,
     graded,
 )
+from rai_missions.campaign.store import ResultStore
 from rai_missions.image import png
 
 OPTIONS = ("drive_over", "signal", "replan")

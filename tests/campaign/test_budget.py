@@ -13,7 +13,8 @@ from hypothesis import strategies as st
 
 from rai_missions.campaign.budget import CallPace, Spending
 from rai_missions.campaign.file import BudgetEntry, RateEntry
-from rai_missions.campaign.store import CellRecord, ResultStore
+from rai_missions.campaign.records import CellRecord
+from rai_missions.campaign.store import ResultStore
 
 CELL = CellRecord("k", "m", "s", 1, "openai:gpt", "none", "written", "answered")
 used = st.tuples(st.integers(0, 3), st.integers(0, 500), st.integers(0, 500), st.floats(0, 2))

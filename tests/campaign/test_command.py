@@ -12,7 +12,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from rai_missions.campaign.cells import Cell
-from rai_missions.campaign.store import CellRecord, LabelRecord, PictureRecord, ResultStore, SceneRecord
+from rai_missions.campaign.records import CellRecord, LabelRecord, PictureRecord, SceneRecord
+from rai_missions.campaign.store import ResultStore
 from rai_missions.campaign.tasks import SceneTask
 from rai_missions.campaign.worker import PIECE, record_words, task_in, task_words
 from rai_missions.cli.main import main

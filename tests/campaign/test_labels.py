@@ -10,8 +10,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from rai_missions.campaign.labels import Label, best_options, label, verdict_of
+from rai_missions.campaign.records import OptionVerdict
 from rai_missions.campaign.scenes import scene
-from rai_missions.campaign.store import OptionVerdict
 from rai_missions.worlds.orchard.trial import Trial
 
 NOTHING = Trial(False, "", "", 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)

@@ -23,7 +23,7 @@ from rai_missions.campaign.embodiments import RobotView
 from rai_missions.campaign.file import LoadedCampaign, RolloutEntry, load_campaign
 from rai_missions.campaign.models import CampaignModels
 from rai_missions.campaign.questions import AskedScene, CampaignSubject, NoQuestion, ask_in, in_scene
-from rai_missions.campaign.store import CellRecord, SceneRecord
+from rai_missions.campaign.records import CellRecord, SceneRecord
 from tests.campaign.choosing import campaign_data, write_campaign
 
 pytestmark = pytest.mark.sim

@@ -20,7 +20,7 @@ from rai_missions.campaign.embodiments import RobotView
 from rai_missions.campaign.file import LoadedCampaign
 from rai_missions.campaign.models import CampaignModels
 from rai_missions.campaign.questions import AskedScene
-from rai_missions.campaign.store import CellRecord
+from rai_missions.campaign.records import CellRecord
 from rai_missions.campaign.watched_chat import WatchedChat
 from rai_missions.testing import QUESTION
 from tests.campaign.test_models import CELL, LABELS, asked, loaded, reply

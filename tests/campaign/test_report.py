@@ -189,7 +189,6 @@ def test_scenes_with_other_labels_are_no_pairs(tmp_path: Path) -> None:
     with ResultStore(second, writes=True) as store:
         records = list(store.label_records())[: 3 * len(OPTIONS)]
         store.add(each._replace(verdict="harms") for each in records)
-        store.grade()
     found = compare(first, second)
     assert found.changed == 3 and found.scenes == len(read(first).scenes) - 3
     assert all(each.test.pairs == found.scenes for each in found.comparisons)

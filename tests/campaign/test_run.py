@@ -18,8 +18,9 @@ import pytest
 from rai_missions.campaign.file import load_campaign
 from rai_missions.campaign.pool import LocalPool
 from rai_missions.campaign.ray_pool import RayPool
+from rai_missions.campaign.records import CellRecord
 from rai_missions.campaign.run import CampaignResult, Progress, plan_of, run_campaign
-from rai_missions.campaign.store import CellRecord, ResultStore
+from rai_missions.campaign.store import ResultStore
 from rai_missions.campaign.tasks import SceneTask, TaskRecord, Workplace, WorkSettings
 from rai_missions.errors import UsageError
 from tests.campaign.choosing import ROBOT, campaign_data, labels, table, write_campaign

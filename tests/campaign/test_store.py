@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import json
 import os
 import sqlite3
 import subprocess
@@ -15,62 +14,18 @@ from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 
-from rai_missions.campaign.store import (
-    BEST_FIRST,
+from rai_missions.campaign.records import (
     CellRecord,
     LabelRecord,
     PictureRecord,
     QuestionRecord,
-    ResultStore,
     SceneRecord,
-    graded,
 )
+from rai_missions.campaign.store import ResultStore
 from rai_missions.errors import UsageError
 
 CELL = CellRecord("k1", "tractor", "s1", 1, "rules", "none", "written", "answered", option="replan", permitted=1)
-OPTIONS = ("replan", "signal", "abort")
-STATUSES = ("answered", "no_answer", "failed")
-labels = st.dictionaries(st.sampled_from(OPTIONS), st.sampled_from(BEST_FIRST))
-
-
-def is_best(option: str, found: dict[str, str]) -> bool:
-    """The oracle: nothing that is better by its word is there."""
-    better = {"completes": set(), "harmless": {"completes"}, "harms": {"completes", "harmless"}}
-    return not better[found[option]] & set(found.values())
-
-
-@given(st.sampled_from(OPTIONS), labels)
-def test_best_is_what_no_other_option_beats(option: str, found: dict[str, str]) -> None:
-    record = graded(CELL._replace(option=option), found)
-    assert record.verdict == found.get(option)
-    assert record.best == (is_best(option, found) if option in found else None)
-    assert graded(record._replace(status="no_answer"), found).verdict is None
-
-
-@given(st.lists(st.tuples(st.sampled_from(OPTIONS), labels, st.sampled_from(STATUSES)), max_size=8))
-def test_the_store_grades_as_one_cell_is_graded(drawn: list[tuple[str, dict[str, str], str]]) -> None:
-    cells = [
-        CELL._replace(cell=f"k{at}", scene=f"s{at}", option=option, status=status)  # type: ignore[arg-type]
-        for at, (option, _, status) in enumerate(drawn)
-    ]
-    found = [LabelRecord(f"s{at}", *each, "{}") for at, (_, few, _) in enumerate(drawn) for each in few.items()]
-    with fresh() as store:
-        store.add([*cells, *found])
-        store.grade()
-        assert list(store.cells()) == [graded(cell, drawn[at][1]) for at, cell in enumerate(cells)]
-
-
-def test_an_answer_with_parameters_keeps_its_grade() -> None:
-    """A label is of the parameters that were tried, and the store knows the option alone."""
-    given = json.dumps({"answer": {"option": "replan", "parameters": {"far_m": 3}}})
-    cells = [CELL._replace(raw=given), CELL._replace(cell="k2", raw="{cut"), CELL._replace(cell="k3", raw="{}")]
-    with fresh() as store:
-        store.add([*cells, LabelRecord("s1", "replan", "completes", "{}")])
-        store.grade()
-        assert [cell.best for cell in store.cells()] == [None, 1, 1]
 
 
 @contextmanager
@@ -127,7 +82,8 @@ def test_one_process_writes_and_others_read(tmp_path: Path) -> None:
 
 WRITER = """
 import sys
-from rai_missions.campaign.store import CellRecord, ResultStore
+from rai_missions.campaign.records import CellRecord
+from rai_missions.campaign.store import ResultStore
 with ResultStore(sys.argv[1], writes=True) as store:
     for number in range(10**6):
         store.add([CellRecord(f"k{number:06}", "m", "s", 1, "rules", "none", "written", "answered")])
@@ -193,7 +149,7 @@ def test_a_store_that_is_damaged_is_named_whether_it_is_read_or_written(tmp_path
     path.write_bytes(content)
     fault = r"a\.db is damaged: database disk image is malformed; take a copy from before, or name another file"
     with ResultStore(path, writes=True) as store:
-        for use in (lambda: list(store.cells()), store.counts, lambda: store.add(cells), store.grade):
+        for use in (lambda: list(store.cells()), store.counts, lambda: store.add(cells)):
             with pytest.raises(UsageError, match=fault):
                 use()
         with pytest.raises(sqlite3.IntegrityError):  # a fault of the program stays one

@@ -14,9 +14,9 @@ from hypothesis import strategies as st
 
 from rai_missions.campaign.file import load_campaign
 from rai_missions.campaign.questions import ask_in
+from rai_missions.campaign.records import SceneRecord
 from rai_missions.campaign.rollout import rollouts
 from rai_missions.campaign.scenes import scenes
-from rai_missions.campaign.store import SceneRecord
 from rai_missions.connectors.local import LocalConnector
 from rai_missions.profile.convert import pose_message
 from rai_missions.worlds import open_world

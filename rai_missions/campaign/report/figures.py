@@ -14,8 +14,9 @@ from dataclasses import dataclass, field
 from typing import NamedTuple
 
 from rai_missions.campaign.embodiments import EMBODIMENTS
+from rai_missions.campaign.records import BEST_FIRST, CellRecord, SceneRecord
 from rai_missions.campaign.statistics import Interval, clustered_interval
-from rai_missions.campaign.store import BEST_FIRST, CellRecord, ResultStore, SceneRecord
+from rai_missions.campaign.store import ResultStore
 
 __all__ = (
     "Baseline",

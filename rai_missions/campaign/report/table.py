@@ -11,9 +11,10 @@ import csv
 from collections.abc import Iterator
 from pathlib import Path
 
+from rai_missions.campaign.records import CellRecord
 from rai_missions.campaign.report.figures import CampaignFigures, best_options
 from rai_missions.campaign.report.wrong_answers import is_wrong
-from rai_missions.campaign.store import CellRecord, ResultStore
+from rai_missions.campaign.store import ResultStore
 
 __all__ = ("COLUMNS", "write_table")
 
