@@ -372,6 +372,44 @@ class ClaimWords:
             return self.has_act(predicate[1:]) or (is_bare and self.is_past(predicate[0]) and not is_relative)
         return predicate[0] in self.acts or (not is_relative and self.is_past(predicate[0]))
 
+    def is_certain(self, words: Sequence[str], subject: Subject) -> bool:
+        """Whether a clause is a claim by its structure alone: of whom it is, and what its verb reports.
+
+        The robot itself with a past, a perfect or what it is doing, and a certain thing of the mission that begins the
+        clause with any verb but a modal: `I have mowed`, `the tank holds ten litres`, but not `tanks hold water`.
+        """
+        before, after = words[: subject.start], words[subject.end :]
+        turned = [*before[-1:], *after] if self.verb_second else []
+        if subject.kind == "soft" or (subject.kind == "work" and self.is_generic(words, subject)):
+            return False
+        if self.reports(after, is_relative=False) or self.reports(turned, is_relative=False):
+            return True
+        predicate = self.skip(after)
+        if subject.kind == "self":
+            return self._is_done_by(predicate) or self._is_done_by(self.skip(turned))
+        if subject.kind != "work" or not predicate or predicate[0] in self.modals:
+            return False
+        return self._begins_certain(words, subject) and not self._habits.within(words)
+
+    def _is_done_by(self, predicate: Sequence[str]) -> bool:
+        """Whether a verb group reports an act of its subject: `went`, `have mowed`, `am turning`."""
+        if not predicate or predicate[0] in self.relative:
+            return False
+        if predicate[0] in self.perfect or predicate[0] in self.auxiliaries or predicate[0] in self.second:
+            rest = self.skip(predicate[1:])
+            near = rest if self.verb_second else rest[:1]
+            return any(self.is_past(each) or self.is_progressive(each) for each in near)
+        return self.is_past(predicate[0])
+
+    def _begins_certain(self, words: Sequence[str], subject: Subject) -> bool:
+        """Whether a certain thing begins a clause: `the red cube`, `my left wheel`, `both arms`, `row three`."""
+        bare = self.skip_lead(words[: subject.end])
+        named = words[subject.start : subject.end]
+        nouns = bare[: len(bare) - len(named)]
+        if not nouns:
+            return bool(self.possessive & set(named) or self.quantities & set(words[subject.end : subject.end + 1]))
+        return len(nouns) <= CERTAIN_WITHIN and nouns[0] in self._owned | self.quantities
+
     def has_act(self, words: Sequence[str]) -> bool:
         """Whether an act of a robot follows an auxiliary; in German anywhere up to the clause's end."""
         if self.verb_second:

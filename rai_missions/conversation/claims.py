@@ -40,7 +40,11 @@ ClaimKind = Literal[
     "place",
     "report",
 ]
-"""Why a sentence is replaced; empty where it is not."""
+"""Why a sentence is replaced; empty where it is not.
+
+`script`, `idiom`, `result` and `subject` are claims by their structure. The others are in doubt, and `report` is what
+no mark speaks for.
+"""
 CLAUSES = re.compile(r"(?:,(?!\d)|[;:()\n–—…|/])+|\s-+\s|[.!?]+\s+|(?<!\b[ioa][nft] )\b(?=that\b(?!\s\w+\W*$))", re.I)
 """Where a clause ends; `in that case` and `I know that name` are one."""
 DISGUISES = str.maketrans({"0": "o", "1": "i", "3": "e", "4": "a", "5": "s", "7": "t", "@": "a", "$": "s"})
@@ -234,13 +238,17 @@ class _JudgedSentence:
         if any(self._is_fragment(each) for each in self._clauses):
             return "fragment"
         clauses = [words, *self._clauses]
-        if any(self._is_claim(each, subject) for each in clauses for subject in rules.subjects(each, self._names)):
+        found = [(each, subject) for each in clauses for subject in rules.subjects(each, self._names)]
+        found = [(each, subject) for each, subject in found if self._is_claim(each, subject)]
+        if any(rules.is_certain(each, subject) for each, subject in found):
             return "subject"
         if any(self._has_passive(each) for each in clauses):
             return "passive"
         if any(rules.progress.within(each) and not set(each) & rules.person for each in self._clauses):
             return "progress"
-        return "second verb" if self._has_second_verb(words) else ""
+        if self._has_second_verb(words):
+            return "second verb"
+        return "report" if found else ""
 
     def _bare_clauses(self) -> Iterator[Sequence[str]]:
         """What is left of each clause without some of the harmless words around it: `of course done, for you`."""

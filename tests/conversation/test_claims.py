@@ -91,8 +91,26 @@ def test_few_harmless_sentences_are_replaced(code: str) -> None:
 
 def test_a_claim_about_a_key_of_the_mission_is_found_by_its_name() -> None:
     view = VIEW._replace(keys={"hopper": KeyView("hopper", "number")})
-    assert Claims("en").why_replaced("The hopper often holds forty apples.", view) == "subject"
+    assert Claims("en").why_replaced("The hopper often holds forty apples.", view) != ""
     assert Claims("en").why_replaced("The hopper often holds forty apples.", VIEW) == ""
+
+
+@pytest.mark.parametrize(
+    ("code", "sentence", "why"),
+    [
+        ("en", "I have mowed four rows.", "subject"),
+        ("en", "We slowly drove around it.", "subject"),
+        ("en", "The red cube sits on the blue one.", "subject"),
+        ("en", "My gripper holds a carrot.", "subject"),
+        ("en", "Cameras struggle in very dark rooms.", "report"),
+        ("en", "I am unable to climb stairs.", "report"),
+        ("de", "Vorhin habe ich vier Reihen gemäht.", "subject"),
+        ("de", "Der rote Arm ruht in der Schale.", "subject"),
+        ("de", "Den Busfahrplan kenne ich leider nicht.", "report"),
+    ],
+)
+def test_a_claim_by_its_structure_differs_from_what_is_in_doubt(code: str, sentence: str, why: str) -> None:
+    assert Claims(code).why_replaced(sentence, VIEW) == why
 
 
 def test_what_cannot_be_judged_is_replaced() -> None:
