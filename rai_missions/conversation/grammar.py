@@ -34,6 +34,8 @@ MOST_PARTS = 6
 """Sentences of an utterance that are read; of more, only a stop at its beginning or end counts."""
 DRAWN_OUT = re.compile(r"([^\W\d_])\1{2,}")
 """A letter that is written as long as it is drawn out: `stooop`; a digit counts as often as it is written."""
+POLITE, LONGEST_GREETING = ("hello", "thanks", "sorry"), 3
+"""Questions that are none and may be ahead of any sentence, and the words of the longest."""
 NEAREST = 5
 """Letters of the shortest word whose misspelling is mended."""
 NONE: Mapping[str, str] = {}
@@ -123,10 +125,21 @@ class Grammar:
             return ()
         called = _called(view.robot)
         bare = list(once(normaliser.bare(words, called)))
-        ways = (bare, words, self._unnamed(bare, view), normaliser.bare(words, called, is_tail_first=True))
+        ways = (
+            bare, words, self._unnamed(bare, view), normaliser.bare(words, called, is_tail_first=True),
+            *self._ungreeted(words),
+        )  # fmt: skip
         found = next(filter(None, (self._words(each, view, draft) for each in ways)), ())
         mended = self._mended(bare, view, draft) if len(bare) <= MOST_MENDED and _is_fault(found or FAULT) else ()
         return mended if mended and not _is_fault(mended) else found or mended
+
+    def _ungreeted(self, words: list[str]) -> Iterator[list[str]]:
+        """The words after a greeting: `good morning, who are you?`; then the greeting, where they are but a name."""
+        for at in range(min(LONGEST_GREETING, len(words) - 1), 0, -1):
+            if any(self.language.questions[name].fits(words[:at]) for name in POLITE):
+                yield words[at:]
+                yield words[:at] if len(words) - at == 1 else []
+                return
 
     def _unnamed(self, words: list[str], view: StatusView) -> list[str]:
         """The words with `mission` in place of the running mission's name: `pause the patrol`."""
@@ -327,6 +340,11 @@ class Grammar:
                 return path
         return ""
 
+    def _thing(self, name: str, thing: list[str], view: StatusView) -> Sense:
+        """A question about a thing: of a key of that name, or of whatever fact has it."""
+        path = key_named(thing, view, self.language, strict=True)
+        return Sense("question", "key", key=path) if path else Sense("question", name, thing=" ".join(thing))
+
     def _questions(self, words: list[str], view: StatusView) -> Iterator[Sense]:
         for own, path in self._own_questions:
             if path.partition(".")[0] in view.keys and own.fits(words):
@@ -334,6 +352,11 @@ class Grammar:
                 return
         for name, phrases in self.language.questions.items():
             for slots in phrases.match(words):
+                if thing := slots.get("thing", "").split():
+                    if thing[0] in self.language.data["pronouns"]:
+                        continue
+                    yield self._thing(name, thing, view)
+                    return
                 if "key" not in slots:
                     yield Sense("question", name)
                     return

@@ -60,11 +60,12 @@ class ModelSide:
 
     def _do_not_know(self, utterance: Utterance, number: int) -> None:
         language, view = self._talk.language, self._talk.view
-        text = language.text("unknown")
+        is_first = not self._talk.settings.has_model and not any(each.way == "unknown" for each in self._talk.turns)
         if view.questions and not utterance.is_spoken and may(utterance.role, "answer", self._talk.settings):
+            text = self._talk.answers.unread(utterance.text, view, is_first=False)
             text = f"{text} {language.text('unknown_answer', options=options_text(view.questions, language))}"
-        elif not self._talk.settings.has_model and not any(each.way == "unknown" for each in self._talk.turns):
-            text = f"{text} {language.text('unknown_more')}"
+        else:
+            text = self._talk.answers.unread(utterance.text, view, is_first=is_first)
         self._speaking.speak(text, to=utterance.channel, reply_to=number, way="unknown")
 
     def _begin(self, sentence: WaitingSentence) -> None:

@@ -26,6 +26,8 @@ class Sense(NamedTuple):
     parameters: Mapping[str, Any] = {}
     key: str = ""
     """The key that a question is about, or a field of it: `obstacle.height_m`."""
+    thing: str = ""
+    """What a question is about that may be in a fact, in its words."""
     is_partial: bool = False
     """Only a part of an option's words was named: it is read back."""
     fault: str = ""
@@ -51,5 +53,6 @@ class Sense(NamedTuple):
             self.option,
             self.parameters,
             self.key,
+            self.thing,
         ]
         return json.dumps(data, sort_keys=True, default=str)

@@ -177,9 +177,7 @@ class SentenceSide:
     def _is_for_model(self, sense: Sense) -> bool:
         """Whether it is a question of the robot's own that nothing answers now, and a model may know more."""
         view = self._talk.view
-        is_answered = (
-            is_known(sense.key, view.keys) if sense.name == "value" else self._talk.answers.knows(sense.name, view)
-        )
+        is_answered = is_known(sense.key, view.keys) if sense.name == "value" else self._talk.answers.knows(sense, view)
         return sense.kind == "question" and self._talk.settings.has_model and not is_answered
 
     def _choice(self, sense: Sense) -> str:

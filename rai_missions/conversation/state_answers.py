@@ -11,11 +11,14 @@ from functools import partial
 from typing import NamedTuple
 
 from rai_missions.conversation.language import Language, spoken
-from rai_missions.conversation.named import unit_of
-from rai_missions.conversation.places import PlaceArea, place_words
+from rai_missions.conversation.mentions import mention_sentences
+from rai_missions.conversation.moods import mood_of
+from rai_missions.conversation.named import key_named, unit_of
+from rai_missions.conversation.places import PlaceArea, place_named, place_sentence, place_words
 from rai_missions.conversation.senses import Sense
 from rai_missions.conversation.start_phrases import StartPhrases
 from rai_missions.conversation.values import (
+    AGED_S,
     about_words,
     capital,
     duration,
@@ -25,7 +28,7 @@ from rai_missions.conversation.values import (
     value_sentence,
     value_words,
 )
-from rai_missions.conversation.view import KeyView, RunEvent, StatusView
+from rai_missions.conversation.view import HappeningKind, KeyView, RunEvent, StatusView
 from rai_missions.engine.decision import Question
 from rai_missions.engine.modes import ALIVE
 from rai_missions.redaction import cut
@@ -52,7 +55,7 @@ ALWAYS = ("hello", "thanks", "bye", "sorry", "rude")
 MOST_CAUSES = 2
 """Lines of what came last, where it is asked why a mission stopped that runs."""
 MOST_DECIDED = 2
-"""Lines of an answer to "what was decided"."""
+"""Lines of an answer to "what was decided", or ordered."""
 LONGEST_EVIDENCE = 500
 """Characters of a text that is spoken with a question."""
 MOST_HAPPENINGS = 5
@@ -90,6 +93,12 @@ def state_of_run(view: StatusView, language: Language) -> str:
     if not view.mode:
         return language.text("state_none")
     return language.text("state", mission=_mission(view), mode=language.word("modes", view.mode))
+
+
+def _poses(view: StatusView) -> list[KeyView]:
+    """The poses that the robot reports, those that are fresh first, then the newest."""
+    poses = [key for key in view.keys.values() if key.type == "pose" and key.source == "robot"]
+    return sorted(poses, key=lambda key: (not key.is_fresh, key.value is None, key.is_fresh or key.age_s or 0.0))
 
 
 def _is_before(view: StatusView) -> bool:
@@ -164,7 +173,7 @@ class StateAnswers:
             "why_stopped": self._why_stopped, "waits": self._waits, "asked": self._asked, "ordered": self._ordered,
             "queued": self._queued, "places": self._known_places,
             "control": self._control, "capabilities": self._capabilities, "mission": self._about_mission,
-            "happened": self._happened, "result": self._result, "decided": self._decided,
+            "happened": self._happened, "commanded": self._commanded, "result": self._result, "decided": self._decided,
             "who": self._who, "since": self._since, "repeat": self._repeat,
             **{name: partial(self._always, name) for name in ALWAYS},
             **{name: partial(self._of_build, name) for name in BUILD},
@@ -183,6 +192,8 @@ class StateAnswers:
         """
         if sense.name == "key":
             return self._with_place(key_sentence(sense.key, view.keys, self.language), view.keys.get(sense.key))
+        if sense.thing:
+            return self._where_is(sense.thing, view)
         if sense.name == "value":
             text = value_sentence(sense.key, view.keys, self.language)
             return text if is_known(sense.key, view.keys) else self._after(text, view, asker)
@@ -247,15 +258,32 @@ class StateAnswers:
         return f"{self.language.text('no_time')} {text}" if is_alive(view) else text
 
     def _where(self, view: StatusView, _: Asker) -> str:
-        poses = [key for key in view.keys.values() if key.type == "pose" and key.source == "robot"]
+        poses = _poses(view)
         if not poses:
             where = self._in_state(view) if is_alive(view) else ""
             return f"{self.language.text('no_position')} {where}".strip()
         key = poses[0]
-        if not key.is_fresh or key.value is None:
+        if key.value is None:
             return key_sentence(key.name, view.keys, self.language)
-        value = value_words(key.value, key, self.language)
+        value, age = value_words(key.value, key, self.language), duration(key.age_s or 0.0, self.language)
+        if not key.is_fresh:
+            return self.language.text("position_stale", name=spoken(key.name), value=value, age=age)
+        value += self.language.text("age", age=age) if (key.age_s or 0.0) >= AGED_S else ""
         return self._with_place(self.language.text("position", name=spoken(key.name), value=value), key)
+
+    def _where_is(self, thing: str, view: StatusView) -> str:
+        bare = " ".join(word for word in thing.split() if word not in self.language.data["articles"])
+        facts = " ".join(self._facts(thing, view))
+        return facts or self.language.text("not_mentioned", thing=bare or thing)
+
+    def _facts(self, thing: str, view: StatusView) -> list[str]:
+        """What is known of a thing: the place of that name, else the facts that name it."""
+        words = thing.split()
+        place = place_named(words, self._places, self.language)
+        if place is not None:
+            poses = [key for key in _poses(view) if key.is_fresh and is_known(key.name, view.keys)]
+            return [place_sentence(place, self._places[place], poses[0] if poses else None, self.language)]
+        return mention_sentences(words, view, self.language, self._results)
 
     def _with_place(self, text: str, key: KeyView | None) -> str:
         """With the place of a pose that is spoken."""
@@ -378,11 +406,15 @@ class StateAnswers:
         return f"{text} {self._ended(view)}" if view.mode and not is_alive(view) else text
 
     def _decided(self, view: StatusView, _: Asker) -> str:
-        answers = [each for each in view.happened if each.kind == "answered"][-MOST_DECIDED:]
-        if answers:
-            return self._lines(answers, view)
-        commands = [each for each in view.happened if each.kind == "command"][-MOST_DECIDED:]
-        return f"{self.language.text('decided_none')} {self._lines(commands, view)}".rstrip()
+        return self._last(view, "answered") or (
+            f"{self.language.text('decided_none')} {self._last(view, 'command')}".rstrip()
+        )
+
+    def _commanded(self, view: StatusView, asker: Asker) -> str:
+        return self._last(view, "command") or self._happened(view, asker)
+
+    def _last(self, view: StatusView, kind: HappeningKind) -> str:
+        return self._lines([each for each in view.happened if each.kind == kind][-MOST_DECIDED:], view)
 
     def _known_places(self, *_: object) -> str:
         places = self.language.listed(list(self._places))
@@ -401,12 +433,41 @@ class StateAnswers:
         by = self.language.text("by", by=by) if by else ""
         return template.format(ago=duration(view.at - happening.at, self.language), name=name, about=about, by=by)
 
-    def knows(self, name: str, view: StatusView) -> bool:
-        """Whether a question has an answer; one of the build only where that is known."""
+    def unread(self, text: str, view: StatusView, *, is_first: bool) -> str:
+        """The answer to a sentence that no rule reads; to a statement, with what the robot reports of its subject.
+
+        Args:
+            text: The sentence.
+            view: The run.
+            is_first: It is the first such sentence of the conversation: what is read is named.
+        """
+        mood = mood_of(text, self.language)
+        parts = [self.language.text({"question": "unknown", "statement": "statement", "other": "unread"}[mood.kind])]
+        facts = self._reported(mood.subject, view)
+        parts += [self.language.text("reported", facts=facts)] if facts else []
+        parts += [self.language.text("unknown_more")] if is_first else []
+        return " ".join(parts)
+
+    def _reported(self, subject: Sequence[str], view: StatusView) -> str:
+        """What the robot reports of the subject of a statement: a key, its own state, or the facts that name it."""
+        if subject and subject[0] in self.language.data["addressed"]:
+            return self.status(view)
+        if not subject or subject[-1] in self.language.data["pronouns"]:
+            return ""
+        path = key_named(subject, view, self.language, strict=True)
+        return key_sentence(path, view.keys, self.language) if path else " ".join(self._facts(" ".join(subject), view))
+
+    def knows(self, sense: Sense, view: StatusView) -> bool:
+        """Whether a question has an answer; one of the build, or about a thing, only where that is known."""
+        if sense.thing:
+            return bool(self._facts(sense.thing, view))
+        return self._knows_build(sense.name, view)
+
+    def _knows_build(self, name: str, view: StatusView) -> bool:
         return name not in BUILD or getattr(view.build, BUILD[name][0], None) is not None
 
     def _of_build(self, name: str, view: StatusView, _: Asker) -> str:
-        if view.build is None or not self.knows(name, view):
+        if view.build is None or not self._knows_build(name, view):
             return self.language.text("build_unknown")
         field, unit, names = BUILD[name]
         value = getattr(view.build, field)

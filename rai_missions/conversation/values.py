@@ -15,6 +15,7 @@ from rai_missions.plain_data import is_number, rounded
 from rai_missions.redaction import cut
 
 __all__ = (
+    "AGED_S",
     "about_words",
     "capital",
     "duration",
