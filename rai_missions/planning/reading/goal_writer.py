@@ -45,6 +45,8 @@ class GoalWriter:
         self._subjects: Names = ()
         self._target: Names = ()
         self._before: tuple[Names, Names] = (), ()
+        self._taken = set[str]()
+        """What the phrases so far are taken to mean."""
         self._moved_to = list[tuple[str, str]]()
         self._is_held = False
         self._until_put = list[Plain]()
@@ -95,14 +97,20 @@ class GoalWriter:
     # -- phrases -------------------------------------------------------------------------------------------------------
 
     def _names(self, phrases: Sequence[Phrase], target: Phrase | None = None) -> Names:
-        found = [name for phrase in phrases for name in self._picks.one(self._alternatives(phrase))]
+        found = [name for phrase in phrases for name in self._pick(phrase)]
         if any(phrase.kind == "everything" for phrase in phrases) and target is not None:
             found = [name for name in found if name not in self._things.alternatives(target)[0]]
         self._subjects = tuple(dict.fromkeys(found))
         return self._subjects
 
+    def _pick(self, phrase: Phrase) -> Names:
+        names = self._picks.one(self._alternatives(phrase))
+        if phrase.kind == "things" and not phrase.is_other:
+            self._taken |= set(names)
+        return names
+
     def _one(self, phrase: Phrase | None) -> str:
-        names = self._picks.one(self._alternatives(phrase)) if phrase is not None else ()
+        names = self._pick(phrase) if phrase is not None else ()
         if len(names) != 1:
             raise self._ask("unread")
         self._target = names
@@ -110,7 +118,7 @@ class GoalWriter:
 
     def _alternatives(self, phrase: Phrase) -> Sequence[Names]:
         if phrase.kind not in ("pronoun", "those", "there"):
-            return self._things.alternatives(phrase)
+            return self._things.alternatives(phrase, frozenset(self._taken))
         subjects, target = self._before
         if phrase.kind == "those" or (phrase.kind == "pronoun" and self._is_taken(phrase)):
             return (subjects,)

@@ -101,6 +101,8 @@ class _Evidence:
                 self.every |= symbol.value.types
         elif symbol.kind in EVERY or symbol.kind == "other":
             self.is_every = self.is_every or symbol.kind in EVERY or not _has_noun(found, at)
+            if symbol.kind == "other" and not _has_noun(found, at) and _is_place(found, at):
+                self.every |= CONTAINERS  # `in the other one`
         elif symbol.kind == "number":
             self.numbers.append(symbol.value)
         elif symbol.kind == "away":
@@ -152,6 +154,13 @@ def _before(found: Sequence[Symbol], at: int) -> set[str]:
 
 def _has_noun(found: Sequence[Symbol], at: int) -> bool:
     return at + 1 < len(found) and found[at + 1].kind == "noun"
+
+
+def _is_place(found: Sequence[Symbol], at: int) -> bool:
+    """Whether a word of where comes before the articles here."""
+    while at > 0 and found[at - 1].kind in ARTICLES:
+        at -= 1
+    return at > 0 and found[at - 1].kind == "relation"
 
 
 def _is_meant(name: str, evidence: _Evidence, scene: Scene | None) -> bool:

@@ -36,17 +36,21 @@ class Things:
         self._heads = {each: self._heads_before(phrases[:at]) for at, each in reversed([*enumerate(phrases)])}
         self._named = self._mentioned(phrases)
 
-    def alternatives(self, phrase: Phrase) -> tuple[Names, ...]:
+    def alternatives(self, phrase: Phrase, taken: frozenset[str] = frozenset()) -> tuple[Names, ...]:
         """What the phrase may mean: each an alternative, each all of its things.
+
+        Args:
+            phrase: Of the request.
+            taken: What phrases before it are taken to mean; `the rest` and `the other one` are none of these.
 
         Raises:
             Unread: It means nothing that is seen, or its number does not fit.
         """
         if phrase.kind == "desk":
             return ((DESK,),)
-        found = self._of_one(phrase)
-        for other in phrase.others:
-            found += self._of_one(other)
+        found = [names for each in (phrase, *phrase.others) for names in self._of_one(each, taken)]
+        if phrase.is_any:  # `a cube in the tray and a cube in the bin` are two, where there are two
+            found = [names for names in found if taken.isdisjoint(names)] or found
         return tuple(dict.fromkeys(found))
 
     def lies_at(self, name: str, place: str) -> bool:
@@ -56,13 +60,13 @@ class Things:
             return False
         return covers(other, thing)
 
-    def _of_one(self, phrase: Phrase) -> tuple[Names, ...]:
+    def _of_one(self, phrase: Phrase, taken: frozenset[str]) -> tuple[Names, ...]:
         if phrase.kind in ("everything", "rest"):
-            left_out = self._named if phrase.kind == "rest" else frozenset[str]()
+            left_out = self._named | taken if phrase.kind == "rest" else frozenset[str]()
             return (self._set(phrase, [each for each in self._movable() if each.name not in left_out]),)
         matching, perhaps = self._matching(phrase)
         if phrase.is_other:
-            matching = [each for each in matching if each.name not in self._named]
+            matching = [each for each in matching if each.name not in self._named | taken]
         if not matching:
             raise self._absent(phrase)
         if self._means_all(phrase, matching):
@@ -95,6 +99,8 @@ class Things:
     def _matching(self, phrase: Phrase) -> tuple[list[Thing], list[Thing]]:
         """The things that a phrase fits, and further ones of a colour that is not known: it may be meant."""
         found = [each for each in self._seen(phrase) if has_colour(each, phrase.colour) is not False]
+        if phrase.is_other and not phrase.has_noun and not phrase.colour:
+            found = self._of_heads(self._heads.get(phrase, frozenset())) or found
         if phrase.has_noun or not phrase.colour:
             is_sure = len({each.type for each in found}) < 2
             sure = [each for each in found if is_sure or has_colour(each, phrase.colour)]
@@ -107,6 +113,11 @@ class Things:
             found = [each for each in found if each.type in COLOURED] or found
         sure = [each for each in found if has_colour(each, phrase.colour)]
         return (sure, [each for each in found if each not in sure]) if sure else (found, [])
+
+    def _of_heads(self, heads: frozenset[str]) -> list[Thing]:
+        """What `the other one` may be after these types: of the same type, and after a tray or a bin any of these."""
+        types = heads | CONTAINERS if heads & CONTAINERS else heads
+        return [each for each in self.scene.things if each.type in types]
 
     def _seen(self, phrase: Phrase) -> list[Thing]:
         return [each for each in self.scene.things if each.type in phrase.types] if phrase.types else self._movable()
@@ -128,8 +139,15 @@ class Things:
     def _mentioned(self, phrases: Iterable[Phrase]) -> frozenset[str]:
         self._named = frozenset[str]()
         names = set[str]()
+        phrases = tuple(phrases)
+        to_choose = {each for phrase in phrases for each in phrase.others}
         for phrase in phrases:
-            if phrase.kind == "things" and not phrase.is_other and (phrase.has_noun or phrase.colour):
+            if (
+                phrase not in to_choose
+                and phrase.kind == "things"
+                and not phrase.is_other
+                and (phrase.has_noun or phrase.colour)
+            ):
                 try:
                     found = self.alternatives(phrase)
                 except Unread:

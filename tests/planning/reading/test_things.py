@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from rai_missions.planning.reading import read_request, reading_of
+from rai_missions.planning.reading import is_said, read_request, reading_of
 from tests.planning.reading.stored import SCENES, goal
 from tests.planning.scenes import scene
 from tests.planning.scenes import thing as placed
@@ -53,9 +53,57 @@ def test_a_thing_is_not_taken_for_one_of_a_colour_that_its_kind_never_has() -> N
         ("keep one apple and the other apple apart", [{"apart": ["apple", "apple_2"]}]),
     ],
 )
-def test_two_ways_to_write_one_goal_are_asked_back_as_one(request_: str, words: list[Any]) -> None:
+def test_two_ways_to_write_one_goal_are_read_as_one(request_: str, words: list[Any]) -> None:
     found = read_request(request_, scene(placed("apple", 0.6, 0.2), placed("apple_2", 0.6, 0.0)))
-    assert found["candidates"] == [{"all": words}] and " or " not in found["question"]
+    assert found["goal"] == {"all": words} and found["candidates"] == []
+
+
+@pytest.mark.parametrize(
+    ("request_", "candidates"),
+    [
+        ("one apple in the tray, the other in the bin", [("apple", "tray", "apple_2", "bin")]),
+        ("put a tomato in the bin, and the other one in the tray", [("tomato", "bin", "tomato_2", "tray")]),
+        ("put an apple in the tray and an apple in the bin", [("apple", "tray", "apple_2", "bin")]),
+        ("einen Apfel aufs Tablett, den anderen in den Eimer", [("apple", "tray", "apple_2", "bin")]),
+    ],
+)
+def test_the_other_one_is_no_thing_that_was_chosen_before(request_: str, candidates: list[Any]) -> None:
+    wanted = {
+        goal({"in": [one, place]}, {"in": [two, elsewhere]})
+        for first, place, second, elsewhere in candidates
+        for one, two in ((first, second), (second, first))
+    }
+    assert set(reading_of(request_, SCENES["market"]).candidates) == wanted
+
+
+@pytest.mark.parametrize(
+    ("request_", "chosen", "others"),
+    [
+        ("put an apple in the tray, everything else in the bin", ("apple", "apple_2"), 5),
+        ("ein Apfel aufs Tablett, den Rest in den Eimer", ("apple", "apple_2"), 5),
+        ("put the apple or the corn in the tray, and the other one in the bin", None, 1),
+    ],
+)
+def test_the_rest_is_what_was_not_chosen_before(request_: str, chosen: Any, others: int) -> None:
+    for each in reading_of(request_, SCENES["market"]).candidates:
+        (in_tray,) = [name for name, place in (one.in_ for one in each.all) if place == "tray"]
+        in_bin = {name for name, place in (one.in_ for one in each.all) if place == "bin"}
+        assert in_tray not in in_bin and len(in_bin) == others
+        assert chosen is None or in_tray in chosen
+
+
+def test_the_other_one_after_a_container_may_be_a_container() -> None:
+    request = "put the carrot in the tray and the apple in the other one"
+    found = reading_of(request, SCENES["full"]).goal
+    assert found == goal({"in": ["carrot", "tray"]}, {"in": ["apple", "bin"]})
+    assert is_said(found, request, SCENES["full"])
+
+
+def test_of_two_things_to_choose_from_either_may_be_the_other_one() -> None:
+    found = reading_of("put the apple or the carrot in the tray and the other in the bin", SCENES["full"])
+    assert found.candidates == tuple(
+        goal({"in": [one, "tray"]}, {"in": [other, "bin"]}) for one, other in (("apple", "carrot"), ("carrot", "apple"))
+    )
 
 
 @pytest.mark.parametrize("request_", ["make two towers", "build towers of the cubes", "stack the cubes in two towers"])
