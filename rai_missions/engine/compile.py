@@ -8,7 +8,7 @@ from collections.abc import Iterable, Mapping
 from rai_missions.engine.configuration import Configuration
 from rai_missions.engine.nodes import Act, CompiledGuard, CompiledTransition, Content, Node
 from rai_missions.errors import UsageError, escaped
-from rai_missions.guards.guard import Guard, Site
+from rai_missions.guards.guard import Guard, Site, Truth
 from rai_missions.mission.mission import Mission
 from rai_missions.states.effects import Effect
 from rai_missions.states.final import Final
@@ -50,7 +50,8 @@ class CompiledMission:
         self.controls = frozenset(node.control for node in self.order if node.control is not None)
         """Whose control its states need."""
         self.invariants = {
-            name: self.condition(guard, f"/invariants/{name}", "") for name, guard in mission.invariants.items()
+            name: self.condition(guard, f"/invariants/{name}", "", counts=False)
+            for name, guard in mission.invariants.items()
         }
         guarded = [(each.source, each.condition) for each in self.transitions.values() if each.condition is not None]
         guarded += [(self.root, each) for each in self.invariants.values()]
@@ -116,7 +117,7 @@ class CompiledMission:
             if definition.do:
                 transition.acts = self._acts(definition.do, f"{transition.place}/do", node)
             if definition.when is not None:
-                transition.condition = self.condition(definition.when, transition.place, node.name)
+                transition.condition = self.condition(definition.when, transition.place, node.name, counts=True)
                 transition.test = transition.condition.test
             if not self._outcomes.isdisjoint(definition.on):
                 transition.outcomes = self._outcomes.intersection(definition.on)
@@ -129,10 +130,17 @@ class CompiledMission:
             [self._content.effect(effect, f"{place}/{index}", node.name) for index, effect in enumerate(effects)]
         )
 
-    def condition(self, guard: Guard, place: str, state: str) -> CompiledGuard:
-        """A guard compiled for a place; the states whose age it asks for are clocked from now on."""
+    def condition(self, guard: Guard, place: str, state: str, *, counts: Truth = None) -> CompiledGuard:
+        """A guard compiled for a place; the states whose age it asks for are clocked from now on.
+
+        Args:
+            guard: It.
+            place: Its JSON pointer.
+            state: Whose it is.
+            counts: Which of its values counts there.
+        """
         site = Site(place, self.mission.blackboard, state)
-        test = guard.compiled(site)
+        test = guard.compiled(site, counts)
         self.named |= site.named
         for name in site.clocked:
             (self.nodes[name] if name else self.root).clocked = True

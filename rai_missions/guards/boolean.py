@@ -6,15 +6,14 @@ Source: S. C. Kleene, Introduction to Metamathematics (1952), section 64, the st
 
 from __future__ import annotations
 
-import json
-from collections.abc import Callable, Mapping, Sequence
-from typing import Annotated, Any, ClassVar, NamedTuple, cast
+from collections.abc import Callable, Iterator, Sequence
+from typing import Annotated, Any, ClassVar
 
 from pydantic import BeforeValidator, Field
 
+from rai_missions.guards.at_once import asked_at_once
 from rai_missions.guards.form import Form, Junction, form_of
-from rai_missions.guards.guard import Guard, GuardOrKey, OpenObject, Site, Sources, Test, Truth, View
-from rai_missions.keys import Stamped
+from rai_missions.guards.guard import Guard, GuardOrKey, Site, Sources, Test, Truth, View, made
 from rai_missions.model import AnyOf
 
 __all__ = ("All", "Any_", "Not")
@@ -51,17 +50,26 @@ class _Junction(Guard):
     """How one without parts is called."""
 
     def compile(self, site: Site) -> Test:
-        test = conjunction([guard.compiled(site) for guard in self.inner()], deciding=self.deciding)
-        key = self._looked_into()
-        return asked_at_once(key, json.dumps(self.model_dump(mode="json")), test) if key in site.keys else test
+        counts = self.counts_inside(site.counts)
+        if self.looked_into() in site.keys:
+            test = conjunction([guard.compiled(site) for guard in self.inner()], deciding=self.deciding)
+            return asked_at_once(self, test, site, counts)
+        return conjunction([guard.compiled(site, counts) for guard in self._by_key(site)], deciding=self.deciding)
 
-    def _looked_into(self) -> str:
-        """The key whose value alone, by its fields, makes it true or false; empty where there is none."""
-        leaves = [each for each in self.walk() if not isinstance(each, _Junction | Not)]
-        paths = {path for each in leaves for path in each.paths()}
-        roots = {path.partition(".")[0] for path in paths}
-        is_one = len(roots) == 1 and len(paths) > 1 and roots.isdisjoint(paths)
-        return roots.pop() if is_one and all(each.word == "key" for each in leaves) else ""
+    def _by_key(self, site: Site) -> Iterator[Guard]:
+        """Its parts; those that look into one key are one."""
+        found: dict[str, list[Guard]] = {}
+        for at, guard in enumerate(self.inner()):
+            key = guard.looked_into()
+            found.setdefault(key if key in site.keys else f"#{at}", []).append(guard)
+        return (parts[0] if len(parts) == 1 else made(self.word, **{self.word: parts}) for parts in found.values())
+
+    def looked_into(self) -> str:
+        keys = {guard.looked_into() for guard in self.inner()}
+        return keys.pop() if len(keys) == 1 else ""
+
+    def counts_inside(self, counts: Truth) -> Truth:
+        return counts
 
     def words(self) -> str:
         joined = f" {'or' if self.deciding else 'and'} ".join(_wrapped(guard) for guard in self.inner())
@@ -116,13 +124,19 @@ class Not(Guard, word="not"):
     def __init__(self, guard: GuardOrKey) -> None: ...
 
     def compile(self, site: Site) -> Test:
-        inner = self.guard.compiled(site)
+        inner = self.guard.compiled(site, self.counts_inside(site.counts))
 
         def test(view: View) -> Truth:
             value = inner(view)
             return None if value is None else not value
 
         return test
+
+    def looked_into(self) -> str:
+        return self.guard.looked_into()
+
+    def counts_inside(self, counts: Truth) -> Truth:
+        return None if counts is None else not counts
 
     def words(self) -> str:
         return f"not {_wrapped(self.guard)}"
@@ -139,26 +153,6 @@ class Not(Guard, word="not"):
     def after_jump(self, active: Callable[[str], Truth], *, restarted: bool) -> Truth:
         value = self.guard.after_jump(active, restarted=restarted)
         return None if value is None else not value
-
-
-class _Alone(NamedTuple):
-    """What a guard sees that looks into one key."""
-
-    board: Mapping[str, Stamped]
-    at: float
-
-
-def asked_at_once(key: str, question: str, test: Test) -> Test:
-    """A test of the fields of one key; one that is left open is asked for its truth, and not for each field."""
-
-    def ask(view: View) -> Truth:
-        entry = view.board.get(key)
-        if entry is None or not isinstance(entry[0], OpenObject):
-            return test(view)
-        at = entry[1]
-        return entry[0].find(question, lambda value: test(cast(View, _Alone({key: Stamped(value, at)}, at))))
-
-    return ask
 
 
 def _wrapped(guard: Guard) -> str:

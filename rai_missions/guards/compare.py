@@ -10,6 +10,7 @@ from typing import Annotated, Any, ClassVar, NamedTuple, Self
 
 from pydantic import Field, model_validator
 
+from rai_missions.guards.at_once import asked_at_once
 from rai_missions.guards.expression import SIGNS
 from rai_missions.guards.form import Atom, Form
 from rai_missions.guards.guard import Distinctions, Guard, Operand, Site, Sources, Test, Truth, TypeFault, Types, View
@@ -119,11 +120,19 @@ class Compare(Guard, word="key"):
         equality = self.op in ("==", "!=")
         if other is not None:
             right = Operand(other, site)
-            return lambda view: truth(apply, left.read(view), right.read(view), equality=equality)
+            return self._at_once(lambda view: truth(apply, left.read(view), right.read(view), equality=equality), site)
         value = self.operand
         if not left.fields and not left.passing and left.max_age_s is None:
             return _plain(left.key, apply, value, equality=equality)
-        return lambda view: truth(apply, left.read(view), value, equality=equality)
+        return self._at_once(lambda view: truth(apply, left.read(view), value, equality=equality), site)
+
+    def _at_once(self, test: Test, site: Site) -> Test:
+        """Where each value counts, a field is asked for instead: then its answer is known to other guards, too."""
+        return test if site.counts is None else asked_at_once(self, test, site, site.counts)
+
+    def looked_into(self) -> str:
+        key, _, field = self.key.partition(".")
+        return key if field and (self.other is None or self.other.startswith(f"{key}.")) else ""
 
     def type_faults(self, types: Types) -> Iterator[TypeFault]:
         kind = types.kind(self.key)

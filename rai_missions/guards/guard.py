@@ -33,6 +33,7 @@ __all__ = (
     "TypeFault",
     "Types",
     "View",
+    "as_counted",
     "concerns",
     "foreign_truth",
     "made",
@@ -120,6 +121,8 @@ class Site:
         """The states whose activity it asks for."""
         self.passing = False
         """It looks at the event or the answer in hand."""
+        self.counts: Truth = None
+        """Which value of the guard in hand counts: its two others make no difference there. None: each counts."""
 
     @property
     def watched(self) -> frozenset[str]:
@@ -128,6 +131,11 @@ class Site:
         Whatever waits for a guard is woken by these and by `instants`, and by nothing else.
         """
         return frozenset(self.reads).union(map(presence, self.states))
+
+
+def as_counted(value: Truth, counts: Truth) -> Truth:
+    """A value where only one counts: this one, or the other for both that do not."""
+    return value if counts is None else (value is counts) is counts
 
 
 class Types(Protocol):
@@ -235,6 +243,14 @@ class Guard(TaggedModel, family="guard", group="rai_missions.guards"):
         """
         return None
 
+    def looked_into(self) -> str:
+        """The key whose fields alone make it true or false; empty where there is none."""
+        return ""
+
+    def counts_inside(self, counts: Truth) -> Truth:
+        """Which value of the guards inside it counts where this value of its own does; None: each counts."""
+        return None
+
     def distinguish(self, by: Distinctions) -> None:
         """Report to a proof which values make a difference."""
         for path in self.paths():
@@ -262,12 +278,17 @@ class Guard(TaggedModel, family="guard", group="rai_missions.guards"):
         """A function from a view to true, false or unknown; `site` learns what it depends on."""
         raise NotImplementedError
 
-    def compiled(self, site: Site) -> Test:
+    def compiled(self, site: Site, counts: Truth = None) -> Test:
         """What `compile` makes, for the engine: a guard of another package is unknown where it raises, with a note.
+
+        Args:
+            site: Where it is compiled.
+            counts: See `Site.counts`.
 
         Raises:
             UsageError: That package's `compile` raises.
         """
+        site.counts = counts
         if type(self) not in Guard.foreign:
             return self.compile(site)
         try:

@@ -13,7 +13,7 @@ from typing import Any
 from rai_missions.engine import Chart
 from rai_missions.engine.activities.computing import ComputedResult
 from rai_missions.engine.nodes import CompiledGuard, Node
-from rai_missions.guards.guard import Site, Truth
+from rai_missions.guards.guard import Site, Truth, as_counted
 from rai_missions.keys import Stamped
 from rai_missions.mission.mission import Mission
 from rai_missions.prove.comparisons import Comparisons
@@ -126,10 +126,10 @@ class OpenWorld:
         asked, first = questions((mission, facts.succeeded, facts.failed), key), dict[Any, Any]()
         if asked is None:
             return self.values.of(key)
-        tests = [each.compile(Site("", mission.blackboard)) for each in asked]
+        tests = [(each.compile(Site("", mission.blackboard)), counts) for each, counts in asked]
         for value in self.values.of(key):
             state.board = {} if value is None else {key: Stamped(value, NOW)}
-            first.setdefault(tuple([test(state) for test in tests]), value)
+            first.setdefault(tuple([as_counted(test(state), counts) for test, counts in tests]), value)
         state.board = self.board
         return tuple(first.values())
 

@@ -63,7 +63,7 @@ def _with(behaviour: Any, **attributes: Any) -> Any:
 
 
 def _tested(behaviour: Any, guard: Guard, site: Site) -> Any:
-    return _with(behaviour, test=guard.compiled(site), site=site)
+    return _with(behaviour, test=guard.compiled(site, True), site=site)
 
 
 def _parallel(at: TreeBuilder, node: tree.Parallel, path: str, inside: Inside) -> Any:

@@ -3,13 +3,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import pytest
 from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
 
+from rai_missions.engine import Chart
 from rai_missions.guards.goal import judged
+from rai_missions.guards.guard import Guard, Site, Truth, as_counted
+from rai_missions.keys import Key, Stamped
 from rai_missions.mission.mission import Mission
 from rai_missions.planning.examples import GOALS, REQUESTS
 from rai_missions.planning.scene import judged_by
@@ -131,12 +135,17 @@ def lengths(space: RecordingSpace) -> dict[str, int]:
     return {name: len(space.path(flaw.state)) for name, flaw in space.flaws.items()}
 
 
+def truths(space: RecordingSpace) -> dict[str, set[bool]]:
+    """Place of a guard → whether it was true, and whether it was not; what else it was is asked where it counts."""
+    return {place: {each is True for each in values} for place, values in space.environment.instruments.seen.items()}
+
+
 def hold_alike(few: RecordingSpace, every: RecordingSpace) -> None:
     """They find the same."""
     assume(few.is_whole and every.is_whole)
     for what in ("seen", "taken", "entered", "in_pause"):
         assert getattr(few, what) == getattr(every, what), what
-    assert few.environment.instruments.seen == every.environment.instruments.seen
+    assert truths(few) == truths(every)
     assert few.flaws.keys() == every.flaws.keys()
 
 
@@ -259,6 +268,43 @@ def test_questions_leave_the_values_that_answer_them_alike() -> None:
     assert sight.get("b") is None and sight.get("a") == 1
     assert sight.example() == {"a": 1} and sight.whole() == {"a": 1}
     assert [dict(each) for each in sight.mixtures()] == [{"b": 1, "a": 1}, {"b": 1, "a": True}, {"b": None, "a": 1}]
+
+
+LIVING: Json = {"key": "obstacle.living", "==": True}
+FREE: Json = {"key": "n", "<": 2}
+LOW: Json = {"key": "obstacle.height_m", "<": 0.1}
+
+
+@pytest.mark.parametrize(("guard", "counts", "asked"), [
+    (LIVING, None, [[True, False, None]]),
+    (LIVING, True, [[True, False]]),
+    (LIVING, False, [[True, False]]),
+    ({"not": LIVING}, True, [[True, False]]),
+    ({"possible": LIVING}, True, [[True, False, None]]),
+    ({"held": LIVING, "for_s": 1}, True, [[True, False, None]]),
+    ({"all": [LOW, LIVING]}, None, [[False, True, None]]),
+    ({"all": [LOW, LIVING]}, True, [[False, True]]),
+    ({"all": [LOW, FREE, LIVING]}, True, [[False, True]]),
+    ({"any": [{"not": LOW}, FREE, {"all": [LIVING, FREE, {"not": LOW}]}]}, True, [[False, True]]),
+])  # fmt: skip
+def test_a_sight_is_asked_once_for_what_counts_of_the_parts_of_a_guard_that_look_into_it(
+    guard: Json, counts: Truth, asked: list[list[Truth]]
+) -> None:
+    picked: list[Any] = []
+
+    def pick(answers: Sequence[Any]) -> Any:
+        picked.append(answers)
+        return answers[-1]
+
+    values: list[Json] = [{"living": True, "height_m": 1.0}, {"living": True, "height_m": 0.0}, {"living": False}, {}]
+    sight = OpenSight(Sights(values, pick))
+    keys = {"obstacle": Key(dict, source="robot"), "n": Key(int, initial=0)}
+    test, state = Guard.read(guard).compiled(Site("", keys), counts), Chart(Mission.model_validate(moving())).state
+    state.board = {"obstacle": Stamped(sight, 0.0), "n": Stamped(0, 0.0)}
+    found = test(state)
+    assert picked == asked
+    state.board["obstacle"] = Stamped(sight.example(), 0.0)
+    assert as_counted(test(state), counts) is as_counted(found, counts)
 
 
 def test_a_mission_with_a_whole_desk_in_sight_is_proved_in_few_steps() -> None:

@@ -17,13 +17,16 @@ EITHER: Json = {"any": [LOW, SILENT]}
 OVER: Json = {"final": "aborted"}
 
 
-def environment(*guards: Json, state: Json | None = None, **keys: Json) -> Environment:
-    """Of a mission that may leave its only state by one of these guards."""
+def environment(
+    *guards: Json, state: Json | None = None, kept: Json | None = None, last: Json | None = None, **keys: Json
+) -> Environment:
+    """Of a mission that may leave a state by one of these guards; it keeps an invariant, and has a last state."""
     transitions = [{"when": guard, "to": "over"} for guard in guards]
     battery = {"type": "number", "source": "robot", "max_age_s": 5}
     return Environment(Mission.model_validate({
         "format": 1, "name": "values", "initial": "waiting", "blackboard": {"battery": battery, **keys},
-        "states": {"waiting": {**(state or {}), "transitions": transitions}, "over": OVER},
+        "invariants": {} if kept is None else {"kept": kept},
+        "states": {"waiting": {**(state or {}), "transitions": transitions}, "over": OVER, "last": last or OVER},
     }))  # fmt: skip
 
 
@@ -33,6 +36,28 @@ def environment(*guards: Json, state: Json | None = None, **keys: Json) -> Envir
 def test_values_that_a_part_of_a_guard_treats_alike_as_a_whole_are_chosen_once(guard: Json) -> None:
     world = environment(guard).world
     assert world.chosen["battery"] == (None, 0.15) and len(world.values.of("battery")) == 3
+
+
+@pytest.mark.parametrize(("guard", "chosen"), [
+    (LOW, (None, -0.85)), ({"not": LOW}, (None, 0.15)), ({"not": {"not": LOW}}, (None, -0.85)),
+    ({"all": [{"in": "waiting"}, LOW]}, (None, -0.85)), ({"possible": LOW}, (None, 0.15)),
+    ({"any": [{"in": "over"}, LOW, SILENT]}, (None, 0.15)),
+    ({"not": {"all": [{"in": "waiting"}, LOW]}}, (None, 0.15)),
+])  # fmt: skip
+def test_values_by_which_a_guard_is_not_true_are_alike(guard: Json, chosen: tuple[Any, ...]) -> None:
+    assert environment(guard).world.chosen["battery"] == chosen
+
+
+def test_values_by_which_an_invariant_is_not_false_are_alike() -> None:
+    kept: Json = {"any": [{"in": "over"}, {"not": LOW}]}
+    assert environment(kept=kept).world.chosen["battery"] == (None, -0.85)
+
+
+@pytest.mark.parametrize("state", [
+    {"action": "drive", "timeout_s": 9, "achieved": LOW}, {"final": "succeeded", "requires": LOW},
+])  # fmt: skip
+def test_whether_an_end_is_refuted_or_unknown_is_not_alike(state: Json) -> None:
+    assert len(environment(last=state).world.chosen["battery"]) == 3
 
 
 @pytest.mark.parametrize("guards", [(EITHER, SILENT), (EITHER, LOW), ({"any": [{"held": LOW, "for_s": 2}, SILENT]},)])

@@ -69,8 +69,8 @@ class GoalMachine(Machine):
         self.achieved: Test | None = definition.achieved.compiled(site) if definition.achieved is not None else None
         self.settling_reads, self.settling_instants = site.watched, tuple(site.instants)
         composed = Site(site.place, site.keys, site.state)
-        self.succeeded = succeeded.compiled(composed) if succeeded is not None else None
-        self.failed = failed.compiled(composed) if failed is not None else None
+        self.succeeded = succeeded.compiled(composed, True) if succeeded is not None else None
+        self.failed = failed.compiled(composed, True) if failed is not None else None
         self.composed_reads, self.composed_instants = composed.watched, tuple(composed.instants)
 
     def begin(self, host: ActivityHost) -> Turn:

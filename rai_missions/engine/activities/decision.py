@@ -39,7 +39,7 @@ class DecisionMachine(Machine):
 
     def __init__(self, asked: DecisionSpec, owner: str, site: Site) -> None:
         self.asked, self.owner = asked, owner
-        self.tests = {name: guard.compiled(site) for name, guard in asked.guards()}
+        self.tests = {name: guard.compiled(site, True) for name, guard in asked.guards()}
         self.shown = [(path, Operand(path, Site(site.place, site.keys))) for path in asked.evidence]
         self.keys = site.keys
         budget = asked.budget

@@ -60,12 +60,12 @@ def _is_steady(site: Site) -> bool:
 
 def _check(at: TreePlace, node: tree.Check, path: str, inside: Inside) -> CompiledNode:
     site = at.site(path, "check")
-    return leaves.CompiledCheck(node.check.compiled(site), site, steady=_is_steady(site))
+    return leaves.CompiledCheck(node.check.compiled(site, True), site, steady=_is_steady(site))
 
 
 def _guard(at: TreePlace, node: tree.EternalGuard, path: str, inside: Inside) -> CompiledNode:
     site = at.site(path, "eternal_guard")
-    return CompiledEternalGuard(inside[0], node.guard.compiled(site), site, steady=_is_steady(site))
+    return CompiledEternalGuard(inside[0], node.guard.compiled(site, True), site, steady=_is_steady(site))
 
 
 def _set(at: TreePlace, node: tree.Set, path: str, inside: Inside) -> CompiledNode:
