@@ -31,7 +31,7 @@ import resource, signal, sys
 from pathlib import Path
 from rai_missions.cli.main import main
 signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
-size = Path("run.journal-wal").stat().st_size
+size = Path("run.journal-wal").stat().st_size + 1  # a copy of the log has room, and no row more
 resource.setrlimit(resource.RLIMIT_FSIZE, (size, size))
 sys.exit(main(["run", "--resume", "run.journal"]))
 """

@@ -126,7 +126,7 @@ def test_a_disk_that_is_full_when_the_run_continues_ends_it_before_anything_is_d
             return "cannot be written" in str(error) and there.started == []
         return False
 
-    assert in_another_process(continues, path.with_name(WAL).stat().st_size)
+    assert in_another_process(continues, path.with_name(WAL).stat().st_size + 1)  # a copy of the log has room
     assert lived(path, land(), []).outcome is not None, "once there is room again, it continues"
     holds(path, land())
 
