@@ -7,6 +7,7 @@ Okabe and Ito (Color Universal Design, 2008), which readers with any common colo
 
 from __future__ import annotations
 
+import math
 import re
 import unicodedata
 from collections.abc import Mapping
@@ -103,7 +104,7 @@ def clean(text: str) -> str:
 
 def width(text: str, size: float, *, bold: bool = False) -> float:
     """Points that a line takes at most, in any of `FONTS`: the reader may have another than the layout knew."""
-    return sum(map(_advance, text)) * size * (1.1 if bold else 1.0)
+    return math.fsum(map(_advance, text)) * size * (1.1 if bold else 1.0)
 
 
 def _advance(character: str) -> float:
