@@ -8,9 +8,9 @@ from pathlib import Path
 
 import pytest
 
-from rai_missions.cli.commands.run import RunOptions
 from rai_missions.cli.doctor.speech import speech
 from rai_missions.cli.main import main
+from rai_missions.cli.run.options import RunOptions
 from rai_missions.cli.run.talk import normalise_voice_args
 from rai_missions.connectors.sound.devices import sound_devices
 from rai_missions.connectors.sound.wav import write_wav

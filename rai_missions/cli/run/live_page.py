@@ -22,7 +22,7 @@ from rai_missions.runtime.run_options import RunObserver
 if TYPE_CHECKING:
     from rai_missions.agents.mission import PreparedRun, RunConfig
     from rai_missions.agents.talk.doors import TalkLine, TextDoor
-    from rai_missions.cli.commands.run import RunOptions
+    from rai_missions.cli.run.options import RunOptions
     from rai_missions.cli.run.talk import TalkSession
     from rai_missions.engine.activities.goal_ledger import OpenGoal
     from rai_missions.engine.decision import Question

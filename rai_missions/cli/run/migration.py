@@ -15,7 +15,7 @@ from rai_missions.errors import DefinitionError, UsageError
 from rai_missions.journal import opened
 
 if TYPE_CHECKING:
-    from rai_missions.cli.commands.run import RunOptions
+    from rai_missions.cli.run.options import RunOptions
 
 __all__ = ("migrated",)
 

@@ -37,7 +37,7 @@ from rai_missions.profile import load_profile, read_program
 from rai_missions.runtime.interrupts import on_interrupts
 
 if TYPE_CHECKING:
-    from rai_missions.cli.commands.run import RunOptions
+    from rai_missions.cli.run.options import RunOptions
     from rai_missions.engine import Named
     from rai_missions.engine.decision import Answerer
     from rai_missions.runtime.runner import Result
@@ -141,7 +141,7 @@ def _run(options: RunOptions, config: RunConfig, lines: Lines, signals: ExitStac
         _report_beginning(options, lines, prepared)
         signals.enter_context(on_interrupts(prepared.runner.cancel, prepared.runner.kill))
         if talk is not None:
-            stack.enter_context(talking(talk, prepared, node.config, lines, page))
+            stack.enter_context(talking(talk, prepared, node.config, lines, page.talk_door if page else None))
         ended: LastRun | None = None
         while True:
             result = page.run(prepared, node.run) if page else node.run(prepared.runner)

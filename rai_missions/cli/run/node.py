@@ -14,7 +14,7 @@ from rai_missions.runtime.interrupts import on_interrupts
 
 if TYPE_CHECKING:
     from rai_missions.agents.mission import RunConfig
-    from rai_missions.cli.commands.run import RunOptions
+    from rai_missions.cli.run.options import RunOptions
     from rai_missions.node.run_session import RunSession
     from rai_missions.runtime.runner import Result, Runner
 

@@ -17,15 +17,14 @@ from rai_missions.runtime.run_options import RunObserver
 if TYPE_CHECKING:
     from rai_missions.agents.conversation import ConversationalAgent
     from rai_missions.agents.mission import PreparedRun, RunConfig
-    from rai_missions.agents.talk.doors import TalkDoor, TalkLine
+    from rai_missions.agents.talk.doors import TalkDoor, TalkLine, TextDoor
     from rai_missions.agents.talk.hri_door import HRIDoor
     from rai_missions.agents.talk.model import TalkModel
     from rai_missions.agents.talk.orders import OnOrderEnd
     from rai_missions.agents.talk.page_ear import PageEar
     from rai_missions.agents.talk.voice_door import VoiceDoor
-    from rai_missions.cli.commands.run import RunOptions
     from rai_missions.cli.progress import Lines
-    from rai_missions.cli.run.live_page import RunPage
+    from rai_missions.cli.run.options import RunOptions
     from rai_missions.conversation import BuildView, Order
     from rai_missions.embodiment.identity import Identity
     from rai_missions.engine.decision import Question
@@ -326,9 +325,21 @@ def talk_of(options: RunOptions, config: RunConfig) -> Iterator[TalkSession | No
 
 @contextmanager
 def talking(
-    session: TalkSession, prepared: PreparedRun, config: RunConfig, lines: Lines, page: RunPage | None
+    session: TalkSession,
+    prepared: PreparedRun,
+    config: RunConfig,
+    lines: Lines,
+    page_door: Callable[[TalkSession], TextDoor] | None,
 ) -> Iterator[None]:
-    """Open the doors of a conversation while its runs last."""
+    """Open the doors of a conversation while its runs last.
+
+    Args:
+        session: The conversation.
+        prepared: The first of its runs.
+        config: What a run is made of.
+        lines: Where the run is printed.
+        page_door: Makes the door of the live page, where there is one.
+    """
     from rai_missions.agents.talk.doors import TextDoor
     from rai_missions.cli.run.talk_terminal import TalkLines, open_typing
 
@@ -338,9 +349,9 @@ def talking(
             session.type, lambda why: lines.remark(f"not taken: {why}"), lines.foot, session.typed_to_the_end
         )
         session.add_door(TextDoor("terminal", lines.talk))
-    if page is not None:
-        session.add_door(page.talk_door(session))
-    session.reach(is_typed_at=typing is not None, is_watched=page is not None)
+    if page_door is not None:
+        session.add_door(page_door(session))
+    session.reach(is_typed_at=typing is not None, is_watched=page_door is not None)
     session.open(prepared, config)
     if typing is not None:
         typing.start()
