@@ -73,7 +73,15 @@ class ClaimWords:
         self._habits, self._hidden = Phrases(data["habits"], {}), Phrases(data["hidden"], {})
         self._wishes = Phrases(data["wishes"], {})
         self._far, self._advice = Phrases(data["far"], {}), Phrases(data["advice"], {})
-        small = (self.function, self.adverbs, self.articles, self.auxiliaries, self.modals, self.person)
+        small = (
+            self.function,
+            self.adverbs,
+            self.articles,
+            self.auxiliaries,
+            self.modals,
+            self.person,
+            self.quantities,
+        )
         self._small = self.substances.union(*small)
         self._reported = self.acts | self.states | self.strong
         subjects = self.self_words | self.possessive | self.person
@@ -389,7 +397,15 @@ class ClaimWords:
             return self._is_done_by(predicate) or self._is_done_by(self.skip(turned))
         if subject.kind != "work" or not predicate or predicate[0] in self.modals:
             return False
-        return self._begins_certain(words, subject) and not self._habits.within(words)
+        return self._is_begun_by(words, subject) and not self._habits.within(words)
+
+    def _is_begun_by(self, words: Sequence[str], subject: Subject) -> bool:
+        """Whether a subject begins its clause as a certain thing: `the red cube`, `my left wheel`, `row three`."""
+        bare, named = self.skip_lead(words[: subject.end]), words[subject.start : subject.end]
+        before = bare[: len(bare) - len(named)]
+        if not before:
+            return bool(self.possessive & set(named) or self.quantities & set(words[subject.end : subject.end + 1]))
+        return len(before) <= CERTAIN_WITHIN and before[0] in self._owned | self.quantities
 
     def _is_done_by(self, predicate: Sequence[str]) -> bool:
         """Whether a verb group reports an act of its subject: `went`, `have mowed`, `am turning`."""
@@ -401,14 +417,19 @@ class ClaimWords:
             return any(self.is_past(each) or self.is_progressive(each) for each in near)
         return self.is_past(predicate[0])
 
-    def _begins_certain(self, words: Sequence[str], subject: Subject) -> bool:
-        """Whether a certain thing begins a clause: `the red cube`, `my left wheel`, `both arms`, `row three`."""
-        bare = self.skip_lead(words[: subject.end])
-        named = words[subject.start : subject.end]
-        nouns = bare[: len(bare) - len(named)]
-        if not nouns:
-            return bool(self.possessive & set(named) or self.quantities & set(words[subject.end : subject.end + 1]))
-        return len(nouns) <= CERTAIN_WITHIN and nouns[0] in self._owned | self.quantities
+    def begins_certain(self, words: Sequence[str]) -> bool:
+        """Whether a certain thing, or a number of things, begins a clause: `the red cube`, `both arms`, `no apple`."""
+        bare = self.skip_lead(words)
+        begun = self.quantities | self.definite | self.possessive | self.negations
+        if bare and self.verb_second and bare[0] not in begun:  # `bei Baum 18 hat die Pumpe ausgesetzt`
+            bare = next((bare[at + 1 :] for at, word in enumerate(bare) if word in self.perfect), [])
+        return bool(bare) and bare[0] in begun
+
+    def has_finite(self, words: Sequence[str]) -> bool:
+        """Whether a clause has a verb of its own: `waiting is safe`, `well matters more`, `you know`."""
+        own = self.auxiliaries | self.perfect | self.modals | self.person | self.stative | self.gerund_verbs
+        after = self.skip_lead(words)[1:]
+        return bool(own & set(after)) or (not self.verb_second and any(map(self._substance_verb.fullmatch, after[:2])))
 
     def has_act(self, words: Sequence[str]) -> bool:
         """Whether an act of a robot follows an auxiliary; in German anywhere up to the clause's end."""

@@ -36,14 +36,12 @@ ClaimKind = Literal[
     "progress",
     "result",
     "fragment",
-    "second verb",
     "place",
     "report",
 ]
 """Why a sentence is replaced; empty where it is not.
 
-`script`, `idiom`, `result` and `subject` are claims by their structure. The others are in doubt, and `report` is what
-no mark speaks for.
+Claims by their structure have a kind of their own. `language`, `place` and `report` are in doubt.
 """
 CLAUSES = re.compile(r"(?:,(?!\d)|[;:()\n–—…|/])+|\s-+\s|[.!?]+\s+|(?<!\b[ioa][nft] )\b(?=that\b(?!\s\w+\W*$))", re.I)
 """Where a clause ends; `in that case` and `I know that name` are one."""
@@ -235,20 +233,22 @@ class _JudgedSentence:
             return "idiom"
         if self._has_result(words):
             return "result"
-        if any(self._is_fragment(each) for each in self._clauses):
-            return "fragment"
         clauses = [words, *self._clauses]
         found = [(each, subject) for each in clauses for subject in rules.subjects(each, self._names)]
-        found = [(each, subject) for each, subject in found if self._is_claim(each, subject)]
-        if any(rules.is_certain(each, subject) for each, subject in found):
+        claims = [(each, subject) for each, subject in found if self._is_claim(each, subject)]
+        if any(rules.is_certain(each, subject) for each, subject in claims):
             return "subject"
-        if any(self._has_passive(each) for each in clauses):
+        fragments = [each for each in self._clauses if self._is_fragment(each)]
+        if fragments[:1] == self._clauses[:1] and fragments and not any(map(rules.has_finite, self._clauses)):
+            return "fragment"
+        passives = [each for each in clauses if self._has_passive(each)]
+        if any(map(rules.begins_certain, passives)):
             return "passive"
-        if any(rules.progress.within(each) and not set(each) & rules.person for each in self._clauses):
+        progress = [each for each in self._clauses if rules.progress.within(each) and not set(each) & rules.person]
+        if any(each in progress for each, _ in found):
             return "progress"
-        if self._has_second_verb(words):
-            return "second verb"
-        return "report" if found else ""
+        is_doubtful = claims or fragments or passives or progress or self._has_second_verb(words)
+        return "report" if is_doubtful else ""
 
     def _bare_clauses(self) -> Iterator[Sequence[str]]:
         """What is left of each clause without some of the harmless words around it: `of course done, for you`."""

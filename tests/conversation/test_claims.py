@@ -107,6 +107,12 @@ def test_a_claim_about_a_key_of_the_mission_is_found_by_its_name() -> None:
         ("de", "Vorhin habe ich vier Reihen gemäht.", "subject"),
         ("de", "Der rote Arm ruht in der Schale.", "subject"),
         ("de", "Den Busfahrplan kenne ich leider nicht.", "report"),
+        ("en", "All six crates were sorted by weight.", "passive"),
+        ("en", "Quince is picked by hand.", "report"),
+        ("en", "Currently heading toward the living room.", "fragment"),
+        ("en", "Sleeping well matters more than any pill.", "report"),
+        ("de", "Der Tank wurde vor der Runde aufgefüllt.", "passive"),
+        ("de", "Birnen werden bei null Grad gelagert.", "report"),
     ],
 )
 def test_a_claim_by_its_structure_differs_from_what_is_in_doubt(code: str, sentence: str, why: str) -> None:
@@ -183,6 +189,7 @@ def test_what_a_question_or_a_condition_states_is_replaced(code: str, sentence: 
         ("de", "Haben Sie genug getrunken?"),
         ("de", "Bienen tanzen, um einander den Weg zu zeigen."),
         ("de", "Vor dem Reinigen muss der Motor aus sein."),
+        ("de", "Mozart schrieb seine erste Sinfonie mit acht Jahren."),
     ],
 )
 def test_what_is_of_the_world_or_an_ability_is_spoken(code: str, sentence: str) -> None:
