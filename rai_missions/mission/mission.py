@@ -176,6 +176,11 @@ class Mission(MissionModel):
         offers = ((name, answerer_offer(name)) for name in dict.fromkeys(asked))
         return {name: offer for name, offer in offers if offer is not None and offer.package in packages}
 
+    @property
+    def stem(self) -> str:
+        """Its name as part of the name of a file, a node or a function: without slashes."""
+        return self.name.replace("/", "_")
+
     def walk(self) -> Iterator[tuple[str, str, State]]:
         """Every state in document order as (JSON pointer, name, state), outer before inner."""
         return descendants(self.states)

@@ -44,7 +44,7 @@ def about(given: Mission | str | Path | None) -> tuple[str, tuple[str, str]]:
             given = load_whole(given)
         except MissionError:
             return OUTSIDE.sub("_", Path(str(given)).stem), ("", "")
-    return (given.name.replace("/", "_"), (given.name, given.version)) if given is not None else ("", ("", ""))
+    return (given.stem, (given.name, given.version)) if given is not None else ("", ("", ""))
 
 
 def readied(setting: RunConfig) -> tuple[Mission, Robot | None]:

@@ -46,7 +46,7 @@ class PlaySession:
         if faults := faults_of(check(mission, named=named)):
             raise DefinitionError(faults, str(self.files.source.mission) if self.files.source else mission.name)
         self.play = Play(mission, named=named)
-        self.journal = self.files.journal or Path(f"{mission.name}.played.journal")
+        self.journal = self.files.journal or Path(f"{mission.stem}.played.journal")
         self._saved: set[Path] = set()
         self._saved_last: Path | None = None
         self._written: list[Click] = []

@@ -243,7 +243,7 @@ def _single_run(options: RunOptions, mission: Mission, named: Named | None, line
 
 def _journal_of(mission: Mission) -> str:
     """The journal of a run that names none; runs that begin together have one each."""
-    return f"journals/{mission.name.replace('/', '_')}-{time.strftime('%Y%m%d-%H%M%S')}-{os.getpid()}.journal"
+    return f"journals/{mission.stem}-{time.strftime('%Y%m%d-%H%M%S')}-{os.getpid()}.journal"
 
 
 def _mission(options: RunOptions) -> Mission:

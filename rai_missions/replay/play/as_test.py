@@ -81,7 +81,7 @@ def _head(play: Play, source: PlaySource, to: Path, used: set[str]) -> Iterator[
 def _opened(play: Play, source: PlaySource) -> Iterator[str]:
     mission, end = play.mission, play.chart.outcome or "goes_as_played"
     more = ", named=runpy.run_path(str(GUARDS))" if source.guards is not None else ""
-    yield f"def test_{mission.name}_{end}() -> None:"
+    yield f"def test_{mission.stem}_{end}() -> None:"
     yield f"    chart = Chart(load(MISSION){more})"
 
 

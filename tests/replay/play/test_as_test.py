@@ -16,10 +16,12 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+from rai_missions.cli.play.session import PlaySession
 from rai_missions.errors import UsageError
 from rai_missions.mission.files import dump, load
 from rai_missions.mission.mission import Mission
 from rai_missions.replay.play import Play, PlaySource, written_test
+from rai_missions.states import Final
 from tests.strategies import missions
 
 ROOT = Path(__file__).parents[3]
@@ -53,6 +55,17 @@ def test_what_is_written_of_a_play_holds(mission: Mission, seed: int, tmp_path_f
     test.parent.mkdir()
     test.write_text(written_test(play, PlaySource(folder / "m.json"), test), encoding="utf-8")
     run(test)
+
+
+def test_a_slash_in_a_missions_name_is_no_part_of_a_function_or_a_file(tmp_path: Path) -> None:
+    mission = Mission("farm/lamp", initial="off", states={"off": Final("aborted")})
+    dump(mission, tmp_path / "lamp.json")
+    play = Play(mission)
+    play.do("start")
+    test = tmp_path / "test_lamp.py"
+    test.write_text(written_test(play, PlaySource(tmp_path / "lamp.json"), test), encoding="utf-8")
+    run(test)
+    assert PlaySession(mission).journal == Path("farm_lamp.played.journal")
 
 
 def test_a_written_test_is_run_by_pytest_and_fails_once_the_mission_has_changed(tmp_path: Path) -> None:
