@@ -74,11 +74,12 @@ class ClosedOptions:
 
     def _tests_of(self, owner: str) -> dict[str, tuple[Test, Guard]]:
         if owner not in self._tests:
-            self._tests[owner] = {}
             state, mark, path = owner.partition("#")
+            found: dict[str, tuple[Test, Guard]] = {}
             for name, guard in self._mission.state(state).decisions()[mark + path].guards():
                 site = Site(owner, self._mission.blackboard, state)
                 test = guard.compiled(site)
                 if not site.named:
-                    self._tests[owner][name] = test, guard
+                    found[name] = test, guard
+            self._tests[owner] = found  # whole: another thread may look meanwhile
         return self._tests[owner]

@@ -11,7 +11,7 @@ from collections.abc import Iterator, Sequence
 from rai_missions.planning.fingers import can_take, crowding
 from rai_missions.planning.placement import Arrangement, is_in_the_way
 from rai_missions.planning.plan import PlannedMove, Pose
-from rai_missions.planning.scene import DESK, Thing
+from rai_missions.planning.scene import CONTAINERS, DESK, Thing
 from rai_missions.planning.workspace import Workspace
 
 __all__ = ("Ordering",)
@@ -98,7 +98,7 @@ class Ordering:
         pick = Pose.of(self.now[name])
         assumes = [f"{name} is at rest where it was seen", f"nothing stands on {name}", "the gripper is empty"]
         assumes.append("the place on the desk is free" if onto == DESK else f"{onto} is at rest where it was seen")
-        if onto != DESK and self.now[onto].type not in ("tray", "bin"):
+        if onto != DESK and self.now[onto].type not in CONTAINERS:
             assumes.append(f"nothing stands on {onto}")
         self.now[name], self.below[name] = to, onto
         return PlannedMove(name, pick, Pose.of(to), onto, tuple(assumes), why)
