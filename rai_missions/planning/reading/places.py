@@ -91,7 +91,7 @@ def gap(cursor: Cursor, lexicon: Vocabulary) -> float | None:
     """The gap in metres that is given here; None where none is.
 
     Raises:
-        Unread: It has no unit.
+        Unread: It has no unit, or is less than nothing.
     """
     before = cursor.at
     cursor.skip("with", "the", "a")
@@ -104,4 +104,6 @@ def gap(cursor: Cursor, lexicon: Vocabulary) -> float | None:
     cursor.skip("gap")
     if quantity.unit is None:
         raise Unread("number", lexicon.text("number", f"{quantity.value:g}"))
+    if quantity.value < 0:
+        raise Unread("number", lexicon.text("left_out", f"{quantity.value:g}"))
     return _near(quantity.value * quantity.unit, WIDEST, lexicon)

@@ -115,6 +115,8 @@ def _read_symbols(found: list[Symbol], scene: Scene, words: Vocabulary) -> Reque
     negation = next((symbol for symbol in found if symbol.kind == "no"), None)
     if negation is not None:
         raise Unread("negated", words.text("negated", negation.text))
+    if asked := next((symbol for symbol in found if symbol.kind == "asked"), None):
+        raise Unread("unread", words.text("asked", asked.text))
     thrown = any(symbol.kind == "toss" for symbol in found)
     if thrown:
         found = list(_put_away(found, words))
@@ -123,7 +125,7 @@ def _read_symbols(found: list[Symbol], scene: Scene, words: Vocabulary) -> Reque
     unknown = next((symbol for symbol in found if symbol.kind == "unknown"), None)
     if unknown is not None:
         raise Unread("unknown_word", words.text("unknown_word", unknown.text))
-    if _is_part_of_desk([symbol.kind for symbol in found if symbol.kind != "the"]):
+    if _is_part_of_place([symbol for symbol in found if symbol.kind not in ("the", "a")]):
         raise Unread("coordinates", words.text("coordinates"))
     is_sorted = any(symbol.kind == "sorted" for symbol in found)
     found = [symbol for symbol in found if symbol.kind != "sorted"]
@@ -141,9 +143,12 @@ def _read_symbols(found: list[Symbol], scene: Scene, words: Vocabulary) -> Reque
     return _asked([*goals.values()], words)
 
 
-def _is_part_of_desk(kinds: Sequence[str]) -> bool:
-    """`in the middle of the desk`: a place without numbers, and no level of a tower."""
-    return any(tuple(kinds[at : at + 3]) == ("level", "with", "desk") for at in range(len(kinds)))
+def _is_part_of_place(found: Sequence[Symbol]) -> bool:
+    """`in the middle of the desk`, `at the bottom of the bin`: a place without numbers, and no level of a tower."""
+    return any(
+        level.kind == "level" and word.kind == "with" and (where.kind == "desk" or _is_container(where))
+        for level, word, where in zip(found, found[1:], found[2:], strict=False)
+    )
 
 
 def _covers_all(wishes: Sequence[Clause], goal: Goal) -> bool:
@@ -197,7 +202,11 @@ def _taken_out(found: list[Symbol], words: Vocabulary) -> list[Symbol]:
 
 def _is_container_next(found: Sequence[Symbol]) -> bool:
     after = next((symbol for symbol in found if symbol.kind not in ("the", "a")), None)
-    return after is not None and after.kind == "noun" and after.value.types <= CONTAINERS
+    return after is not None and _is_container(after)
+
+
+def _is_container(symbol: Symbol) -> bool:
+    return symbol.kind == "noun" and symbol.value.types <= CONTAINERS
 
 
 def _refuse_forbidden(found: Sequence[Symbol], words: Vocabulary) -> None:

@@ -7,7 +7,7 @@ Rule: every word becomes a symbol, also one that is not known; the grammar must 
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import Any, NamedTuple
 
 from rai_missions.planning.reading.lexicon import Vocabulary
@@ -81,7 +81,16 @@ def symbols(request: str, lexicon: Vocabulary) -> list[Symbol]:
         count, symbol = _symbol(words, at, lexicon)
         found.append(symbol)
         at += count
-    return _without_noise(found)
+    return _without_noise(list(_asking(found, lexicon.data["asks"])))
+
+
+def _asking(found: Sequence[Symbol], asks: Sequence[str]) -> Iterator[Symbol]:
+    """With a verb at the beginning of a sentence as what it is there, a question: `should red be on blue`."""
+    is_first, is_address = True, True
+    for symbol in found:
+        yield symbol._replace(kind="asked") if is_first and symbol.text in asks else symbol
+        is_address = symbol.kind == "." or (is_address and symbol.kind in ("noise", ","))
+        is_first = is_address and symbol.kind in (".", ",")  # `hey robot, should …`, and not `you should …`
 
 
 def _symbol(words: Sequence[str], at: int, lexicon: Vocabulary) -> tuple[int, Symbol]:
