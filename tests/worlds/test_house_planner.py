@@ -118,3 +118,11 @@ def test_a_way_that_is_seen_to_be_blocked_is_not_driven_on() -> None:
     assert navigator.step(here, 0.0)[0] > 0 and navigator.left_m > 2
     navigator.see(here[:2], here.heading, np.linspace(-math.pi, math.pi, 360, endpoint=False), np.full(360, 1.2))
     assert navigator.step(here, 0.2)[0] == 0 and navigator.recoveries == 1, "at once, not when it would plan again"
+
+
+def test_a_robot_that_turns_out_of_its_place_plans_again() -> None:
+    navigator, (x, y, heading) = Navigator(recoveries=0), PLACES["living_room"]
+    navigator.begin(PLACES["living_room"], turns=True, at=0.0)
+    assert navigator.step(RobotPose(x, y - 0.4, heading, 0.0, 0.0), 0.0)[0] > 0
+    assert navigator.step(RobotPose(x, y - 0.1, 0.0, 0.0, 0.0), 0.1)[0] == 0, "it only turns"
+    assert navigator.step(RobotPose(x, y - 0.2, heading, 0.0, 0.0), 0.2)[0] > 0, "it was pushed, and comes back"

@@ -137,7 +137,7 @@ class Navigator:
         left = math.dist(pose[:2], self.goal[:2])
         if left < ARRIVED_M:
             return self._turn(pose)
-        if at >= self._next_plan and not self._plan(pose, at):
+        if (at >= self._next_plan or not self._way) and not self._plan(pose, at):
             return self._recover("no way leads to {}", NO_WAY, at)
         self._pass(pose)
         if self._ahead_m < TOUCH_M and abs(self._aim(pose)) < 0.5:
