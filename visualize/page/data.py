@@ -7,7 +7,9 @@ Rule: a fault that a reviewer must know is on the page: what the check found, an
 from __future__ import annotations
 
 import json
+from collections import Counter
 from collections.abc import Iterable, Sequence
+from itertools import chain
 from pathlib import Path
 from typing import Any, Protocol
 
@@ -86,15 +88,16 @@ def review_data(
 
 def coverage(runs: Sequence[Run]) -> Json:
     """How often each transition was taken and each state entered, a number a run; only what was at all."""
-    transitions: dict[str, list[int]] = {}
-    states: dict[str, list[int]] = {}
-    for number, run in enumerate(runs):
-        for step in run.steps:
-            for move in step.moves:
-                for found, names in ((transitions, move.taken), (states, move.entered)):
-                    for name in names:
-                        found.setdefault(name, [0] * len(runs))[number] += 1
-    return {"transitions": transitions, "states": states}
+    moves = [[move for step in run.steps for move in step.moves] for run in runs]
+    return {
+        "transitions": _counts([Counter(name for move in each for name in move.taken) for each in moves]),
+        "states": _counts([Counter(name for move in each for name in move.entered) for each in moves]),
+    }
+
+
+def _counts(counted: Sequence[Counter[str]]) -> dict[str, list[int]]:
+    """Name → how often it was counted in each run."""
+    return {name: [each[name] for each in counted] for name in dict.fromkeys(chain.from_iterable(counted))}
 
 
 def _fitting(run: Run, mission: Mission, path: str) -> Run:
