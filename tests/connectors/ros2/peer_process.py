@@ -61,7 +61,10 @@ class Peer:
                 self._ready(reported)
 
     def signal(self, number: signal.Signals) -> None:
+        """Send a signal; after one to stop, each of its threads has stopped."""
         self._process.send_signal(number)
+        if number == signal.SIGSTOP:
+            os.waitid(os.P_PID, self._process.pid, os.WSTOPPED)
 
     def still_runs(self) -> Peer:
         """This peer; an `AssertionError` where its process has ended, which no test has asked for."""
