@@ -72,14 +72,23 @@ class Grammar:
             view: The run: which options, missions and keys there are.
             draft: The order that it may correct.
         """
-        words = self.language.normaliser.words(text)
-        whole = self._sentence(words, view, draft)
+        words = self.language.normaliser.words
+        whole = self._sentence(words(text), view, draft)
         is_open = _is_open(whole)
-        several = self._several(words, view, whole) if is_open else ()
+        several = self._several(words(text), view, whole) if is_open else ()
         parts = self.language.normaliser.parts(text) if is_open and not several else []
+        if is_open and STOP not in several and self._stops_at_an_edge(text, view):
+            return (STOP,)
         if len(parts) < 2:
             return several or whole
         return self._in_parts(parts, view, draft) or whole
+
+    def _stops_at_an_edge(self, text: str, view: StatusView) -> bool:
+        """Whether its first or last clause is a stop: `stop, there is a child`; the last one after no condition."""
+        clauses = [self.language.normaliser.words(each) for each in self.language.normaliser.clauses(text)]
+        is_on_condition = any(words[:1] == [each] for each in self.language.data["conditions"] for words in clauses[:1])
+        edges = [*clauses[:1], *([] if is_on_condition else clauses[1:][-1:])]
+        return any(STOP in self._sentence(words, view) for words in edges)
 
     def _in_parts(self, parts: list[str], view: StatusView, draft: Draft | None) -> tuple[Sense, ...]:
         """What the sentences of an utterance mean together."""

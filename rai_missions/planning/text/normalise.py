@@ -20,6 +20,7 @@ Cut = Callable[[str, int], str]
 """Cuts a text to a number of characters."""
 QUOTES = re.compile(r"[\"“”„«»]")
 SENTENCES = re.compile(r"(?<=[.!?;])\s+")
+CLAUSES = re.compile(r"(?<=[.!?;,:])\s+|\s[-–—]+\s")
 TOKEN = re.compile(r"\d+(?:st|nd|rd|th)\b|-?\d+(?:[.,]\d+)*|[^\W\d_]+(?:'[^\W\d_]+)*|[^\W_]+|[@&]")
 
 
@@ -100,9 +101,16 @@ class Normaliser:
 
     def parts(self, text: str) -> list[str]:
         """The sentences of an utterance; one alone where it quotes or reports the words of others."""
+        return self._split(text, SENTENCES)
+
+    def clauses(self, text: str) -> list[str]:
+        """The parts of an utterance between its commas; one alone where it quotes or reports the words of others."""
+        return self._split(text, CLAUSES)
+
+    def _split(self, text: str, at: re.Pattern[str]) -> list[str]:
         if QUOTES.search(text) or self._reporting & set(self.words(text)):
             return [text]
-        return [each for each in SENTENCES.split(text.strip()) if each]
+        return [each for each in at.split(text.strip()) if each]
 
 
 def _without_lead(words: list[str], lead: list[list[str]]) -> list[str]:
