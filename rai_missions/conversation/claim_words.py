@@ -380,24 +380,37 @@ class ClaimWords:
             return self.has_act(predicate[1:]) or (is_bare and self.is_past(predicate[0]) and not is_relative)
         return predicate[0] in self.acts or (not is_relative and self.is_past(predicate[0]))
 
-    def is_certain(self, words: Sequence[str], subject: Subject) -> bool:
+    def is_certain(self, words: Sequence[str], subject: Subject, *, is_fact: bool) -> bool:
         """Whether a clause is a claim by its structure alone: of whom it is, and what its verb reports.
 
         The robot itself with a past, a perfect or what it is doing, and a certain thing of the mission that begins the
         clause with any verb but a modal: `I have mowed`, `the tank holds ten litres`, but not `tanks hold water`.
+
+        Args:
+            words: Of the clause.
+            subject: One of its subjects.
+            is_fact: Whether its sentence has no modal, condition or habit.
         """
         before, after = words[: subject.start], words[subject.end :]
         turned = [*before[-1:], *after] if self.verb_second else []
-        if subject.kind == "soft" or (subject.kind == "work" and self.is_generic(words, subject)):
+        if subject.kind == "soft" or words[subject.start] in self.objects or self._is_of_kind(words, subject):
+            return False
+        if subject.kind == "work" and not is_fact:
             return False
         if self.reports(after, is_relative=False) or self.reports(turned, is_relative=False):
             return True
         predicate = self.skip(after)
         if subject.kind == "self":
             return self._is_done_by(predicate) or self._is_done_by(self.skip(turned))
-        if subject.kind != "work" or not predicate or predicate[0] in self.modals:
-            return False
-        return self._is_begun_by(words, subject) and not self._habits.within(words)
+        return subject.kind == "work" and bool(predicate) and self._is_begun_by(words, subject)
+
+    def _is_of_kind(self, words: Sequence[str], subject: Subject) -> bool:
+        """Whether a subject is any of its kind, or an `it` of no thing: `the door of a fridge`, `it is wise to ask`."""
+        after = words[subject.end : subject.end + CERTAIN_WITHIN + 1]
+        if subject.kind == "it":
+            return "to" in after[2:] and not any(map(self.is_past, after))
+        is_part = bool(set(after[:1]) & self.objects_after and set(after[1:2]) & self.indefinite)
+        return subject.kind == "work" and (is_part or self.is_generic(words, subject))
 
     def _is_begun_by(self, words: Sequence[str], subject: Subject) -> bool:
         """Whether a subject begins its clause as a certain thing: `the red cube`, `my left wheel`, `row three`."""
@@ -424,6 +437,20 @@ class ClaimWords:
         if bare and self.verb_second and bare[0] not in begun:  # `bei Baum 18 hat die Pumpe ausgesetzt`
             bare = next((bare[at + 1 :] for at, word in enumerate(bare) if word in self.perfect), [])
         return bool(bare) and bare[0] in begun
+
+    def is_scene(self, words: Sequence[str]) -> bool:
+        """Whether a clause reports of a certain thing, known or not, its place, its past, or what is here and now.
+
+        `The scarf lies on the chair`, `the cable came loose`, `your desk is tidy again`.
+        """
+        if not self.begins_certain(words) or self.is_of_world(words):
+            return False
+        is_past = not self.verb_second and any(map(self.is_past, words))
+        return is_past or bool(self.deictic & set(words)) or self.has_place(words)
+
+    def is_habit(self, words: Sequence[str]) -> bool:
+        """Whether it has what is usual, or the time of a year: `in autumn`, `usually`."""
+        return self._habits.within(words)
 
     def has_finite(self, words: Sequence[str]) -> bool:
         """Whether a clause has a verb of its own: `waiting is safe`, `well matters more`, `you know`."""

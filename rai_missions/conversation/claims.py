@@ -55,6 +55,10 @@ ENDS = re.compile(rf"[.!?…:]+{BEHIND}$")
 QUESTION = re.compile(rf"\?{BEHIND}\s*$")
 CLOSED = re.compile(rf"(?<!\.\.)[.!?]{BEHIND}$")
 ITEM = re.compile(r"\s*(?:[-*+•]|\d+[.)])\s")
+NAMED = re.compile(r"(?<=[a-z,] )[A-Z][a-z]+")
+"""What English writes as the name of a person or a place."""
+CAPITALS = re.compile(r"(?<=\w )[A-ZÄÖÜ]\w+")
+"""What German writes as a noun, but for the first word of a sentence."""
 PAUSES = re.compile(r"[-–…!?]|\.(?!\d)")
 MARKS = re.compile(r"[*_`~#>\"“”„«»\[\]{}]+|(?<!\w)'|'(?!\w)")
 DONE_SIGNS = frozenset("✅✔☑🏁🎉👍👌🆗💯🚀")
@@ -65,6 +69,8 @@ LONGEST_PIECE = 4
 """Words up to which a sentence may be the beginning of the next: `The way. Is free.`"""
 LONGEST_BEGUN = 400
 """Characters of what was begun that are kept."""
+NOUN_WITHIN = 4
+"""Words at the beginning of a German clause among which the noun of its article is: `das kleine rote Buch`."""
 SHORT = 2
 """Words up to which a sentence passes only if it is listed as harmless, or has a small word."""
 
@@ -218,6 +224,8 @@ class _JudgedSentence:
 
     def __init__(self, rules: ClaimWords, text: str, names: frozenset[str], *, is_conditional: bool) -> None:
         self._rules, self._names, self._is_conditional = rules, names, is_conditional
+        self._nouns = frozenset(each.lower() for each in CAPITALS.findall(text)) if rules.verb_second else frozenset()
+        self._names_other = any(each.lower() not in names for each in NAMED.findall(text)) and not rules.verb_second
         clauses = _clauses(text, rules)
         self._clauses = [each for each in clauses if not rules.harmless.fits(each) and not rules.is_wish(each)]
         first = rules.skip_lead(clauses[0]) if clauses else []
@@ -236,7 +244,8 @@ class _JudgedSentence:
         clauses = [words, *self._clauses]
         found = [(each, subject) for each in clauses for subject in rules.subjects(each, self._names)]
         claims = [(each, subject) for each, subject in found if self._is_claim(each, subject)]
-        if any(rules.is_certain(each, subject) for each, subject in claims):
+        is_fact = self._states_facts(words)
+        if any(rules.is_certain(each, subject, is_fact=is_fact) for each, subject in claims):
             return "subject"
         fragments = [each for each in self._clauses if self._is_fragment(each)]
         if fragments[:1] == self._clauses[:1] and fragments and not any(map(rules.has_finite, self._clauses)):
@@ -247,8 +256,21 @@ class _JudgedSentence:
         progress = [each for each in self._clauses if rules.progress.within(each) and not set(each) & rules.person]
         if any(each in progress for each, _ in found):
             return "progress"
+        if is_fact and any(map(self._is_scene, self._clauses)):
+            return "subject"
         is_doubtful = claims or fragments or passives or progress or self._has_second_verb(words)
         return "report" if is_doubtful else ""
+
+    def _is_scene(self, words: Sequence[str]) -> bool:
+        """Whether a clause reports of a certain thing; in German its article is that of a noun."""
+        is_named = not self._nouns or not self._rules.relative & set(self._rules.skip_lead(words)[:1])
+        return (is_named or bool(self._nouns & set(words[:NOUN_WITHIN]))) and self._rules.is_scene(words)
+
+    def _states_facts(self, words: Sequence[str]) -> bool:
+        """Whether a sentence has no modal, condition or habit, and no name of a person or a place."""
+        rules = self._rules
+        is_possible = bool((rules.hypothetical | rules.modals - rules.negations) & set(words))
+        return not (is_possible or self._is_conditional or self._names_other or rules.is_habit(words))
 
     def _bare_clauses(self) -> Iterator[Sequence[str]]:
         """What is left of each clause without some of the harmless words around it: `of course done, for you`."""
