@@ -181,3 +181,15 @@ def test_an_empty_folder_is_filled(folder: Path, monkeypatch: pytest.MonkeyPatch
     monkeypatch.chdir(folder / "mine")
     assert main(["new", "."]) == 0
     assert load("mission.json").name == "mine"
+
+
+def test_a_delivery_that_is_blocked_before_its_detector_reports_waits_and_looks_again(folder: Path) -> None:
+    assert main(["new", "made"]) == 0
+    robot = folder / "made/robot.py"
+    late = 'made.write("obstacle", corridor.seen())\n', "late.append(corridor.position_m)\n"
+    silent = "(corridor.seen)", "(lambda: corridor.seen() if late else None)"
+    text = robot.read_text(encoding="utf-8")
+    assert all(text.count(before) == 1 for before, _ in (late, silent))
+    robot.write_text(f"{text.replace(*late).replace(*silent)}\n\nlate: list[float] = []\n", encoding="utf-8")
+    command = ["run", "made/mission.json", "--robot", "made/robot.py", "--no-operator", "--speed", "max"]
+    assert main(command) == 0

@@ -18,6 +18,7 @@ STEP_S, SPEED_M_S = 0.1, 4.0
 
 RULES: dict[str, list[Mapping[str, Any]]] = {
     "assessing": [
+        {"when": {"all": [{"not": {"fresh": "obstacle"}}, {"key": "waits", "<": 3}]}, "answer": "wait"},
         {"when": {"all": [{"key": "obstacle.living", "==": True}, {"key": "waits", "<": 3}]}, "answer": "wait"},
         {"when": {"key": "obstacle.living", "==": True}, "answer": "turn_back"},
         {"when": {"key": "obstacle.gap_m", ">": 0.8}, "answer": "go_around"},
