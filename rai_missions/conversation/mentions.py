@@ -10,7 +10,7 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 from itertools import islice
 from typing import Any, NamedTuple
 
-from rai_missions.conversation.language import Language
+from rai_missions.conversation.language import Language, spoken
 from rai_missions.conversation.named import unit_of
 from rai_missions.conversation.sentences import sentences as whole_sentences
 from rai_missions.conversation.values import AGED_S, capital, duration, value_words
@@ -74,9 +74,15 @@ def _mentions(key: KeyView, wanted: set[str], language: Language) -> Iterator[st
         if wordings:
             yield wordings[0]
         elif naming and isinstance(part, Mapping):
-            yield value_words(part, key._replace(type="object"), language)
+            yield value_words(_spoken(part), key._replace(type="object"), language)
         else:
             left += part[:MOST_PARTS] if isinstance(part, list | tuple) else texts if isinstance(part, Mapping) else []
+
+
+def _spoken(record: Mapping[Any, Any]) -> dict[Any, Any]:
+    """A record without its empty texts, and its names in words: `red cube` for `red_cube`."""
+    filled = {name: value for name, value in record.items() if value != ""}
+    return {name: spoken(value) if isinstance(value, str) else value for name, value in filled.items()}
 
 
 def _wordings(text: str, wanted: set[str], language: Language, *, is_whole: bool) -> Iterator[str]:
