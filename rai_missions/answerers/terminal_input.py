@@ -8,10 +8,10 @@ next.
 from __future__ import annotations
 
 import contextlib
-import math
 import os
-import select
 import time
+
+from rai_missions.connectors.readable import readable
 
 __all__ = ("LineReader", "in_foreground", "printable")
 
@@ -75,7 +75,7 @@ class LineReader:
             left = until - time.monotonic()
             if left <= 0:
                 return None
-            ready, _, _ = select.select([self.fd, self._woken], [], [], None if math.isinf(left) else left)
+            ready = readable(self.fd, self._woken, within_s=left)
             if self.fd in ready:  # first, so that a line that has begun to come is not left there in halves
                 byte = self._byte()
                 if byte == b"\n":

@@ -7,6 +7,7 @@ import io
 import os
 import select
 import threading
+import time
 import tty
 from collections.abc import Iterator
 from typing import IO, Any
@@ -20,6 +21,9 @@ from rai_missions.answerers.terminal_input import LineReader, printable
 from rai_missions.answerers.terminal_operator import OperatorAgent
 from rai_missions.engine.decision import Evidence, Limits, Offer, Question
 from rai_missions.testing import QUESTION, ReplyCollector, answer_fault, check_agent, check_answerer
+from tests.rigs.files import many_files
+
+__all__ = ("many_files",)
 
 DEPTH = {
     "type": "object",
@@ -279,6 +283,19 @@ def test_a_line_is_read_to_its_end_and_not_beyond() -> None:
         reader.line(float("inf"))
     reader.close()
     os.close(reading)
+
+
+def test_a_program_with_many_files_reads_a_terminal(many_files: None) -> None:
+    person, terminal = os.openpty()
+    reader = LineReader(terminal)
+    os.write(person, b"first\n")
+    assert reader.line(time.monotonic() + 10) == "first"
+    assert reader.line(time.monotonic() + 0.01) is None
+    os.close(person)
+    with pytest.raises(EOFError, match="the operator passed"):
+        reader.line(float("inf"))
+    reader.close()
+    os.close(terminal)
 
 
 def test_bytes_that_are_no_text_are_read_as_such() -> None:

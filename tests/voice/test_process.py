@@ -14,7 +14,10 @@ from rai_missions.testing import Inbox
 from rai_missions.voice.listener import ListenSettings
 from rai_missions.voice.process import SpeechProcess, SpeechReply
 from rai_missions.voice.setup import ListenNames, open_recognition
+from tests.rigs.files import many_files
 from tests.voice.conftest import needs_voice
+
+__all__ = ("many_files",)
 
 HOSTILE = """
 import os, sys, time
@@ -88,6 +91,14 @@ def test_one_that_raises_or_babbles_stays(recogniser: tuple[SpeechProcess, Inbox
     assert ask("raise").fault == "the recogniser 'hostile' failed (ValueError: no words)"
     assert ask("babble").data["text"] == "babble"
     assert (process.restarts, faults.all) == (0, [])
+
+
+def test_one_transcribes_for_a_program_with_many_files(
+    many_files: None, recogniser: tuple[SpeechProcess, Inbox[str], Asked]
+) -> None:
+    _, _, ask = recogniser
+    assert ask("hello").data["text"] == "hello"
+    assert ask("crash").fault == "the recogniser 'hostile' ended: it ended with status 3"
 
 
 def test_every_order_ends_once_also_when_the_process_is_closed(

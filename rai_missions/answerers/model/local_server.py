@@ -10,7 +10,6 @@ import contextlib
 import importlib.util
 import json
 import os
-import select
 import socket
 import subprocess
 import sys
@@ -18,6 +17,7 @@ import weakref
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from rai_missions.connectors.readable import readable
 from rai_missions.errors import UsageError, install_command, irregular
 from rai_missions.redaction import variables
 
@@ -77,7 +77,7 @@ class ModelServer:
 
     def _await_url(self, start_s: float) -> str:
         assert self._process.stdout is not None
-        ready, _, _ = select.select([self._process.stdout], [], [], start_s)
+        ready = readable(self._process.stdout.fileno(), within_s=start_s)
         line = self._process.stdout.readline() if ready else b""
         if not line:
             why = "its process ended" if ready else f"it was not ready after {start_s:g} s"

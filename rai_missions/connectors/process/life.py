@@ -11,7 +11,6 @@ import contextlib
 import fcntl
 import json
 import os
-import select
 import signal
 import subprocess
 import sys
@@ -23,6 +22,7 @@ from pathlib import Path
 from typing import Any
 
 from rai_missions.connectors.process.frames import CHUNK, Broken, Inlet, outward, write_all
+from rai_missions.connectors.readable import readable
 from rai_missions.connectors.worker import Worker
 from rai_missions.redaction import cut, variables
 
@@ -149,12 +149,11 @@ class ProcessLife:
         assert self._process.stdout is not None
         inlet, guard = Inlet(), self._process.stdout.fileno()
         while True:
-            ready, _, _ = select.select([fd, guard], [], [])
-            if fd not in ready:
+            if fd not in readable(fd, guard):
                 return
             data = os.read(fd, CHUNK)
             if not data:
-                select.select([guard], [], [], REPORT_S)
+                readable(guard, within_s=REPORT_S)
                 return
             for message in inlet.feed(data):
                 self._on_message(message)
