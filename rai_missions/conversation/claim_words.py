@@ -436,14 +436,14 @@ class ClaimWords:
         begun = self.quantities | self.definite | self.possessive | self.negations
         if bare and self.verb_second and bare[0] not in begun:  # `bei Baum 18 hat die Pumpe ausgesetzt`
             bare = next((bare[at + 1 :] for at, word in enumerate(bare) if word in self.perfect), [])
-        return bool(bare) and bare[0] in begun
+        return bool(bare) and bare[0] in begun - self.objective
 
     def is_scene(self, words: Sequence[str]) -> bool:
-        """Whether a clause reports of a certain thing, known or not, its place, its past, or what is here and now.
+        """Whether a clause that a certain thing begins reports its place, its past, or what is here and now.
 
         `The scarf lies on the chair`, `the cable came loose`, `your desk is tidy again`.
         """
-        if not self.begins_certain(words) or self.is_of_world(words):
+        if self.is_of_world(words):
             return False
         is_past = not self.verb_second and any(map(self.is_past, words))
         return is_past or bool(self.deictic & set(words)) or self.has_place(words)

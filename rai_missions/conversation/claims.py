@@ -251,20 +251,20 @@ class _JudgedSentence:
         if fragments[:1] == self._clauses[:1] and fragments and not any(map(rules.has_finite, self._clauses)):
             return "fragment"
         passives = [each for each in clauses if self._has_passive(each)]
-        if any(map(rules.begins_certain, passives)):
+        if is_fact and any(self._begins_certain(each) for each in passives if not rules.self_words & set(each)):
             return "passive"
         progress = [each for each in self._clauses if rules.progress.within(each) and not set(each) & rules.person]
         if any(each in progress for each, _ in found):
             return "progress"
-        if is_fact and any(map(self._is_scene, self._clauses)):
+        if is_fact and any(self._begins_certain(each) and rules.is_scene(each) for each in self._clauses):
             return "subject"
         is_doubtful = claims or fragments or passives or progress or self._has_second_verb(words)
         return "report" if is_doubtful else ""
 
-    def _is_scene(self, words: Sequence[str]) -> bool:
-        """Whether a clause reports of a certain thing; in German its article is that of a noun."""
+    def _begins_certain(self, words: Sequence[str]) -> bool:
+        """Whether a certain thing begins a clause; in German its article is that of a noun."""
         is_named = not self._nouns or not self._rules.relative & set(self._rules.skip_lead(words)[:1])
-        return (is_named or bool(self._nouns & set(words[:NOUN_WITHIN]))) and self._rules.is_scene(words)
+        return (is_named or bool(self._nouns & set(words[:NOUN_WITHIN]))) and self._rules.begins_certain(words)
 
     def _states_facts(self, words: Sequence[str]) -> bool:
         """Whether a sentence has no modal, condition or habit, and no name of a person or a place."""

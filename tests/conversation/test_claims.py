@@ -116,6 +116,8 @@ def test_a_claim_about_a_key_of_the_mission_is_found_by_its_name() -> None:
         ("en", "Currently heading toward the living room.", "fragment"),
         ("en", "Sleeping well matters more than any pill.", "report"),
         ("de", "Der Tank wurde vor der Runde aufgefüllt.", "passive"),
+        ("de", "Rudolf Diesel hat den Dieselmotor erfunden.", "report"),
+        ("en", "The lidar is a ruler, not a camera.", "report"),
         ("de", "Birnen werden bei null Grad gelagert.", "report"),
     ],
 )
