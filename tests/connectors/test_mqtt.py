@@ -426,15 +426,45 @@ def test_two_servers_of_one_name_are_reported(broker: Broker, caplog: pytest.Log
 
 
 @needs_broker
+def test_a_reply_that_is_no_message_ends_the_call(broker: Broker, connector: MqttConnector) -> None:
+    import paho.mqtt.client as paho
+
+    def reply(device: paho.Client, _data: Any, request: paho.MQTTMessage) -> None:
+        assert request.properties is not None
+        to = request.properties.ResponseTopic
+        del request.properties.ResponseTopic
+        device.publish(to, b"ok", properties=request.properties)
+
+    device, ready, replies = (
+        paho.Client(paho.CallbackAPIVersion.VERSION2, protocol=paho.MQTTv5),
+        threading.Event(),
+        Inbox[Reply](),
+    )
+    device.on_message, device.on_subscribe = reply, lambda *_: ready.set()
+    device.connect("127.0.0.1", broker.port)
+    device.loop_start()
+    device.subscribe("/horn/request")
+    assert ready.wait(10)
+    connector.call("/horn", TRIGGER, {}, on_reply=replies)
+    (received,) = replies.wait(bool, "the call ends")
+    assert received.outcome == "failed"
+    assert received.why.startswith("the reply cannot be read: a message is no JSON")
+    device.disconnect()
+    device.loop_stop()
+
+
+@needs_broker
 def test_a_request_that_is_no_message_is_answered_and_one_without_a_sender_is_served(
     broker: Broker, connector: MqttConnector, caplog: pytest.LogCaptureFixture
 ) -> None:
-    asked = Inbox[Any]()
+    asked, replies = Inbox[Any](), Inbox[Reply]()
     connector.serve("/horn", TRIGGER, lambda request: asked(request) or {})
+    connector.call("/horn", TRIGGER, {}, on_reply=replies)
+    replies.wait(bool, "the broker knows who serves")
     for payload in (b"no", b"[]", b"{}", b"\xff"):
         broker.send("/horn/request", payload)
     broker.send("/horn/request", encode({"n": 1}))
-    asked.wait(lambda all_: len(all_) == 2, "both objects are requests")
+    asked.wait(lambda all_: len(all_) == 3, "both objects are requests")
     assert not [record for record in caplog.records if record.exc_info]
     assert len([record for record in caplog.records if record.levelname == "WARNING"]) == 2
 
@@ -643,7 +673,7 @@ def test_an_unknown_option_is_reported_with_what_there_is() -> None:
         MqttConnector({"hots": "x"})
 
 
-@pytest.mark.parametrize("host", ["", "mqtts://broker", None, 7])
+@pytest.mark.parametrize("host", ["", "mqtts://broker", "robot..local", 64 * "a", None, 7])
 def test_a_host_that_is_none_is_refused_before_the_start(host: Any) -> None:
     with pytest.raises(UsageError, match=r"^connector/host: .* is no host; give a name or an address, as '192"):
         MqttConnector({"host": host})

@@ -51,11 +51,18 @@ def read_options(given: Mapping[str, Any]) -> tuple[str, int]:
     for word in given.keys() - set(OPTIONS):
         raise UsageError(f"connector: no option {shown(word)}; there is: {', '.join(OPTIONS)}")
     host, port = given.get("host", "127.0.0.1"), given.get("port", 1883)
-    if not isinstance(host, str) or not host or "/" in host:
+    if not isinstance(host, str) or not _is_host(host):
         raise UsageError(f"connector/host: {shown(host)} is no host; give a name or an address, as '192.168.1.20'")
     if not isinstance(port, int) or isinstance(port, bool) or not 1 <= port <= 65_535:
         raise UsageError(f"connector/port: {shown(port)} is no port; give a whole number from 1 to 65535")
     return host, port
+
+
+def _is_host(name: str) -> bool:
+    try:
+        return bool(name.encode("idna")) and "/" not in name
+    except UnicodeError:  # a label without letters, as in `robot..local`, or with more than 63
+        return False
 
 
 class MqttConnector:
@@ -262,12 +269,14 @@ class MqttConnector:
         self._deliver(message, data)
 
     def _misread(self, message: Any, why: str) -> None:
-        """It is no JSON: logged once until the topic has a good one; a caller receives it as the answer."""
+        """It is no JSON: logged once until the topic has a good one; who called receives it as the answer."""
         if message.topic not in self._unread:
             self._unread.add(message.topic)
             log.warning("%s: %s", message.topic, cut(why, 200))
         if message.topic in self._services and not message.retain:
             self._send(message, {"why": why})
+        if message.topic == self._replies_to:
+            self._answered(message, {"why": f"the reply cannot be read: {why}"})
 
     def _deliver(self, message: Any, data: Data) -> None:
         """Pass a message on; one that the broker keeps, but for those who have received just that."""
