@@ -6,7 +6,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from rai_missions.cli.long_work import WorkPace
 from rai_missions.errors import UsageError
@@ -14,8 +14,10 @@ from rai_missions.journal import Header, make_folder
 from rai_missions.mission.files import dump
 from rai_missions.mission.mission import Mission
 from rai_missions.plain_data import plain
-from rai_missions.profile import Robot, dump_profile, terms
 from rai_missions.prove import MOST_STATES, Proof, record
+
+if TYPE_CHECKING:
+    from rai_missions.profile import Robot
 
 __all__ = ("as_json", "how_far", "limits_of", "report", "write_journals")
 
@@ -60,18 +62,20 @@ def write_journals(proof: Proof, mission: Mission, robot: Robot | None, output: 
         robot: Its profile.
         output: The file to write; without it, one is named for the mission and the claim.
     """
-    written = {}
+    written, profile, of_robot = {}, "", None
+    if proof.ways and robot is not None:
+        from rai_missions.profile import dump_profile, terms  # few proofs need it, and it takes 20 ms
+
+        profile, of_robot = dump_profile(robot), terms(robot)
     for name, scenes in proof.ways.items():
         arguments = {
             key: value for scene in scenes[:1] for key, value in scene.facts.items()
             if mission.blackboard[key].source == "argument"
         }  # fmt: skip
         whole = "" if mission.behaviours() else dump(mission)
-        profile = dump_profile(robot) if robot is not None else ""
         header = Header(whole, profile, arguments, versions=mission.packages())
         path = _path(output, mission, name, only=len(proof.ways) == 1)
         make_folder(path)
-        of_robot = terms(robot) if robot is not None else None
         shows = record(path, header, mission, scenes, terms=of_robot)
         written[name] = {"journal": str(path), "shows": shows}
     return written

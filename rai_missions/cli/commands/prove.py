@@ -52,15 +52,20 @@ def prove(
     from rai_missions.cli.long_work import LongWork, WorkPace
     from rai_missions.cli.proof_report import as_json, how_far, limits_of, report, write_journals
     from rai_missions.errors import DefinitionError
-    from rai_missions.profile import load_profile, missing, terms
     from rai_missions.prove import prove as explore
 
     distinct({"MISSION": mission, "--robot": robot, "--guards": guards, "--output": output})
     loaded = load_whole(mission, python=not no_python)
-    profile = load_profile(robot) if robot else None
+    profile = None
+    if robot:
+        from rai_missions.profile import load_profile, missing, terms  # takes longer than a small proof
+
+        profile = load_profile(robot)
     named = load_guards(guards, python=not no_python)
     faults = faults_of(check(loaded, named=named))
-    if faults := [*faults, *(missing(loaded, profile) if profile is not None else ())]:
+    if profile is not None:
+        faults += missing(loaded, profile)
+    if faults:
         raise DefinitionError(faults, mission)
     limits = limits_of(states, max_seconds, max_memory)
     of_robot = terms(profile) if profile is not None else None
