@@ -85,8 +85,7 @@ class OpenWorld:
         self.facts = self._facts()
         """The keys that rest on what the robot, its servers and services report."""
         self._assume()
-        scalars = (key for key in self.fleeting if keys[key].type in SCALARS)
-        self.chosen = {} if self.is_open else {key: self._distinguished(key) for key in scalars}
+        self.chosen = {} if self.is_open else self._distinguished()
         """Reported scalar → the values of which a look finds one: of those that are alike the first."""
 
     @property
@@ -117,21 +116,23 @@ class OpenWorld:
             return self._list(key)
         return self.choices.pick(self.chosen.get(key) or self.values.of(key))
 
-    def _distinguished(self, key: str) -> tuple[Any, ...]:
+    def _distinguished(self) -> dict[str, tuple[Any, ...]]:
         """Of values that are alike to all that is asked of a key the first.
 
         Either of two such values leads to the same steps as long as it lasts, and any other can follow on both.
         """
         mission, state, facts = self._chart.mission, self._chart.state, self._chart.program.facts
-        asked, first = questions((mission, facts.succeeded, facts.failed), key), dict[Any, Any]()
-        if asked is None:
-            return self.values.of(key)
-        tests = [(each.compile(Site("", mission.blackboard)), counts) for each, counts in asked]
-        for value in self.values.of(key):
-            state.board = {} if value is None else {key: Stamped(value, NOW)}
-            first.setdefault(tuple([as_counted(test(state), counts) for test, counts in tests]), value)
+        scalars = [key for key in self.fleeting if mission.blackboard[key].type in SCALARS]
+        found = {}
+        for key, asked in questions((mission, facts.succeeded, facts.failed), scalars).items():
+            tests = [(each.compile(Site("", mission.blackboard)), counts) for each, counts in asked]
+            first = dict[Any, Any]()
+            for value in self.values.of(key):
+                state.board = {} if value is None else {key: Stamped(value, NOW)}
+                first.setdefault(tuple([as_counted(test(state), counts) for test, counts in tests]), value)
+            found[key] = tuple(first.values())
         state.board = self.board
-        return tuple(first.values())
+        return found
 
     def _list(self, key: str) -> list[Any] | None:
         """Of no, one or two items, each anything; `Abstraction` has longer ones."""

@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a mission asks of one key: the parts of its guards that read this key alone, each as a whole.
+"""What a mission asks of a key: the parts of its guards that read this key alone, each as a whole.
 
 Rule: two values are alike where every such part makes the same of both, and nothing but these reads the key.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from typing import Any
 
 from rai_missions.guards import All, Any_
@@ -25,49 +25,58 @@ TRUE_OR_NOT = Transition, Option, CheckLeaf, EternalGuard
 """Of their guards it only counts whether they are true; of a mission's, the invariants, whether they are false."""
 
 
-def questions(value: Any, key: str) -> list[tuple[Guard, Truth]] | None:
-    """What is asked of a key; None where it is compared with another, or something else reads it.
+def questions(value: Any, keys: Iterable[str]) -> dict[str, list[tuple[Guard, Truth]]]:
+    """What is asked of some keys; those that are compared with others, or that something else reads, are left out.
 
     Args:
         value: A mission, and what else has guards.
-        key: It is a scalar.
+        keys: They are scalars.
 
     Returns:
-        Each part, and which of its values counts; None where each does.
+        Key → each part, and which of its values counts; None where each does.
     """
-    found = list(_asked(value, key))
-    is_known = all(_is_alone(guard, key) for guard, _ in found) and not any(
-        _reads(part, key) for part in _others(value)
-    )
-    return found if is_known else None
+    read_otherwise = frozenset[str]().union(*map(_read, _others(value)))
+    reading: dict[str, list[tuple[Guard, Truth]]] = {key: [] for key in keys if key not in read_otherwise}
+    for guard, counts in _outermost(value):
+        for key in _about(guard) & reading.keys():
+            reading[key] += _asked(guard, key, counts)
+    return {key: found for key, found in reading.items() if all(_is_alone(guard, key) for guard, _ in found)}
 
 
-def _asked(value: Any, key: str, counts: Truth = None) -> Iterator[tuple[Guard, Truth]]:
-    """The outermost parts of guards that read a key alone; what is no part of another is one in any case."""
-    if not isinstance(value, Guard):
-        counts = True if isinstance(value, TRUE_OR_NOT) else False if isinstance(value, Mission) else counts
-        for part in inside(value):
-            yield from _asked(part, key, counts if isinstance(part, Guard) else None)
-    elif _is_about(value, key):
-        inner = list(value.inner())
-        if _is_alone(value, key) or not inner:
-            yield value, counts
-        for each in _together(value, key) if not _is_alone(value, key) else ():
-            yield from _asked(each, key, value.counts_inside(counts))
+def _outermost(value: Any, counts: Truth = None) -> Iterator[tuple[Guard, Truth]]:
+    """The guards that are in no other, and which of their values counts."""
+    if isinstance(value, Guard):
+        yield value, counts
+        return
+    counts = True if isinstance(value, TRUE_OR_NOT) else False if isinstance(value, Mission) else None
+    for part in inside(value):
+        yield from _outermost(part, counts)
+
+
+def _asked(guard: Guard, key: str, counts: Truth) -> Iterator[tuple[Guard, Truth]]:
+    """The outermost parts of a guard that read a key alone; what is no part of another is one in any case."""
+    inner = list(guard.inner())
+    if _is_alone(guard, key) or not inner:
+        yield guard, counts
+        return
+    for each in _together(guard, key):
+        if key in _about(each):
+            yield from _asked(each, key, guard.counts_inside(counts))
 
 
 def _together(guard: Guard, key: str) -> Iterator[Guard]:
     """What a guard is made of; of an `all` or `any` those that read a key alone are one."""
     inner = list(guard.inner())
-    alone = [each for each in inner if _is_about(each, key) and _is_alone(each, key)]
+    alone = [each for each in inner if key in _about(each) and _is_alone(each, key)]
     if len(alone) > 1 and isinstance(guard, All | Any_):
         yield made(guard.word, **{guard.word: alone})
         inner = [each for each in inner if each not in alone]
     yield from inner
 
 
-def _is_about(guard: Guard, key: str) -> bool:
-    return any(_reads(each, key) for each in guard.walk())
+def _about(guard: Guard) -> frozenset[str]:
+    """The keys that a guard reads."""
+    return frozenset[str]().union(*map(_read, guard.walk()))
 
 
 def _others(value: Any) -> Iterator[MissionModel]:
@@ -75,10 +84,9 @@ def _others(value: Any) -> Iterator[MissionModel]:
     return (part for part in parts(value, MissionModel) if not isinstance(part, Guard | Mission))
 
 
-def _reads(part: MissionModel, key: str) -> bool:
-    return any(
-        refers.sort in ("path", "key") and name.partition(".")[0] == key for refers, name, _ in part.references()
-    )
+def _read(part: MissionModel) -> frozenset[str]:
+    """The keys that a written thing reads itself."""
+    return frozenset(name.partition(".")[0] for refers, name, _ in part.references() if refers.sort in ("path", "key"))
 
 
 def _is_alone(guard: Guard, key: str) -> bool:
