@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from functools import cache
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, TypeVar
 
-from pydantic import PlainSerializer, PlainValidator, WithJsonSchema
+from pydantic_core import core_schema
 
 from rai_missions.errors import UsageError, suggestion
 from rai_missions.kinds import PackageOffer, offered
@@ -138,14 +138,27 @@ def _admitted(family: Any, offer: PackageOffer) -> Any:
     return kind
 
 
+class _OfFamily:
+    """Reads, writes and describes any member of a family; pydantic need not know the family itself for this.
+
+    Args:
+        family: It.
+    """
+
+    def __init__(self, family: type[TaggedModel]) -> None:
+        self._family = family
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> core_schema.CoreSchema:
+        written = core_schema.plain_serializer_function_ser_schema(lambda item: item.written())
+        return core_schema.no_info_plain_validator_function(self._family.read, serialization=written)
+
+    def __get_pydantic_json_schema__(self, schema: Any, handler: Any) -> dict[str, Any]:
+        return {FAMILY: self._family.__name__}
+
+
 def kind_of(family: type[TaggedModel]) -> Any:
     """The field type for any member of a family."""
-    return Annotated[
-        family,
-        PlainValidator(family.read),
-        PlainSerializer(lambda item: item.written(), return_type=Any),
-        WithJsonSchema({FAMILY: family.__name__}),
-    ]
+    return Annotated[family, _OfFamily(family)]
 
 
 Member = TypeVar("Member", bound=TaggedModel)
