@@ -300,6 +300,7 @@ class Abstraction:
         is_given = path.split(".")[0] in self._given
         if 0 < index == len(items) - 1 and is_given and is_new(state, node) and choices.choose(2):
             state.rounds[node.name] = ((*items, choices.pick(self._world.values.item(path))), index)
+            self._instruments.lengthened.add(node.name)
 
 
 # -- what waits -------------------------------------------------------------------------------------------------------

@@ -8,10 +8,10 @@ for ever only where nothing waits all the way round that is not taken in it.
 from __future__ import annotations
 
 from collections import defaultdict, deque
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterator, Sequence
 
 from rai_missions.check.scc import knots
-from rai_missions.prove.state_graph import StateGraph
+from rai_missions.prove.state_graph import LENGTHENED, LISTED, StateGraph
 
 __all__ = ("circling",)
 
@@ -21,11 +21,29 @@ Steps = dict[int, list[tuple[int, int]]]
 
 def circling(space: StateGraph) -> list[int]:
     """The states through which time alone leads a silent run again and again, ascending."""
-    steps = _endless(space)
     sets = space.sets
-    parts = knots({number: [target for target, _ in after] for number, after in steps.items()})
-    found = [each for part in parts for each in part if _is_for_ever(part, steps, space.waiting, sets)]
-    return sorted(found)
+    parts = _unlisted(_endless(space), sets)
+    return sorted(number for steps in parts if _is_for_ever(steps, space.waiting, sets) for number in steps)
+
+
+def _unlisted(steps: Steps, sets: list[frozenset[str]]) -> Iterator[Steps]:
+    """The parts within which each state leads to each other, without what a list that comes to its end does not do.
+
+    A list has any number of items, and not more and more of them: who begins with none cannot find it longer for ever.
+    """
+    for part in knots({number: [target for target, _ in after] for number, after in steps.items()}):
+        states = set(part)
+        inner = {number: [each for each in steps[number] if each[0] in states] for number in part}
+        words = frozenset[str]().union(*(sets[kept] for after in inner.values() for _, kept in after))
+        longer = {each for each in words if each.startswith(LENGTHENED)}
+        ending = {each for each in longer if LISTED + each.removeprefix(LENGTHENED) not in words}
+        if not ending:
+            yield inner
+            continue
+        yield from _unlisted(
+            {number: [each for each in after if ending.isdisjoint(sets[each[1]])] for number, after in inner.items()},
+            sets,
+        )
 
 
 def _endless(space: StateGraph) -> Steps:
@@ -44,13 +62,12 @@ def _endless(space: StateGraph) -> Steps:
     return {number: [each for each in steps[number] if left.get(each[0])] for number, many in left.items() if many}
 
 
-def _is_for_ever(part: Iterable[int], steps: Steps, waiting: Sequence[int], sets: list[frozenset[str]]) -> bool:
+def _is_for_ever(steps: Steps, waiting: Sequence[int], sets: list[frozenset[str]]) -> bool:
     """Whether a run can stay among these states for ever though all that waits for time gets it."""
-    states = set(part)
-    inner = {kept for number in states for target, kept in steps[number] if target in states}
+    inner = {kept for after in steps.values() for _, kept in after}
     if not inner:
         return False
-    all_the_way = [sets[waiting[number]] if _is_known(number, waiting) else frozenset[str]() for number in states]
+    all_the_way = [sets[waiting[number]] if _is_known(number, waiting) else frozenset[str]() for number in steps]
     return not frozenset.intersection(*all_the_way, *(sets[kept] for kept in inner))
 
 

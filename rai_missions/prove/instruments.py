@@ -47,12 +47,15 @@ class Instruments:
         """State → the paths of the waits and timeouts that have begun in its tree in this step."""
         self.asked: set[Any] = set()
         """What was asked of the goals in this step that nothing pursues: see `Stores.question`."""
+        self.lengthened: set[str] = set()
+        """The states whose list was found to have another item in this step."""
         self.is_long = False
         """It was looked whether this step goes round: the values of keys were compared."""
 
     def begin_step(self) -> None:
         """Forget what the last step did."""
         self.ticks, self.turned, self.begun, self.asked, self.is_long = 0, set(), {}, set(), False
+        self.lengthened = set()
 
     def compare_values(self) -> None:
         """It is looked whether this step goes round."""

@@ -14,12 +14,15 @@ from typing import NamedTuple
 
 from rai_missions.prove.stimulus import HappeningKind
 
-__all__ = ("MOVING", "REPORTED", "Edge", "StateGraph")
+__all__ = ("LENGTHENED", "LISTED", "MOVING", "REPORTED", "Edge", "StateGraph")
 
 DEEPEST = 65_535
 REPORTED, MOVING = -2, -1
 """Of a step, in place of the number of what waits on: more than time makes it; the robot is not silent."""
 UNKNOWN = -1
+LENGTHENED, LISTED = "longer list of ", "list of "
+"""Prefixes of the name of a state whose list had another item in a step, and of one that began with a list in it: words
+that are noted with what waits on."""
 
 
 class Edge(NamedTuple):

@@ -17,7 +17,7 @@ from rai_missions.prove.counts import Count
 from rai_missions.prove.environment import RESUME, Environment
 from rai_missions.prove.region_parts import Part, PartNumbers, RegionParts
 from rai_missions.prove.regions import OUTSIDE, TIME, RegionGroups
-from rai_missions.prove.state_graph import Edge
+from rai_missions.prove.state_graph import LENGTHENED, LISTED, Edge
 from rai_missions.prove.state_key import Place
 from rai_missions.prove.step_cache import NOTHING, Arrival, ReadsChange, StepFootprint, StepOutcome
 from rai_missions.prove.stimulus import Stimulus
@@ -69,6 +69,7 @@ class StepMaker:
     def __init__(self, environment: Environment, parts: RegionParts | None, learn: Learn) -> None:
         self._environment, self._parts, self._learn = environment, parts, learn
         self._stores = environment.codec.stores
+        self._each = {node.name for node in environment.chart.program.graph.order if node.is_each}
         self._numbers = self._orders = 0
         """The last number of a start or a question, and of a timer: the parts of two steps never have the same ones."""
 
@@ -155,13 +156,19 @@ class StepMaker:
         saved = codec.take()
         spot = self._parts.spot(saved) if not is_whole and self._parts is not None else None
         footprint, changed = self._footprint(here, scene, wakes, moves, spot, has_ended=False)
-        kept = None if waits is None else frozenset(
+        kept = None if waits is None else self._lists(moves).union(
             each.happening.words for each in waits
             if footprint is NOTHING or each.scope < 0 or each.scope in footprint.needs)  # fmt: skip
         return Arrival(
             way, happening.kind, has_moved, None, core, None if spot is not None else saved, change, mode, levels,
             kept, happening.is_of_goal, spot, changed, footprint.needs,
         ), footprint  # fmt: skip
+
+    def _lists(self, moves: Iterable[Move]) -> frozenset[str]:
+        """Which lists turned out to be longer in a step, and which it began with: see `circling`."""
+        begun = {name for move in moves for name in move.entered if name in self._each}
+        longer = self._environment.instruments.lengthened
+        return frozenset((*(LENGTHENED + name for name in longer), *(LISTED + name for name in begun)))
 
     # -- what a step rests on -------------------------------------------------------------------------------------
 

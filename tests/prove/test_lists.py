@@ -114,3 +114,51 @@ def test_a_list_of_any_length_leads_where_long_lists_lead(document: Json) -> Non
 @given(patrols())
 def test_a_list_of_any_length_leads_where_long_lists_lead_however_often_it_is_tried(document: Json) -> None:
     hold_against_long_lists(document, 6)
+
+
+def waiting(after: list[Json], *, is_nested: bool = False, **inner: Json) -> Json:
+    """A list whose every item is waited for, and what follows it; no report of a robot moves it."""
+    wait: Json = {"transitions": [{"after_s": 5, "to": "next"}]}
+    items: Json = {
+        "each": "places", "as": "place", "initial": "wait",
+        "states": {"wait": wait, "next": {"final": "succeeded"}, **inner},
+    }  # fmt: skip
+    if is_nested:
+        items["states"] |= {
+            "wait": {
+                "each": "places", "as": "other", "initial": "stay", "transitions": [{"on": "succeeded", "to": "next"}],
+                "states": {"stay": {"transitions": [{"after_s": 1, "to": "seen"}]}, "seen": {"final": "succeeded"}},
+            }
+        }  # fmt: skip
+    return {
+        "format": 1, "name": "waiting", "initial": "going",
+        "blackboard": {
+            "places": {"type": "list", "source": "argument"}, "place": {"type": "string"}, "other": {"type": "string"},
+        },
+        "states": {
+            "going": {**items, "transitions": after},
+            "break": {"transitions": [{"after_s": 1, "to": "going"}]},
+            "over": {"final": "aborted"},
+        },
+    }  # fmt: skip
+
+
+AGAIN: list[Json] = [{"on": "succeeded", "to": "break"}]
+STAYS: Json = {"transitions": [{"after_s": 5, "to": "turn"}, {"after_s": 9, "to": "next"}]}
+TURNS: Json = {"turn": {"transitions": [{"after_s": 5, "to": "wait"}]}}
+
+
+@pytest.mark.parametrize("is_nested", [False, True])
+def test_a_list_that_is_waited_for_comes_to_its_end(is_nested: bool) -> None:
+    proof = prove(Mission.model_validate(waiting([OVER], is_nested=is_nested)), most=MOST, work=WORK * MOST)
+    assert {each.verdict for each in proof.claims} == {"proved"}
+
+
+@pytest.mark.parametrize(
+    "document",
+    [waiting(AGAIN), waiting(AGAIN, is_nested=True), waiting([OVER], wait=STAYS, **TURNS)],
+    ids=["list after list", "nested, list after list", "within an item"],
+)
+def test_timers_that_go_round_with_lists_are_found(document: Json) -> None:
+    proof = prove(Mission.model_validate(document), most=MOST, work=WORK * MOST)
+    assert {each.verdict for each in proof.claims if each.name == "comes to rest"} == {"refuted"}
