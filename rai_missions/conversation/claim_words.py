@@ -448,6 +448,13 @@ class ClaimWords:
         is_past = not self.verb_second and any(map(self.is_past, words))
         return is_past or bool(self.deictic & set(words)) or self.has_place(words)
 
+    def is_doing(self, words: Sequence[str]) -> bool:
+        """Whether a thing, but no person who is spoken to, is doing something: `a truck is blocking the road`."""
+        if self.verb_second or self.person & set(words) or self.is_of_world(words):
+            return False
+        verbs = (self.skip(words[at + 1 :]) for at, word in enumerate(words) if at and word in self.auxiliaries)
+        return any(map(self.is_progressive, (verb for rest in verbs for verb in rest[:1])))
+
     def is_habit(self, words: Sequence[str]) -> bool:
         """Whether it has what is usual, or the time of a year: `in autumn`, `usually`."""
         return self._habits.within(words)

@@ -256,10 +256,15 @@ class _JudgedSentence:
         progress = [each for each in self._clauses if rules.progress.within(each) and not set(each) & rules.person]
         if any(each in progress for each, _ in found):
             return "progress"
-        if is_fact and any(self._begins_certain(each) and rules.is_scene(each) for each in self._clauses):
+        if is_fact and any(self._is_scene(each) for each in self._clauses):
             return "subject"
         is_doubtful = claims or fragments or passives or progress or self._has_second_verb(words)
         return "report" if is_doubtful else ""
+
+    def _is_scene(self, words: Sequence[str]) -> bool:
+        """Whether a clause reports of a certain thing, or of any thing what it is doing: `a man is walking there`."""
+        is_of_one = self._begins_certain(words) and self._rules.is_scene(words)
+        return is_of_one or self._rules.is_doing(words)
 
     def _begins_certain(self, words: Sequence[str]) -> bool:
         """Whether a certain thing begins a clause; in German its article is that of a noun."""

@@ -109,6 +109,7 @@ def test_a_claim_about_a_key_of_the_mission_is_found_by_its_name() -> None:
         ("de", "Den Busfahrplan kenne ich leider nicht.", "report"),
         ("en", "The scarf came loose.", "subject"),
         ("en", "Your desk is tidy again.", "subject"),
+        ("en", "A man in a yellow jacket is walking toward the trailer.", "subject"),
         ("en", "The battery of a robot lasts a few hours.", "report"),
         ("de", "Das Buch im Regal ist wieder da.", "subject"),
         ("en", "All six crates were sorted by weight.", "passive"),
