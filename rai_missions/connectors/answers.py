@@ -33,5 +33,7 @@ def ask(answer: Answer, request: Data, service: str) -> Future[Data]:
 
 def failure(answered: Future[Data]) -> str:
     """Why a service that is done failed; empty where it did not."""
+    if answered.cancelled():
+        return "it gave the request up"
     fault = answered.exception()
     return f"{type(fault).__name__}: {fault}" if fault is not None else ""

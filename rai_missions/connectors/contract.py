@@ -174,7 +174,7 @@ def _answers_a_call_once(connector: Connector, *_: Any) -> None:
 def _answers_a_call_later(connector: Connector, *_: Any) -> None:
     replies: Inbox[Reply] = Inbox()
     asked: Inbox[Data] = Inbox()
-    answers: list[Future[Data]] = [Future(), Future()]
+    answers: list[Future[Data]] = [Future(), Future(), Future()]
 
     def answer(request: Data) -> Future[Data]:
         asked(request)
@@ -193,6 +193,10 @@ def _answers_a_call_later(connector: Connector, *_: Any) -> None:
     failed = replies.wait(lambda all_: len(all_) == 2, "the answer failed")[1]
     assert failed.outcome == "failed", failed
     assert "no lamp" in failed.why, failed
+    connector.call("/check/service", TRIGGER, {}, on_reply=replies, timeout_s=PATIENCE_S)
+    asked.wait(lambda all_: len(all_) == 3, "the service was called a third time")
+    answers[2].cancel()
+    assert replies.wait(lambda all_: len(all_) == 3, "the answer was given up")[2].outcome == "failed", replies.all
 
 
 def _reports_why_a_call_failed(connector: Connector, *_: Any) -> None:
