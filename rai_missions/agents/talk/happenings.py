@@ -30,7 +30,8 @@ def happenings(step: Step, states: Mapping[str, str], events: Mapping[str, str])
         yield RunEvent("control", event.name, step.at, by=by)
     for verdict in step.verdicts:
         if verdict.accepted or verdict.kind == "fallback":
-            yield RunEvent("answered", verdict.option, step.at, by=verdict.by)
+            who = by if verdict.accepted and event.kind == "proposal" else ""  # the person, where one answered
+            yield RunEvent("answered", verdict.option, step.at, by=who or verdict.by)
     for move in step.moves:
         for name in move.entered:
             yield RunEvent("entered", name, step.at, states.get(name, ""))

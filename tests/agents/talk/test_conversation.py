@@ -15,6 +15,7 @@ from rai_missions.agents.agent import AgentHealth
 from rai_missions.agents.contract import check_agent
 from rai_missions.agents.conversation import MOST_WAITING, ConversationalAgent
 from rai_missions.agents.talk.doors import OnSpoken, TextDoor
+from rai_missions.agents.talk.happenings import happenings
 from rai_missions.agents.talk.hri_door import HRIDoor
 from rai_missions.agents.talk.model import MOST_LOOKS, TalkModel
 from rai_missions.connectors.hri.connector import FROM_HUMAN, TO_HUMAN, HRIConnector
@@ -132,6 +133,8 @@ def test_what_the_profile_grants_a_person_may_do() -> None:
         talk.screen.until(lambda line: "Which?" in line.text)
         talk.order("left", "person")
         assert talk.end().outcome == "aborted"
+        (answer,) = [each for step in talk.steps for each in happenings(step, {}, {}) if each.kind == "answered"]
+        assert answer.by.startswith("person "), "who answered is named, and not who was asked"
 
 
 def test_an_option_that_is_to_be_confirmed_counts_with_the_yes() -> None:
