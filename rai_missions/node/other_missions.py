@@ -91,8 +91,9 @@ def warning_of(rival: RunClaim) -> str:
     """The sentence that names another mission and what both command."""
     names = sorted(rival.commands)
     left = f" and {len(names) - NAMED} more" if len(names) > NAMED else ""
+    who = f"the node {rival.node}" if rival.node else "a program without a node"
     return (
-        f"the node {rival.node} commands the same robot (mission {rival.mission}, run {rival.run}): "
+        f"{who} commands the same robot (mission {rival.mission}, run {rival.run}): "
         f"{', '.join(names[:NAMED])}{left}; cancel one of the two missions"
     )
 

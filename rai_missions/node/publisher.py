@@ -22,8 +22,8 @@ from rai_missions.node.diagnostics import array_of
 from rai_missions.node.lifecycle_table import NodeTransition
 from rai_missions.node.managed_lifecycle import EVENT_TYPE, event_fields
 from rai_missions.node.names import NodeName
-from rai_missions.node.other_missions import RUNS_TOPIC, OtherMissions, RunClaim, warning_of
 from rai_missions.node.rosout import LOG, LogLines, lines_of
+from rai_missions.node.run_claims import RunClaims
 from rai_missions.node.run_session import RunSession
 from rai_missions.node.services import STRING
 from rai_missions.node.status_message import StatusMessage, step_fields, step_text, text_of
@@ -73,7 +73,7 @@ class StatusPublisher:
         self._holder = ""
         self._instance = uuid.uuid4().hex[:12]
         self._strangers: set[str] = set()
-        self._others = OtherMissions()
+        self._claims = RunClaims(carrier.connector, name, instance=self._instance)
         self._outlet = Worker("publisher", limit=LONGEST_QUEUE, keep="newest")
         self.lines = LogLines(self._logger, self.log)
         self._on_status: Callable[[StatusMessage], None] = lambda _: None
@@ -166,8 +166,8 @@ class StatusPublisher:
             log.warning("another node is called %s too; give one of them another name with --node", self._name.path)
 
     def receive_run(self, message: Message) -> None:
-        """A node has reported what its run commands."""
-        self._others.receive(str(message.data.get("data", "")), time.monotonic())
+        """A program has reported what its run commands."""
+        self._claims.receive(message)
 
     # -- on the publisher's thread --------------------------------------------------------------------------------
 
@@ -199,21 +199,11 @@ class StatusPublisher:
         self._carrier.connector.publish("/diagnostics", DIAGNOSTICS, carried(fields))
 
     def _rivals(self, session: RunSession | None) -> tuple[str, ...]:
-        """Report what the run commands; a sentence of each other mission that commands it too, written down once."""
-        claim = RunClaim(self._instance, self._name.path, "", "")
-        if session is not None:  # its own names: the status of a run that has just begun is the last one's yet
-            is_live = self._carrier.robots and not session.is_over
-            commands = frozenset(map(self._name.resolved, session.commands if is_live else ()))
-            claim = claim._replace(
-                mission=session.runner.mission.name, run=session.runner.run_id, commands=commands
-            )  # fmt: skip
-        self._carrier.connector.publish(RUNS_TOPIC, STRING, carried({"data": claim.text()}))
-        rivals = self._others.rivals(claim, time.monotonic())
-        if session is not None:
-            for each in self._others.news(claim, rivals):
-                log.warning("%s", warning_of(each))
-                session.runner.note(warning_of(each))
-        return tuple(map(warning_of, rivals))
+        """Report what the run commands; a sentence of each other mission that commands it too."""
+        if session is None:
+            return self._claims.exchange(None, ())
+        is_live = self._carrier.robots and not session.is_over
+        return self._claims.exchange(session.runner, session.commands if is_live else ())
 
     def _publish(self, name: str, type_name: str, fields: dict[str, object]) -> None:
         self._carrier.connector.publish(self._name.below(name), type_name, carried(fields))

@@ -6,11 +6,13 @@ from __future__ import annotations
 import json
 import logging
 from collections.abc import Iterator
+from contextlib import ExitStack
+from pathlib import Path
 from typing import Any
 
 import pytest
 
-from rai_missions.agents.mission import RunConfig
+from rai_missions.agents.mission import RunConfig, prepare
 from rai_missions.connectors.connector import Message
 from rai_missions.connectors.contract import Inbox
 from rai_missions.connectors.local import LocalConnector
@@ -18,6 +20,7 @@ from rai_missions.node import MissionNode
 from rai_missions.node.diagnostics import OK, WARN
 from rai_missions.node.names import NodeName
 from rai_missions.node.other_missions import FORGET_S, MOST, RUNS_TOPIC, OtherMissions, RunClaim
+from rai_missions.node.run_claims import claimed
 from rai_missions.node.transport import Carrier
 from tests.node.scenes import PATIENCE_S, Client, FakeRobot, mission, robot
 
@@ -48,7 +51,7 @@ def test_each_of_two_missions_on_one_robot_names_the_other_and_what_both_command
         MissionNode(RunConfig(mission(), robot({"kind": "local"}, at)), name, carrier=Carrier(connector, robots, False))
         for name, at in (("first", "/a"), ("second", below))
     ]
-    with caplog.at_level(logging.WARNING, "rai_missions.node.publisher"):
+    with caplog.at_level(logging.WARNING, "rai_missions.node.run_claims"):
         try:
             for node in nodes:
                 node.run()
@@ -74,6 +77,24 @@ def test_each_of_two_missions_on_one_robot_names_the_other_and_what_both_command
     assert len([each for each in caplog.messages if "commands the same robot" in each]) == (2 if is_rival else 0)
     claimed = [json.loads(each.data["data"]) for each in claims.all]
     assert all(each["run"] and each["mission"] == "errand" for each in claimed if each["commands"])
+
+
+def test_two_runs_without_a_node_name_each_other(connector: LocalConnector, tmp_path: Path) -> None:
+    warned: Inbox[str] = Inbox(PATIENCE_S)
+    handler = logging.Handler()
+    handler.emit = lambda record: warned(record.getMessage())  # type: ignore[method-assign]
+    log, profile = logging.getLogger("rai_missions.node.run_claims"), robot({"kind": "local"}, "/a")
+    with ExitStack() as stack:
+        log.addHandler(handler)
+        stack.callback(log.removeHandler, handler)
+        for name in ("first", "second"):
+            config = RunConfig(mission(), profile, connector=connector, journal=tmp_path / f"{name}.journal")
+            made = stack.enter_context(prepare(config))
+            stack.enter_context(claimed(made.runner, profile, connector, instance=name))
+        warned.wait(lambda all_: len(all_) > 1, "each names the other")
+    assert all(
+        each.startswith("a program without a node commands the same robot (mission errand") for each in warned.all
+    )
 
 
 def _sort(found: dict[str, Inbox[dict[str, Any]]], message: Any) -> None:
