@@ -29,6 +29,8 @@ __all__ = ("TWO_NEEDED", "binding", "is_request", "may", "must_confirm", "order_
 
 TWO_NEEDED = frozenset({"start", "resume", "cancel"})
 """The spoken orders that two recognisers must agree on; so must they on the confirming yes."""
+IN_ANY_MODE = frozenset({"cancel", "answer"})
+"""Orders that mean the same in each mode of a run that is under way: a pause or resume meanwhile leaves them valid."""
 CONFIRMED = frozenset({"start", "cancel"})
 JSON_TYPE = {"integer": "integer", "number": "number", "boolean": "boolean", "string": "string", "list": "array"}
 
@@ -106,7 +108,8 @@ def must_confirm(sense: Sense, view: StatusView, *, mapper: Mapper, agreeing: in
 def binding(sense: Sense, view: StatusView) -> tuple[object, ...]:
     """What a confirmation rests on: where it differs later, what was read back is void."""
     is_open = sense.name != "answer" or view.question(sense.question) is not None
-    return view.run, view.mode, view.mission, is_open
+    mode = "any" if sense.name in IN_ANY_MODE and view.mode in ("ready", "running", "paused") else view.mode
+    return view.run, mode, view.mission, is_open
 
 
 def _key_of(view: KeyView) -> Key:
