@@ -88,7 +88,8 @@ class Grammar:
         clauses = [self.language.normaliser.words(each) for each in self.language.normaliser.clauses(text)]
         is_on_condition = any(words[:1] == [each] for each in self.language.data["conditions"] for words in clauses[:1])
         edges = [*clauses[:1], *([] if is_on_condition else clauses[1:][-1:])]
-        return any(STOP in self._sentence(words, view) for words in edges)
+        bare = (list(once(self.language.normaliser.bare(words, _called(view.robot)))) for words in edges)
+        return any(self.language.orders["stop"].fits(words) for words in bare)
 
     def _in_parts(self, parts: list[str], view: StatusView, draft: Draft | None) -> tuple[Sense, ...]:
         """What the sentences of an utterance mean together."""
