@@ -43,7 +43,7 @@ class Language(LanguageTexts):
         self.correction, self.other = Phrases(data["correction"], parts), Phrases(data["other"], parts)
         self.rejected = Phrases(data["rejected"], parts)
         self.start, self.answer = Phrases(data["start"], parts), Phrases(data["answer"], parts)
-        self.statement = Phrases(data["statement"], parts)
+        self.statement, self.wish = Phrases(data["statement"], parts), Phrases(data["wish"], parts)
         self.argument = Phrases(data["argument"], parts)
         self.with_values = Phrases([data["with_values"]], parts)
 

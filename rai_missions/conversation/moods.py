@@ -29,7 +29,7 @@ def mood_of(text: str, language: Language) -> Mood:
     words = language.normaliser.bare(language.normaliser.words(text))
     if text.rstrip().endswith("?") or (words and words[0] in language.data["asking"]):
         return Mood("question")
-    if len(words) < LEAST_WORDS:
+    if len(words) < LEAST_WORDS or language.wish.fits(words):
         return Mood("other")
     found = next(language.statement.match(words), None)
     return Mood("other") if found is None else Mood("statement", tuple(found.get("thing", "").split()))

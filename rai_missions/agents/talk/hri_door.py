@@ -6,6 +6,7 @@ Rule: who writes on a topic is a person, whatever name the message has.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Protocol
 
 from rai_missions.agents.talk.doors import OnSpoken, TalkLine
@@ -38,12 +39,15 @@ class HRIDoor:
         hri: Carries them.
         name: The robot's, in what it sends.
         below: What the names of the topics begin with, as `/alpha`.
+        is_stop: Whether a sentence orders to stop: one to all robots is taken, too, where the door is below a name.
     """
 
     channel, is_aloud, is_open = CHANNEL, False, True
 
-    def __init__(self, hri: HRIConnector, name: str = "", *, below: str = "") -> None:
-        self._hri, self._name = hri, cut(name, 200)
+    def __init__(
+        self, hri: HRIConnector, name: str = "", *, below: str = "", is_stop: Callable[[str], bool] = lambda _: False
+    ) -> None:
+        self._hri, self._name, self._is_stop = hri, cut(name, 200), is_stop
         self._from, self._to = below + FROM_HUMAN, below + TO_HUMAN
 
     def open(self, take: TakesSentence) -> None:
@@ -55,6 +59,8 @@ class HRIDoor:
                 log.warning("a message on %s is not taken: %s", self._from, why)
 
         self._hri.listen(self._from, receive)
+        if self._from != FROM_HUMAN:  # a person who calls out to stop may not know which robot it is
+            self._hri.listen(FROM_HUMAN, lambda message: receive(message) if self._is_stop(message.text) else None)
 
     def close(self) -> None:
         """Receive no more."""

@@ -160,8 +160,9 @@ class TalkSession:
             connector.start()
             prepared.closing.closes(connector.stop)
         self._hri = HRIDoor(
-            HRIConnector(connector), name, below=self._policy.hri_below if self._policy is not None else ""
-        )
+            HRIConnector(connector), name, below=self._policy.hri_below if self._policy is not None else "",
+            is_stop=self.is_stop,
+        )  # fmt: skip
         return self._hri
 
     def type(self, text: str) -> str:
