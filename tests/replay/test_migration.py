@@ -130,6 +130,37 @@ def carried(tmp_path: Path, was: Mission, now: Mission, *events: Event) -> Chart
         return resumption(record, now).chart
 
 
+def bounded(version: str, temperature: str, **brief: Any) -> Mission:
+    """A mission with a temperature under this name, and a bound on how long something may be so."""
+    mission = waiting_for("go", version).written()
+    mission["blackboard"] = {key: {"type": "integer", "initial": 1} for key in (temperature, "speed")}
+    mission["invariants"] = {"brief": {"not": brief}} if brief else {}
+    return Mission.model_validate(mission)
+
+
+@pytest.mark.parametrize(
+    ("brief", "since"),
+    [
+        ({"held": {"key": "warmth", "==": 1}, "for_s": 5}, {"/invariants/brief#0": 0.0}),
+        ({"held": {"key": "speed", "==": 1}, "for_s": 5}, {}),
+        ({"held": {"key": "warmth", "==": 1}, "for_s": 6}, {}),
+        ({}, {}),
+    ],
+    ids=["as it was, with its key's new name", "about another key", "with another time", "gone"],
+)
+def test_the_time_of_an_invariant_continues_where_it_is_as_it_was(
+    tmp_path: Path, brief: dict[str, Any], since: dict[str, float]
+) -> None:
+    was = bounded("1.0.0", "heat", held={"key": "heat", "==": 1}, for_s=5)
+    now, chart, path = bounded("2.0.0", "warmth", **brief), Chart(was), tmp_path / "run.journal"
+    with Journal.create(path, Header(dump(was))) as journal:
+        for step in (chart.start(0.0), chart.send(Tick(3.0))):
+            journal.write(step, since=step.at)
+    with read(migrate(path, now, Map(keys={"heat": "warmth"}), to=tmp_path / "new.journal").journal) as record:
+        held = resumption(record, now).chart.snapshot()["held"]
+    assert {memory: at for memory, at in held.items() if at < 3.0} == since
+
+
 def test_an_event_that_came_in_a_pause_counts_at_its_end_under_its_new_name(tmp_path: Path) -> None:
     by = {"by": "operator"}
     events = (Event("pause", 1.0, by, "command"), Event("go", 2.0))

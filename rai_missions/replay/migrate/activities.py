@@ -242,15 +242,14 @@ class _Transfer:
         return {"": was.get("", 0.0)} | {name: was.get(origins.get(name, ""), self.at) for name in self.found.active}
 
     def _since(self, was: Mapping[str, float]) -> dict[str, float]:
-        """Since when guards have been true; of an invariant and of a transition that is as it was, they continue."""
+        """Since when guards have been true; of an invariant or a transition that is as it was, they continue."""
         places = {then: now for now, then in self.transitions_then.items()}
+        places |= {each: each for each in self.naming.invariants()}
         held = {}
         for memory, since in was.items():
             place, sign, number = memory.rpartition("#")
             if place in places:
                 held[f"{places[place]}{sign}{number}"] = since
-            elif place.startswith("/invariants/"):
-                held[memory] = since
         return held
 
 

@@ -92,6 +92,13 @@ class Naming:
         }
         return matched(then, self.transitions_now(new), lambda one, other: one == other)
 
+    def invariants(self) -> Iterator[str]:
+        """The places of the invariants that are as they were."""
+        for name, guard in self.was.invariants.items():
+            now = self.now.invariants.get(name)
+            if now is not None and renamed(guard, self.names).written() == now.written():
+                yield f"/invariants/{name}"
+
     def transitions_now(self, name: str) -> dict[str, Mapping[str, Any]]:
         """Place → transition as it is written, of a state now, or of the mission."""
         place, after = self.states_now[name] if name else ("", self.now)
