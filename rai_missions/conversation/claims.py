@@ -41,7 +41,7 @@ ClaimKind = Literal[
 ]
 """Why a sentence is replaced; empty where it is not.
 
-Claims by their structure have a kind of their own. `language`, `place` and `report` are in doubt.
+`place` and `report` are in doubt. The others are claims by their structure, or cannot be judged.
 """
 CLAUSES = re.compile(r"(?:,(?!\d)|[;:()\n–—…|/])+|\s-+\s|[.!?]+\s+|(?<!\b[ioa][nft] )\b(?=that\b(?!\s\w+\W*$))", re.I)
 """Where a clause ends; `in that case` and `I know that name` are one."""
@@ -137,17 +137,19 @@ class Claims:
         if self._is_address(words, clauses, is_question=is_question):
             return ""
         names, share = _names(view), self._own.share(words)
+        doubt: ClaimKind = ""
         for rules in self._every:
             theirs = rules.words(known)
             if rules is self._own or rules.share(theirs) >= max(share, LEAST_SHARE):
                 kind = _JudgedSentence(rules, known, names, is_conditional=known != text).kind
-                if kind:
+                if kind != "report" and kind:
                     return kind
+                doubt = doubt or kind
         if not self._is_marked(clauses, is_question=is_question, is_conditional=known != text):
-            return "report"
-        if any(self._own.is_placed(each) for each in clauses):
-            return "place"
-        return self._unknown(words, share)
+            doubt = "report"
+        elif not doubt and any(self._own.is_placed(each) for each in clauses):
+            doubt = "place"
+        return self._unknown(words, share) or doubt
 
     def begun(self, before: str, sentence: str, view: StatusView) -> str:
         """The two as one sentence, where a reader may take them for one; empty where they are two.
@@ -188,6 +190,7 @@ class Claims:
         return True
 
     def _unknown(self, words: Sequence[str], share: float) -> ClaimKind:
+        """Whether a sentence is in a language that cannot be judged, or too short for that."""
         if len(words) <= SHORT:
             return "" if share else "fragment"
         return "" if share >= LEAST_SHARE else "language"

@@ -135,6 +135,20 @@ def test_what_cannot_be_judged_is_replaced() -> None:
 
 
 @pytest.mark.parametrize(
+    "sentence",
+    [
+        "La pince tient le cube rouge.",
+        "Ho posato il cubo rosso sul tavolo.",
+        "El cubo rojo ahora se encuentra sobre el cubo azul.",
+        "Roboten har kommit fram till köket.",
+    ],
+)
+@pytest.mark.parametrize("code", sorted(DATA["claims"]))
+def test_another_language_is_found_before_a_doubt(code: str, sentence: str) -> None:
+    assert Claims(code).why_replaced(sentence, VIEW) == "language"
+
+
+@pytest.mark.parametrize(
     ("code", "sentence"),
     [
         ("en", "Should the robot bring it to the office or to the kitchen?"),
