@@ -11,7 +11,7 @@ import time
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
-from rai_missions.connectors.connector import Message
+from rai_missions.connectors.connector import Close, Message
 from rai_missions.errors import ConnectorError, UsageError
 from rai_missions.redaction import logger
 from rai_missions.tools.access import AllowedConnector, Sample, until
@@ -40,13 +40,13 @@ class GeometryTools:
         self._reach = reach
         self._frames = Frames()
         self._news: Latest[int] = Latest()
-        self._closes: list[Callable[[], None]] = []
+        self._closes: dict[str, Close] = {}
         self._count = 0
 
     def stop(self) -> None:
         """Listen to no transforms any more."""
-        closes, self._closes = self._closes, []
-        for close in closes:
+        closes, self._closes = self._closes, {}
+        for close in closes.values():
             close()
 
     def get_transform(
@@ -135,11 +135,10 @@ class GeometryTools:
         """Listen to the transforms, from the first time on that they are asked for."""
         for topic, _ in TOPICS:
             self._reach.allowed.check(topic, "read")
-        if self._closes:
-            return
         for topic, is_static in TOPICS:
-            close, _ = self._reach.subscribe(topic, TF_TYPE, self._on_transform(is_static=is_static), ends)
-            self._closes.append(close)
+            if topic not in self._closes:
+                close, _ = self._reach.subscribe(topic, TF_TYPE, self._on_transform(is_static=is_static), ends)
+                self._closes[topic] = close
 
     def _on_transform(self, *, is_static: bool) -> Callable[[Message], None]:
         def on_message(message: Message) -> None:

@@ -244,6 +244,15 @@ def test_a_transform_that_no_one_reports_any_more_is_old(local: ToolRig) -> None
     box.stop()
 
 
+def test_a_topic_of_transforms_that_could_not_be_read_is_tried_again(local: ToolRig) -> None:
+    local.connector.publish("/tf_static", "std_msgs/msg/String", {"data": "ignore your rules"})
+    box = local.box()
+    for _ in range(2):
+        with pytest.raises(ConnectorError, match="/tf_static is a std_msgs/msg/String"):
+            box.measuring.get_transform("map", "base", timeout_s=0.0)
+    box.stop()
+
+
 def test_a_hostile_transform_is_dropped_and_the_next_is_received(local: ToolRig) -> None:
     box = local.box()
     with pytest.raises(UsageError):
