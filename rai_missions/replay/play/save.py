@@ -14,6 +14,7 @@ from rai_missions.engine.step import Step
 from rai_missions.errors import UsageError
 from rai_missions.event import Tick
 from rai_missions.journal import Header, Journal, make_folder, make_way, writing_at
+from rai_missions.journal.sqlite import log_of
 from rai_missions.mission.files import dump
 from rai_missions.replay.play.play import Play
 
@@ -48,7 +49,7 @@ def save(play: Play, path: Path, *, replaces: bool = False) -> Path | None:
         with writing_at(path):
             part.replace(path)
     finally:
-        for left in part.parent.glob(f"{part.name}*"):
+        for left in (part, log_of(part)):
             left.unlink(missing_ok=True)
     return aside
 

@@ -100,12 +100,12 @@ def test_a_journal_of_that_name_is_moved_aside_and_another_file_is_left(played: 
     aside = save(play, played)
     assert aside == played.with_name("p.1.journal")
     assert save(play, played, replaces=True) is None
-    other = played.with_name("notes.txt")
+    other = played.with_name("notes [1].txt")
     other.write_text("mine", encoding="utf-8")
     with pytest.raises(DefinitionError):
         save(play, other)
     assert other.read_text(encoding="utf-8") == "mine"
-    assert sorted(path.name for path in played.parent.iterdir()) == ["notes.txt", "p.1.journal", "p.journal"]
+    assert sorted(path.name for path in played.parent.iterdir()) == ["notes [1].txt", "p.1.journal", "p.journal"]
 
 
 def test_nothing_is_saved_of_a_play_that_has_not_begun(tmp_path: Path) -> None:
