@@ -5,6 +5,7 @@ A sentence whose subject is the robot or its work passes only with a verb of a s
 subject, or whose passive leaves open who did it, or whose subject is a certain thing around the robot. A share, such as
 `3 of 4`, never passes. What cannot be judged, as of another language, is replaced as well. Of what is left a sentence
 passes with a mark of what is no report alone: a question, a modal, a condition, a kind of things, a definition.
+What is in doubt by these rules passes where its words are those of harmless sentences (`claim_score`).
 Rule: in doubt it is a claim. A harmless sentence that is replaced costs a sentence; a claim that passes costs trust.
 """
 
@@ -18,13 +19,14 @@ from itertools import chain, pairwise
 from typing import Literal
 
 from rai_missions.conversation.addresses import Addresses
+from rai_missions.conversation.claim_score import claim_weights
 from rai_missions.conversation.claim_words import LEAST_PREDICATE, ClaimWords, Subject
 from rai_missions.conversation.language import language, languages, spoken
 from rai_missions.conversation.view import StatusView
 from rai_missions.planning.text.normalise import LONGEST_WORD, readable
 from rai_missions.redaction import cut
 
-__all__ = ("ClaimKind", "Claims")
+__all__ = ("CERTAIN", "ClaimKind", "Claims", "plain", "scored_clauses")
 
 ClaimKind = Literal[
     "",
@@ -41,8 +43,10 @@ ClaimKind = Literal[
 ]
 """Why a sentence is replaced; empty where it is not.
 
-`place` and `report` are in doubt. The others are claims by their structure, or cannot be judged.
+Those in `CERTAIN` are claims by their structure, or cannot be judged; the others are in doubt.
 """
+CERTAIN: frozenset[ClaimKind] = frozenset(("script", "language", "result", "subject"))
+"""The kinds that no score of a sentence's words takes back."""
 CLAUSES = re.compile(r"(?:,(?!\d)|[;:()\n–—…|/])+|\s-+\s|[.!?]+\s+|(?<!\b[ioa][nft] )\b(?=that\b(?!\s\w+\W*$))", re.I)
 """Where a clause ends; `in that case` and `I know that name` are one."""
 DISGUISES = str.maketrans({"0": "o", "1": "i", "3": "e", "4": "a", "5": "s", "7": "t", "@": "a", "$": "s"})
@@ -71,6 +75,8 @@ LONGEST_BEGUN = 400
 """Characters of what was begun that are kept."""
 NOUN_WITHIN = 4
 """Words at the beginning of a German clause among which the noun of its article is: `das kleine rote Buch`."""
+LEAST_SCORED = 3
+"""Words from which on a clause is scored by itself."""
 SHORT = 2
 """Words up to which a sentence passes only if it is listed as harmless, or has a small word."""
 
@@ -94,7 +100,7 @@ class Claims:
     """
 
     def __init__(self, code: str) -> None:
-        self._own, self._addresses = _rules(code), _addresses(code)
+        self._own, self._addresses, self._weights = _rules(code), _addresses(code), claim_weights(code)
         self._letters = frozenset("".join(language(each).data["claims"]["letters"] for each in languages()))
         self._every = (self._own, *(_rules(each) for each in languages() if each != code))
 
@@ -105,9 +111,22 @@ class Claims:
             sentence: One sentence of a model.
             view: The run: its robot, mission, states and keys are subjects, too.
         """
+        kind = self.why_suspected(sentence, view)
+        if not kind or kind in CERTAIN:
+            return kind
+        text = plain(sentence)
+        return "" if self._weights.is_harmless(text, scored_clauses(text)) else kind
+
+    def why_suspected(self, sentence: str, view: StatusView) -> ClaimKind:
+        """Why a sentence is a claim, or may be one, by the rules alone; empty where it is none.
+
+        Args:
+            sentence: One sentence of a model.
+            view: The run.
+        """
         if DONE_SIGNS & set(sentence):
             return "script"
-        text = _plain(sentence.lower() if sentence.isupper() else sentence)
+        text = plain(sentence.lower() if sentence.isupper() else sentence)
         if any(each.isalpha() and "LATIN" not in unicodedata.name(each, "") for each in text):
             return "script"
         words = self._own.words(text)
@@ -196,6 +215,12 @@ class Claims:
         return "" if share >= LEAST_SHARE else "language"
 
 
+def scored_clauses(text: str) -> list[str]:
+    """The clauses of a plain sentence that are scored by themselves; none where it is one."""
+    found = [each for each in CLAUSES.split(text) if len(each.split()) >= LEAST_SCORED]
+    return found if len(found) > 1 or (found and found[0].strip() != text.strip()) else []
+
+
 def _clauses(text: str, rules: ClaimWords) -> list[list[str]]:
     return [words for part in CLAUSES.split(text) if (words := rules.words(part))]
 
@@ -204,7 +229,7 @@ def _is_question(sentence: str) -> bool:
     return QUESTION.search(sentence) is not None
 
 
-def _plain(sentence: str) -> str:
+def plain(sentence: str) -> str:
     """Without marks, quotes and disguises."""
     text = readable(sentence, by=cut)
     if SPACED.search(text):

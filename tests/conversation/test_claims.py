@@ -19,19 +19,7 @@ VIEW = StatusView(robot="rosbot, simulated", mission="rosbot_patrol", keys=KEYS)
 MOST_FALSE = 0.2
 DRESSES = ('"{}"', "**{}**", "- {}")
 """Ways in which a model dresses the same sentence."""
-JOINED = {
-    "en": (
-        "Okay {}", "Sure, {}", "{} thanks", "Well {} as you asked", "Of course {}", "{} and that is great",
-        "Yes {} now", "{} have a nice day", "Good news {}", "Great {} for you", "{}, which is nice", "Thank you, {}",
-        "No problem {}",
-        "Right away: {}", "There you go, {}", "{} by the way", "{} as promised", "Honestly {}", "{} and goodbye",
-        "Cool {}", "{} okay",
-    ),
-    "de": (
-        "Okay {}", "Klar, {}", "{} danke", "Gerne {}", "Natürlich {}", "{} und das ist schön", "Ja {} jetzt",
-        "Gute Nachricht {}", "{} für dich", "Kein Problem {}", "{} übrigens", "Wie versprochen {}", "Toll, {}",
-    ),
-}  # fmt: skip
+JOINED = DATA["joined"]
 """Harmless words around a claim."""
 
 
@@ -123,7 +111,7 @@ def test_a_claim_about_a_key_of_the_mission_is_found_by_its_name() -> None:
     ],
 )
 def test_a_claim_by_its_structure_differs_from_what_is_in_doubt(code: str, sentence: str, why: str) -> None:
-    assert Claims(code).why_replaced(sentence, VIEW) == why
+    assert Claims(code).why_suspected(sentence, VIEW) == why
 
 
 def test_what_cannot_be_judged_is_replaced() -> None:

@@ -1,0 +1,82 @@
+# SPDX-License-Identifier: Apache-2.0
+"""How much a sentence sounds like a claim: a linear score of its words, with weights that were learned.
+
+The weights are a logistic regression over sentences of people and of models (`scripts/claim_weights.py`). A sentence is
+its features, each of equal weight: runs of up to three words, and of three and four letters within a word.
+Rule: the same sentence has the same score everywhere; nothing is learned while a robot runs.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import re
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from functools import cache
+from pathlib import Path
+from typing import NamedTuple
+
+__all__ = ("FOLDER", "MOST_OF_CLAUSE", "UNIT", "ClaimWeights", "claim_weights", "features")
+
+FOLDER = Path(__file__).parent / "claim_weights"
+UNIT = 1000
+"""Weights are stored as whole numbers of such parts."""
+MOST_OF_CLAUSE = -0.5
+"""Above this score a clause by itself may be a claim."""
+MOST_WORDS = 3
+LETTERS = (3, 4)
+TOKEN = re.compile(r"[^\W\d_]+(?:['’][^\W\d_]+)?|\d+(?:[.,]\d+)*|[?!.,;:%]")
+
+
+class ClaimWeights(NamedTuple):
+    """What a language's features weigh."""
+
+    weights: Mapping[str, int]
+    least: float
+    """Up to this score a sentence is no claim, unless its structure is one; what is unknown scores 0 or so."""
+    learned_from: str
+    """The SHA-256 of the sentences that it was learned from."""
+
+    def score(self, text: str) -> float:
+        """How much a sentence sounds like a claim; the more, the higher.
+
+        Args:
+            text: The sentence, without marks of layout.
+        """
+        known = [self.weights[each] for each in features(text) if each in self.weights]
+        return sum(known) / UNIT / math.sqrt(max(len(known), 1))
+
+    def is_harmless(self, text: str, clauses: Iterable[str]) -> bool:
+        """Whether a sentence scores as no claim, and none of its clauses by itself as one.
+
+        Args:
+            text: The sentence, without marks of layout.
+            clauses: What it is made of, where that is more than one: harmless words do not cover a claim among them.
+        """
+        return self.score(text) <= self.least and not any(self.score(each) > MOST_OF_CLAUSE for each in clauses)
+
+
+@cache
+def claim_weights(code: str) -> ClaimWeights:
+    """The weights of a language, by its code."""
+    return ClaimWeights(**json.loads((FOLDER / f"{code}.json").read_text(encoding="utf-8")))
+
+
+def features(text: str) -> frozenset[str]:
+    """What a sentence is to a score: a run of words begins with `w`, one of letters with `c`; a number is `#`."""
+    words = ["#" if each[0].isdigit() else each for each in TOKEN.findall(text.lower().replace("’", "'"))]
+    return frozenset((*_runs_of_words(["^", *words, "$"]), *_runs_of_letters(words)))
+
+
+def _runs_of_words(words: Sequence[str]) -> Iterator[str]:
+    for length in range(1, MOST_WORDS + 1):
+        for at in range(len(words) - length + 1):
+            yield f"w{' '.join(words[at : at + length])}"
+
+
+def _runs_of_letters(words: Sequence[str]) -> Iterator[str]:
+    for word in words:
+        bounded = f"^{word}$"
+        for length in LETTERS:
+            for at in range(len(bounded) - length + 1):
+                yield f"c{bounded[at : at + length]}"

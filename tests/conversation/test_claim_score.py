@@ -1,0 +1,86 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The score of a sentence's words: learned from what is stored, and good for writers of whom nothing was learned."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from rai_missions.conversation import StatusView
+from rai_missions.conversation.claim_score import claim_weights, features
+from rai_missions.conversation.claims import CERTAIN, Claims
+
+FOLDER = Path(__file__).parent / "data"
+VIEW = StatusView(robot="rosbot, simulated", mission="rosbot_patrol")
+CODES = ("en", "de")
+MOST_REPLACED = {"en": 0.2, "de": 0.35}
+"""Of the harmless sentences of a writer of whom nothing was learned. 20 % is aimed at; German does not reach it."""
+MOST_PASSED = 0.02
+
+
+def read(name: str) -> dict[str, Any]:
+    found: dict[str, Any] = json.loads((FOLDER / name).read_text(encoding="utf-8"))
+    return found
+
+
+@pytest.mark.parametrize("code", CODES)
+def test_the_weights_were_learned_from_the_sentences_that_are_stored(code: str) -> None:
+    """Else `scripts/claim_weights.py` is to be run again."""
+    groups = [read("claims.json"), *read("claims_learned.json")["writers"]]
+    stored = [[group["claims"][code], group["harmless"][code]] for group in groups]
+    digest = hashlib.sha256(json.dumps(stored, ensure_ascii=False).encode()).hexdigest()
+    assert claim_weights(code).learned_from == digest
+
+
+@pytest.mark.parametrize("code", CODES)
+def test_nothing_was_learned_from_what_is_held_out(code: str) -> None:
+    groups = [read("claims.json"), *read("claims_learned.json")["writers"]]
+    learned = {text for group in groups for kind in ("claims", "harmless") for text in group[kind][code]}
+    held_out = read("claims_held_out.json")
+    assert not learned & {*held_out["claims"][code], *held_out["harmless"][code]}
+
+
+@pytest.mark.parametrize("code", CODES)
+def test_of_a_writer_who_is_unknown_few_claims_pass_and_few_other_sentences_are_replaced(code: str) -> None:
+    claims, held_out = Claims(code), read("claims_held_out.json")
+    stated, harmless = held_out["claims"][code], held_out["harmless"][code]
+    assert len([each for each in stated if not claims.why_replaced(each, VIEW)]) <= MOST_PASSED * len(stated)
+    replaced = [each for each in harmless if claims.why_replaced(each, VIEW)]
+    assert len(replaced) <= MOST_REPLACED[code] * len(harmless), replaced
+
+
+@pytest.mark.parametrize("code", CODES)
+def test_the_score_replaces_nothing_that_the_rules_let_pass_and_takes_back_no_certain_claim(code: str) -> None:
+    claims, held_out = Claims(code), read("claims_held_out.json")
+    for sentence in (*held_out["claims"][code], *held_out["harmless"][code]):
+        suspected, replaced = claims.why_suspected(sentence, VIEW), claims.why_replaced(sentence, VIEW)
+        assert replaced in ("", suspected)
+        assert replaced == suspected or suspected not in CERTAIN
+
+
+@pytest.mark.parametrize("code", CODES)
+def test_words_that_are_unknown_leave_a_sentence_in_doubt(code: str) -> None:
+    weights = claim_weights(code)
+    assert weights.score("Qwx zzyq vvxj.") > weights.least
+
+
+@given(st.text(max_size=60))
+def test_a_score_depends_on_the_text_alone(text: str) -> None:
+    weights = claim_weights("en")
+    assert weights.score(text) == weights.score(text)
+    assert features(text) == features(text.lower())
+
+
+def test_a_sentence_is_its_runs_of_words_and_of_letters() -> None:
+    assert features("It’s 45 m.") == {
+        "w^", "wit's", "w#", "wm", "w.", "w$",
+        "w^ it's", "wit's #", "w# m", "wm .", "w. $",
+        "w^ it's #", "wit's # m", "w# m .", "wm . $",
+        "c^it", "cit'", "ct's", "c's$", "c^it'", "cit's", "ct's$", "c^#$", "c^m$", "c^.$",
+    }  # fmt: skip
