@@ -19,7 +19,7 @@ from rai_missions.conversation.claims import CERTAIN, Claims
 FOLDER = Path(__file__).parent / "data"
 VIEW = StatusView(robot="rosbot, simulated", mission="rosbot_patrol")
 CODES = ("en", "de")
-MOST_REPLACED = {"en": 0.2, "de": 0.35}
+MOST_REPLACED = {"en": 0.2, "de": 0.25}
 """Of the harmless sentences of a writer of whom nothing was learned. 20 % is aimed at; German does not reach it."""
 MOST_PASSED = 0.02
 
