@@ -122,7 +122,7 @@ def least_score(code: str) -> float:
     claims, found, best = Claims(code), by_others(code), -9.0
     kinds, total = [claims.why_suspected(each.text, VIEW) for each in found], Counter(each.is_claim for each in found)
     print(f"{code}: {total[True]} claims, {total[False]} harmless, each judged by the sentences of other writers")
-    for bound in np.arange(-4.0, 2.01, 0.25):
+    for bound in np.arange(-4.0, MOST_OF_CLAUSE, 0.25):
         passed, replaced = 0, 0
         for each, kind in zip(found, kinds, strict=True):
             is_replaced = kind in CERTAIN or (kind != "" and (each.score > bound or each.has_claim))

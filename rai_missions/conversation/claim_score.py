@@ -51,7 +51,7 @@ class ClaimWeights(NamedTuple):
 
         Args:
             text: The sentence, without marks of layout.
-            clauses: What it is made of, where that is more than one: harmless words do not cover a claim among them.
+            clauses: What it is made of: harmless words do not cover a claim among them.
         """
         return self.score(text) <= self.least and not any(self.score(each) > MOST_OF_CLAUSE for each in clauses)
 

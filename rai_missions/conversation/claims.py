@@ -216,9 +216,8 @@ class Claims:
 
 
 def scored_clauses(text: str) -> list[str]:
-    """The clauses of a plain sentence that are scored by themselves; none where it is one."""
-    found = [each for each in CLAUSES.split(text) if len(each.split()) >= LEAST_SCORED]
-    return found if len(found) > 1 or (found and found[0].strip() != text.strip()) else []
+    """The clauses of a plain sentence that are scored by themselves."""
+    return [each for each in CLAUSES.split(text) if len(each.split()) >= LEAST_SCORED]
 
 
 def _clauses(text: str, rules: ClaimWords) -> list[list[str]]:
