@@ -77,7 +77,7 @@ class Grammar:
         is_open = _is_open(whole)
         several = self._several(words(text), view, whole) if is_open else ()
         parts = self.language.normaliser.parts(text) if is_open and not several else []
-        if is_open and STOP not in several and self._stops_at_an_edge(text, view):
+        if is_open and STOP not in several and (self._stops_at_an_edge(text, view) or self._warns(text, view)):
             return (STOP,)
         if len(parts) < 2:
             return several or whole
@@ -85,11 +85,24 @@ class Grammar:
 
     def _stops_at_an_edge(self, text: str, view: StatusView) -> bool:
         """Whether its first or last clause is a stop: `stop, there is a child`; the last one after no condition."""
-        clauses = [self.language.normaliser.words(each) for each in self.language.normaliser.clauses(text)]
+        return any(map(self.language.orders["stop"].fits, self._edges(text, view)))
+
+    def _warns(self, text: str, view: StatusView) -> bool:
+        """Whether it is a warning, `watch out, the dog!`, and does not announce what the person wants to express."""
+        normaliser, warnings = self.language.normaliser, self.language.warnings
+        words = normaliser.bare(normaliser.words(text), _called(view.robot))
+        if warnings["announcing"].fits(words):
+            return False
+        is_whole = len(normaliser.clauses(text)) == 1 and warnings["whole"].fits(words)
+        return is_whole or any(map(warnings["alone"].fits, self._edges(text, view)))
+
+    def _edges(self, text: str, view: StatusView) -> list[list[str]]:
+        """The first clause and the last one, the last one after no condition."""
+        normaliser = self.language.normaliser
+        clauses = [normaliser.words(each) for each in normaliser.clauses(text)]
         is_on_condition = any(words[:1] == [each] for each in self.language.data["conditions"] for words in clauses[:1])
         edges = [*clauses[:1], *([] if is_on_condition else clauses[1:][-1:])]
-        bare = (list(once(self.language.normaliser.bare(words, _called(view.robot)))) for words in edges)
-        return any(self.language.orders["stop"].fits(words) for words in bare)
+        return [list(once(normaliser.bare(words, _called(view.robot)))) for words in edges]
 
     def _in_parts(self, parts: list[str], view: StatusView, draft: Draft | None) -> tuple[Sense, ...]:
         """What the sentences of an utterance mean together."""

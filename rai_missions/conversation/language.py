@@ -36,6 +36,7 @@ class Language(LanguageTexts):
         self.normaliser = Normaliser(data, by=cut)
         parts: Mapping[str, str] = data["parts"]
         self.orders = {name: Phrases(each, parts) for name, each in data["orders"].items()}
+        self.warnings = {name: Phrases(each, parts) for name, each in data["warnings"].items()}
         self.questions = {name: Phrases(each, parts) for name, each in data["questions"].items()}
         self.yes, self.no = Phrases(data["yes"], parts), Phrases(data["no"], parts)
         self.quiet, self.withdraw = Phrases(data["quiet"], parts), Phrases(data["withdraw"], parts)
