@@ -45,7 +45,7 @@ class BypassMonitor:
             log.info("no one could be counted: %s", fault)
             return
         others = {topic: counts[topic] - 1 for topic in self._topics if counts.get(topic, 0) > 1}
-        for topic in others.keys() - self._known:
+        for topic in (each for each in others if each not in self._known):
             self._on_change(topic, others[topic])
         self._known = frozenset(others)
 

@@ -77,7 +77,7 @@ class GateWords(MissionModel):
     @field_validator("leases")
     @classmethod
     def _knows_its_holders(cls, leases: dict[str, float]) -> dict[str, float]:
-        for who in leases.keys() - set(COMMANDERS):
+        for who in (each for each in leases if each not in COMMANDERS):
             raise fault("leases", f"no one called '{who}' commands actuators{suggestion(who, COMMANDERS)}")
         for who, lease_s in leases.items():
             if 0 < lease_s < SHORTEST_LEASE_S:

@@ -99,7 +99,7 @@ class ConversationPolicy(MissionModel):
     @field_validator("may")
     @classmethod
     def _knows_its_roles(cls, may: dict[str, tuple[OrderName, ...]]) -> dict[str, tuple[OrderName, ...]]:
-        for role in may.keys() - GRANTED.keys():
+        for role in (each for each in may if each not in GRANTED):
             raise fault("may", f"no role '{role}'; there is: {', '.join(GRANTED)}{suggestion(role, GRANTED)}")
         return may
 

@@ -99,7 +99,7 @@ class Robot(MissionModel):
     @field_validator("control")
     @classmethod
     def _knows_its_controllers(cls, control: dict[str, ServiceEntry]) -> dict[str, ServiceEntry]:
-        for holder in control.keys() - set(HOLDERS):
+        for holder in (each for each in control if each not in HOLDERS):
             raise fault("control", f"no one called '{holder}' can hold control{suggestion(holder, HOLDERS)}")
         return control
 

@@ -78,7 +78,7 @@ def _options(old: DecisionSpec, new: DecisionSpec, asks: Asks, spot: FieldRef) -
             "asked", "options are shown in another order", severity_if(MODEL in new.ask)
         )
     newly = MODEL in new.ask and MODEL not in old.ask
-    for option in old.options.keys() - new.options.keys():
+    for option in (name for name in old.options if name not in new.options):
         yield spot.inside("options", option).went("rest", f"option '{option}' removed", "other")
     for option, now in new.options.items():
         here = spot.inside("options", option)

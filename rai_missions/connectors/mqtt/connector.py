@@ -48,7 +48,7 @@ def read_options(given: Mapping[str, Any]) -> tuple[str, int]:
     Raises:
         UsageError: An option is not known, or has a value that it cannot have.
     """
-    for word in given.keys() - set(OPTIONS):
+    for word in (each for each in given if each not in OPTIONS):
         raise UsageError(f"connector: no option {shown(word)}; there is: {', '.join(OPTIONS)}")
     host, port = given.get("host", "127.0.0.1"), given.get("port", 1883)
     if not isinstance(host, str) or not _is_host(host):

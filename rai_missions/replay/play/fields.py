@@ -173,7 +173,7 @@ def assembled(fields: Iterable[Field], given: Mapping[str, Any]) -> dict[str, An
         UsageError: A value has no field, or one that must be there has none.
     """
     known = {field.name: field for field in fields}
-    for name in given.keys() - known.keys():
+    for name in (each for each in given if each not in known):
         raise UsageError(f"there is no value '{name}' here{suggestion(name, known)}")
     values = {name: given.get(name, field.suggested) for name, field in known.items()}
     for name, field in known.items():

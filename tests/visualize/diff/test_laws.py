@@ -122,6 +122,16 @@ def test_another_order_of_regions_or_options_is_a_difference(word: str) -> None:
     assert change.sentence.endswith("in another order")
 
 
+def test_options_that_are_gone_are_listed_in_the_order_in_which_they_were_shown() -> None:
+    gone = [f"turn_{number}" for number in range(9)]
+    asked = {"question": "Which?", "options": {name: {} for name in ("stay", *gone)}, "fallback": "stay"}
+    given: dict[str, Any] = {"name": "m", "initial": "two", "states": {"two": {"decision": asked}}}
+    old, new = Mission.model_validate(given), json.loads(json.dumps(given))
+    new["states"]["two"]["decision"]["options"] = {"stay": {}}
+    sentences = [each.sentence for each in difference(old, Mission.model_validate(new)).changes]
+    assert sentences == [f"two: option '{name}' removed" for name in gone]
+
+
 @given(mission_documents(), st.data())
 def test_a_new_name_alone_is_a_new_name_alone(given: dict[str, Any], data: st.DataObject) -> None:
     mission = Mission.model_validate(given)
