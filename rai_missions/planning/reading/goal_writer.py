@@ -383,8 +383,7 @@ class GoalWriter:
         names = self._names(clause.subjects)
         if self._last is None or self._last.kind not in ("in", "to", "on") or len(self._target) != 1:
             raise self._ask("where", self._listed(names))
-        target = self._target[0]
-        yield from self._put(names, target)
+        yield from self._put(names, self._target[0])
 
 
 def _stackable(phrases: Sequence[Phrase]) -> tuple[Phrase, ...]:

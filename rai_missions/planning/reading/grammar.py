@@ -9,7 +9,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from rai_missions.planning.reading.lexicon import Vocabulary
-from rai_missions.planning.reading.noun_phrases import LISTED, Cursor, noun_phrase, noun_phrases, with_limits
+from rai_missions.planning.reading.noun_phrases import (
+    LISTED,
+    Cursor,
+    noun_phrase,
+    noun_phrases,
+    ordered_phrases,
+    with_limits,
+)
 from rai_missions.planning.reading.phrases import Clause, ClauseKind, Phrase, Unread
 from rai_missions.planning.reading.places import gap, has_place, place
 from rai_missions.planning.reading.symbols import Symbol
@@ -89,12 +96,23 @@ class Rules:
         if rule is not None:
             return self._after(rule())
         is_held = cursor.skip("grasp")
-        subjects = noun_phrases(cursor)
-        if not subjects:
-            raise self.unread()
-        found = self._about(subjects, is_held=is_held)
+        found = self._about(self._things(), is_held=is_held)
         self._check_grasped(found[0], is_held=is_held)
         return self._after(found)
+
+    def _things(self) -> tuple[Phrase, ...]:
+        """The phrases that must be here."""
+        found = noun_phrases(self.cursor)
+        if not found:
+            raise self.unread()
+        return found
+
+    def _thing(self) -> Phrase:
+        """The one phrase that must be here."""
+        found = noun_phrase(self.cursor)
+        if found is None:
+            raise self.unread()
+        return found
 
     def _check_grasped(self, found: Clause, *, is_held: bool) -> None:
         """Where something is grasped is no wish: `take the cube on the apple and put it …`."""
@@ -161,7 +179,7 @@ class Rules:
         if self.cursor.kind() == "too":
             return Clause("too", subjects)
         word = self.cursor.take()
-        while word.kind == "each_other" == self.cursor.kind() and self._value() == word.value:
+        while word.kind == "each_other" == self.cursor.kind() and self.cursor.value() == word.value:
             self.cursor.take()
         if word.kind == "by":
             return Clause("by", subjects, by=word.value)
@@ -171,13 +189,10 @@ class Rules:
 
     def _base(self, word: str) -> Phrase | None:
         """What a tower stands on: `… on top of each other in the tray`."""
-        if word != "stack" or self.cursor.kind() != "relation" or self._value() not in ("on", "in"):
+        if word != "stack" or self.cursor.kind() != "relation" or self.cursor.value() not in ("on", "in"):
             return None
         self.cursor.take()
         return noun_phrase(self.cursor)
-
-    def _value(self) -> object:
-        return self.cursor.symbols[self.cursor.at].value
 
     def _tower_of(self, subjects: tuple[Phrase, ...]) -> list[Clause]:
         is_named = self.cursor.kind() == "stack"
@@ -196,9 +211,7 @@ class Rules:
         if relation == "to" and has_place(cursor):
             x, y = place(cursor, self.lexicon)
             return [Clause("at", subjects, x=x, y=y)]
-        target = noun_phrase(cursor)
-        if target is None:
-            raise self.unread()
+        target = self._thing()
         if relation == "place_of":
             cursor.skip("is")
         cursor.skip("put")
@@ -213,7 +226,7 @@ class Rules:
             subjects += noun_phrases(cursor) or ()
         subjects = (*subjects[:-1], with_limits(cursor, subjects[-1]))
         first = Clause(relation, subjects, target, gap_m=gap_m)
-        if relation == "on" and cursor.kind() == "relation" and cursor.symbols[cursor.at].value == "on":
+        if relation == "on" and cursor.kind() == "relation" and cursor.value() == "on":
             if target.others:
                 raise self.unread()  # `red on blue or green on yellow` is no chain
             return [first, *self._related((target,))]
@@ -226,45 +239,36 @@ class Rules:
     def _relation_first(self) -> list[Clause]:
         cursor = self.cursor
         relation: ClauseKind = cursor.take().value
-        target = noun_phrase(cursor)
-        if target is None:
-            raise self.unread()
+        target = self._thing()
         cursor.skip(",", ":", "put", "with", "then")
-        subjects = noun_phrases(cursor)
-        if not subjects:
-            raise self.unread()
-        return [Clause(relation, subjects, target)]
+        return [Clause(relation, self._things(), target)]
 
     def _fill(self) -> list[Clause]:
         """`load the tray with the cubes`."""
         self.cursor.take()
-        target = noun_phrase(self.cursor)
-        subjects = noun_phrases(self.cursor) if target is not None and self.cursor.skip("with") else ()
-        if not subjects:
+        target = self._thing()
+        if not self.cursor.skip("with"):
             raise self.unread()
-        return [Clause("in", subjects, target)]
+        return [Clause("in", self._things(), target)]
 
     def _empty(self) -> list[Clause]:
         """`empty the bin`."""
         word = self.cursor.take()
-        target = noun_phrase(self.cursor)
-        if target is None or not target.types or not target.types <= CONTAINERS:
+        target = self._thing()
+        if not target.types or not target.types <= CONTAINERS:
             raise self.unread()
         return [Clause("off", (Phrase("everything", word.text, is_many=True, is_all=True),), target)]
 
     def _each_other(self) -> list[Clause]:
         kind = MUTUAL[self.cursor.take().value]
         self.cursor.skip(",", "put", ":")
-        subjects = noun_phrases(self.cursor)
-        if not subjects:
-            raise self.unread()
-        return [Clause(kind, subjects)]
+        return [Clause(kind, self._things())]
 
     def _gap_first(self) -> list[Clause]:
         self._gap = gap(self.cursor, self.lexicon)
         self.cursor.skip(*LISTED, "put")
-        subjects = noun_phrases(self.cursor)
-        if self._gap is None or not subjects:
+        subjects = self._things()
+        if self._gap is None:
             raise self.unread()
         return self._related(subjects)
 
@@ -272,25 +276,21 @@ class Rules:
         """`A, B and C`, or `A from B`, after a word such as `swap`."""
         self.cursor.take()
         self.cursor.skip("put", "with", ":")
-        subjects = noun_phrases(self.cursor)
-        others = noun_phrases(self.cursor) if subjects and self.cursor.skip("with") else ()
+        subjects = self._things()
+        others = noun_phrases(self.cursor) if self.cursor.skip("with") else ()
         self.cursor.skip("put")
         return subjects, others
 
     def _swap(self) -> list[Clause]:
         self.cursor.take()
         self.cursor.skip("with", ",", "put")
-        subjects = noun_phrases(self.cursor)
+        subjects = self._things()
         if self.cursor.skip("with"):
             subjects += noun_phrases(self.cursor)
-        if not subjects:
-            raise self.unread()
         return [Clause("swap", subjects)]
 
     def _group(self) -> list[Clause]:
         subjects, _ = self._pairs()
-        if not subjects:
-            raise self.unread()
         if self.cursor.kind() == "by":
             return [Clause("by", subjects, by=self.cursor.take().value)]
         if self.cursor.kind() == "relation":
@@ -302,9 +302,7 @@ class Rules:
 
     def _spread(self) -> list[Clause]:
         subjects, others = self._pairs()
-        if not subjects:
-            raise self.unread()
-        if self.cursor.kind() == "each_other" and self.cursor.symbols[self.cursor.at].value == "apart":
+        if self.cursor.kind() == "each_other" and self.cursor.value() == "apart":
             self.cursor.take()
         if others:
             return [Clause("apart", subjects, target) for target in others]
@@ -316,28 +314,26 @@ class Rules:
         if cursor.kind() in ("the", "pronoun") and cursor.kind(1) == ":":
             cursor.take()
         cursor.skip(":")
-        subjects = noun_phrases(cursor)
-        if not subjects or cursor.kind() not in ("by", "relation", "put"):
+        subjects = self._things()
+        if cursor.kind() not in ("by", "relation", "put"):
             raise self.unread()
         return self._about(subjects, is_held=False)
 
     def _into(self) -> list[Clause]:
         """`bin the tomato`: the verb names where."""
         verb = self.cursor.take()
-        subjects = noun_phrases(self.cursor)
-        if not subjects:
-            raise self.unread()
-        return [Clause("in", subjects, Phrase("things", verb.text, types=verb.value.types, has_noun=True))]
+        container = Phrase("things", verb.text, types=verb.value.types, has_noun=True)
+        return [Clause("in", self._things(), container)]
 
     def _is_verb_of_place(self) -> bool:
-        symbol = self.cursor.symbols[self.cursor.at] if self.cursor.kind() == "noun" else None
-        is_container = symbol is not None and symbol.value.types < CONTAINERS and not symbol.value.is_many
+        noun = self.cursor.value() if self.cursor.kind() == "noun" else None
+        is_container = noun is not None and noun.types < CONTAINERS and not noun.is_many
         return is_container and self.cursor.kind(1) in ("the", "all", "noun", "colour")
 
     def _in_order(self, whole: tuple[Phrase, ...] = ()) -> list[Clause]:
         cursor = self.cursor
         is_from_left = cursor.take().value == "left"
-        subjects = _listed(cursor)
+        subjects = ordered_phrases(cursor)
         if not subjects and len(whole) > 1:
             subjects, whole = whole, ()
         if whole and whole[0].kind == "pronoun":
@@ -346,17 +342,3 @@ class Rules:
             raise Unread("order", self.lexicon.text("order"))
         subjects = subjects if is_from_left else subjects[::-1]
         return [Clause("in_order", subjects, whole[0] if whole else None)]
-
-
-def _listed(cursor: Cursor) -> tuple[Phrase, ...]:
-    cursor.skip(",", ":")
-    found = list(noun_phrases(cursor))
-    while cursor.kind() in (",", "then", "and"):
-        before = cursor.at
-        cursor.skip(",", "then", "and")
-        more = noun_phrases(cursor)
-        if not more:
-            cursor.back_to(before)
-            break
-        found += more
-    return tuple(found)

@@ -5,11 +5,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import Any
 
 from rai_missions.planning.reading.phrases import Phrase
 from rai_missions.planning.reading.symbols import Symbol
 
-__all__ = ("Cursor", "noun_phrase", "noun_phrases", "with_limits")
+__all__ = ("Cursor", "noun_phrase", "noun_phrases", "ordered_phrases", "with_limits")
 
 LISTED = (",", "and")
 
@@ -29,6 +30,10 @@ class Cursor:
         """The kind of a symbol from here; empty past the end."""
         place = self.at + ahead
         return self.symbols[place].kind if place < len(self.symbols) else ""
+
+    def value(self) -> Any:
+        """The value of the symbol here; None past the end."""
+        return self.symbols[self.at].value if self.kind() else None
 
     def take(self) -> Symbol:
         """The symbol here; the cursor moves past it."""
@@ -67,6 +72,16 @@ def noun_phrases(cursor: Cursor) -> tuple[Phrase, ...]:
             break
         found.append(phrase)
     return _with_heads(found)
+
+
+def ordered_phrases(cursor: Cursor) -> tuple[Phrase, ...]:
+    """Phrases whose order is given: `: red, then blue, then green`; empty where none begins here."""
+    cursor.skip(",", ":")
+    found, before = noun_phrases(cursor), cursor.at
+    while cursor.skip(",", "then", "and") and (more := noun_phrases(cursor)):
+        found, before = found + more, cursor.at
+    cursor.back_to(before)
+    return found
 
 
 def _with_heads(found: Sequence[Phrase]) -> tuple[Phrase, ...]:
@@ -161,7 +176,7 @@ NOUNS = ("noun", "colour", "generic", "other")
 
 def _counts(cursor: Cursor) -> bool:
     """`one` before a noun counts; alone it stands for a noun."""
-    return cursor.kind() == "generic" and cursor.symbols[cursor.at].value == "one" and cursor.kind(1) in NOUNS[:2]
+    return cursor.kind() == "generic" and cursor.value() == "one" and cursor.kind(1) in NOUNS[:2]
 
 
 def with_limits(cursor: Cursor, phrase: Phrase) -> Phrase:

@@ -22,7 +22,7 @@ DIGITS = 6
 
 def has_place(cursor: Cursor) -> bool:
     """Whether coordinates begin here."""
-    ahead = int(cursor.kind() == "relation" and cursor.symbols[cursor.at].value in ("to", "on"))
+    ahead = int(cursor.kind() == "relation" and cursor.value() in ("to", "on"))
     ahead += int(cursor.kind(ahead) == "the" and cursor.kind(ahead + 1) == "place")
     kinds = [cursor.kind(ahead), cursor.kind(ahead + 1)]
     if kinds[0] in ("axis", "place", "("):

@@ -6,7 +6,7 @@ Rule: a goal comes out only where every word is accounted for and one reading is
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Iterator, Sequence
+from collections.abc import Hashable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -76,7 +76,7 @@ def reading_of(request: str, scene: Scene, languages: Sequence[str] = ()) -> Req
     Returns:
         A goal, a question, or a refusal. A goal names only things of the scene that words of the request mean.
     """
-    codes = languages or sorted(lexicons(), key=lambda code: code != PREFERRED)
+    codes = languages or _languages()
     attempts = [_read(request, scene, lexicon(code)) for code in codes]
     best = min(attempts, key=lambda attempt: attempt.unknown)
     goals = {goal.meaning: goal for attempt in attempts if (goal := attempt.reading.goal) is not None}
@@ -85,9 +85,17 @@ def reading_of(request: str, scene: Scene, languages: Sequence[str] = ()) -> Req
 
 def language_of(request: str) -> str:
     """The code of the language whose words a request has most of; English where two have as many."""
-    codes = sorted(lexicons(), key=lambda code: code != PREFERRED)
     text = clipped(request, LONGEST_REQUEST)
-    return min(codes, key=lambda code: sum(each.kind == "unknown" for each in symbols(text, lexicon(code))))
+    return min(_languages(), key=lambda code: _unknown(symbols(text, lexicon(code))))
+
+
+def _languages() -> list[str]:
+    """The codes of the languages, the preferred one first."""
+    return sorted(lexicons(), key=lambda code: code != PREFERRED)
+
+
+def _unknown(found: Iterable[Symbol]) -> int:
+    return sum(symbol.kind == "unknown" for symbol in found)
 
 
 @dataclass(frozen=True, slots=True)
@@ -97,18 +105,15 @@ class _Attempt:
 
 
 def _read(request: str, scene: Scene, words: Vocabulary) -> _Attempt:
-    if len(request) > LONGEST_REQUEST:
-        return _Attempt(0, _question("too_long", words.text("too_long")))
-    found = symbols(request, words)
-    unknown = sum(symbol.kind == "unknown" for symbol in found)
-    if len(found) > MOST_WORDS:
-        return _Attempt(unknown, _question("too_long", words.text("too_long")))
+    found = symbols(request, words) if len(request) <= LONGEST_REQUEST else []
     try:
-        return _Attempt(unknown, _read_symbols(found, scene, words))
+        if len(request) > LONGEST_REQUEST or len(found) > MOST_WORDS:
+            raise Unread("too_long", words.text("too_long"))
+        reading = _read_symbols(found, scene, words)
     except Unread as error:
-        if error.refused:
-            return _Attempt(unknown, RequestReading(reason=error.reason, about=clipped(error.about, LONGEST_SENTENCE)))
-        return _Attempt(unknown, _question(error.reason, error.about))
+        about = clipped(error.about, LONGEST_SENTENCE)
+        reading = RequestReading(question="" if error.refused else about, reason=error.reason, about=about)
+    return _Attempt(_unknown(found), reading)
 
 
 def _read_symbols(found: list[Symbol], scene: Scene, words: Vocabulary) -> RequestReading:
@@ -174,14 +179,11 @@ def _put_away(found: Sequence[Symbol], words: Vocabulary) -> Iterator[Symbol]:
     for symbol in found:
         if symbol.kind == "toss" and (names_bin or is_away):
             yield symbol._replace(kind="put")
-            if _is_thrown_away(symbol) and not names_bin:
-                yield Symbol("relation", "in", symbol.text)
-                yield from into_bin[:1]
-        elif symbol.kind == "away" and not names_bin:
+        elif symbol.kind != "away":
+            yield symbol
+        if not names_bin and (symbol.kind == "away" or _is_thrown_away(symbol)):
             yield Symbol("relation", "in", symbol.text)
             yield from into_bin[:1]
-        elif symbol.kind != "away" or not names_bin:
-            yield symbol
 
 
 def _is_thrown_away(symbol: Symbol) -> bool:
@@ -269,8 +271,3 @@ def _asked(goals: Sequence[Goal], words: Vocabulary) -> RequestReading:
     every = words.listed([described(goal, words) for goal in offered], "or")
     question = clipped(words.text("did_you_mean", every), LONGEST_SENTENCE)
     return RequestReading(question=question, candidates=offered, reason="ambiguous", about=question)
-
-
-def _question(reason: str, text: str) -> RequestReading:
-    text = clipped(text, LONGEST_SENTENCE)
-    return RequestReading(question=text, reason=reason, about=text)

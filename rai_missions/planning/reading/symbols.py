@@ -25,20 +25,9 @@ LONGEST_NUMBER = 8
 TOKENS = {sign: re.compile(rf"(?<![\w.])-?\d+(?:[{sign}]\d+)?|\d+|[^\W\d_]+(?:'[^\W\d_]+)*|\S") for sign in (".", ".,")}
 """By what divides decimals: people who write a comma write a point too."""
 SIGNS = {
-    ",": ",",
-    ";": ".",
-    ".": ".",
-    "!": ".",
-    "?": ".",
-    ":": ":",
-    "(": "(",
-    ")": ")",
-    "[": "(",
-    "]": ")",
-    "=": "=",
-    "&": "and",
-    "/": ",",
-}
+    ",": ",", "/": ",", ".": ".", ";": ".", "!": ".", "?": ".", ":": ":", "(": "(", "[": "(", ")": ")", "]": ")",
+    "=": "=", "&": "and",
+}  # fmt: skip
 ARROW = re.compile(r"[-=]+>|⇒|➡")
 """Written as one sign, which a language may have among its words."""
 HYPHEN = re.compile(r"(?<=[^\W\d_])[-‐‑–](?=[^\W\d_])")
@@ -110,9 +99,8 @@ def _quantity(words: Sequence[str], at: int, lexicon: Vocabulary) -> tuple[int, 
     if words[at] not in lexicon.number_words and not words[at][-1].isdigit():
         return None
     for count in range(min(LONGEST_NUMBER, len(words) - at), 0, -1):
-        value = (
-            _value(words[at : at + count], lexicon) if words[at + count - 1] != lexicon.data["number_joint"] else None
-        )
+        ends_open = words[at + count - 1] == lexicon.data["number_joint"]
+        value = None if ends_open else _value(words[at : at + count], lexicon)
         if value is None:
             continue
         unit = lexicon.units.get(words[at + count]) if at + count < len(words) else None

@@ -7,6 +7,7 @@ Rule: a phrase for one thing that fits several has several meanings; one that fi
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from contextlib import suppress
 
 from rai_missions.planning.reading.lexicon import Vocabulary
 from rai_missions.planning.reading.phrases import Phrase, Unread
@@ -102,17 +103,21 @@ class Things:
         if phrase.is_other and not phrase.has_noun and not phrase.colour:
             found = self._of_heads(self._heads.get(phrase, frozenset())) or found
         if phrase.has_noun or not phrase.colour:
-            is_sure = len({each.type for each in found}) < 2
-            sure = [each for each in found if is_sure or has_colour(each, phrase.colour)]
-            return (sure, [each for each in found if each not in sure]) if sure else (found, [])
-        # `the red one` after `the yellow cube` is a cube, and so is `red` alone, where a cube is red.
-        alike = [each for each in found if each.type in self._heads.get(phrase, ())]
-        if len({each.type for each in alike}) == 1:
-            found = alike
-        elif not (phrase.is_one or phrase.is_all):
-            found = [each for each in found if each.type in COLOURED] or found
+            if len({each.type for each in found}) < 2:
+                return found, []
+        else:
+            found = self._of_colour_alone(phrase, found)
         sure = [each for each in found if has_colour(each, phrase.colour)]
         return (sure, [each for each in found if each not in sure]) if sure else (found, [])
+
+    def _of_colour_alone(self, phrase: Phrase, found: list[Thing]) -> list[Thing]:
+        """`the red one` after `the yellow cube` is a cube, and so is `red` alone, where a cube is red."""
+        alike = [each for each in found if each.type in self._heads.get(phrase, ())]
+        if len({each.type for each in alike}) == 1:
+            return alike
+        if phrase.is_one or phrase.is_all:
+            return found
+        return [each for each in found if each.type in COLOURED] or found
 
     def _of_heads(self, heads: frozenset[str]) -> list[Thing]:
         """What `the other one` may be after these types: of the same type, and after a tray or a bin any of these."""
@@ -142,17 +147,11 @@ class Things:
         phrases = tuple(phrases)
         to_choose = {each for phrase in phrases for each in phrase.others}
         for phrase in phrases:
-            if (
-                phrase not in to_choose
-                and phrase.kind == "things"
-                and not phrase.is_other
-                and (phrase.has_noun or phrase.colour)
-            ):
-                try:
+            is_named = phrase.kind == "things" and not phrase.is_other and (phrase.has_noun or phrase.colour)
+            if is_named and phrase not in to_choose:
+                with suppress(Unread):
                     found = self.alternatives(phrase)
-                except Unread:
-                    continue
-                names |= set(found[0]) if len(found) == 1 else set()
+                    names |= set(found[0]) if len(found) == 1 else set()
         return frozenset(names)
 
     def _absent(self, phrase: Phrase) -> Unread:

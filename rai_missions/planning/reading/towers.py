@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 
 from rai_missions.planning.reading.lexicon import Vocabulary
-from rai_missions.planning.reading.noun_phrases import Cursor, noun_phrase, noun_phrases
+from rai_missions.planning.reading.noun_phrases import Cursor, noun_phrase, noun_phrases, ordered_phrases
 from rai_missions.planning.reading.phrases import Clause, Phrase, Unread
 
 __all__ = ("is_tower", "tower")
@@ -116,17 +116,10 @@ def _several(cursor: Cursor, unread: Callable[[], Unread]) -> list[Clause]:
 
 def _upward(cursor: Cursor, unread: Callable[[], Unread]) -> Clause:
     is_up = cursor.take().value == "up"
-    cursor.skip(":", ",")
-    members = list(noun_phrases(cursor))
-    while cursor.kind() in (",", "then") and members:
-        cursor.skip(",", "then")
-        more = noun_phrases(cursor)
-        if not more:
-            break
-        members += more
+    members = ordered_phrases(cursor)
     if len(members) < 2:
         raise unread()
-    return Clause("stack", tuple(members if is_up else members[::-1]))
+    return Clause("stack", members if is_up else members[::-1])
 
 
 def _levels(

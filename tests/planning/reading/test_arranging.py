@@ -44,6 +44,13 @@ def test_no_word_of_arranging_is_lost_before_a_place(code: str) -> None:
             assert words <= {"in", "left_of", "asked"}, request
 
 
+@pytest.mark.parametrize("joint", [", then", ", and then", ", and", "."])
+def test_a_wish_after_a_tower_from_below_is_a_wish_of_its_own(joint: str) -> None:
+    found = reading_of(f"from bottom to top: red, blue, green{joint} put the carrot in the bin", SEEN)
+    tower = [{"on": [above, below]} for below, above in pairwise(["desk", *CUBES])]
+    assert found.goal == goal(*tower, {"in": ["carrot", "bin"]})
+
+
 @pytest.mark.parametrize(
     ("request_", "base", "names"),
     [
