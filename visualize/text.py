@@ -9,13 +9,14 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
+from rai_missions.mission.mission import Mission
 from rai_missions.states import Default, State
 from rai_missions.states.decision import DecisionSpec
 from rai_missions.states.effects import Effect
 from rai_missions.states.state import CONTROLLERS, Transition
 from visualize.model import Choice, Twig
 
-__all__ = ("child_pointer", "choices", "controlled", "effects", "trigger", "twigs")
+__all__ = ("canceled", "child_pointer", "choices", "controlled", "effects", "trigger", "twigs")
 
 
 def child_pointer(place: str, *steps: str) -> str:
@@ -39,6 +40,13 @@ def controlled(holder: str) -> str:
     The format's `agent` is the mission's own program here, and a model where a decision asks it; a reader sees neither.
     """
     return f"controlled by {CONTROLLERS.get(holder, holder)}" if holder else ""
+
+
+def canceled(mission: Mission) -> str:
+    """Where a cancel leads."""
+    if mission.on_cancel:
+        return f"cancel: leads to {mission.on_cancel}, at most {mission.cancel_s:g} s; it ends canceled"
+    return "cancel: everything is left and its goals are canceled; it ends canceled"
 
 
 def effects(given: Iterable[Effect]) -> tuple[str, ...]:

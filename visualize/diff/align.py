@@ -37,12 +37,14 @@ def aligned(old: Mission, new: Mission) -> tuple[Mission, tuple[NameChange, ...]
     for sort, of in (("key", "blackboard"), ("event", "events")):
         for (was, now), score in alike_keys(old, new, of).items():
             found.append(NameChange(sort, was, now, score))
-    old = _called(old, {each.old: each.new for each in found if each.sort == "key"},
-                  {each.old: each.new for each in found if each.sort == "event"}, {})  # fmt: skip
+    keys, events = ({each.old: each.new for each in found if each.sort == sort} for sort in ("key", "event"))
+    if found:
+        old = renamed(old, Names.by(keys=keys, events=events))
     known = ComparedMissions(old, new, parents_of(old), parents_of(new))
     states = alike_states(known)
     found += [NameChange("state", was, now, score) for (was, now), score in states.items()]
-    old = _called(old, {}, {}, dict(states.keys()))
+    if states:
+        old = renamed(old, Names.by(states=dict(states.keys())))
     options: dict[str, dict[str, str]] = {}
     now_there = {name: state for _, name, state in new.walk()}
     for _, name, state in old.walk():
@@ -53,16 +55,6 @@ def aligned(old: Mission, new: Mission) -> tuple[Mission, tuple[NameChange, ...]
     if any(options.values()):
         old = old.model_copy(update={"states": _with_options(old.states, options)})
     return old, tuple(found)
-
-
-def _called(
-    mission: Mission, keys: Mapping[str, str], events: Mapping[str, str], states: Mapping[str, str]
-) -> Mission:  # fmt: skip
-    """The same mission with some things called otherwise."""
-    if not (keys or events or states):
-        return mission
-
-    return renamed(mission, Names.by(states=states, keys=keys, events=events))
 
 
 def _with_options(states: Mapping[str, State], options: Mapping[str, Mapping[str, str]]) -> dict[str, State]:

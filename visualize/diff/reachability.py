@@ -28,19 +28,15 @@ class Ways:
     def __init__(self, mission: Mission) -> None:
         self.roads = Roads(mission)
         self.places = {name: place for place, name, _ in mission.walk()}
-        self.ends = frozenset(
-            name for name, state in mission.states.items() if isinstance(state, Final) and state.final == "succeeded"
-        )
+        self.ends = frozenset(name for name, state in self.roads.finals.items() if state.final == "succeeded")
         """The states in which the whole mission has succeeded."""
-        self.ended = frozenset(name for name, state in mission.states.items() if isinstance(state, Final))
-        """The states that end the mission, however: no transition of anything is received in them."""
         self.initial = mission.initial
         self.onward = {name: frozenset(self._next(name)) for name in self.places}
         self.hopeful = self._before(self.ends)
         """The states from which it may still succeed."""
 
     def _next(self, name: str) -> Iterator[str]:
-        if name in self.ended:
+        if name in self.roads.finals:
             return
         yield from self.roads.inside(name)
         chain = (name, *self.roads.above(name))
@@ -181,11 +177,9 @@ def _hope(old: Ways, new: Ways, was: AbstractSet[str], now: AbstractSet[str]) ->
 
 
 def _targets(ways: Ways, name: str) -> set[str]:
-    return (
-        {target for _, transition in ways.roads.transitions[name] for target in transition.to}
-        if name not in ways.ended
-        else set()
-    )
+    if name in ways.roads.finals:
+        return set()
+    return {target for _, transition in ways.roads.transitions[name] for target in transition.to}
 
 
 def _road(names: list[str]) -> str:

@@ -27,7 +27,7 @@ from visualize.live.auth import ASGI, ROLE, Allowance, Receive, Scope, Send
 from visualize.live.hub import Hub, Viewer
 from visualize.live.images import ImageStream
 from visualize.live.page_files import PageFiles
-from visualize.live.posts import PostRefusal, body_of, refused
+from visualize.live.posts import LARGEST_ORDER, PostRefusal, body_of, refused
 from visualize.live.sound import SoundPages
 from visualize.live.talk import TalkDesk, TalkPages
 from visualize.page.as_json import Json
@@ -35,8 +35,6 @@ from visualize.page.chart_data import chart_data
 
 __all__ = ("CommandSink", "ReplyCallback", "application")
 
-LARGEST_ORDER = 65_536
-"""Bytes."""
 PATIENCE_S = 1.5
 """How long an order's reply waits for the run to take it; a page waits for 2 s."""
 OLDEST_S = 5.0

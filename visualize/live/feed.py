@@ -85,9 +85,7 @@ class RunFeed:
         self._past.clear()
         self._order = None
         self._is_renewed = True
-        wake = self._wake
-        if wake is not None:
-            wake()
+        self._notify()
 
     def talk(self, line: Mapping[str, Any]) -> None:
         """A line of the conversation; one of the same number replaces that. From any thread."""
@@ -95,8 +93,10 @@ class RunFeed:
         while len(self._spoken) > MOST_TALK:
             self._spoken.pop(next(iter(tuple(self._spoken))), None)
         self._talk.append(line)
-        wake = self._wake
-        if wake is not None:
+        self._notify()
+
+    def _notify(self) -> None:
+        if (wake := self._wake) is not None:
             wake()
 
     async def begin(self, wake: Callable[[], None]) -> RunScene:

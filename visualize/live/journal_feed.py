@@ -15,7 +15,7 @@ import time
 from collections.abc import Callable, Mapping
 from pathlib import Path
 
-from rai_missions.errors import DefinitionError, MissionError
+from rai_missions.errors import DefinitionError, Fault, MissionError
 from rai_missions.journal import Header, Note, StepRow
 from rai_missions.journal.reader import Record
 from rai_missions.journal.rows import GENESIS, Raw, chained
@@ -138,16 +138,21 @@ class JournalFeed:
             return
         if isinstance(row, StepRow):
             self._scene.take(row.step, row.before)
-        elif isinstance(row, Note) and isinstance(row.data, dict) and isinstance(row.data.get("open_goals"), list):
-            self._scene.loosen(row.data["open_goals"])
-        elif isinstance(row, Note) and isinstance(row.data, dict) and isinstance(row.data.get("lines"), list):
-            for line in row.data["lines"]:
+        elif isinstance(row, Note):
+            self._follow_note(row)
+
+    def _follow_note(self, note: Note) -> None:
+        data = note.data if isinstance(note.data, dict) else {}
+        if isinstance(goals := data.get("open_goals"), list):
+            self._scene.loosen(goals)
+        elif isinstance(lines := data.get("lines"), list):
+            for line in lines:
                 if isinstance(line, dict):
                     self._scene.converse(line)
-        elif isinstance(row, Note) and row.successor is not None:
-            self._cut = CONTINUES.format(shown(str(row.successor["journal"])))
-        elif isinstance(row, Note) and isinstance(row.data, dict) and "broken_off" in row.data:
-            self._scene.fault(row.text)
+        elif note.successor is not None:
+            self._cut = CONTINUES.format(shown(str(note.successor["journal"])))
+        elif "broken_off" in data:
+            self._scene.fault(note.text)
 
 
 def _is_text(raw: Raw) -> bool:
@@ -155,8 +160,6 @@ def _is_text(raw: Raw) -> bool:
 
 
 def _mission(header: Header, path: Path) -> Mission:
-    from rai_missions.errors import Fault
-
     if not header.mission:
         sentence = "its mission has behaviours in Python and is not in the journal; watch it with run --watch"
         raise DefinitionError([Fault("row 0", sentence)], str(path))

@@ -21,13 +21,11 @@ from rai_missions.states.state import CONTROLLERS
 from visualize.build import picture
 from visualize.live.auth import ASGI, Allowance
 from visualize.live.page_files import PageFiles
-from visualize.live.posts import PostRefusal, body_of
+from visualize.live.posts import LARGEST_ORDER, PostRefusal, body_of
 from visualize.page.chart_data import chart_data
 
 __all__ = ("PlayDesk", "play_application")
 
-LARGEST_ORDER = 65_536
-"""Bytes."""
 SCRIPTS = ("entry.js", "line.js", "play_fields.js", "play_choices.js", "play.js")
 FILES = PageFiles("play.html", SCRIPTS, ("live.css", "play.css"))
 

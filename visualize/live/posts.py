@@ -9,8 +9,10 @@ from typing import NamedTuple
 from starlette.requests import Request
 from starlette.responses import JSONResponse, Response
 
-__all__ = ("COMES_WITHIN_S", "PostRefusal", "body_of", "refused")
+__all__ = ("COMES_WITHIN_S", "LARGEST_ORDER", "PostRefusal", "body_of", "refused")
 
+LARGEST_ORDER = 65_536
+"""Bytes of an order."""
 COMES_WITHIN_S = 10.0
 """From the head of a request to the end of its body."""
 

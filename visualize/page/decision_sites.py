@@ -7,12 +7,12 @@ from collections.abc import Iterator
 from typing import NamedTuple
 
 from rai_missions.mission.mission import Mission
-from rai_missions.states import DecisionSpec, Final, Transition
+from rai_missions.states import DecisionSpec, Final, Option, Transition, answerer_words
 from rai_missions.states.state import OUTCOMES
 from visualize.page.reachability import Roads
 from visualize.text import child_pointer
 
-__all__ = ("DecisionSite", "asked_of", "fired", "leads", "questions", "silence", "unanswered")
+__all__ = ("DecisionSite", "asked_in_turn", "asked_of", "bound", "fired", "leads", "questions", "silence", "unanswered")
 
 
 class DecisionSite(NamedTuple):
@@ -67,6 +67,16 @@ def silence(site: DecisionSite, roads: Roads) -> str:
     """What happens without an answer that counts: `no valid answer within 20 s: abort → given_up (aborted)`."""
     outcome = site.asked.fallback or "failed"
     return f"{unanswered(site.asked)}: {outcome} → {leads(outcome, site, roads)}"
+
+
+def asked_in_turn(asked: DecisionSpec) -> str:
+    """Who is asked: `asks the model, then the operator`."""
+    return f"asks {', then '.join(map(answerer_words, asked.ask))}"
+
+
+def bound(option: Option) -> str:
+    """When an option is offered: `only when obstacle.living is false`, or `always open`."""
+    return f"only when {option.when.words()}" if option.when is not None else "always open"
 
 
 def unanswered(asked: DecisionSpec) -> str:

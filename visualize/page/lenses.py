@@ -12,8 +12,9 @@ from rai_missions.mission.mission import Mission
 from rai_missions.states import DecisionSpec, Final, State, answerer_words
 from visualize.model import Picture, PictureEdge
 from visualize.page.as_json import Json
-from visualize.page.decision_sites import DecisionSite, asked_of, silence
+from visualize.page.decision_sites import DecisionSite, asked_in_turn, asked_of, bound, silence
 from visualize.page.reachability import ReachableParts, Roads
+from visualize.text import canceled
 
 __all__ = ("lens", "lenses")
 
@@ -39,7 +40,7 @@ def _operator(mission: Mission, picture: Picture) -> Json:
     ]
     commands = [
         item("pause and resume: timers keep the time left, goals are canceled and started again, events wait"),
-        item(_cancel_words(mission), state=mission.on_cancel or ""),
+        item(canceled(mission), state=mission.on_cancel or ""),
         item("e-stop: acts at once, before it is written down; the mission ends aborted"),
         item("take and return control; only an operator lifts control from no one"),
     ]
@@ -55,18 +56,12 @@ def _operator(mission: Mission, picture: Picture) -> Json:
     )  # fmt: skip
 
 
-def _cancel_words(mission: Mission) -> str:
-    if mission.on_cancel:
-        return f"cancel: goes to '{mission.on_cancel}', which has {mission.cancel_s:g} s; the mission ends canceled"
-    return "cancel: everything is left and its goals are canceled; the mission ends canceled"
-
-
 def _stops(mission: Mission, picture: Picture, roads: Roads) -> Json:
-    ends = [name for name, state in mission.states.items() if isinstance(state, Final) and state.final != "succeeded"]
+    ends = [name for name, state in roads.finals.items() if state.final != "succeeded"]
     after = roads.onward([mission.on_cancel]) if mission.on_cancel else None
     moving = [name for _, name, state in mission.walk() if _moves(state)]
     to_ends = [edge for edge in picture.edges if edge.target in ends]
-    cancel = [item(_cancel_words(mission), state=mission.on_cancel or "")]
+    cancel = [item(canceled(mission), state=mission.on_cancel or "")]
     if after is not None:
         finals = [name for name in roads.states if name in after.states and roads.states[name].word == "final"]
         cancel.append(item(f"from there it may reach {', '.join(finals) or 'no final'}"))
@@ -158,12 +153,11 @@ def _model_lens(mission: Mission, picture: Picture, roads: Roads) -> Json:
         direct |= {edge.target for edge in edges if edge.target}
         sections.append((f"{each.state}: “{each.asked.question}”", list(_decision_items(each, edges, roads))))
     after = roads.onward(direct)
-    finals = [(name, state) for name, state in mission.states.items() if isinstance(state, Final)]
     at_once = roads.at_once(direct)
-    ends = [item(_end_words(name, state, direct, at_once, after), state=name) for name, state in finals]
-    sections.append(("Ends", [*ends, *_success_words(finals, at_once)]))
+    ends = [item(_end_words(name, state, direct, at_once, after), state=name) for name, state in roads.finals.items()]
+    sections.append(("Ends", [*ends, *_success_words(roads, at_once)]))
     none = [("Decisions", [item("none: no model is asked anything in this mission")])]
-    states = [*(each.state for each in asked), *direct, *(name for name, _ in finals if name in after.states)]
+    states = [*(each.state for each in asked), *direct, *(name for name in roads.finals if name in after.states)]
     return lens(
         "model", "Where does the model decide?", "m", label="Model",
         focus=[*(each.state for each in asked), *sorted(direct)],
@@ -176,20 +170,15 @@ def _decision_items(each: DecisionSite, edges: list[PictureEdge], roads: Roads) 
     asked = each.asked
     often = f"{asked.attempts} attempts" if asked.attempts > 1 else "1 attempt"
     yield item(silence(each, roads), state=each.state)
-    yield item(
-        f"bounded: asks {', then '.join(map(answerer_words, asked.ask))}, {often} each, {_within(asked)}",
-        state=each.state,
-    )
+    yield item(f"bounded: {asked_in_turn(asked)}, {often} each, {_within(asked)}", state=each.state)
     for name, option in asked.options.items():
-        bound = f"only when {option.when.words()}" if option.when is not None else "always open"
         fired = [edge for edge in edges if edge.option == name]
         to = [edge.target for edge in fired if edge.target]
         leads = f"leads to {', '.join(to)}" if to else "continues in its tree" if each.in_tree else "does not leave"
-        yield (
-            item(f"{name}: {bound}; {leads}{_ends_after(to, roads)}", transition=fired[0].place)
-            if fired
-            else item(f"{name}: {bound}; {leads}", state=each.state)
-        )
+        if fired:
+            yield item(f"{name}: {bound(option)}; {leads}{_ends_after(to, roads)}", transition=fired[0].place)
+        else:
+            yield item(f"{name}: {bound(option)}; {leads}", state=each.state)
 
 
 def _within(asked: DecisionSpec) -> str:
@@ -206,23 +195,22 @@ def _within(asked: DecisionSpec) -> str:
     return f"{most}, {shares}; an attempt has an equal share of the time that is left by then"
 
 
-def _success_words(finals: list[tuple[str, Final]], at_once: frozenset[str]) -> list[Json]:
+def _success_words(roads: Roads, at_once: frozenset[str]) -> list[Json]:
     words = ["no answer sets the state"]
-    for name, state in finals:
+    for name, state in roads.finals.items():
         if name in at_once and state.final == "succeeded":
             held = f"where {state.requires.words()} already holds, " if state.requires is not None else ""
             words.append(f"{held}the answer ends the mission as succeeded, in '{name}'")
-    return [
-        item(each) for each in (words if len(words) > 1 else [f"{words[0]}, and none alone makes a mission succeed"])
-    ]
+    return (
+        [item(each) for each in words] if words[1:] else [item(f"{words[0]}, and none alone makes a mission succeed")]
+    )
 
 
 def _ends_after(targets: list[str], roads: Roads) -> str:
-    if targets and all(isinstance(roads.mission.states.get(name), Final) for name in targets):
+    if targets and all(name in roads.finals for name in targets):
         return ", which ends the mission"
     after = roads.onward(targets).states
-    finals = [name for name, state in roads.mission.states.items() if isinstance(state, Final)]
-    missed = [name for name in finals if name not in after]
+    missed = [name for name in roads.finals if name not in after]
     if not targets or not missed:
         return ""
     return f"; from there never {', '.join(missed)}"

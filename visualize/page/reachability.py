@@ -40,6 +40,8 @@ class Roads:
         for place, name, state in mission.walk():
             self.states.setdefault(name, state)
             self.transitions.setdefault(name, _transitions(place, state.transitions))
+        self.finals = {name: state for name, state in mission.states.items() if isinstance(state, Final)}
+        """The states that end the mission."""
 
     def above(self, name: str) -> Iterator[str]:
         """The states around one, innermost first."""
@@ -72,8 +74,7 @@ class Roads:
 
     def waiting_in(self, name: str) -> tuple[str, ...]:
         """Whose transitions may fire while a state is active, the mission's own (`""`) last; none where it ends."""
-        ends = isinstance(self.states[name], Final) and name not in self.parents
-        return () if ends else (name, *self.above(name), "")
+        return () if name in self.finals else (name, *self.above(name), "")
 
     def at_once(self, targets: Iterable[str]) -> frozenset[str]:
         """What may be entered in the same breath, themselves included: nothing is received, finished or waited for."""

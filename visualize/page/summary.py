@@ -12,12 +12,21 @@ from collections.abc import Iterator
 from typing import NamedTuple, get_args
 
 from rai_missions.mission.mission import Mission
-from rai_missions.states import Final, Transition, answerer_words
+from rai_missions.states import Final, Transition
 from rai_missions.states.final import FinalOutcome
 from rai_missions.states.state import OUTCOMES
-from visualize.page.decision_sites import DecisionSite, fired, leads, questions, silence, unanswered
+from visualize.page.decision_sites import (
+    DecisionSite,
+    asked_in_turn,
+    bound,
+    fired,
+    leads,
+    questions,
+    silence,
+    unanswered,
+)
 from visualize.page.reachability import Roads
-from visualize.text import controlled, effects, trigger
+from visualize.text import canceled, controlled, effects, trigger
 
 __all__ = ("DecisionSummary", "EndSummary", "Fact", "InvariantSummary", "MissionSummary", "OptionSummary", "summary")
 
@@ -144,13 +153,12 @@ class _Reader:
             asked=self._asked(sites),
             invariants=tuple(InvariantSummary(name, guard.words()) for name, guard in mission.invariants.items()),
             decisions=tuple(map(self._decision, sites)),
-            outcomes=tuple(_outcome_lines(mission)),
+            outcomes=tuple(_outcome_lines(self.roads)),
             ends=tuple(
                 self._end(name, state, by_answer=name in answered or (name in at_once and self._behind(name, at_once)))
-                for name, state in mission.states.items()
-                if isinstance(state, Final)
+                for name, state in self.roads.finals.items()
             ),
-            interruptions=(*INTERRUPTIONS, _canceled(mission)),
+            interruptions=(*INTERRUPTIONS, canceled(mission)),
             controllers=tuple(_controllers(mission)),
             words=tuple(word for word, is_used in used.items() if is_used),
         )
@@ -173,13 +181,13 @@ class _Reader:
             state=site.state,
             question=asked.question,
             by_model="agent" in asked.ask,
-            asked=f"asks {', then '.join(map(answerer_words, asked.ask))}{often}",
+            asked=f"{asked_in_turn(asked)}{often}",
             silence=silence(site, self.roads),
             options=tuple(
                 OptionSummary(
                     name,
                     option.about,
-                    f"only when {option.when.words()}" if option.when is not None else "always open",
+                    bound(option),
                     leads(name, site, self.roads),
                     next((place for place, _ in fired(name, site, self.roads)), ""),
                 )
@@ -265,19 +273,12 @@ def _outcomes(transition: Transition) -> bool:
     return bool(transition.on) and set(transition.on) <= set(OUTCOMES)
 
 
-def _outcome_lines(mission: Mission) -> Iterator[str]:
+def _outcome_lines(roads: Roads) -> Iterator[str]:
     found: dict[str, list[str]] = {}
-    for name, state in mission.states.items():
-        if isinstance(state, Final):
-            found.setdefault(state.final, []).append(name)
+    for name, state in roads.finals.items():
+        found.setdefault(state.final, []).append(name)
     for outcome in sorted(found, key=get_args(FinalOutcome).index):
         yield f"{outcome}: {', '.join(found[outcome])}"
-
-
-def _canceled(mission: Mission) -> str:
-    if mission.on_cancel:
-        return f"cancel: leads to {mission.on_cancel}, at most {mission.cancel_s:g} s; it ends canceled"
-    return "cancel: everything is left and its goals are canceled; it ends canceled"
 
 
 def _controllers(mission: Mission) -> Iterator[Fact]:
