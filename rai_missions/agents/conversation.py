@@ -156,9 +156,9 @@ class ConversationalAgent:
         if self._attached is None:
             return True
         self._attached.close()
-        self._drain(1.0)
+        self.wait_answered(1.0)
         reported = self._end_reported.wait(within_s)
-        self._drain(min(1.0, within_s))
+        self.wait_answered(min(1.0, within_s))
         return reported
 
     def wait_decided(self) -> None:
@@ -166,7 +166,7 @@ class ConversationalAgent:
 
         Of several requests that wait, each is asked for in its turn.
         """
-        self._drain(1.0)
+        self.wait_answered(1.0)
         lines = self._count
         while not self._is_decided.wait(2 * self._settings.confirm_s) and lines != self._count:
             lines = self._count
@@ -208,7 +208,7 @@ class ConversationalAgent:
                 return f"{MOST_WAITING} sentences wait already; speak again in a moment"
             self._waiting += 1
         words = tuple(map(redacted, readings))
-        sentence = Utterance(redacted(text), role, channel, cut(author, LONGEST_NAME), 0.0, words, message_id)
+        sentence = Utterance(redacted(text), role, channel, cut(author, LONGEST_NAME), self._now(), words, message_id)
         if self.after_all(partial(self._take, sentence)):
             return ""
         with self._lock:
@@ -243,6 +243,12 @@ class ConversationalAgent:
                 self._received.clear()
         return is_taken
 
+    def wait_answered(self, within_s: float) -> None:
+        """Wait until what was received so far is answered by rule, or given to a model; not on its own thread."""
+        done = threading.Event()
+        if self.after_all(done.set):
+            done.wait(within_s)
+
     def add_door(self, door: TalkDoor) -> None:
         """Open another door; before `run`."""
         self._doors.add(door)
@@ -262,7 +268,6 @@ class ConversationalAgent:
     def _take(self, sentence: Utterance) -> None:
         with self._lock:
             self._waiting -= 1
-        sentence = sentence._replace(at=self._now())
         self._show(
             TalkLine(self._next(), sentence.role, sentence.text, sentence.author, sentence.channel, at=sentence.at)
         )
@@ -325,19 +330,19 @@ class ConversationalAgent:
             at=self._now(), repeated=speech.repeated, report=speech.report,
         )  # fmt: skip
         self._lines[speech.key] = line
-        self._show(line)
 
         def on_end(result: SpeechResult) -> None:
-            self._worker.post(partial(self._spoken, speech, result))
+            self._worker.post(partial(self._spoken, speech, SpeechEnd(speech.key, result, self._now())))
 
-        self._doors.speak(speech, on_end)
+        self._doors.speak(speech, on_end)  # first: who answers what is shown does so after its end
+        self._show(line)
 
-    def _spoken(self, speech: Speech, result: SpeechResult) -> None:
+    def _spoken(self, speech: Speech, end: SpeechEnd) -> None:
         line = self._lines.pop(speech.key, None)
-        if line is not None and result != "whole":
-            self._show(line._replace(spoken=result))
-        self._perform(self._dialogue.on_speech_end(SpeechEnd(speech.key, result, self._now())))
-        if self._attached is not None and speech.report == f"{self._attached.status.run}:end" and result == "whole":
+        if line is not None and end.result != "whole":
+            self._show(line._replace(spoken=end.result))
+        self._perform(self._dialogue.on_speech_end(end))
+        if self._attached is not None and speech.report == f"{self._attached.status.run}:end" and end.result == "whole":
             self._end_reported.set()
         self._worker.post(self._look_at_doors)  # behind the ends of speech that wait already: those still count
 
@@ -375,12 +380,6 @@ class ConversationalAgent:
         self._doors.show(line)
         if self._attached is not None:
             self._attached.journal.line(line)
-
-    def _drain(self, within_s: float) -> None:
-        """Wait until what was received and posted so far is done."""
-        done = threading.Event()
-        self.after_all(done.set)
-        done.wait(within_s)
 
     def _failed(self, error: BaseException) -> Any:
         log.error("the conversation met an error and continues: %s: %s", type(error).__name__, error, exc_info=error)

@@ -2,11 +2,13 @@
 """A confirmation: one order that was read back and waits for its yes.
 
 Rule: the yes counts for exactly what was read back: by one who may, in time, while what it rests on is the same, and
-as the first that this person utters after it. A yes that may be meant for the question before does not count.
+as the first that this person utters after it. A yes from before it was read back, or that may be meant for the question
+before, does not count.
 """
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 from rai_missions.conversation.inputs import Utterance
@@ -28,6 +30,8 @@ class Confirmable(NamedTuple):
     binding: tuple[object, ...]
     """What it rests on; `judging.binding`."""
     until: float
+    read_at: float = math.inf
+    """From when on it can be known: it was shown, or spoken to its end."""
     key: str = ""
     """Of the speech that reads it back."""
     distracted: frozenset[tuple[str, str]] = frozenset()
@@ -39,9 +43,10 @@ class Confirmable(NamedTuple):
     is_request: bool = False
     """It waited for the end of a mission, which did not succeed."""
 
-    def is_unclear_from(self, speaker: tuple[str, str]) -> bool:
-        """Whether the yes of this speaker may be meant for something else, and has the order read back again."""
-        return speaker in self.distracted or (self.is_crossing and speaker != self.understood_by)
+    def is_unclear(self, yes: Utterance) -> bool:
+        """Whether a yes came too early, or may be meant for something else, and has the order read back again."""
+        is_crossing = self.is_crossing and yes.speaker != self.understood_by
+        return yes.at < self.read_at or yes.speaker in self.distracted or is_crossing
 
     def asked_again(self) -> Confirmable:
         """The same, to be read back again: the next yes of each speaker is clear."""

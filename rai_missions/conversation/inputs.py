@@ -29,7 +29,7 @@ class Utterance(NamedTuple):
     author: str = ""
     """A free name, for people. Channel and author together are the speaker to whom a confirmation is bound."""
     at: float = 0.0
-    """Seconds on the dialogue's clock, which never goes back."""
+    """When the door received it, on the dialogue's clock: it answers nothing that was shown or spoken later."""
     readings: tuple[str, ...] = ()
     """Of a spoken sentence each recogniser's transcription, the first included; empty for a typed one.
 
@@ -75,6 +75,7 @@ class SpeechEnd(NamedTuple):
     """Of the `Speech`; any other is dropped."""
     result: SpeechResult
     at: float = 0.0
+    """When it did so; it may be handled later."""
 
 
 class OrderEnd(NamedTuple):

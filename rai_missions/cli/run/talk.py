@@ -39,6 +39,9 @@ __all__ = ("HeldOpen", "TalkSession", "normalise_voice_args", "talk_of", "talkin
 END_REPORTED_S = 5.0
 """How long the program waits until the end of the mission is reported to those who talk with the robot."""
 
+ANSWERED_S = 1.0
+"""How long a script that is piped in waits for the answer to a line before the next is read."""
+
 
 class HeldOpen:
     """The operator, who is met by talk: a question stays open until the conversation, or a page, answers it."""
@@ -168,6 +171,11 @@ class TalkSession:
     def type(self, text: str) -> str:
         """A line that is written on the terminal; why it is not taken, or empty."""
         return self._take(text, role="operator", channel="terminal")
+
+    def wait_answered(self) -> None:
+        """Wait until what was taken is answered, or for as long as an answer may take that needs no model."""
+        if self.agent is not None:
+            self.agent.wait_answered(ANSWERED_S)
 
     def receive(self, text: str, author: str, role: Role) -> str:
         """A sentence that is written on the page, whose token has a role."""
@@ -342,13 +350,17 @@ def talking(
         page_door: Makes the door of the live page, where there is one.
     """
     from rai_missions.agents.talk.doors import TextDoor
-    from rai_missions.cli.run.talk_terminal import TalkLines, open_typing
+    from rai_missions.cli.run.talk_terminal import TalkLines, TypedLines, open_typing
 
     typing = None
     if isinstance(lines, TalkLines):
-        typing = open_typing(
-            session.type, lambda why: lines.remark(f"not taken: {why}"), lines.foot, session.typed_to_the_end
+        to = TypedLines(
+            session.type,
+            lambda why: lines.remark(f"not taken: {why}"),
+            session.typed_to_the_end,
+            session.wait_answered,
         )
+        typing = open_typing(to, lines.foot)
         session.add_door(TextDoor("terminal", lines.talk))
     if page_door is not None:
         session.add_door(page_door(session))

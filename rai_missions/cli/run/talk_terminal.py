@@ -26,7 +26,7 @@ from rai_missions.cli.live_terminal import STYLES
 from rai_missions.cli.progress import Lines, Tone, trimmed
 from rai_missions.mission.mission import Mission
 
-__all__ = ("LineInput", "TalkLines", "line_words", "open_typing")
+__all__ = ("LineInput", "TalkLines", "TypedLines", "line_words", "open_typing")
 
 WAYS = {"rules": "robot", "model": "robot, the model thinks", "unknown": "robot"}
 UNHEARD = {"cut": " (interrupted)", "failed": " (not spoken)"}
@@ -102,6 +102,8 @@ class TypedLines(NamedTuple):
     """Shows why a line was not taken."""
     on_end: Callable[[], object]
     """Called once nothing more is typed."""
+    wait_answered: Callable[[], object]
+    """Waits until what was taken is answered."""
 
 
 class LineInput:
@@ -146,16 +148,22 @@ class LineInput:
 
 
 class PlainInput(LineInput):
-    """Whole lines from a terminal or a pipe, edited by the terminal itself."""
+    """Whole lines from a terminal or a pipe, edited by the terminal itself.
+
+    A pipe holds a script: each of its lines is read once the one before is answered. A person's is read as it is typed.
+    """
 
     def __init__(self, to: TypedLines, fd: int) -> None:
         super().__init__(to)
         self._reader = LineReader(fd)
+        self._is_script = not os.isatty(fd)
 
     def _wake(self) -> None:
         self._reader.wake()
 
     def _line(self) -> str | None:
+        if self._is_script:
+            self._to.wait_answered()
         return self._reader.line(math.inf)
 
 
@@ -201,22 +209,17 @@ def _end_of_input(event: Any) -> None:
         event.app.exit(exception=EOFError())
 
 
-def open_typing(
-    receive: TakeLine, refuse: Callable[[str], object], foot: Callable[[], str], on_end: Callable[[], object]
-) -> LineInput | None:
+def open_typing(to: TypedLines, foot: Callable[[], str]) -> LineInput | None:
     """What reads standard input; None where there is nothing to be read.
 
     Args:
-        receive: Takes a line; why it does not, or empty.
-        refuse: Shows why a line was not taken.
+        to: Where the lines go.
         foot: The state of the run.
-        on_end: Called once nothing more is typed.
     """
     try:
         fd = sys.stdin.fileno()
     except (AttributeError, OSError, ValueError):
         return None
-    to = TypedLines(receive, refuse, on_end)
     if os.isatty(fd) and sys.stdout.isatty():
         from importlib.util import find_spec
 

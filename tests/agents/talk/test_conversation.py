@@ -14,7 +14,7 @@ from langchain_core.tools import StructuredTool
 from rai_missions.agents.agent import AgentHealth
 from rai_missions.agents.contract import check_agent
 from rai_missions.agents.conversation import MOST_WAITING, ConversationalAgent
-from rai_missions.agents.talk.doors import OnSpoken, TextDoor
+from rai_missions.agents.talk.doors import OnSpoken, TalkLine, TextDoor
 from rai_missions.agents.talk.happenings import happenings
 from rai_missions.agents.talk.hri_door import HRIDoor
 from rai_missions.agents.talk.model import MOST_LOOKS, TalkModel
@@ -145,6 +145,22 @@ def test_an_option_that_is_to_be_confirmed_counts_with_the_yes() -> None:
         assert talk.rig.runner.view.questions, "it is read back first"
         talk.order("yes")
         assert talk.end().outcome == "aborted"
+
+
+def test_a_yes_that_was_typed_before_the_order_is_read_back_is_no_confirmation() -> None:
+    with talked() as talk:
+        running(talk)
+
+        def hasty(line: TalkLine) -> None:
+            if line.text == "cancel the mission":  # its turn has come, and the answer is not shown yet
+                talk.order("yes")
+
+        talk.agent.add_door(TextDoor("page", hasty))
+        talk.order("cancel the mission")
+        talk.until(lambda: sum("Is that right?" in text for text in talk.screen.texts()) == 2)
+        assert talk.rig.runner.view.mode == "running"
+        talk.order("yes")
+        assert talk.end().outcome == "canceled"
 
 
 def test_a_run_that_waits_is_started_by_an_order_with_its_arguments() -> None:
