@@ -48,15 +48,25 @@ class ModelSide:
         sentence = WaitingSentence(number, utterance)
         if self._turns.turn is None:
             self._begin(sentence)
+            self._acknowledge(sentence, is_waiting=False)
             return
         is_interrupted, dropped = self._turns.late(sentence)
         for each in dropped:
             self._talk.note("dropped", number=each.number, policy=self._talk.settings.late)
-            if each.number == number:
-                self._speaking.reply("late_full", utterance, number, text=cut(utterance.text, 80))
+            if each.number == number or each.utterance.speaker != utterance.speaker:
+                form = "late_full" if each.number == number else "late_dropped"
+                self._speaking.reply(form, each.utterance, each.number, text=cut(each.utterance.text, 80))
         if is_interrupted:
             self._drop()
             self._next()
+        if sentence not in dropped:
+            self._acknowledge(sentence, is_waiting=not is_interrupted)
+
+    def _acknowledge(self, sentence: WaitingSentence, *, is_waiting: bool) -> None:
+        """That the sentence was received, at once: a model may take its time, or hang."""
+        utterance = sentence.utterance
+        form = "filler" if utterance.is_spoken else "model_waits" if is_waiting else "model_asked"
+        self._speaking.acknowledge(form, utterance, sentence.number)
 
     def _do_not_know(self, utterance: Utterance, number: int) -> None:
         language, view = self._talk.language, self._talk.view
@@ -80,10 +90,6 @@ class ModelSide:
             )
         )  # fmt: skip
         talk.note("asked_model", request=turn.number, number=sentence.number)
-        if utterance.is_spoken:
-            self._speaking.speak(
-                talk.language.text("filler"), to=utterance.channel, reply_to=sentence.number, priority="chatter"
-            )  # fmt: skip
 
     # -- the reply -----------------------------------------------------------------------------------------------------
 

@@ -37,17 +37,26 @@ class SpeechSide:
         """A template of the language, as an answer to a sentence."""
         return self.speak(self._talk.language.text(name, **values), to=to.channel, reply_to=number)
 
+    def acknowledge(self, name: str, to: Utterance, number: int) -> None:
+        """A template that fills the time until an answer: it is no turn of the conversation."""
+        self._put(Speech("", self._talk.language.text(name), "chatter", to=to.channel, reply_to=number))
+
     def speak(
         self, text: str, *, to: str = "", reply_to: int = 0, priority: Priority = "answer", way: Way = "rules",
         report: MissionReport | None = None,
     ) -> Speech:  # fmt: skip
         """Give out a text."""
-        self._keys += 1
-        speech = Speech(f"s{self._keys}", text, priority, way, to=to, reply_to=reply_to)
+        speech = Speech("", text, priority, way, to=to, reply_to=reply_to)
         if report is not None:
             speech = speech._replace(report=report.identity, uncut=report.uncut, repeated=report.repeated)
-        self._open[speech.key] = OutstandingSpeech(speech, self._talk.now + self._talk.settings.speech_s)
         self._talk.add_robot(speech)
+        return self._put(speech)
+
+    def _put(self, speech: Speech) -> Speech:
+        """Give a speech out, under a key of its own."""
+        self._keys += 1
+        speech = speech._replace(key=f"s{self._keys}")
+        self._open[speech.key] = OutstandingSpeech(speech, self._talk.now + self._talk.settings.speech_s)
         self._talk.put(speech)
         return speech
 
