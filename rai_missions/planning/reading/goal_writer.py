@@ -24,6 +24,7 @@ STACKED = Phrase("things", "", types=frozenset({"cube"}), has_noun=True, is_many
 """What a tower is made of where nothing is said about it."""
 WHOLE = frozenset({0, None, -1})
 """The levels of a tower of three: bottom, middle and top."""
+LEAST_TOWER = 2
 PLACED = frozenset({"on", "in", "at", "swapped"})
 """Predicates of a thing that lies where it is put; next to another it may lie on the desk as well."""
 SIDE_BY_SIDE = frozenset({"left_of", "right_of", "next_to", "apart", "swap", "place_of"})
@@ -49,6 +50,8 @@ class GoalWriter:
         """What the phrases so far are taken to mean."""
         self._moved_to = list[tuple[str, str]]()
         self._is_held = False
+        self._is_alone = True
+        """Whether the request only takes things from where they lie."""
         self._until_put = list[Plain]()
         """What holds of things until they are put elsewhere: what was taken from somewhere lies on the desk."""
         self._latest = list[Plain]()
@@ -60,6 +63,9 @@ class GoalWriter:
             Unread: A clause is not sure over this scene, or about things that are not there.
         """
         found = list[Plain]()
+        self._is_alone = all(
+            each.kind == "off" or any(one.kind == "those" for one in each.subjects) for each in clauses
+        )
         for clause in clauses:
             self._before = self._subjects, self._target
             self._check_held(clause)
@@ -90,7 +96,8 @@ class GoalWriter:
             "right_of": self._left, "next_to": self._next_to, "apart": self._apart, "place_of": self._place_of,
             "at": self._at, "stack": self._stack, "swap": self._swap, "group": self._group, "spread": self._spread,
             "side_by_side": self._side_by_side, "in_order": self._in_order, "by": self._by, "held": self._held,
-            "too": self._too, "under": self._under,
+            "too": self._too, "under": self._under, "unstack": self._unstack,
+            "towers": self._tower_each,
         }  # fmt: skip
         return list(rules[clause.kind](clause))
 
@@ -110,11 +117,19 @@ class GoalWriter:
         return names
 
     def _one(self, phrase: Phrase | None) -> str:
-        names = self._pick(phrase) if phrase is not None else ()
+        names = self._emptied if phrase is not None and phrase.kind == "pronoun" and not phrase.is_many else ()
+        names = names or (self._pick(phrase) if phrase is not None else ())
         if len(names) != 1:
             raise self._ask("unread")
         self._target = names
         return names[0]
+
+    @property
+    def _emptied(self) -> Names:
+        """The container that `it` is, as where something goes: `empty the tray and put the carrot in it`."""
+        last, target = self._last, self._before[1]
+        is_empty = last is not None and last.kind == "off" and any(each.kind == "everything" for each in last.subjects)
+        return target if is_empty and len(target) == 1 and self._is_container(target[0]) else ()
 
     def _alternatives(self, phrase: Phrase) -> Sequence[Names]:
         if phrase.kind not in ("pronoun", "those", "there"):
@@ -194,6 +209,9 @@ class GoalWriter:
     def _off(self, clause: Clause) -> Iterator[Plain]:
         """`everything out of the bin`: of several things those that lie there are meant; they come onto the desk."""
         place = self._one(clause.target)
+        if not self._is_alone and any(each.kind == "everything" for each in clause.subjects) and self._is_empty(place):
+            self._subjects = ()
+            return  # `empty the tray, and put …`: that is so
         names = [
             name
             for phrase in clause.subjects
@@ -201,6 +219,11 @@ class GoalWriter:
         ]
         self._subjects = tuple(dict.fromkeys(names))
         yield from ({"on": [name, DESK]} for name in self._subjects)
+
+    def _is_empty(self, place: str) -> bool:
+        """Whether it is a container in which nothing is seen."""
+        others = (each.name for each in self._things.scene.things)
+        return self._is_container(place) and not any(self._things.lies_at(name, place) for name in others)
 
     def _there(self, phrase: Phrase, alternatives: Sequence[Names], place: str) -> Sequence[Names]:
         """Of what a phrase may mean the things that lie in or on another thing; a single thing may lie elsewhere.
@@ -218,6 +241,19 @@ class GoalWriter:
             raise Unread("absent", lexicon.text("nothing_there", where), refused=True)
         text = lexicon.text("none_there", f"'{phrase.text}'", where)
         raise Unread("absent", text, refused=True)
+
+    def _unstack(self, clause: Clause) -> Iterator[Plain]:
+        """`the cubes off each other`: those that lie on another of them come onto the desk."""
+        names = self._names(clause.subjects or (STACKED,))
+        among = names if clause.subjects else [each.name for each in self._things.scene.things]
+        lying = [name for name in names if any(self._lies_on(name, other) for other in among)]
+        if not lying:
+            raise Unread("absent", self._things.lexicon.text("none_stacked", self._listed(names)), refused=True)
+        self._subjects = tuple(lying)
+        yield from ({"on": [name, DESK]} for name in lying)
+
+    def _lies_on(self, name: str, other: str) -> bool:
+        return not self._is_container(other) and self._things.lies_at(name, other)
 
     def _left(self, clause: Clause) -> Iterator[Plain]:
         names, target = self._names(clause.subjects, clause.target), self._one(clause.target)
@@ -283,6 +319,16 @@ class GoalWriter:
         yield {"in" if self._is_container(base) else "on": [names[0], base]}
         yield from ({"on": [above, below]} for below, above in pairwise(names))
 
+    def _tower_each(self, clause: Clause) -> Iterator[Plain]:
+        """Several towers of as many things each; which are in which is for the person to choose."""
+        names = self._several(_stackable(clause.subjects) or (STACKED,))
+        height, left = divmod(len(names), clause.count)
+        if left or height < LEAST_TOWER:
+            raise self._ask("order")
+        for at in range(0, len(names), height):
+            yield {"on": [names[at], DESK]}
+            yield from ({"on": [above, below]} for below, above in pairwise(names[at : at + height]))
+
     def _base(self, clause: Clause) -> str:
         """What a tower stands on: what is given, the container that its things were just put into, or the desk."""
         if clause.target is not None:
@@ -300,6 +346,8 @@ class GoalWriter:
         (every,) = self._things.alternatives(STACKED)
         from_below = [level for _, level in placed]
         if len(placed) == len(WHOLE) and set(from_below) == WHOLE:
+            return named
+        if len(placed) > 1 and from_below == [*range(len(placed) - 1), -1]:
             return named
         if len(placed) > 1 and from_below != list(range(len(placed))) and set(named) != set(every):
             raise self._ask("order")
@@ -380,8 +428,10 @@ class GoalWriter:
         self._is_held = False
 
     def _too(self, clause: Clause) -> Iterator[Plain]:
+        emptied = self._emptied if clause.target is not None else ()
         names = self._names(clause.subjects)
-        if self._last is None or self._last.kind not in ("in", "to", "on") or len(self._target) != 1:
+        is_put = self._last is not None and self._last.kind in ("in", "to", "on")
+        if not (is_put or emptied) or len(self._target) != 1:
             raise self._ask("where", self._listed(names))
         yield from self._put(names, self._target[0])
 

@@ -20,7 +20,7 @@ from rai_missions.planning.reading.noun_phrases import (
 from rai_missions.planning.reading.phrases import Clause, ClauseKind, Phrase, Unread
 from rai_missions.planning.reading.places import gap, has_place, place
 from rai_missions.planning.reading.symbols import Symbol
-from rai_missions.planning.reading.towers import is_tower, tower
+from rai_missions.planning.reading.towers import is_tower, skip_several, tower
 from rai_missions.planning.scene import CONTAINERS
 
 __all__ = ("clauses",)
@@ -31,6 +31,7 @@ MUTUAL: dict[str, ClauseKind] = {
 }  # fmt: skip
 NEAR_IT = frozenset({"under", "next_to", "left_of", "right_of"})
 """After a verb of grasping these may as well mean where the thing is now: `take the cube under the apple`."""
+BEFORE_NOUN = ("the", "a", "colour", "noun")
 WHERE = NEAR_IT | {"on", "in"}
 THOSE = (Phrase("those", ""),)
 
@@ -51,6 +52,7 @@ def clauses(symbols: Sequence[Symbol], lexicon: Vocabulary) -> tuple[Clause, ...
         rules.cursor.skip(*BETWEEN, "put")
     if not found:
         raise rules.unread()
+    rules.check_towers(found)
     return tuple(found)
 
 
@@ -67,6 +69,16 @@ class Rules:
         self.lexicon = lexicon
         self._gap: float | None = None
         self._is_grasped_there = False
+        self._towers = 0
+
+    def check_towers(self, found: Sequence[Clause]) -> None:
+        """`Two towers:` has as many wishes after it at least.
+
+        Raises:
+            Unread: It has fewer.
+        """
+        if sum(each.kind in ("on", "stack", "under") for each in found) < self._towers:
+            raise Unread("order", self.lexicon.text("order"))
 
     def unread(self) -> Unread:
         """What is raised where no rule fits."""
@@ -82,21 +94,28 @@ class Rules:
             Unread: None fits.
         """
         cursor = self.cursor
+        begun = cursor.at
         cursor.skip("put", "then", "too")
+        is_too = any(each.kind == "too" for each in cursor.symbols[begun : cursor.at])
         if cursor.kind() == "reverse":
             return [self._reversed(before)]
         if is_tower(cursor):
+            self._towers += skip_several(cursor)
+        if is_tower(cursor) or (cursor.kind() == "level" and cursor.kind(1) in BEFORE_NOUN):
             return self._after(tower(cursor, self.lexicon, self.unread))
         rule = {
             "swap": self._swap, "group": self._group, "apart": self._spread, "sort": self._sort, "gap": self._gap_first,
             "relation": self._relation_first, "left_to_right": self._in_order,
             "into": self._into, "each_other": self._each_other, "fill": self._fill,
-            "empty": self._empty,
+            "empty": self._empty, "unstack": self._unstack,
         }.get("into" if self._is_verb_of_place() else cursor.kind())  # fmt: skip
         if rule is not None:
             return self._after(rule())
         is_held = cursor.skip("grasp")
-        found = self._about(self._things(), is_held=is_held)
+        subjects = self._things()
+        if is_too and before and cursor.kind() in ("", *BETWEEN):
+            return [Clause("too", subjects)]  # `…, and so should the apple`
+        found = self._about(subjects, is_held=is_held)
         self._check_grasped(found[0], is_held=is_held)
         return self._after(found)
 
@@ -146,6 +165,8 @@ class Rules:
             return [self._by_word(subjects)]
         if cursor.kind() in ("stack", "level"):
             return self._tower_of(subjects)
+        if cursor.kind() == "empty" and len(subjects) == 1:
+            return self._emptied(cursor.take().text, subjects[0])  # `räum das Tablett leer`
         if cursor.kind() == "left_to_right":
             return self._in_order(subjects)
         if cursor.kind() == ":" and cursor.kind(1) in ("axis", "("):
@@ -179,10 +200,14 @@ class Rules:
         if self.cursor.kind() == "too":
             return Clause("too", subjects)
         word = self.cursor.take()
+        if word.kind == "there":
+            return Clause("too", subjects, Phrase("there", word.text))
         while word.kind == "each_other" == self.cursor.kind() and self.cursor.value() == word.value:
             self.cursor.take()
         if word.kind == "by":
             return Clause("by", subjects, by=word.value)
+        if word.value == "unstack":
+            return Clause("unstack", subjects)
         if word.kind == "each_other":
             return Clause(MUTUAL[word.value], subjects, self._base(word.value))
         return Clause("swap" if word.kind == "swap" else "too", subjects)
@@ -254,10 +279,20 @@ class Rules:
     def _empty(self) -> list[Clause]:
         """`empty the bin`."""
         word = self.cursor.take()
-        target = self._thing()
+        return self._emptied(word.text, self._thing())
+
+    def _emptied(self, word: str, target: Phrase) -> list[Clause]:
+        """All that lies in a container comes out of it; `… into the bin` names where it goes."""
         if not target.types or not target.types <= CONTAINERS:
             raise self.unread()
-        return [Clause("off", (Phrase("everything", word.text, is_many=True, is_all=True),), target)]
+        found = Clause("off", (Phrase("everything", word, is_many=True, is_all=True),), target)
+        is_moved = self.cursor.kind() == "relation" and self.cursor.value() in ("in", "on", "to")
+        return [found, *self._about(THOSE, is_held=False)] if is_moved else [found]
+
+    def _unstack(self) -> list[Clause]:
+        """`unstack the cubes`, `dismantle the tower`."""
+        self.cursor.take()
+        return [Clause("unstack", noun_phrases(self.cursor))]
 
     def _each_other(self) -> list[Clause]:
         kind = MUTUAL[self.cursor.take().value]
@@ -285,7 +320,7 @@ class Rules:
         self.cursor.take()
         self.cursor.skip("with", ",", "put")
         subjects = self._things()
-        if self.cursor.skip("with"):
+        if self.cursor.skip("with", "for"):
             subjects += noun_phrases(self.cursor)
         return [Clause("swap", subjects)]
 

@@ -112,7 +112,7 @@ class _Evidence:
 
     def _add_towers(self, found: Sequence[Symbol]) -> None:
         """A tower is of cubes, where nothing else is said of what it consists."""
-        stacks = any(symbol.kind in ("stack", "upward") for symbol in found)
+        stacks = any(symbol.kind in ("stack", "upward", "unstack") for symbol in found)
         colours = sum(symbol.kind == "colour" for symbol in found)
         if stacks and colours < 2 and not self.one - CONTAINERS:
             self.every.add("cube")

@@ -171,6 +171,24 @@ def _things(cursor: Cursor) -> Phrase | None:
     return with_limits(cursor, phrase)
 
 
+def _excluded(cursor: Cursor) -> frozenset[str]:
+    """The types of `that is not a cube or an apple`."""
+    cursor.take()
+    types: frozenset[str] = cursor.take().value.types
+    while cursor.kind() in ("or", "and", ","):
+        before = cursor.at
+        cursor.skip("or", "and", ",")
+        cursor.skip("a", "not_a", "no")
+        if cursor.kind() != "noun":
+            cursor.back_to(before)
+            break
+        types |= cursor.take().value.types
+    cursor.skip("is")
+    if cursor.kind() == "," and cursor.kind(1) == "relation":
+        cursor.take()
+    return types
+
+
 NOUNS = ("noun", "colour", "generic", "other")
 
 
@@ -181,9 +199,10 @@ def _counts(cursor: Cursor) -> bool:
 
 def with_limits(cursor: Cursor, phrase: Phrase) -> Phrase:
     """The phrase with what is excepted here: `… except the corn`, `… that is not a cube`."""
-    if cursor.kind() == "not_a" and cursor.kind(1) == "noun":
-        cursor.take()
-        return replace(phrase, not_types=cursor.take().value.types)
+    comma = int(cursor.kind() == ",")
+    if cursor.kind(comma) == "not_a" and cursor.kind(comma + 1) == "noun":
+        cursor.skip(",")
+        return replace(phrase, not_types=_excluded(cursor))
     if cursor.kind() == "except" and (phrase.is_many or phrase.is_all) and not phrase.without:
         place = cursor.at
         cursor.take()

@@ -12,7 +12,8 @@ PhraseKind = Literal["things", "everything", "rest", "pronoun", "those", "there"
 """`those` has no words: the things of the clause before, whatever their number."""
 ClauseKind = Literal[
     "on", "in", "to", "left_of", "right_of", "next_to", "apart", "place_of", "off", "at", "stack", "swap", "group",
-    "spread", "side_by_side", "in_order", "by", "held", "too", "under",
+    "spread", "side_by_side", "in_order", "by", "held", "too", "under", "unstack",
+    "towers",
 ]  # fmt: skip
 
 
@@ -69,5 +70,7 @@ class Clause:
     gap_m: float | None = None
     levels: tuple[tuple[Phrase, int | None], ...] = field(default=())
     """Of a tower: things of a level, counted from below, negative from above; None: in the middle."""
+    count: int = 1
+    """How many towers there are to be."""
     by: str = ""
     """What groups are made by: `colour` or `type`."""

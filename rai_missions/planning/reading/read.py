@@ -117,7 +117,9 @@ def _read(request: str, scene: Scene, words: Vocabulary) -> _Attempt:
 
 
 def _read_symbols(found: list[Symbol], scene: Scene, words: Vocabulary) -> RequestReading:
-    negation = next((symbol for symbol in found if symbol.kind == "no"), None)
+    negation = next(
+        (symbol for at, symbol in enumerate(found) if symbol.kind == "no" and not _is_limit(found, at)), None
+    )
     if negation is not None:
         raise Unread("negated", words.text("negated", negation.text))
     if asked := next((symbol for symbol in found if symbol.kind == "asked"), None):
@@ -136,16 +138,63 @@ def _read_symbols(found: list[Symbol], scene: Scene, words: Vocabulary) -> Reque
     found = [symbol for symbol in found if symbol.kind != "sorted"]
     ways = list(wishes_of(found, words))
     goals, is_sure = dict[Hashable, Goal](), len(ways) == 1 and not thrown and not is_sorted
+    absent: Unread | None = None
     for way, wishes in ways:
-        meant, is_whole = _goals(wishes, scene, words)
-        is_sure = is_sure and is_whole
+        try:
+            meant, is_whole = _goals(wishes, scene, words)
+        except Unread as error:
+            present = _present(wishes, scene, words) if error.reason == "absent" else ()
+            if not 0 < len(present) < len(wishes):
+                raise
+            absent, (meant, is_whole) = error, _goals_or(error, present, scene, words)
+        is_sure = is_sure and is_whole and absent is None and not any(each.kind == "towers" for each in wishes)
         if word := left_out(way, meant[0]):
             raise Unread("unread", words.text("left_out", word))
         goals = goals | {each.meaning: each for each in meant if each.meaning not in goals}
     if len(goals) == 1 and is_sure:
         (goal,) = goals.values()
         return RequestReading(goal=goal, covers_all=_covers_all(ways[0][1], goal))
-    return _asked([*goals.values()], words)
+    offered = _asked([*goals.values()], words)
+    if absent is None:
+        return offered
+    question = clipped(f"{absent.about} {offered.question}", LONGEST_SENTENCE)
+    return offered.model_copy(update={"question": question, "about": question, "reason": "absent"})
+
+
+def _present(wishes: Sequence[Clause], scene: Scene, words: Vocabulary) -> tuple[Clause, ...]:
+    """The wishes about things that are seen."""
+    things = Things(scene, words, [*_phrases(wishes)])
+    return tuple(each for each in wishes if not any(_is_absent(phrase, things) for phrase in _phrases([each])))
+
+
+def _is_absent(phrase: Phrase, things: Things) -> bool:
+    try:
+        if phrase.kind in ("things", "everything"):
+            things.alternatives(phrase)
+    except Unread as error:
+        return error.reason == "absent"
+    return False
+
+
+def _goals_or(absent: Unread, present: tuple[Clause, ...], scene: Scene, words: Vocabulary) -> tuple[list[Goal], bool]:
+    """The goals of the wishes that are left.
+
+    Raises:
+        Unread: What was absent, where these are not read without it.
+    """
+    try:
+        return _goals(present, scene, words)
+    except Unread:
+        raise absent from None
+
+
+def _is_limit(found: Sequence[Symbol], at: int) -> bool:
+    """Whether a word of negation continues a limit: `what is no cube and no apple`."""
+    before = [each.kind for each in found[:at]]
+    while before and before[-1] in ("and", "or", ",", "a", "noun", "no"):
+        if before.pop() == "noun" and before[-1:] == ["not_a"]:
+            return True
+    return False
 
 
 def _is_part_of_place(found: Sequence[Symbol]) -> bool:

@@ -20,7 +20,7 @@ KINDS: Mapping[str, frozenset[str]] = {
     "group": frozenset({"grouped"}), "sort": frozenset({"grouped", "apart"}), "by": frozenset({"grouped", "apart"}),
     "apart": frozenset({"apart"}), "left_to_right": frozenset({"left_of"}), "side": frozenset({"at", "left_of"}),
     "axis": frozenset({"at"}), "place": frozenset({"at"}), "(": frozenset({"at"}), "away": frozenset({"in"}),
-    "fill": frozenset({"in"}), "empty": frozenset({"on"}),
+    "fill": frozenset({"in"}), "there": frozenset({"in"}), "empty": frozenset({"on"}), "unstack": frozenset({"on"}),
 }  # fmt: skip
 """Kinds of symbols → the predicates that they may mean."""
 VALUES: Mapping[str, frozenset[str]] = {
@@ -28,7 +28,7 @@ VALUES: Mapping[str, frozenset[str]] = {
     "off": frozenset({"on"}), "under": frozenset({"on"}),
     "left_of": frozenset({"left_of"}), "right_of": frozenset({"left_of"}), "next_to": frozenset({"next_to"}),
     "apart": frozenset({"apart"}), "place_of": EXCHANGE, "swap": EXCHANGE, "stack": frozenset({"on"}),
-    "group": frozenset({"grouped"}),
+    "group": frozenset({"grouped"}), "unstack": frozenset({"on"}),
 }  # fmt: skip
 """Values of `relation` and `each_other` → the predicates that they may mean; on a tray is in it."""
 

@@ -7,7 +7,7 @@ Rule: every word becomes a symbol, also one that is not known; the grammar must 
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
 
 from rai_missions.planning.reading.lexicon import Vocabulary
@@ -31,6 +31,12 @@ SIGNS = {
 ARROW = re.compile(r"[-=]+>|⇒|➡")
 """Written as one sign, which a language may have among its words."""
 HYPHEN = re.compile(r"(?<=[^\W\d_])[-‐‑–](?=[^\W\d_])")
+
+
+SUBJECTS = frozenset({"noun", "colour", "generic", "pronoun", "all", "rest", "everything"})
+"""Kinds of symbols that end a phrase about things."""
+NAMING = SUBJECTS | {"the", "a", "other", "number"}
+"""Kinds of symbols of which such a phrase consists."""
 
 
 class Quantity(NamedTuple):
@@ -70,14 +76,25 @@ def symbols(request: str, lexicon: Vocabulary) -> list[Symbol]:
         count, symbol = _symbol(words, at, lexicon)
         found.append(symbol)
         at += count
-    return _without_noise(list(_asking(found, lexicon.data["asks"])))
+    return _without_contrast(_without_noise(list(_asking(found, lexicon.data))), lexicon.data["contrast"])
 
 
-def _asking(found: Sequence[Symbol], asks: Sequence[str]) -> Iterator[Symbol]:
-    """With a verb at the beginning of a sentence as what it is there, a question: `should red be on blue`."""
-    is_first, is_address = True, True
+def _asking(found: Sequence[Symbol], data: Mapping[str, Any]) -> Iterator[Symbol]:
+    """With a verb at the beginning of a sentence as what it is there, a question: `should red be on blue`.
+
+    One that follows its things, where no word of a wish came before, reports: `the cubes lie on the tray`. After such
+    a word a verb that reports is none: `make sure the apple is in the tray`.
+    """
+    is_first, is_address, is_wish, before = True, True, False, ""
     for symbol in found:
-        yield symbol._replace(kind="asked") if is_first and symbol.text in asks else symbol
+        is_wish = symbol.kind != "." and (is_wish or not set(data["wishing"]).isdisjoint(symbol.text.split()))
+        if (is_first and symbol.text in data["asks"]) or (
+            before in SUBJECTS and not is_wish and symbol.text in data["reports"]
+        ):
+            yield symbol._replace(kind="asked")
+        else:
+            yield symbol._replace(kind="noise") if is_wish and symbol.kind == "is" else symbol
+        before = before if symbol.kind == "noise" else symbol.kind
         is_address = symbol.kind == "." or (is_address and symbol.kind in ("noise", ","))
         is_first = is_address and symbol.kind in (".", ",")  # `hey robot, should …`, and not `you should …`
 
@@ -142,3 +159,28 @@ def _without_noise(found: Sequence[Symbol]) -> list[Symbol]:
         for place, each in enumerate(kept)
         if place == 0 or each.kind not in (",", ".") or each.kind != kept[place - 1].kind
     ]
+
+
+def _without_contrast(found: list[Symbol], contrast: Mapping[str, Sequence[str]]) -> list[Symbol]:
+    """Without what is named only to exclude it: `not the blue but the red cube`, `on red, not on blue`.
+
+    After a comma that is sure only where each phrase is about one thing: `the cubes …, not the red one` excepts.
+    """
+    is_many = any(each.kind in ("all", "everything", "rest") or each.value == "many" for each in found) or any(
+        each.kind == "noun" and each.value.is_many is not False for each in found
+    )
+    for at, symbol in enumerate(found):
+        if symbol.text not in contrast["not"]:
+            continue
+        end = at + 1 + (at + 1 < len(found) and found[at + 1].kind == "relation")
+        begun = end
+        while end < len(found) and found[end].kind in NAMING:
+            end += 1
+        rest = found[end + 1 :] if end < len(found) and found[end].kind == "," else found[end:]
+        if end == begun:
+            continue
+        if rest and rest[0].text in contrast["but"]:
+            return [*found[:at], *rest[1:]]
+        if at > 1 and found[at - 1].kind == "," and found[at - 2].kind in NAMING and not is_many:
+            return [*found[: at - 1], *rest]
+    return found

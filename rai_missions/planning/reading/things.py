@@ -111,8 +111,12 @@ class Things:
         return (sure, [each for each in found if each not in sure]) if sure else (found, [])
 
     def _of_colour_alone(self, phrase: Phrase, found: list[Thing]) -> list[Thing]:
-        """`the red one` after `the yellow cube` is a cube, and so is `red` alone, where a cube is red."""
-        alike = [each for each in found if each.type in self._heads.get(phrase, ())]
+        """`the red one` after `the yellow cube` is a cube, and so is `red` alone, where a cube is red.
+
+        `Red` alone after `the apple`, whose colour is open, is no apple.
+        """
+        heads = self._heads.get(phrase, frozenset[str]())
+        alike = [each for each in found if each.type in heads and (phrase.is_one or has_colour(each, phrase.colour))]
         if len({each.type for each in alike}) == 1:
             return alike
         if phrase.is_one or phrase.is_all:

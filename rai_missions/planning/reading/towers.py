@@ -9,7 +9,7 @@ from rai_missions.planning.reading.lexicon import Vocabulary
 from rai_missions.planning.reading.noun_phrases import Cursor, noun_phrase, noun_phrases, ordered_phrases
 from rai_missions.planning.reading.phrases import Clause, Phrase, Unread
 
-__all__ = ("is_tower", "tower")
+__all__ = ("is_tower", "skip_several", "tower")
 
 LEVELS: dict[str, int | None] = {"bottom": 0, "top": -1, "middle": None}
 NOWHERE = 1_000
@@ -41,15 +41,19 @@ def tower(
     Raises:
         Unread: It is not read for sure.
     """
-    is_one = _skip_head(cursor)
+    count = _skip_head(cursor)
     cursor.skip("with", ":", ",", "put")
     if cursor.kind() == "part":
         return _several(cursor, unread)
     if cursor.kind() == "upward":
         return [_upward(cursor, unread)]
-    if not is_one:
-        raise Unread("order", lexicon.text("order"))  # `two towers`: of what is each?
     first = first or noun_phrases(cursor)
+    if count > 1 and cursor.kind() in ENDS:
+        return [Clause("towers", first, count=count)]
+    if count != 1:
+        raise Unread("order", lexicon.text("order"))  # `towers`: of what is each?
+    if first and (ordered := _ordered(first, cursor)):
+        return [Clause("stack", ordered)]
     if first and cursor.kind() == "relation":
         return _based(first, cursor, lexicon) or _chain(first, cursor, unread)
     cursor.skip("put")
@@ -61,16 +65,38 @@ def tower(
     return [Clause("stack", members, levels=levels)]
 
 
-def _skip_head(cursor: Cursor) -> bool:
-    """Past `a tower`, `two towers`, `stack`; whether it is one tower alone."""
+def skip_several(cursor: Cursor) -> int:
+    """Past `two towers:` where a wish about things follows; how many they are, 0 where it is no such beginning."""
+    begun = cursor.at
+    count = _skip_head(cursor)
+    cursor.skip("with", ":", ",", "put")
+    wish = cursor.at
+    is_wish = count > 1 and bool(noun_phrases(cursor)) and cursor.kind() == "relation"
+    cursor.back_to(wish if is_wish else begun)
+    return count if is_wish else 0
+
+
+def _skip_head(cursor: Cursor) -> int:
+    """Past `a tower`, `two towers`, `stack`; how many towers they are, 0 where that is open."""
     begun = cursor.at
     cursor.skip(*BEFORE)
     cursor.skip("stack")
-    is_one = True
-    for symbol in cursor.symbols[begun : cursor.at]:
-        is_one = is_one and symbol.value not in ("many", "two")
-        is_one = is_one and not (symbol.kind == "number" and symbol.value.value > 1)
-    return is_one
+    head = cursor.symbols[begun : cursor.at]
+    if counts := [int(symbol.value.value) for symbol in head if symbol.kind == "number"]:
+        return counts[0]
+    return 0 if any(symbol.value in ("many", "two") for symbol in head) else 1
+
+
+def _ordered(first: tuple[Phrase, ...], cursor: Cursor) -> tuple[Phrase, ...]:
+    """What came before in the order that ends it, from below: `…, from bottom to top`; empty where none ends it."""
+    begun = cursor.at
+    cursor.skip(",")
+    if cursor.kind() == "upward":
+        is_up = cursor.take().value == "up"
+        if cursor.kind() in ENDS:
+            return first if is_up else first[::-1]
+    cursor.back_to(begun)
+    return ()
 
 
 def _based(first: tuple[Phrase, ...], cursor: Cursor, lexicon: Vocabulary) -> list[Clause]:

@@ -123,3 +123,51 @@ def test_a_swap_that_is_undone_is_asked_back() -> None:
 )
 def test_an_empty_container_is_named(request_: str, text: str) -> None:
     assert read_request(request_, SEEN)["about"] == text
+
+
+STACKED = scene(
+    thing("tray", 0.6, 0.3), thing("bin", 0.6, -0.3),
+    thing("blue_cube", 0.4, 0.2, colour="blue"), thing("red_cube", 0.4, 0.2, colour="red", level=0.044),
+    thing("green_cube", 0.4, -0.1, colour="green"), thing("carrot", 0.4, 0.0),
+    thing("tomato", 0.58, 0.3, level=0.004), thing("apple", 0.64, 0.3, level=0.004),
+)  # fmt: skip
+ON_DESK = ({"on": ["tomato", "desk"]}, {"on": ["apple", "desk"]})
+
+
+@pytest.mark.parametrize(
+    ("request_", "wanted"),
+    [
+        ("take the cubes off each other", [{"on": ["red_cube", "desk"]}]),
+        ("unstack the cubes", [{"on": ["red_cube", "desk"]}]),
+        ("dismantle the tower", [{"on": ["red_cube", "desk"]}]),
+        ("nimm die Würfel voneinander herunter", [{"on": ["red_cube", "desk"]}]),
+        ("empty the tray and put the carrot in it", [*ON_DESK, {"in": ["carrot", "tray"]}]),
+        ("empty the tray into the bin", [{"in": ["tomato", "bin"]}, {"in": ["apple", "bin"]}]),
+        ("räum das Tablett leer", ON_DESK),
+        ("empty the bin and put the carrot in it", [{"in": ["carrot", "bin"]}]),
+    ],
+)
+def test_what_lies_on_another_thing_comes_off_and_what_is_emptied_takes_new_things(request_: str, wanted: Any) -> None:
+    found = reading_of(request_, STACKED).goal
+    assert found is not None and found.meaning == goal(*wanted).meaning and is_said(found, request_, STACKED)
+
+
+def test_what_is_empty_is_refused_where_nothing_else_is_wanted() -> None:
+    assert [reading_of(each, SEEN).reason for each in ("empty the bin into the tray", "unstack the cubes")] == [
+        "absent", "absent",
+    ]  # fmt: skip
+
+
+def test_several_towers_are_offered_as_towers_of_as_many_things() -> None:
+    asked = reading_of("build two towers", SEEN), reading_of("build two towers of red, blue, green and carrot", SEEN)
+    assert [each.reason for each in asked] == ["order", "ambiguous"]
+    wanted = [{"on": ["red_cube", "desk"]}, {"on": ["blue_cube", "red_cube"]}]
+    more = [{"on": ["green_cube", "desk"]}, {"on": ["carrot", "green_cube"]}]
+    assert [each.meaning for each in asked[1].candidates] == [goal(*wanted, *more).meaning]
+
+
+def test_what_is_seen_is_offered_where_another_wish_is_about_what_is_not() -> None:
+    asked = reading_of("put the purple cube on the red one and the carrot in the bin", SEEN)
+    assert asked.reason == "absent" and asked.candidates == (goal({"in": ["carrot", "bin"]}),)
+    assert asked.question.startswith("I do not see 'the purple cube'") and "Did you mean: the carrot" in asked.question
+    assert reading_of("put the purple cube in the tray and the carrot on it", SEEN).question == ""
