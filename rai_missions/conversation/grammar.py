@@ -79,9 +79,16 @@ class Grammar:
         parts = self.language.normaliser.parts(text) if is_open and not several else []
         if is_open and STOP not in several and (self._stops_at_an_edge(text, view) or self._warns(text, view)):
             return (STOP,)
-        if len(parts) < 2:
-            return several or whole
-        return self._in_parts(parts, view, draft) or whole
+        found = several or whole if len(parts) < 2 else self._in_parts(parts, view, draft) or whole
+        return found or self._pause_at_first(text, view)
+
+    def _pause_at_first(self, text: str, view: StatusView) -> tuple[Sense, ...]:
+        """A pause as the first clause of other talk: `wait, I am coming`; none where something is asked."""
+        asking = self.language.data["asking"]
+        clauses = [self.language.normaliser.words(each) for each in self.language.normaliser.clauses(text)]
+        is_asked = text.rstrip().endswith("?") or any(words[:1] == [each] for each in asking for words in clauses)
+        is_pause = any(map(self.language.orders["pause"].fits, self._edges(text, view)[:1]))
+        return (Sense("order", "pause"),) if is_pause and not is_asked else ()
 
     def _stops_at_an_edge(self, text: str, view: StatusView) -> bool:
         """Whether its first or last clause is a stop: `stop, there is a child`; the last one after no condition."""
@@ -112,6 +119,8 @@ class Grammar:
         each = [self._sentence(words, view, draft) for words in spoken_words]
         if STOP in each[0] or STOP in each[-1]:
             return (STOP,)
+        if corrected := self._corrected_at_once(each[0], spoken_words[1:], view):
+            return corrected
         meant = [(senses, part) for senses, part in zip(each, parts, strict=True) if not _is_greeting(senses)]
         if not all(each) or not meant:
             return ()
@@ -121,6 +130,15 @@ class Grammar:
             return ()
         rest = " ".join(part for _, part in meant[1:]).rstrip(".!?; ")
         return tuple(sense._replace(rest=rest) for sense in meant[0][0])
+
+    def _corrected_at_once(
+        self, first: tuple[Sense, ...], then: Sequence[list[str]], view: StatusView
+    ) -> tuple[Sense, ...]:
+        """`Go to the kitchen. No, the study!`: the one order of both; empty where they are none."""
+        if len(first) != 1 or len(then) != 1 or not _is_order(first) or not self.language.correction.fits(then[0]):
+            return ()
+        found = self._sentence(then[0], view, Draft(first[0]))
+        return found if _is_order(found) and all(each.name == first[0].name for each in found) else ()
 
     def _several(self, words: list[str], view: StatusView, whole: tuple[Sense, ...]) -> tuple[Sense, ...]:
         """The first of several orders in one sentence, with the rest of it: `go to the kitchen and find the cup`.

@@ -17,7 +17,7 @@ from rai_missions.conversation.values import AGED_S, capital, duration, value_wo
 from rai_missions.conversation.view import KeyView, StatusView
 from rai_missions.redaction import cut
 
-__all__ = ("mention_sentences",)
+__all__ = ("count_sentence", "mention_sentences")
 
 MOST, LONGEST = 3, 300
 """Facts that are spoken; characters of one."""
@@ -45,12 +45,60 @@ def mention_sentences(
         language: Whose articles and templates count.
         results: The keys of the mission's own that count too; others of its may hold a person's words.
     """
-    wanted = {_single(word) for word in thing if word not in language.data["articles"]}
-    keys = [key for key in view.keys.values() if key.source == "robot" or key.name in results]
-    keys.sort(key=lambda key: (not key.is_fresh, key.age_s or 0.0))
+    wanted = _wanted(thing, language)
+    keys = _keys(view, results)
     found = (Mention(key, words) for key in keys for words in _mentions(key, wanted, language)) if wanted else iter(())
     by_words = {each.words: each for each in islice(found, MOST)}
-    return [_sentence(each, language) for each in by_words.values()]
+    texts = [(each.key, cut(each.words.strip().rstrip(".;"), LONGEST)) for each in by_words.values()]
+    return [_sentence(key, language, "mention", text=text) for key, text in texts]
+
+
+def count_sentence(thing: Sequence[str], view: StatusView, language: Language, results: Collection[str] = ()) -> str:
+    """How many entries of the newest list that has any name a thing; empty where no list does.
+
+    Args:
+        thing: Its words.
+        view: The run.
+        language: Whose articles and templates count.
+        results: The keys of the mission's own that count too.
+    """
+    wanted = _wanted(thing, language)
+    for key in _keys(view, results) if wanted else ():
+        counts = (_naming(name, entries, wanted, language) for name, entries in _lists(key))
+        count = max(counts, default=0)
+        if count:
+            return _sentence(key, language, "counted", count=count, thing=" ".join(_bare(thing, language)))
+    return ""
+
+
+def _lists(key: KeyView) -> Iterator[tuple[str, list[Any]]]:
+    """The value, and its fields, that are lists, each with its name."""
+    fields = key.value.items() if isinstance(key.value, Mapping) else ()
+    for name, each in [(key.name, key.value), *fields]:
+        if isinstance(each, list | tuple):
+            yield str(name), [*each[:MOST_PARTS]]
+
+
+def _naming(name: str, entries: Sequence[Any], wanted: set[str], language: Language) -> int:
+    """The entries that name a thing; all of them, where the list is called so."""
+    if {_single(word) for word in spoken(name).split()} == wanted:
+        return len(entries)
+    parts = [[*each.values()] if isinstance(each, Mapping) else [each] for each in entries]
+    return sum(any(_has(text, wanted, language) for text in texts) for texts in parts)
+
+
+def _bare(thing: Sequence[str], language: Language) -> list[str]:
+    return [word for word in thing if word not in language.data["articles"]]
+
+
+def _wanted(thing: Sequence[str], language: Language) -> set[str]:
+    return {_single(word) for word in _bare(thing, language)}
+
+
+def _keys(view: StatusView, results: Collection[str]) -> list[KeyView]:
+    """The keys that are facts, the newest first."""
+    keys = [key for key in view.keys.values() if key.source == "robot" or key.name in results]
+    return sorted(keys, key=lambda key: (not key.is_fresh, key.age_s or 0.0))
 
 
 def _single(word: str) -> str:
@@ -103,10 +151,8 @@ def _parts(text: str) -> list[str]:
     return [*whole, *([rest] if rest.strip() else [])]
 
 
-def _sentence(mention: Mention, language: Language) -> str:
-    key = mention.key
-    name, words = unit_of(key.name.rpartition("/")[2], language.data["units"])[0], mention.words.strip().rstrip(".;")
-    age_s = key.age_s or 0.0
-    form = "mention_aged" if age_s >= AGED_S or not key.is_fresh else "mention"
-    text = language.text(form, name=name, text=cut(words, LONGEST), age=duration(age_s, language))
-    return capital(text)
+def _sentence(key: KeyView, language: Language, form: str, **values: object) -> str:
+    """A sentence by a key, with its age where that is worth a word."""
+    name, age_s = unit_of(key.name.rpartition("/")[2], language.data["units"])[0], key.age_s or 0.0
+    form = f"{form}_aged" if age_s >= AGED_S or not key.is_fresh else form
+    return capital(language.text(form, name=name, age=duration(age_s, language), **values))

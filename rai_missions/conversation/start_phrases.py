@@ -94,11 +94,24 @@ class StartPhrases:
         for mission in missions:
             keys = {key.name: key for key in mission.arguments}
             fitting = [
-                (slots, each) for each in self._each if each.keys <= keys.keys() for slots in each.phrases.match(words)
+                (slots, each)
+                for each in self._each
+                if each.keys <= keys.keys()
+                for slots in each.phrases.match(words)
+                if all(self._may_be_thing(slots[name].split()) for name in slots.keys() & self._texts(keys))
             ]
             if fitting:
                 slots, each = max(fitting, key=lambda one: len(one[0]))
                 yield self._start(mission, slots, each.given.arguments, keys)
+
+    def _texts(self, keys: Mapping[str, KeyView]) -> frozenset[str]:
+        """The arguments that take any words."""
+        return frozenset(name for name, key in keys.items() if key.type == "string" and name not in self._names)
+
+    def _may_be_thing(self, words: Sequence[str]) -> bool:
+        """Whether words may name something: not `out what the time is`, of `find out what the time is`."""
+        excluded = self._language.data["no_thing"]
+        return words[0] not in excluded["first"] and not set(words) & set(excluded["any"])
 
     def _start(
         self, mission: MissionView, slots: Mapping[str, str], given: Mapping[str, Any], keys: Mapping[str, KeyView]

@@ -11,7 +11,7 @@ from functools import partial
 from typing import NamedTuple
 
 from rai_missions.conversation.language import Language, spoken
-from rai_missions.conversation.mentions import mention_sentences
+from rai_missions.conversation.mentions import count_sentence, mention_sentences
 from rai_missions.conversation.moods import mood_of
 from rai_missions.conversation.named import key_named, unit_of
 from rai_missions.conversation.places import PlaceArea, place_named, place_sentence, place_words
@@ -193,7 +193,8 @@ class StateAnswers:
         if sense.name == "key":
             return self._with_place(key_sentence(sense.key, view.keys, self.language), view.keys.get(sense.key))
         if sense.thing:
-            return self._where_is(sense.thing, view)
+            counted = self._counted(sense.thing, view) if sense.name == "count" else ""
+            return counted or self._where_is(sense.thing, view)
         if sense.name == "value":
             text = value_sentence(sense.key, view.keys, self.language)
             return text if is_known(sense.key, view.keys) else self._after(text, view, asker)
@@ -275,6 +276,10 @@ class StateAnswers:
         bare = " ".join(word for word in thing.split() if word not in self.language.data["articles"])
         facts = " ".join(self._facts(thing, view))
         return facts or self.language.text("not_mentioned", thing=bare or thing)
+
+    def _counted(self, thing: str, view: StatusView) -> str:
+        """How many entries of one list name a thing; empty where none has any."""
+        return count_sentence(thing.split(), view, self.language, self._results)
 
     def _facts(self, thing: str, view: StatusView) -> list[str]:
         """What is known of a thing: the place of that name, else the facts that name it."""

@@ -152,6 +152,19 @@ def test_a_sentence_of_the_robots_own_is_a_start_with_its_arguments(sentence: st
     assert (sense.name, sense.mission, sense.arguments) == ("start", "assist", CALLED[sentence])
 
 
+def test_what_may_name_no_thing_is_no_value_of_a_text() -> None:
+    english = language("en")
+    grammar, view = Grammar(english, StartPhrases(HOUSE, PLACES, english)), VIEW._replace(missions=(ASSIST,))
+    assert [grammar.senses(each, view) for each in ("Find out what the time is", "find where the cup is")] == [(), ()]
+
+
+def test_an_order_that_is_corrected_at_once_is_the_order_of_both_sentences() -> None:
+    english = language("en")
+    grammar = Grammar(english, StartPhrases(HOUSE, PLACES, english))
+    [sense] = grammar.senses("Find the cup in the kitchen. No, the living room!", VIEW._replace(missions=(ASSIST,)))
+    assert (sense.kind, sense.arguments) == ("order", {"task": "find", "object": "cup", "place": "living_room"})
+
+
 def test_a_value_that_an_argument_has_not_is_a_fault_and_no_other_sentence_is_tried() -> None:
     english = language("en")
     grammar = Grammar(english, StartPhrases(HOUSE, PLACES, english))
