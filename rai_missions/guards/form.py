@@ -3,17 +3,9 @@
 
 from __future__ import annotations
 
-import itertools
-import json
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
-if TYPE_CHECKING:
-    from rai_missions.guards.guard import Guard
-
-__all__ = ("ALWAYS", "DEEP", "NEVER", "Atom", "Form", "Junction", "form_of", "opaque", "text_of")
-
-DEEP = 60
-"""Guards nested deeper than this are compared for equality only."""
+__all__ = ("ALWAYS", "NEVER", "Atom", "Form", "Junction")
 
 
 class Atom(NamedTuple):
@@ -39,22 +31,3 @@ class Junction(NamedTuple):
 
 Form = Atom | Junction
 ALWAYS, NEVER = Junction("all", ()), Junction("any", ())
-
-
-def form_of(guard: Guard, wanted: bool, depth: int) -> Form:
-    """When a guard is true or, not `wanted`, when it is false; `depth` is that of the guards around it."""
-    if depth > DEEP:
-        return Atom("other", f"#{id(guard)}", "" if wanted else "not", None)
-    return guard.form(wanted, depth + 1)
-
-
-def opaque(guard: Guard, wanted: bool) -> Atom:
-    """The form of a guard that follows from nothing but itself."""
-    return Atom("other", text_of(guard), "" if wanted else "not", None)
-
-
-def text_of(guard: Guard) -> str:
-    """The same for guards that are written the same; one that is too deep to be written is only itself."""
-    if sum(1 for _ in itertools.islice(guard.walk(), DEEP)) == DEEP:
-        return f"{id(guard)}"
-    return json.dumps(guard.written(), sort_keys=True, default=str)

@@ -6,6 +6,7 @@ Rule: a guard reads a `View` and nothing else. What is missing or stale makes it
 
 from __future__ import annotations
 
+import itertools
 import json
 import math
 from abc import ABC, abstractmethod
@@ -14,12 +15,13 @@ from typing import Any, ClassVar, NamedTuple, Protocol, TypeAlias
 
 from rai_missions.errors import MissionError, UsageError, in_words
 from rai_missions.guards.expression import EXAMPLE, WORDS, meant_guard
-from rai_missions.guards.form import Form, opaque
+from rai_missions.guards.form import Atom, Form
 from rai_missions.guards.purity import impurity
 from rai_missions.keys import Blackboard, Key
 from rai_missions.model import HasPath, TaggedModel
 
 __all__ = (
+    "DEEP",
     "Distinctions",
     "Guard",
     "GuardOrKey",
@@ -36,12 +38,16 @@ __all__ = (
     "as_counted",
     "concerns",
     "foreign_truth",
+    "form_of",
     "made",
     "presence",
+    "text_of",
 )  # fmt: skip
 
 Truth = bool | None
 """True, False, or None: unknown."""
+DEEP = 60
+"""Guards nested deeper than this are compared for equality only."""
 
 
 class View(Protocol):
@@ -224,7 +230,7 @@ class Guard(TaggedModel, family="guard", group="rai_missions.guards"):
 
     def form(self, wanted: bool, depth: int) -> Form:
         """When it is true or, not `wanted`, when it is false, in normal form; see `form_of`."""
-        return opaque(self, wanted)
+        return Atom("other", text_of(self), "" if wanted else "not", None)
 
     def rests(self, sources: Sources, *, wanted: bool = True) -> bool:
         """Whether it can be true (or, not `wanted`, false) only by what the robot reported."""
@@ -380,6 +386,20 @@ def made(word: str, **words: Any) -> Guard:
     """A guard of the kind that has a word."""
     guard: Guard = Guard.kinds[word](**words)
     return guard
+
+
+def form_of(guard: Guard, wanted: bool, depth: int) -> Form:
+    """When a guard is true or, not `wanted`, when it is false; `depth` is that of the guards around it."""
+    if depth > DEEP:
+        return Atom("other", f"#{id(guard)}", "" if wanted else "not", None)
+    return guard.form(wanted, depth + 1)
+
+
+def text_of(guard: Guard) -> str:
+    """The same for guards that are written the same; one that is too deep to be written is only itself."""
+    if sum(1 for _ in itertools.islice(guard.walk(), DEEP)) == DEEP:
+        return f"{id(guard)}"
+    return json.dumps(guard.written(), sort_keys=True, default=str)
 
 
 class Operand:

@@ -6,8 +6,8 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 
-from rai_missions.guards.form import Atom, Form, Junction, form_of, text_of
-from rai_missions.guards.guard import Guard, GuardOrKey, Site, Sources, Test, Truth, View
+from rai_missions.guards.form import Atom, Form, Junction
+from rai_missions.guards.guard import Guard, GuardOrKey, Site, Sources, Test, Truth, View, form_of, text_of
 from rai_missions.model import AnyOf, Seconds
 
 __all__ = ("Held",)

@@ -11,8 +11,8 @@ from collections.abc import Iterator
 from typing import Any
 
 from rai_missions.guards.compare import OPPOSITES, ORDERED, holds
-from rai_missions.guards.form import ALWAYS, DEEP, NEVER, Atom, Form, Junction, form_of
-from rai_missions.guards.guard import Guard
+from rai_missions.guards.form import ALWAYS, NEVER, Atom, Form, Junction
+from rai_missions.guards.guard import DEEP, Guard, form_of
 
 __all__ = ("ALWAYS", "NEVER", "Atom", "Form", "Junction", "conjuncts", "form", "implies", "never", "roots")
 
