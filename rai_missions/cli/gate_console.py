@@ -9,8 +9,9 @@ from collections.abc import Callable
 from contextlib import ExitStack
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TextIO
+from typing import Any, TextIO
 
+from rai_missions.cli.gate_options import GateOptions
 from rai_missions.gate import GateAgent, GateWords, gate_words, read_gate
 from rai_missions.gate.bypass_monitor import BypassMonitor
 from rai_missions.gate.config import command_topic, leases_of
@@ -18,9 +19,6 @@ from rai_missions.gate.memory import Memory, usual_path
 from rai_missions.gate.state import COMMANDERS, Answer, ControlChange, Deed, Halt, Pass, PublishStatus, Refuse
 from rai_missions.runtime.clock import WallClock
 from rai_missions.runtime.interrupts import on_signals
-
-if TYPE_CHECKING:
-    from rai_missions.cli.commands.gate import GateOptions
 
 __all__ = ("serve_gate",)
 
