@@ -177,7 +177,7 @@ class PythonRobotConnector(ConnectorWrapper):
             log.warning("the event '%s' is dropped: it %s", name, why)
 
     def refresh(self) -> None:
-        """Have every fact read again, so that what was done is known before it is reported as done."""
+        """As `GoalHost` has it."""
         refresh(list(self._polls.values()))
 
     def _begin_poll(self, name: str, read: Callable[[], Any], every_s: float) -> None:
@@ -271,17 +271,17 @@ class PythonRobotConnector(ConnectorWrapper):
     # -- actions ------------------------------------------------------------------------------------------------------
 
     def begin(self, goal_id: str, run: GoalRun[Any]) -> None:
-        """A function is about to pursue a goal."""
+        """As `GoalHost` has it."""
         self._goals[goal_id] = run
 
     def end(self, goal_id: str) -> None:
-        """It has returned, and its end is reported."""
+        """As `GoalHost` has it."""
         with self._changed:
             self._goals.pop(goal_id, None)
         self._look_for_end()
 
     def find(self, goal_id: str) -> GoalRun[Any] | None:
-        """The run of a goal whose function has not returned."""
+        """As `GoalHost` has it."""
         return self._goals.get(goal_id)
 
 
