@@ -20,7 +20,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from statistics import median
 
-from rai_missions.campaign.file import load_campaign
+from rai_missions.campaign.load import load_campaign
 from rai_missions.campaign.pool import LocalPool, TaskPool
 from rai_missions.campaign.ray_pool import RayPool
 from rai_missions.campaign.run import run_campaign

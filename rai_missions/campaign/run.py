@@ -16,7 +16,7 @@ from typing import Any, NamedTuple
 from rai_missions.campaign.budget import Spending, with_use_of
 from rai_missions.campaign.cells import Cell, cells_of, code_digest, digest
 from rai_missions.campaign.embodiments import embodiment_digest
-from rai_missions.campaign.file import LoadedCampaign
+from rai_missions.campaign.load import LoadedCampaign
 from rai_missions.campaign.models import is_chat, model_digest
 from rai_missions.campaign.pool import LocalPool, TaskPool
 from rai_missions.campaign.records import (

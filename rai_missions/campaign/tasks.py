@@ -17,7 +17,7 @@ from rai_missions.campaign.asking import AskSettings, question_record
 from rai_missions.campaign.budget import CallPace
 from rai_missions.campaign.cells import Cell
 from rai_missions.campaign.embodiments import embodied
-from rai_missions.campaign.file import load_campaign
+from rai_missions.campaign.load import load_campaign
 from rai_missions.campaign.models import CampaignModels
 from rai_missions.campaign.questions import AskedScene, NoQuestion, ask_in
 from rai_missions.campaign.records import (

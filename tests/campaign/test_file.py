@@ -10,7 +10,8 @@ from typing import Any
 import jsonschema
 import pytest
 
-from rai_missions.campaign.file import campaign_schema, load_campaign
+from rai_missions.campaign.file import campaign_schema
+from rai_missions.campaign.load import load_campaign
 from rai_missions.errors import DefinitionError, UsageError
 from rai_missions.mission.json_reader import read_json
 from tests.campaign.choosing import campaign_data, write_campaign

@@ -20,7 +20,8 @@ from rai_missions.answerers.test_models import RaisingModel, ScriptedModel, Word
 from rai_missions.campaign.asking import AskSettings
 from rai_missions.campaign.cells import Cell
 from rai_missions.campaign.embodiments import RobotView
-from rai_missions.campaign.file import LoadedCampaign, RolloutEntry, load_campaign
+from rai_missions.campaign.file import RolloutEntry
+from rai_missions.campaign.load import LoadedCampaign, load_campaign
 from rai_missions.campaign.models import CampaignModels
 from rai_missions.campaign.questions import AskedScene, CampaignSubject, NoQuestion, ask_in, in_scene
 from rai_missions.campaign.records import CellRecord, SceneRecord

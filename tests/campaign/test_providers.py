@@ -17,7 +17,7 @@ from rai_missions.answerers.model.providers import open_model
 from rai_missions.answerers.test_models import ScriptedModel
 from rai_missions.campaign.asking import LONGEST_PAUSE_S, AskSettings
 from rai_missions.campaign.embodiments import RobotView
-from rai_missions.campaign.file import LoadedCampaign
+from rai_missions.campaign.load import LoadedCampaign
 from rai_missions.campaign.models import CampaignModels
 from rai_missions.campaign.questions import AskedScene
 from rai_missions.campaign.records import CellRecord

@@ -12,7 +12,7 @@ import pytest
 
 from rai_missions.agents.launch import PreparedRun, prepare
 from rai_missions.agents.run_config import RunConfig
-from rai_missions.campaign.file import LoadedCampaign, load_campaign
+from rai_missions.campaign.load import LoadedCampaign, load_campaign
 from rai_missions.campaign.questions import in_scene
 from rai_missions.campaign.rollout import OpenDecision, Rollout, answers_of, rollout
 from rai_missions.engine.decision import Question

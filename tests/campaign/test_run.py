@@ -15,7 +15,7 @@ from typing import Any
 
 import pytest
 
-from rai_missions.campaign.file import load_campaign
+from rai_missions.campaign.load import load_campaign
 from rai_missions.campaign.pool import LocalPool
 from rai_missions.campaign.ray_pool import RayPool
 from rai_missions.campaign.records import CellRecord

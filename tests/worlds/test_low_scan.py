@@ -12,7 +12,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from rai_missions.campaign.file import load_campaign
+from rai_missions.campaign.load import load_campaign
 from rai_missions.campaign.questions import ask_in
 from rai_missions.campaign.records import SceneRecord
 from rai_missions.campaign.rollout import rollouts

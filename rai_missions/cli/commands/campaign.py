@@ -10,7 +10,7 @@ from rai_missions.cli.command import Argument, command
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping
 
-    from rai_missions.campaign.file import LoadedCampaign
+    from rai_missions.campaign.load import LoadedCampaign
     from rai_missions.campaign.pool import TaskPool
     from rai_missions.campaign.run import CampaignResult, Progress
     from rai_missions.campaign.tasks import WorkSettings
@@ -107,7 +107,7 @@ def _check(options: CampaignOptions) -> int:
 
 
 def _loaded(options: CampaignOptions) -> LoadedCampaign:
-    from rai_missions.campaign.file import load_campaign
+    from rai_missions.campaign.load import load_campaign
     from rai_missions.errors import UsageError
 
     loaded = load_campaign(options.file, models=options.model)
