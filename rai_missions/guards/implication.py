@@ -7,7 +7,7 @@ Rule: an answer of yes is certain; where the forms are too long or too strange t
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 from rai_missions.guards.compare import OPPOSITES, ORDERED, holds
@@ -129,12 +129,17 @@ def never(this: Form) -> bool:
     if isinstance(this, Junction) and this.word == "any":
         return all(never(part) for part in this.parts)
     parts = list(conjuncts(this))[:DEEP]
-    if any(isinstance(part, Junction) and never(part) for part in parts):
-        return True
     atoms = [part for part in parts if isinstance(part, Atom)]
     if any(atom.op == "in" and atom.operand == () for atom in atoms):
         return True
-    return any(_exclude(one, other) for one, other in itertools.combinations(atoms, 2))
+    if any(_exclude(one, other) for one, other in itertools.combinations(atoms, 2)):
+        return True
+    return any(isinstance(part, Junction) and _closed(part, atoms) for part in parts)
+
+
+def _closed(choice: Junction, atoms: Sequence[Atom]) -> bool:
+    """Whether none of its alternatives can be true while these conditions are."""
+    return all(never(Junction("all", (*atoms, *conjuncts(each)))) for each in choice.parts)
 
 
 def _exclude(one: Atom, other: Atom) -> bool:

@@ -186,6 +186,8 @@ def test_transitions_that_a_state_entered_puts_to_rest_are_no_cycle() -> None:
     assert rules(there_and_back(low, back, [])) == ["endless-cycle"]
     assert rules(there_and_back(low, {"key": "passed", "==": True}, [])) == ["possible-cycle", "blind-transition"]
     assert rules(there_and_back(low, {"key": "battery", ">": 0.5}, [])) == []
+    charged, spent = {"key": "battery", ">": 0.9}, {"any": [back, {"not": {"fresh": "battery"}}]}
+    assert rules(there_and_back(charged, spent, [])) == []
     assert rules(there_and_back(low, {"all": [back, {"elapsed_s": 5}]}, [])) == []
     assert rules(there_and_back(low, {"held": back, "for_s": 1}, [])) == []
     assert rules(there_and_back(count, count, [{"set": "signals", "add": 1}])) == []

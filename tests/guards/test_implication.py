@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from rai_missions.guards import Guard
-from rai_missions.guards.implication import form, implies
+from rai_missions.guards.implication import form, implies, never
 
 LOW, ARMED = {"key": "battery", "<": 0.2}, {"key": "armed", "==": True}
 
@@ -28,3 +28,22 @@ LOW, ARMED = {"key": "battery", "<": 0.2}, {"key": "armed", "==": True}
 )
 def test_a_guard_is_found_to_follow(one: Any, other: Any, follows: bool) -> None:
     assert implies(form(Guard.read(one)), form(Guard.read(other))) is follows
+
+
+HIGH, SILENT = {"key": "battery", ">": 0.2}, {"not": {"fresh": "battery"}}
+
+
+@pytest.mark.parametrize(
+    ("guard", "excluded"),
+    [
+        ({"all": [HIGH, {"any": [{"key": "battery", "<=": 0.2}, SILENT]}]}, True),
+        ({"all": [HIGH, {"any": [LOW, {"all": [ARMED, SILENT]}]}]}, True),
+        ({"all": [{"any": [LOW, SILENT]}, {"any": [HIGH, {"key": "battery", "==": 0.2}]}]}, False),
+        ({"all": [HIGH, {"any": [{"key": "battery", "<=": 0.3}, SILENT]}]}, False),
+        ({"all": [{"possible": HIGH}, {"any": [LOW, SILENT]}]}, False),
+        ({"all": [ARMED, {"any": [LOW, SILENT]}]}, False),
+        ({"all": [HIGH, ARMED, {"any": [{"all": [LOW, ARMED]}, {"key": "armed", "==": False}]}]}, True),
+    ],
+)
+def test_conditions_that_leave_no_alternative_are_never_true(guard: Any, excluded: bool) -> None:
+    assert never(form(Guard.read(guard))) is excluded
