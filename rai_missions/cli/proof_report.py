@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from rai_missions.cli.long_work import WorkPace
 from rai_missions.errors import UsageError
+from rai_missions.event import Event
 from rai_missions.journal import Header, make_folder
 from rai_missions.mission.files import dump
 from rai_missions.mission.mission import Mission
@@ -139,11 +140,21 @@ def _refutation(sentence: str, scenes: Iterable[Any], journal: dict[str, Any] | 
         ends = f"{scene.outcome}: {scene.why}" if scene.outcome else ", ".join(sorted(scene.active - before))
         facts = [f"{key} {_value_text(value)}" for key, value in sorted(scene.facts.items())]
         known = ", ".join(([f"control is with {scene.control.name}"] if scene.control is not None else []) + facts)
-        yield f"      {number}. {scene.words}" + (f"  → {ends}" if ends else "") + (f"  [{known}]" if known else "")
+        happens = scene.words + _brought(scene.event)
+        yield f"      {number}. {happens}" + (f"  → {ends}" if ends else "") + (f"  [{known}]" if known else "")
         before = scene.active
     if journal is not None:
         shows = "" if journal["shows"] else "; with the times as written it comes to something else there"
         yield f"      journal: {journal['journal']}{shows}"
+
+
+def _brought(event: Event | None) -> str:
+    """What an event, a result or an answer brings along; empty for nothing."""
+    if event is None or event.kind not in ("event", "result", "proposal"):
+        return ""
+    data = event.data.get("parameters") or {} if event.kind == "proposal" else event.data
+    listed = ", ".join(f"{name} {_value_text(value)}" for name, value in sorted(data.items()))
+    return f" ({listed})" if listed else ""
 
 
 def _value_text(value: Any) -> str:

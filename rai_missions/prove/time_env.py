@@ -187,7 +187,7 @@ class TimeEnvironment:
         for memory, since in list(self._chart.state.held.items()):
             keeper = self._chart.program.graph.keepers[memory]
             if since == NOW and keeper.control not in self._chart.state.frozen:
-                words = f"{memory} has held for long enough"
+                words = f"the guard of {memory.partition('#')[0]} has held for long enough"
                 yield Stimulus(words, "time", self.elapse(self._mature(memory)), owner=keeper.name)
 
     def machine_times(self) -> Iterator[Stimulus]:

@@ -10,6 +10,7 @@ import pytest
 from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
 
+from rai_missions.cli.proof_report import report
 from rai_missions.engine import Chart
 from rai_missions.engine.activities.activity import ActivityHost, Turn
 from rai_missions.engine.activities.decision import DecisionActivity, DecisionMachine
@@ -224,6 +225,8 @@ def test_a_refutation_by_an_answer_brings_all_that_is_asked_for_and_is_done_agai
     assert [event.data for each in run if (event := each.event) is not None] == [
         {"option": "give", "parameters": {"n": 1, "word": "a"}}
     ]
+    lines = [*report(mission, prove(mission), {})]
+    assert any("to 'asking': give (n 1, word a)" in line for line in lines), lines
     assert record(tmp_path / "run.journal", Header(dump(mission)), mission, run)
     assert replay(tmp_path / "run.journal").holds
 
