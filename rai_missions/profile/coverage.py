@@ -14,8 +14,10 @@ from rai_missions.errors import Fault, pointer, suggestion
 from rai_missions.guards.guard import Guard, Site
 from rai_missions.keys import Key
 from rai_missions.mission.mission import Mission
+from rai_missions.mission.option_parameters import parameter_faults
 from rai_missions.profile.entries import references
 from rai_missions.profile.profile import Robot
+from rai_missions.states.decision import Option
 from rai_missions.states.effects import Raise
 
 __all__ = ("actions_of", "commanded_names", "missing")
@@ -124,9 +126,9 @@ def _actions(index: MissionIndex, robot: Robot) -> Iterator[Fault]:
 
 
 def _rules(index: MissionIndex, robot: Robot) -> Iterator[Fault]:
-    options: dict[str, set[str]] = {}
+    options: dict[str, dict[str, Option]] = {}
     for asked, _, spot in index.asked:
-        options.setdefault(spot.name, set()).update(asked.options)
+        options.setdefault(spot.name, {}).update(asked.options)
     for state, rows in robot.rules.items():
         if state not in options:
             known = suggestion(state, options) if options else "; drop it"
@@ -137,6 +139,8 @@ def _rules(index: MissionIndex, robot: Robot) -> Iterator[Fault]:
             if row.answer not in options[state]:
                 near = suggestion(row.answer, options[state])
                 yield Fault(f"{here}/answer", f"'{state}' has no option '{row.answer}'{near}")
+            elif why := parameter_faults(options[state][row.answer].parameters or {}, {}):
+                yield Fault(f"{here}/answer", f"a rule gives no parameters, and '{row.answer}' asks for some: {why}")
             if row.when is not None:
                 yield from _unknown_keys(index, row.when, f"{here}/when")
 

@@ -287,6 +287,14 @@ def test_what_a_profile_lacks_is_reported_with_its_place(change: dict[str, Any],
     assert message in faults[0]
 
 
+def test_a_rule_that_answers_with_an_option_that_asks_for_values_is_reported() -> None:
+    times: dict[str, Any] = {"type": "object", "properties": {"times": {"type": "integer"}}}
+    place = f"states/assessing/decision/options/{robot().rules['assessing'][0].answer}/parameters"
+    assert missing(mission({place: times}), robot()) == (), "it may do without"
+    (found,) = missing(mission({place: times | {"required": ["times"]}}), robot())
+    assert str(found).startswith("/rules/assessing/0/answer: a rule gives no parameters, and ")
+
+
 def test_a_number_may_come_as_an_integer() -> None:
     assert missing(mission(), robot({"blackboard/battery": {"topic": "/b", "type": "std_msgs/msg/Int32"}})) == ()
 
