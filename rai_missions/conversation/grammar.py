@@ -34,6 +34,8 @@ MOST_PARTS = 6
 """Sentences of an utterance that are read; of more, only a stop at its beginning or end counts."""
 DRAWN_OUT = re.compile(r"([^\W\d_])\1{2,}")
 """A letter that is written as long as it is drawn out: `stooop`; a digit counts as often as it is written."""
+LONGEST_WARNING = 7
+"""Words of the longest warning that has its danger in the same clause."""
 POLITE, LONGEST_GREETING = ("hello", "thanks", "sorry"), 3
 """Questions that are none and may be ahead of any sentence, and the words of the longest."""
 NEAREST = 5
@@ -80,7 +82,7 @@ class Grammar:
         if is_open and STOP not in several and (self._stops_at_an_edge(text, view) or self._warns(text, view)):
             return (STOP,)
         found = several or whole if len(parts) < 2 else self._in_parts(parts, view, draft) or whole
-        return found or self._pause_at_first(text, view)
+        return (self._pause_at_first(text, view) if _is_fault(found or FAULT) else ()) or found
 
     def _pause_at_first(self, text: str, view: StatusView) -> tuple[Sense, ...]:
         """A pause as the first clause of other talk: `wait, I am coming`; none where something is asked."""
@@ -100,15 +102,20 @@ class Grammar:
         words = normaliser.bare(normaliser.words(text), _called(view.robot))
         if warnings["announcing"].fits(words):
             return False
-        is_whole = len(normaliser.clauses(text)) == 1 and warnings["whole"].fits(words)
+        is_alone = len(normaliser.clauses(text)) == 1 and len(words) <= LONGEST_WARNING
+        is_whole = is_alone and (
+            warnings["whole"].fits(words) or (text.endswith("!") and warnings["cried"].fits(words))
+        )
         return is_whole or any(map(warnings["alone"].fits, self._edges(text, view)))
 
     def _edges(self, text: str, view: StatusView) -> list[list[str]]:
-        """The first clause and the last one, the last one after no condition."""
+        """The first clause and the last one, the last one after no condition; and each sentence of a few."""
         normaliser = self.language.normaliser
+        parts = normaliser.parts(text)
+        whole = [normaliser.words(each) for each in parts[1:-1] if len(parts) <= MOST_PARTS]
         clauses = [normaliser.words(each) for each in normaliser.clauses(text)]
         is_on_condition = any(words[:1] == [each] for each in self.language.data["conditions"] for words in clauses[:1])
-        edges = [*clauses[:1], *([] if is_on_condition else clauses[1:][-1:])]
+        edges = [*clauses[:1], *whole, *([] if is_on_condition else clauses[1:][-1:])]
         return [list(once(normaliser.bare(words, _called(view.robot)))) for words in edges]
 
     def _in_parts(self, parts: list[str], view: StatusView, draft: Draft | None) -> tuple[Sense, ...]:

@@ -172,5 +172,6 @@ def test_a_value_that_an_argument_has_not_is_a_fault_and_no_other_sentence_is_tr
     [sense] = grammar.senses("find the cup in the attic", view)
     assert sense.fault == "'attic' is no value for place: it must be kitchen or living room."
     assert grammar.senses("wait some seconds", view)[0].kind == "fault"
+    assert [each.name for each in grammar.senses("wait, some seconds are missing", view)] == ["pause"]
     assert grammar.senses("find the cup in the attic", VIEW) == (), "of a mission that takes no such argument"
     assert [grammar.senses(each, view) for each in STORED["stops"]["en"]] == [(STOP,)] * len(STORED["stops"]["en"])
