@@ -53,11 +53,10 @@ def impurity(kind: type[Any]) -> str:
         if isinstance(thing, type):
             rest += _members(thing, home)
         elif isinstance(thing, FunctionType) and thing.__module__.partition(".")[0] == home:
-            for code in _codes(thing.__code__):
-                for line, name, used in _used(code, thing):
-                    if why := _impure(name, used):
-                        return f"it is impure: {Path(code.co_filename).name}:{line} uses {why}"
-                    rest.append(used)
+            for place, name, used in _uses(thing):
+                if why := _impure(name, used):
+                    return f"it is impure: {place} uses {why}"
+                rest.append(used)
     return ""
 
 
@@ -76,6 +75,13 @@ def _members(kind: type[Any], home: str) -> Iterator[Any]:
                     yield member.func
                 elif isinstance(member, FunctionType):
                     yield inspect.unwrap(member)
+
+
+def _uses(function: FunctionType) -> Iterator[tuple[str, str, Any]]:
+    """What a function and those inside it use: where in its file, by which name, and the thing."""
+    for code in _codes(function.__code__):
+        file = Path(code.co_filename).name
+        yield from ((f"{file}:{line}", name, used) for line, name, used in _used(code, function))
 
 
 def _codes(code: CodeType) -> Iterator[CodeType]:
