@@ -156,12 +156,7 @@ def run_campaign(
     """
     began = time.monotonic()
     rates = loaded.file.labels != UNLABELLED
-    if labels_alone and not rates:
-        raise UsageError('the campaign has no source of labels: write "labels": "trials" or "rollouts" in its file')
-    if settings.recorded:
-        ResultStore(settings.recorded).close()  # it is there, before a worker begins
-    elif not labels_alone:
-        _check_models(loaded)
+    _check_sources(loaded, settings, labels_alone=labels_alone)
     plan = plan_of(loaded)
     _begin(loaded, plan, store)
     plan = plan._replace(labels=_whole(store.labels(), loaded.subject.options if rates else ()))
@@ -171,12 +166,14 @@ def run_campaign(
     if labels_alone or settings.recorded:
         budget = budget.model_copy(update=dict.fromkeys(("calls", "tokens", "money")))  # no one is asked
     spending = Spending(budget, store.cells(), store.dropped)
-    intake = Intake(store, spending, on_progress, len(done), len(plan.cells))
     if labels_alone:
         labelled = sum(each.scene in plan.labels for each in plan.scenes)
         intake = Intake(store, spending, on_progress, labelled, len(plan.scenes), counts=LabelRecord)
+        wanted = plan.label_tasks()
+    else:
+        intake = Intake(store, spending, on_progress, len(done), len(plan.cells))
+        wanted = plan.tasks(done, store.shown(), rates=rates)
     stopped = spending.spent(0.0)
-    wanted = plan.label_tasks() if labels_alone else plan.tasks(done, store.shown(), rates=rates)
     tasks = [] if stopped else list(wanted)
     with closing(open_pool(settings)) as pool:
         try:
@@ -263,6 +260,20 @@ class Intake:
             "cells" if self._counts is CellRecord else "scenes",
         )
         return Progress(done, self._total, rate, left_s, self._spending.money, unit)
+
+
+def _check_sources(loaded: LoadedCampaign, settings: WorkSettings, *, labels_alone: bool) -> None:
+    """See whether there is what answers or labels: stored answers, models, a source of labels.
+
+    Raises:
+        UsageError: There is none.
+    """
+    if labels_alone and loaded.file.labels == UNLABELLED:
+        raise UsageError('the campaign has no source of labels: write "labels": "trials" or "rollouts" in its file')
+    if settings.recorded:
+        ResultStore(settings.recorded).close()  # it is there, before a worker begins
+    elif not labels_alone:
+        _check_models(loaded)
 
 
 def _check_models(loaded: LoadedCampaign) -> None:
