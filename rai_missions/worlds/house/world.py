@@ -104,17 +104,9 @@ class House(Simulation):
         self.navigator = Navigator(recoveries)
         people_here = [int(self.model.body(person_name(number)).id) for number in range(len(here))]
         self.judge = HouseJudge(self.model, self.data, self.rosbot.body_id, people_here)
-        errors = DetectorErrors.of(detector)
         self._finder = ObjectFinder(interface.FINDER)
-        self._frames: FrameHistory | None = None
-        self._detecting: DetectorServices | None = None
-        if self.camera is not None:
-            self._frames = FrameHistory(
-                self.camera, seed, depth=interface.DEPTH, lens=interface.LENS, fovy_deg=CAMERA_FOVY_DEG
-            )
-            if detects:
-                seer = OpenSetDetector(self._things(), errors, seed, lookalikes, COLOURS)
-                self._detecting = DetectorServices(self._frames, seer, self.since)
+        self._frames = self._camera_frames(seed)
+        self._detecting = self._detector(seed, DetectorErrors.of(detector)) if detects else None
         self._speech = sentences(speech)
         self._lidar, self._low_scan = Lidar(self.model, self.data, seed), LowScan(self.model, self.data, seed)
         self._servers: dict[tuple[str, str], NavigateToPose | DockRobot | Wait] = {
@@ -127,6 +119,17 @@ class House(Simulation):
     @property
     def pose(self) -> RobotPose:
         return self.rosbot.pose
+
+    def _camera_frames(self, seed: int) -> FrameHistory | None:
+        if self.camera is None:
+            return None
+        return FrameHistory(self.camera, seed, depth=interface.DEPTH, lens=interface.LENS, fovy_deg=CAMERA_FOVY_DEG)
+
+    def _detector(self, seed: int, errors: DetectorErrors) -> DetectorServices | None:
+        if self._frames is None:
+            return None
+        seer = OpenSetDetector(self._things(), errors, seed, lookalikes, COLOURS)
+        return DetectorServices(self._frames, seer, self.since)
 
     def _things(self) -> dict[int, Thing]:
         """What each body of the model is that may be detected."""
