@@ -135,24 +135,23 @@ class _Left(ast.NodeVisitor):
         self.generic_visit(node)
 
 
+@cache
+def source_of(file: str) -> str:
+    return (ROOT / file).read_text(encoding="utf-8")
+
+
 def drawable(part: str, file: str) -> Iterator[tuple[tuple[int, int], Mutant]]:
     """Every mutant of a file with its place."""
-    source = (ROOT / file).read_text(encoding="utf-8")
+    source = source_of(file)
     left = _Left()
     left.visit(ast.parse(source))
-    tree = get_ast(source)
-    nodes = list(ast_nodes(tree))
+    nodes = list(ast_nodes(get_ast(source)))
     for name in OPERATORS:
         operator = operator_of(name)
         positions = (place for node in nodes for place, _ in operator.mutation_positions(node))
         for occurrence, place in enumerate(positions):
             if not any(begin <= tuple(place) < end for begin, end in left.spans):
                 yield tuple(place), Mutant(part, file, name, occurrence, place[0])
-
-
-@cache
-def source_of(file: str) -> str:
-    return (ROOT / file).read_text(encoding="utf-8")
 
 
 def lines_of(mutant: Mutant) -> tuple[str, list[str], list[str]]:
@@ -374,6 +373,53 @@ class Copies:
             return status, output.read()
 
 
+class Trial:
+    """The mutants that are tried, each once, and what came of them in rows as they are kept.
+
+    Args:
+        results: The file of the rows; those that it has are not tried again.
+        copies: Where mutants are tried.
+        covered: Which tests run a line.
+        count: How many mutants there are.
+    """
+
+    def __init__(self, results: Path, copies: Copies, covered: Covered, count: int) -> None:
+        self._results, self._copies, self._covered, self._count = results, copies, covered, count
+        known = tomllib.loads(EQUIVALENT.read_text())["mutant"] if EQUIVALENT.exists() else []
+        self._equivalent = {(each["file"], each["before"].strip(), each["after"].strip()) for each in known}
+        lines = results.read_text().splitlines() if results.exists() else []
+        self._done = {(row["file"], tuple(row["before"]), tuple(row["after"])): row for row in map(json.loads, lines)}
+        self.rows: list[dict[str, Any]] = []
+
+    def add(self, mutant: Mutant) -> None:
+        """Try a mutant, from any thread."""
+        _, before, after = lines_of(mutant)
+        row = self._done.get((mutant.file, tuple(before), tuple(after)))
+        if row is None:
+            if (mutant.file, "\n".join(before).strip(), "\n".join(after).strip()) in self._equivalent:
+                tried = Tried("equivalent")
+            else:
+                tried = self._copies.try_in_rounds(mutant, self._covered.tests(mutant))
+            row = {**asdict(mutant), "before": before, "after": after, **asdict(tried)}
+            with self._results.open("a") as file:
+                file.write(json.dumps(row) + "\n")
+        self.rows.append(row)
+        outcome = f"{row['result']:<11} {row['seconds']:6.1f} s  {mutant.file}:{mutant.line}  {row['by']}"
+        print(f"{len(self.rows)}/{self._count} {outcome}", flush=True)
+
+
+def share_found(rows: list[dict[str, Any]]) -> float:
+    """The share of the mutants that were found, of those that can be; prints the others."""
+    missed = [row for row in rows if row["result"] == "not found"]
+    for row in missed:
+        print(f"\n{row['file']}:{row['line']} ({row['operator']})")
+        print(*(f"  - {line}" for line in row["before"]), *(f"  + {line}" for line in row["after"]), sep="\n")
+    real = [row for row in rows if row["result"] != "equivalent"]
+    share = 1 - len(missed) / max(1, len(real))
+    print(f"\n{len(real) - len(missed)} of {len(real)} found ({100 * share:.1f} %); {len(rows) - len(real)} equivalent")
+    return share
+
+
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--count", type=int, default=300)
@@ -383,51 +429,23 @@ def main() -> int:
     parser.add_argument("--results", type=Path, default=ROOT / "out/mutants.jsonl")
     given = parser.parse_args()
 
-    parts = {
-        name: each for name, each in tomllib.loads(PARTS.read_text()).items() if not given.part or name in given.part
-    }
-    known = tomllib.loads(EQUIVALENT.read_text())["mutant"] if EQUIVALENT.exists() else []
-    equivalent = {(each["file"], each["before"].strip(), each["after"].strip()) for each in known}
-    mutants = draw(parts, given.count, given.seed)
+    every = tomllib.loads(PARTS.read_text())
+    parts = {name: each for name, each in every.items() if not given.part or name in given.part}
     given.results.parent.mkdir(parents=True, exist_ok=True)
-    lines = given.results.read_text().splitlines() if given.results.exists() else []
-    done = {(row["file"], tuple(row["before"]), tuple(row["after"])): row for row in map(json.loads, lines)}
     copies = Copies(given.jobs)
-    first = copies.folder / "0" / CHECKOUT
-    covered = Covered(given.results.parent, parts, given.jobs, first)
-    if copies.run(first, ["--collect-only", *covered.every()], 300)[0]:
-        print("pytest does not find the tests by their names", file=sys.stderr)
-        return 2
-    rows: list[dict[str, Any]] = []
-
-    def one(mutant: Mutant) -> None:
-        _, before, after = lines_of(mutant)
-        row = done.get((mutant.file, tuple(before), tuple(after)))
-        if row is None:
-            if (mutant.file, "\n".join(before).strip(), "\n".join(after).strip()) in equivalent:
-                tried = Tried("equivalent")
-            else:
-                tried = copies.try_in_rounds(mutant, covered.tests(mutant))
-            row = {**asdict(mutant), "before": before, "after": after, **asdict(tried)}
-            with given.results.open("a") as file:
-                file.write(json.dumps(row) + "\n")
-        rows.append(row)
-        outcome = f"{row['result']:<11} {row['seconds']:6.1f} s  {mutant.file}:{mutant.line}  {row['by']}"
-        print(f"{len(rows)}/{len(mutants)} {outcome}", flush=True)
-
     try:
+        first = copies.folder / "0" / CHECKOUT
+        covered = Covered(given.results.parent, parts, given.jobs, first)
+        if copies.run(first, ["--collect-only", *covered.every()], 300)[0]:
+            print("pytest does not find the tests by their names", file=sys.stderr)
+            return 2
+        mutants = draw(parts, given.count, given.seed)
+        trial = Trial(given.results, copies, covered, len(mutants))
         with ThreadPoolExecutor(given.jobs) as pool:
-            list(pool.map(one, mutants))
+            list(pool.map(trial.add, mutants))
     finally:
         shutil.rmtree(copies.folder, ignore_errors=True)
-    missed = [row for row in rows if row["result"] == "not found"]
-    for row in missed:
-        print(f"\n{row['file']}:{row['line']} ({row['operator']})")
-        print(*(f"  - {line}" for line in row["before"]), *(f"  + {line}" for line in row["after"]), sep="\n")
-    real = [row for row in rows if row["result"] != "equivalent"]
-    share = 1 - len(missed) / max(1, len(real))
-    print(f"\n{len(real) - len(missed)} of {len(real)} found ({100 * share:.1f} %); {len(rows) - len(real)} equivalent")
-    return 0 if share >= ENOUGH else 1
+    return 0 if share_found(trial.rows) >= ENOUGH else 1
 
 
 if __name__ == "__main__":
