@@ -19,20 +19,13 @@ import pytest
 from rai_missions.cli.commands.run import run
 from rai_missions.cli.main import main
 from rai_missions.mission.files import load
+from tests.rigs.lamp import LAMP, lamp_folder
 from tests.ros2 import on_ros
-
-LAMP: dict[str, Any] = {
-    "name": "lamp",
-    "initial": "on",
-    "states": {"on": {"transitions": [{"after_s": 0.01, "to": "off"}]}, "off": {"final": "aborted"}},
-}
 
 
 @pytest.fixture
 def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "lamp.json").write_text(json.dumps(LAMP))
-    return tmp_path
+    return lamp_folder(tmp_path, monkeypatch)
 
 
 def test_help_names_every_command(capsys: pytest.CaptureFixture[str]) -> None:

@@ -14,6 +14,7 @@ import pytest
 from rai_missions.cli.main import main
 from rai_missions.journal import read, verify
 from rai_missions.mission.schema import mission_schema
+from tests.rigs.lamp import lamp_folder
 
 LAMP = {
     "format": 1, "name": "lamp", "initial": "off", "states": {
@@ -26,9 +27,7 @@ RUN = ("run", "lamp.json", "--journal", "a.journal")
 
 @pytest.fixture
 def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "lamp.json").write_text(json.dumps(LAMP), encoding="utf-8")
-    return tmp_path
+    return lamp_folder(tmp_path, monkeypatch, LAMP)
 
 
 def shell(command: str, *words: str, **variables: str) -> subprocess.CompletedProcess[str]:

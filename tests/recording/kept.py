@@ -11,9 +11,10 @@ from typing import Any, NamedTuple
 from mcap.reader import make_reader
 
 from rai_missions.mission.mission import Mission
+from rai_missions.profile import Robot
 from rai_missions.recording import Recording
 
-__all__ = ("LAMP", "ReadRecording", "kept", "recording")
+__all__ = ("LAMP", "ReadRecording", "kept", "recording", "robot")
 
 LAMP = Mission.model_validate(
     {
@@ -38,6 +39,16 @@ LAMP = Mission.model_validate(
     }
 )
 """A mission that continues as long as its battery does."""
+
+
+def robot(kind: str, **words: Any) -> Robot:
+    """The profile of a robot for it, on a kind of connector; words are more of its sections."""
+    facts = {
+        "battery": {"topic": "/battery", "type": "sensor_msgs/msg/BatteryState", "field": "percentage"},
+        "camera": {"topic": "/camera", "type": "sensor_msgs/msg/Image"},
+        "speech": {"topic": "/speech", "type": "std_msgs/msg/String", "json": True},
+    }
+    return Robot.model_validate({"name": "a lamp", "connector": {"kind": kind}, "blackboard": facts, **words})
 
 
 def recording(path: Path, **words: Any) -> Recording:

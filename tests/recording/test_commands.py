@@ -21,21 +21,15 @@ from rai_missions.recording import journal_of
 from rai_missions.replay.replay import replay
 from tests.recording.kept import kept
 from tests.rigs.journals import raw_rows_of
+from tests.rigs.lamp import LAMP, lamp_folder
 
 pytest.importorskip("mcap")
 TRACTOR = Path(__file__).parents[2] / "missions" / "tractor"
-LAMP = {
-    "name": "lamp",
-    "initial": "on",
-    "states": {"on": {"transitions": [{"after_s": 0.01, "to": "off"}]}, "off": {"final": "aborted"}},
-}
 
 
 @pytest.fixture
 def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "lamp.json").write_text(json.dumps(LAMP))
-    return tmp_path
+    return lamp_folder(tmp_path, monkeypatch)
 
 
 def test_a_run_is_recorded_replayed_and_drawn(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -13,11 +13,10 @@ import yaml  # type: ignore[import-untyped, unused-ignore]
 
 from rai_missions.agents.mission import RunConfig, prepare
 from rai_missions.engine.step import Step
-from rai_missions.profile import Robot
 from rai_missions.recording import journal_of
 from rai_missions.replay.replay import replay
 from tests.connectors.ros2.conftest import open_ros, ros
-from tests.recording.kept import LAMP, kept
+from tests.recording.kept import LAMP, kept, robot
 from tests.ros2 import on_ros
 
 pytestmark = on_ros
@@ -29,17 +28,7 @@ OF_A_BAG = {
     "history", "depth", "reliability", "durability", "deadline", "lifespan", "liveliness", "liveliness_lease_duration",
     "avoid_ros_namespace_conventions",
 }  # fmt: skip
-ROBOT = Robot.model_validate(
-    {
-        "name": "a lamp",
-        "connector": {"kind": "ros2"},
-        "blackboard": {
-            "battery": {"topic": "/battery", "type": "sensor_msgs/msg/BatteryState", "field": "percentage"},
-            "camera": {"topic": "/camera", "type": "sensor_msgs/msg/Image"},
-            "speech": {"topic": "/speech", "type": "std_msgs/msg/String", "json": True},
-        },
-    }
-)
+ROBOT = robot("ros2")
 
 
 def decoded(path: Path, topic: str) -> list[Any]:

@@ -15,12 +15,11 @@ from rai_missions.agents.mission import RunConfig, prepare
 from rai_missions.connectors.connector import Message, Reply, Report
 from rai_missions.connectors.local import LocalConnector
 from rai_missions.image import Image
-from rai_missions.profile import Robot
 from rai_missions.recording import RecordedConnector, Recording, journal_of
 from rai_missions.recording.schemas import described
 from rai_missions.replay.replay import replay
 from rai_missions.runtime.clock import SimulatedClock
-from tests.recording.kept import LAMP, ReadRecording, kept
+from tests.recording.kept import LAMP, ReadRecording, kept, robot
 
 pytest.importorskip("mcap")
 
@@ -38,18 +37,7 @@ PUBLISHED = {
 """The required fields of Foxglove's own schemas (foxglove-sdk, schemas/jsonschema), and what each is."""
 PIXELS = bytes(range(12))
 PNG = b"\x89PNG not really"
-ROBOT = Robot.model_validate(
-    {
-        "name": "a lamp",
-        "connector": {"kind": "local"},
-        "blackboard": {
-            "battery": {"topic": "/battery", "type": "sensor_msgs/msg/BatteryState", "field": "percentage"},
-            "camera": {"topic": "/camera", "type": "sensor_msgs/msg/Image"},
-            "speech": {"topic": "/speech", "type": "std_msgs/msg/String", "json": True},
-        },
-        "services": {"horn": {"service": "/horn", "type": "std_srvs/srv/Trigger"}},
-    }
-)
+ROBOT = robot("local", services={"horn": {"service": "/horn", "type": "std_srvs/srv/Trigger"}})
 
 
 class Stage:

@@ -20,12 +20,8 @@ from rai_missions.errors import DefinitionError
 from rai_missions.journal import Header, Journal, verify
 from rai_missions.mission.files import dump, load
 from rai_missions.mission.mission import Mission
+from tests.rigs.lamp import LAMP, lamp_folder
 
-LAMP = {
-    "name": "lamp",
-    "initial": "on",
-    "states": {"on": {"transitions": [{"after_s": 0.01, "to": "off"}]}, "off": {"final": "aborted"}},
-}
 FULL = """
 import resource, signal, sys
 from pathlib import Path
@@ -57,8 +53,7 @@ ROUND = {
 @pytest.fixture
 def killed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """A run that died after its first step, as its files are left; and its mission next to it."""
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "lamp.json").write_text(json.dumps(LAMP))
+    lamp_folder(tmp_path, monkeypatch)
     mission = load("lamp.json")
     with Journal.create("living", Header(dump(mission))) as journal:
         journal.write(Chart(mission).start(), since=0.0)

@@ -6,6 +6,7 @@ from __future__ import annotations
 import json
 import math
 import random
+from collections.abc import Sequence
 from typing import Any
 
 import pytest
@@ -151,10 +152,15 @@ def sighting(x: float, colour: str = "red", sigma_m: float = 0.0005) -> Classifi
     return ClassifiedBody(Thing("cube", colour), SeenBody(1, x, 0.0, 0.022, 0.0, 1.0, sigma_m))
 
 
+def look(tracks: Tracks, times: int, seen: Sequence[ClassifiedBody], *, is_clear: bool = False) -> None:
+    """The same is seen several times; whether every place is seen where nothing is."""
+    for _ in range(times):
+        tracks.add(seen, lambda *_: is_clear)
+
+
 def test_a_thing_that_is_hidden_later_keeps_the_pose_that_was_measured_better_until_it_moved() -> None:
     tracks = Tracks()
-    for _ in range(LEAD):
-        tracks.add([sighting(0.5)], lambda *_: False)
+    look(tracks, LEAD, [sighting(0.5)])
     for number in range(10):
         tracks.add([sighting(0.5 + 0.004 * (-1) ** number, sigma_m=0.004)], lambda *_: False)
     (kept,) = tracks.things()
@@ -188,30 +194,23 @@ def test_what_was_carried_out_of_sight_keeps_its_name() -> None:
     tracks = Tracks()
     for number in range(LEAD + 2):
         tracks.add([sighting(0.3 + 0.03 * max(0, number - LEAD + 2))], lambda *_: False)
-    for _ in range(4):
-        tracks.add([], lambda *_: False)
-    for _ in range(LEAD):
-        tracks.add([sighting(0.6)], lambda *_: False)
+    look(tracks, 4, [])
+    look(tracks, LEAD, [sighting(0.6)])
     assert [(one["name"], one["x"]) for one in tracks.things()] == [("red_cube", 0.6)]
 
 
 def test_a_thing_that_was_still_when_it_was_hidden_does_not_lend_its_name() -> None:
     tracks = Tracks()
-    for _ in range(LEAD):
-        tracks.add([sighting(0.3)], lambda *_: False)
-    for _ in range(LEAD):
-        tracks.add([sighting(0.6)], lambda *_: False)
+    look(tracks, LEAD, [sighting(0.3)])
+    look(tracks, LEAD, [sighting(0.6)])
     assert {one["name"]: one["x"] for one in tracks.things()} == {"red_cube": 0.3, "red_cube_2": 0.6}
 
 
 def test_a_thing_that_fell_unseen_keeps_its_name_once_its_old_place_is_seen_empty() -> None:
     tracks = Tracks()
-    for _ in range(LEAD):
-        tracks.add([sighting(0.3)], lambda *_: False)
-    for _ in range(LEAD):
-        tracks.add([sighting(0.6)], lambda *_: False)
-    for _ in range(3):
-        tracks.add([sighting(0.6)], lambda *_: True)
+    look(tracks, LEAD, [sighting(0.3)])
+    look(tracks, LEAD, [sighting(0.6)])
+    look(tracks, 3, [sighting(0.6)], is_clear=True)
     assert {one["name"]: one["x"] for one in tracks.things()} == {"red_cube": 0.6}
 
 
@@ -219,12 +218,9 @@ def test_a_thing_that_fell_unseen_keeps_its_name_once_its_old_place_is_seen_empt
 def test_a_thing_that_is_gone_lends_its_name_to_no_two_and_to_none_that_was_there_before(seen_before: bool) -> None:
     tracks = Tracks()
     others = [sighting(0.6), sighting(0.9)][: 1 if seen_before else 2]
-    for _ in range(LEAD):
-        tracks.add([sighting(0.3), *(others if seen_before else [])], lambda *_: False)
-    for _ in range(LEAD):
-        tracks.add(others, lambda *_: False)
-    for _ in range(3):
-        tracks.add(others, lambda *_: True)
+    look(tracks, LEAD, [sighting(0.3), *(others if seen_before else [])])
+    look(tracks, LEAD, others)
+    look(tracks, 3, others, is_clear=True)
     names = {one["name"] for one in tracks.things()}
     assert names == ({"red_cube_2"} if seen_before else {"red_cube_2", "red_cube_3"})
 
@@ -234,19 +230,16 @@ def test_what_comes_to_lie_in_the_middle_of_a_tray_is_not_taken_for_it() -> None
         return ClassifiedBody(Thing(kind, ""), SeenBody(1, x, 0.0, z, 0.0, 1.0, 0.0005))
 
     tracks = Tracks()
-    for _ in range(LEAD):
-        tracks.add([lying("corn", 0.7, 0.022), lying("tray", 0.5, 0.015)], lambda *_: False)
+    look(tracks, LEAD, [lying("corn", 0.7, 0.022), lying("tray", 0.5, 0.015)])
     for x in (0.65, 0.6, 0.55, 0.5):
         tracks.add([lying("corn", x, 0.05)], lambda *_: False)
-    for _ in range(4 * LEAD):
-        tracks.add([lying("tray", 0.5, 0.024), lying("corn", 0.5, 0.017)], lambda *_: False)
+    look(tracks, 4 * LEAD, [lying("tray", 0.5, 0.024), lying("corn", 0.5, 0.017)])
     assert {one["name"] for one in tracks.things()} == {"corn", "tray"}
 
 
 def test_what_is_hidden_for_a_look_is_not_taken_for_its_neighbour() -> None:
     tracks = Tracks()
-    for _ in range(LEAD):
-        tracks.add([sighting(0.4, "red"), sighting(0.46, "blue")], lambda *_: False)
+    look(tracks, LEAD, [sighting(0.4, "red"), sighting(0.46, "blue")])
     tracks.add([sighting(0.46, "blue")], lambda *_: False)
     tracks.add([sighting(0.4, "red")], lambda *_: False)
     assert {one["name"]: one["x"] for one in tracks.things()} == {"red_cube": 0.4, "blue_cube": 0.46}
@@ -254,13 +247,10 @@ def test_what_is_hidden_for_a_look_is_not_taken_for_its_neighbour() -> None:
 
 def test_a_hidden_thing_stays_listed_and_one_that_is_seen_through_goes() -> None:
     tracks = Tracks()
-    for _ in range(LEAD):
-        tracks.add([sighting(0.5)], lambda *_: False)
-    for _ in range(50):
-        tracks.add([], lambda *_: False)
+    look(tracks, LEAD, [sighting(0.5)])
+    look(tracks, 50, [])
     assert [one["name"] for one in tracks.things()] == ["red_cube"]
-    for _ in range(3):
-        tracks.add([], lambda *_: True)
+    look(tracks, 3, [], is_clear=True)
     assert tracks.things() == []
 
 
@@ -387,8 +377,7 @@ def test_what_was_pushed_and_is_hidden_is_at_rest_once_it_had_stopped_and_what_r
     for x in [*[0.5] * LEAD, *last]:
         tracks.add([sighting(x), aside], lambda *_: False)
     assert not {one["name"]: one["at_rest"] for one in tracks.things()}["red_cube"]
-    for _ in range(LEAD):
-        tracks.add([aside, *upper], lambda *_: False)
+    look(tracks, LEAD, [aside, *upper])
     assert {one["name"]: one["at_rest"] for one in tracks.things()}["red_cube"] is is_at_rest
 
 
@@ -399,8 +388,7 @@ def test_a_part_of_a_thing_that_is_taken_for_another_is_forgotten_once_the_thing
         return ClassifiedBody(Thing(kind, ""), SeenBody(1, 0.3, y, z, math.pi / 2, 1.0, 0.001))
 
     tracks = Tracks()
-    for _ in range(LEAD):
-        tracks.add([lying("carrot", 0.0, 0.02)], lambda *_: False)
+    look(tracks, LEAD, [lying("carrot", 0.0, 0.02)])
     tracks.add([lying("corn", -0.1, -0.006)], lambda *_: False)
     tracks.add([lying("corn", -0.05, -0.006)], lambda *_: False)
     assert tracks.unsure() == 1
