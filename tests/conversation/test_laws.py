@@ -12,7 +12,6 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-import pytest
 from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis import strategies as st
 
@@ -33,6 +32,7 @@ from rai_missions.conversation import (
     permissions,
 )
 from rai_missions.engine.decision import Offer, Question
+from tests.rigs.laws import drill
 
 MAY = {
     "operator": {"start", "pause", "resume", "cancel", "stop", "answer"}, "person": {"stop"}, "viewer": set[str](),
@@ -302,11 +302,7 @@ def test_no_talk_orders_what_was_not_permitted_possible_and_confirmed(script: li
     hold(script)
 
 
-@pytest.mark.drill
-@given(scripts)
-@LARGE
-def test_no_talk_orders_what_was_not_permitted_possible_and_confirmed_at_length(script: list[tuple[Any, ...]]) -> None:
-    hold(script)
+test_no_talk_orders_what_was_not_permitted_possible_and_confirmed_at_length = drill(hold, scripts, tried=LARGE)
 
 
 def ask_again(between: list[str], door: Any) -> None:
@@ -325,11 +321,7 @@ def test_a_yes_after_something_else_is_asked_again(between: list[str], door: Any
     ask_again(between, door)
 
 
-@pytest.mark.drill
-@given(*confirmed)
-@LARGE
-def test_a_yes_after_something_else_is_asked_again_at_length(between: list[str], door: Any) -> None:
-    ask_again(between, door)
+test_a_yes_after_something_else_is_asked_again_at_length = drill(ask_again, *confirmed, tried=LARGE)
 
 
 def forge(sentences: list[tuple[str, str]]) -> None:
@@ -351,8 +343,4 @@ def test_a_forged_author_or_text_changes_nothing_but_names(sentences: list[tuple
     forge(sentences)
 
 
-@pytest.mark.drill
-@given(forgeries)
-@LARGE
-def test_a_forged_author_or_text_changes_nothing_but_names_at_length(sentences: list[tuple[str, str]]) -> None:
-    forge(sentences)
+test_a_forged_author_or_text_changes_nothing_but_names_at_length = drill(forge, forgeries, tried=LARGE)

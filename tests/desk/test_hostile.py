@@ -21,7 +21,6 @@ def test_what_must_not_be_is_not_acted_on_whatever_is_answered() -> None:
 
 
 @pytest.mark.drill
-@pytest.mark.timeout(3600)
 def test_what_must_not_be_is_not_acted_on_in_many_more_desks() -> None:
     assert acted(1000, 3000) == []
 

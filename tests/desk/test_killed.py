@@ -58,7 +58,6 @@ def test_killed_with_a_thing_in_the_hand_it_ends_as_it_does_without(tmp_path: Pa
 
 
 @pytest.mark.drill
-@pytest.mark.timeout(3600)
 @pytest.mark.parametrize("dead_s", [0.0, 2.0, 8.0, 60.0])
 def test_killed_after_every_row(tmp_path: Path, dead_s: float) -> None:
     built(tmp_path / "whole.journal", 10**6, 0.0)
@@ -86,7 +85,6 @@ def stacked(path: Path, seed: int) -> tuple[str | None, str, bool, bool]:
 
 
 @pytest.mark.drill
-@pytest.mark.timeout(3600)
 @pytest.mark.parametrize("seed", range(12))
 def test_killed_three_times_with_more_on_the_desk_it_claims_what_is_so(tmp_path: Path, seed: int) -> None:
     outcome, why, is_so, is_empty = stacked(tmp_path / "run.journal", seed)

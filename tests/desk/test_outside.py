@@ -57,7 +57,6 @@ def test_a_desk_that_was_not_drawn_for_the_arm_is_arranged(seed: int) -> None:
 
 
 @pytest.mark.drill
-@pytest.mark.timeout(3600)
 def test_no_hard_desk_is_misjudged() -> None:
     ends = [played_hard(hard_case(seed)) for seed in range(400000, 400072)]
     assert [end.case.seed for end in ends if end.is_false_success or end.is_false_failure] == []
@@ -65,7 +64,6 @@ def test_no_hard_desk_is_misjudged() -> None:
 
 
 @pytest.mark.drill
-@pytest.mark.timeout(3600)
 def test_with_faults_that_come_together_no_success_is_claimed_that_is_none() -> None:
     ends = [played_hard(hard_case(seed, **combined_faults(seed))) for seed in range(500000, 500072)]
     assert [end.case.seed for end in ends if end.is_false_success] == []

@@ -78,7 +78,6 @@ def test_of_ten_thousand_events_from_eight_threads_none_is_lost_and_none_comes_t
 
 
 @pytest.mark.drill
-@pytest.mark.timeout(3600)
 def test_of_a_million_events_from_eight_threads_none_is_lost_and_none_comes_twice(tmp_path: Path) -> None:
     flood(tmp_path / "run.journal", 125_000)
 
@@ -264,7 +263,6 @@ def test_memory_is_flat_over_eight_simulated_hours(tmp_path: Path, monkeypatch: 
 
 
 @pytest.mark.drill
-@pytest.mark.timeout(3600)
 def test_memory_is_flat_over_a_simulated_week(tmp_path: Path) -> None:
     pages: list[int] = []
 

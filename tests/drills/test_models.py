@@ -38,7 +38,6 @@ def test_a_hundred_missions_under_hostile_models(part: int) -> None:
 
 
 @pytest.mark.drill
-@pytest.mark.timeout(3600)
 @pytest.mark.parametrize("part", range(4))
 def test_ten_thousand_missions_under_hostile_models(part: int) -> None:
     assert Drill().run(2500, SEED, first=2500 * part).faults == []
@@ -108,7 +107,6 @@ NO_MODEL = importlib.util.find_spec("xllamacpp") is None or importlib.util.find_
 
 @pytest.mark.drill
 @pytest.mark.local_model
-@pytest.mark.timeout(3600)
 @pytest.mark.skipif(NO_MODEL, reason="no model here; `make weights` installs one")
 def test_a_real_model_is_held_to_the_same(tmp_path: Path) -> None:
     assert real(tmp_path, 100) == []

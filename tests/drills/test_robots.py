@@ -165,7 +165,6 @@ def test_over_a_bad_connection_to_servers_that_lie_no_success_is_false() -> None
 
 
 @pytest.mark.drill
-@pytest.mark.timeout(3600)
 @pytest.mark.parametrize("part", range(4))
 def test_over_a_bad_connection_ten_thousand_times(part: int) -> None:
     assert yard_faults(range(2500 * part, 2500 * (part + 1)))[0] == []
@@ -212,7 +211,6 @@ def test_the_tractor_over_a_bad_connection_harms_no_one_and_claims_nothing(seed:
 
 @pytest.mark.drill
 @pytest.mark.sim
-@pytest.mark.timeout(3600)
 @pytest.mark.parametrize("part", range(6))
 def test_the_tractor_over_a_bad_connection_three_hundred_times(part: int) -> None:
     rates = (CALM, BETWEEN, WORST)

@@ -6,7 +6,6 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
-import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
@@ -19,6 +18,7 @@ from tests.laws.test_chart import happenings
 from tests.oracles.documents import Taste, charts
 from tests.oracles.documents import scripts as plain_scripts
 from tests.rigs.charts import ScriptedRobot
+from tests.rigs.laws import drill
 from tests.strategies import mission_documents
 
 Json = dict[str, Any]
@@ -97,6 +97,10 @@ def cut(script: Script, places: list[int]) -> Script:
     return made
 
 
+HELD = (mission_documents(), stops(), st.sampled_from(["operator", "nobody"]))
+"""A mission, what happens to it, and who holds it up."""
+
+
 def holds_like_a_pause(document: Json, script: Script, holder: str) -> None:
     document = under("agent", document)
     held = Play(document, Event(holder, data={"by": "operator", "role": "operator"}, kind="control"),
@@ -110,19 +114,14 @@ def holds_like_a_pause(document: Json, script: Script, holder: str) -> None:
 
 
 @lenient
-@given(mission_documents(), stops(), st.sampled_from(["operator", "nobody"]))
+@given(*HELD)
 def test_for_what_needs_control_a_hold_is_a_pause(document: Json, script: Script, holder: str) -> None:
     holds_like_a_pause(document, script, holder)
 
 
-@pytest.mark.drill
-@pytest.mark.timeout(3600)
-@settings(lenient, max_examples=3000)
-@given(mission_documents(), stops(), st.sampled_from(["operator", "nobody"]))
-def test_for_what_needs_control_a_hold_is_a_pause_however_often_it_is_tried(
-    document: Json, script: Script, holder: str
-) -> None:
-    holds_like_a_pause(document, script, holder)
+test_for_what_needs_control_a_hold_is_a_pause_however_often_it_is_tried = drill(
+    holds_like_a_pause, *HELD, tried=settings(lenient, max_examples=3000)
+)
 
 
 # -- a hold makes no difference but of time -------------------------------------------------------------------------
@@ -184,19 +183,14 @@ class Pausing(Play):
 
 
 @lenient
-@given(mission_documents(), stops(), st.sampled_from(["operator", "nobody"]))
+@given(*HELD)
 def test_a_pause_within_a_hold_makes_no_difference(document: Json, script: Script, holder: str) -> None:
     ends_in_a_pause(document, script, holder)
 
 
-@pytest.mark.drill
-@pytest.mark.timeout(3600)
-@settings(lenient, max_examples=3000)
-@given(mission_documents(), stops(), st.sampled_from(["operator", "nobody"]))
-def test_a_pause_within_a_hold_makes_no_difference_however_often_it_is_tried(
-    document: Json, script: Script, holder: str
-) -> None:
-    ends_in_a_pause(document, script, holder)
+test_a_pause_within_a_hold_makes_no_difference_however_often_it_is_tried = drill(
+    ends_in_a_pause, *HELD, tried=settings(lenient, max_examples=3000)
+)
 
 
 def long_holds() -> st.SearchStrategy[list[tuple[int, float]]]:
@@ -211,14 +205,13 @@ def test_a_hold_makes_no_difference_but_of_time(
     waits_out(document, script, holds)
 
 
-@pytest.mark.drill
-@pytest.mark.timeout(3600)
-@settings(lenient, max_examples=3000)
-@given(charts(TASTE), plain_scripts(timed=True, writes=True), long_holds())
-def test_a_hold_makes_no_difference_but_of_time_however_often_it_is_tried(
-    document: Json, script: list[tuple[Any, ...]], holds: list[tuple[int, float]]
-) -> None:
-    waits_out(document, script, holds)
+test_a_hold_makes_no_difference_but_of_time_however_often_it_is_tried = drill(
+    waits_out,
+    charts(TASTE),
+    plain_scripts(timed=True, writes=True),
+    long_holds(),
+    tried=settings(lenient, max_examples=3000),
+)
 
 
 # -- in part held ---------------------------------------------------------------------------------------------------
@@ -270,11 +263,10 @@ def test_a_held_state_does_nothing_until_it_is_given_back(
     leaves_alone_what_is_held(document, script, hands)
 
 
-@pytest.mark.drill
-@pytest.mark.timeout(3600)
-@settings(lenient, max_examples=3000)
-@given(mission_documents(), happenings(commands=False), controls())
-def test_a_held_state_does_nothing_until_it_is_given_back_however_often_it_is_tried(
-    document: Json, script: Script, hands: list[tuple[int, str, str]]
-) -> None:
-    leaves_alone_what_is_held(document, script, hands)
+test_a_held_state_does_nothing_until_it_is_given_back_however_often_it_is_tried = drill(
+    leaves_alone_what_is_held,
+    mission_documents(),
+    happenings(commands=False),
+    controls(),
+    tried=settings(lenient, max_examples=3000),
+)

@@ -89,7 +89,6 @@ def test_a_mission_that_is_included_does_what_it_does_alone(
 
 
 @pytest.mark.drill
-@pytest.mark.timeout(3600)
 def test_three_thousand_included_missions_do_what_they_do_alone(tmp_path: Path) -> None:
     assert sum(agree(seed, tmp_path) for seed in range(3_000)) > 2_400
 

@@ -11,7 +11,6 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
-import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
@@ -29,6 +28,7 @@ from rai_missions.mission.mission import Mission
 from rai_missions.states.tree import Decision, Tree
 from tests.laws.test_chart import happenings
 from tests.rigs.charts import ScriptedRobot
+from tests.rigs.laws import drill
 from tests.strategies import mission_documents
 from tests.trees.growing import FACTS, is_true
 from tests.trees.polling import COUNTERS, FLAGS, polled_trees
@@ -242,20 +242,14 @@ def test_after_each_step_nothing_is_left_in_a_mission_of_every_kind(document: Js
     live(document, script)
 
 
-@pytest.mark.drill
-@pytest.mark.timeout(3600)
-@settings(lenient, max_examples=3000)
-@given(with_trees, scripts)
-def test_nothing_is_left_in_many_missions_with_trees(document: Json, script: Any) -> None:
-    live(document, script)
+test_nothing_is_left_in_many_missions_with_trees = drill(
+    live, with_trees, scripts, tried=settings(lenient, max_examples=3000)
+)
 
 
-@pytest.mark.drill
-@pytest.mark.timeout(3600)
-@settings(lenient, max_examples=3000)
-@given(mission_documents(), happenings(commands=False))
-def test_nothing_is_left_in_many_missions(document: Json, script: Any) -> None:
-    live(document, script)
+test_nothing_is_left_in_many_missions = drill(
+    live, mission_documents(), happenings(commands=False), tried=settings(lenient, max_examples=3000)
+)
 
 
 def test_a_tree_that_no_one_has_ticked_is_found() -> None:

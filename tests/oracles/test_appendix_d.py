@@ -5,12 +5,12 @@ from __future__ import annotations
 
 from typing import Any
 
-import pytest
 from hypothesis import HealthCheck, assume, given, settings
 
 from tests.oracles.appendix_d import Endless
 from tests.oracles.documents import Taste, charts, scripts
 from tests.oracles.ours import of_appendix_d, of_ours
+from tests.rigs.laws import drill
 
 Json = dict[str, Any]
 lenient = settings(
@@ -50,8 +50,9 @@ def test_a_history_leads_by_its_default_where_there_is_no_memory(document: Json,
     agree(document, script)
 
 
-@pytest.mark.drill
-@settings(lenient, max_examples=5_000)
-@given(charts(Taste(defaults=True, outcomes=True)), scripts(writes=True))
-def test_thousands_of_histories_lead_by_their_defaults(document: Json, script: list[tuple[Any, ...]]) -> None:
-    agree(document, script)
+test_thousands_of_histories_lead_by_their_defaults = drill(
+    agree,
+    charts(Taste(defaults=True, outcomes=True)),
+    scripts(writes=True),
+    tried=settings(lenient, max_examples=5_000),
+)

@@ -28,6 +28,7 @@ from tests.prove.explored import HANDS, RecordingSpace, seen
 from tests.prove.test_laws import hold_against_forgetless, hold_against_patient
 from tests.prove.test_sights import hold_alike, lengths
 from tests.rigs.charts import ScriptedRobot
+from tests.rigs.laws import drill
 
 Json = dict[str, Any]
 lenient = settings(suppress_health_check=list(HealthCheck), deadline=None)
@@ -170,11 +171,9 @@ def test_an_answer_that_is_left_open_finds_what_every_answer_finds(document: Jso
     hold_against_at_once(document)
 
 
-@pytest.mark.drill
-@settings(lenient, max_examples=1500)
-@given(answered())
-def test_an_answer_that_is_left_open_finds_what_every_answer_finds_however_often_it_is_tried(document: Json) -> None:
-    hold_against_at_once(document)
+test_an_answer_that_is_left_open_finds_what_every_answer_finds_however_often_it_is_tried = drill(
+    hold_against_at_once, answered(), tried=settings(lenient, max_examples=1500)
+)
 
 
 @pytest.mark.drill
@@ -191,13 +190,9 @@ def test_no_answer_leads_out_of_what_was_explored(document: Json, script: list[t
     hold_against_walk(document, script)
 
 
-@pytest.mark.drill
-@settings(lenient, max_examples=3000)
-@given(answered(), HAPPENS)
-def test_no_answer_leads_out_of_what_was_explored_however_often_it_is_tried(
-    document: Json, script: list[tuple[Any, ...]]
-) -> None:
-    hold_against_walk(document, script)
+test_no_answer_leads_out_of_what_was_explored_however_often_it_is_tried = drill(
+    hold_against_walk, answered(), HAPPENS, tried=settings(lenient, max_examples=3000)
+)
 
 
 ASKING: Json = {

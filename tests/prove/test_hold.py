@@ -66,7 +66,6 @@ def test_no_run_with_an_operator_who_takes_and_gives_control_leaves_what_was_exp
 
 
 @pytest.mark.drill
-@pytest.mark.timeout(3600)
 @settings(lenient, max_examples=300)
 @given(controlled(), handed())
 def test_no_run_with_an_operator_leaves_what_was_explored_however_often_it_is_tried(

@@ -166,7 +166,6 @@ def test_a_few_rounds_prove_what_all_of_them_prove(document: Json) -> None:
 
 
 @pytest.mark.drill
-@pytest.mark.timeout(3600)
 @settings(lenient, max_examples=2000)
 @given(looping_documents())
 def test_a_few_rounds_prove_what_all_of_them_prove_however_often_it_is_tried(document: Json) -> None:

@@ -26,6 +26,7 @@ from tests.engine.test_goals import ASKED_FOR, FEASIBLE, KEYS, REACHED
 from tests.prove.explored import RecordingSpace
 from tests.prove.test_goals import moving
 from tests.prove.test_laws import hold_against_forgetless, hold_against_patient
+from tests.rigs.laws import drill
 from tests.strategies import mission_documents
 
 Json = dict[str, Any]
@@ -210,18 +211,14 @@ def test_a_sight_that_is_left_open_finds_what_every_sight_finds(document: Json) 
     hold_against_whole(document)
 
 
-@pytest.mark.drill
-@settings(lenient, max_examples=1000)
-@given(sighted())
-def test_a_sight_that_is_left_open_finds_what_every_sight_finds_however_often_it_is_tried(document: Json) -> None:
-    hold_against_whole(document)
+test_a_sight_that_is_left_open_finds_what_every_sight_finds_however_often_it_is_tried = drill(
+    hold_against_whole, sighted(), tried=settings(lenient, max_examples=1000)
+)
 
 
-@pytest.mark.drill
-@settings(lenient, max_examples=300)
-@given(sighted())
-def test_a_sight_that_is_left_open_finds_what_plain_values_find(document: Json) -> None:
-    hold_against_plain(document)
+test_a_sight_that_is_left_open_finds_what_plain_values_find = drill(
+    hold_against_plain, sighted(), tried=settings(lenient, max_examples=300)
+)
 
 
 @settings(lenient, max_examples=5)
@@ -244,11 +241,9 @@ def test_what_no_guard_looks_at_has_one_value(document: Json) -> None:
     hold_against_asked(document)
 
 
-@pytest.mark.drill
-@settings(lenient, max_examples=300)
-@given(sighted())
-def test_what_no_guard_looks_at_has_one_value_however_often_it_is_tried(document: Json) -> None:
-    hold_against_asked(document)
+test_what_no_guard_looks_at_has_one_value_however_often_it_is_tried = drill(
+    hold_against_asked, sighted(), tried=settings(lenient, max_examples=300)
+)
 
 
 def test_goals_are_judged_by_what_their_scene_is_compared_by() -> None:

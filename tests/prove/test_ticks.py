@@ -6,12 +6,12 @@ from __future__ import annotations
 from itertools import product
 from typing import Any
 
-import pytest
 from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
 
 from rai_missions.mission.mission import Mission
 from tests.prove.explored import explored, walked
+from tests.rigs.laws import drill
 
 Json = dict[str, Any]
 lenient = settings(suppress_health_check=list(HealthCheck), deadline=None)
@@ -63,9 +63,6 @@ def test_every_start_is_one_that_was_explored(tree: Json) -> None:
     holds(tree)
 
 
-@pytest.mark.drill
-@pytest.mark.timeout(3600)
-@settings(lenient, max_examples=5000)
-@given(st.recursive(LEAVES, around, max_leaves=10))
-def test_every_start_is_one_that_was_explored_however_often_it_is_tried(tree: Json) -> None:
-    holds(tree)
+test_every_start_is_one_that_was_explored_however_often_it_is_tried = drill(
+    holds, st.recursive(LEAVES, around, max_leaves=10), tried=settings(lenient, max_examples=5000)
+)

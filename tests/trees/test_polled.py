@@ -8,6 +8,7 @@ from typing import Any
 import pytest
 from hypothesis import HealthCheck, event, given, settings
 
+from tests.rigs.laws import drill
 from tests.trees.polling import Pair, lives, polled_trees
 
 
@@ -28,9 +29,6 @@ def test_a_chart_is_where_py_trees_is_that_is_polled_until_nothing_changes(drawn
     as_polled(drawn, life)
 
 
-@pytest.mark.drill
-@pytest.mark.timeout(3600)
-@settings(max_examples=12_000, suppress_health_check=list(HealthCheck))
-@given(polled_trees, lives)
-def test_so_it_is_for_many_trees(drawn: Any, life: Any) -> None:
-    as_polled(drawn, life)
+test_so_it_is_for_many_trees = drill(
+    as_polled, polled_trees, lives, tried=settings(max_examples=12_000, suppress_health_check=list(HealthCheck))
+)

@@ -11,11 +11,11 @@ import itertools
 import xml.etree.ElementTree as ElementTree
 from typing import NamedTuple
 
-import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from rai_missions.mission.mission import Mission
+from tests.rigs.laws import drill
 from tests.strategies import mission_documents
 from tests.visualize.tree_documents import Child, Json, crowded, named, numbers, walk, written_trees
 from visualize import drawn
@@ -91,11 +91,9 @@ def test_children_are_drawn_in_the_order_of_the_file(document: Json) -> None:
     assert_drawn_in_order(document)
 
 
-@pytest.mark.drill
-@settings(parent=many, max_examples=2000)
-@given(st.one_of(crowded(), mission_documents()))
-def test_children_are_drawn_in_the_order_of_the_file_in_many_missions(document: Json) -> None:
-    assert_drawn_in_order(document)
+test_children_are_drawn_in_the_order_of_the_file_in_many_missions = drill(
+    assert_drawn_in_order, st.one_of(crowded(), mission_documents()), tried=settings(parent=many, max_examples=2000)
+)
 
 
 def test_a_check_before_a_retry_is_drawn_before_it() -> None:
