@@ -23,8 +23,14 @@ UNIT = 1000
 """Weights are stored as whole numbers of such parts."""
 MOST_OF_CLAUSE = -0.5
 """Above this score a clause by itself may be a claim."""
+LEAST_WORDS, LEAST_LETTERS = 1 / 3, 0.75
+"""Shares of a sentence's words, and of its runs of letters, that are known of a language; with fewer of both it is of
+another one. Of the harmless sentences that are held out, 0 of 117 English and 0 of 80 German ones have fewer.
+"""
 MOST_WORDS = 3
 LETTERS = (3, 4)
+CAPITALS = re.compile(r"(?<=\s)[A-ZÄÖÜ]\w+")
+"""Names, and German nouns, of which a language has no end; not the first word."""
 TOKEN = re.compile(r"[^\W\d_]+(?:['’][^\W\d_]+)?|\d+(?:[.,]\d+)*|[?!.,;:%]")
 
 
@@ -45,6 +51,20 @@ class ClaimWeights(NamedTuple):
         """
         known = [self.weights[each] for each in features(text) if each in self.weights]
         return sum(known) / UNIT / math.sqrt(max(len(known), 1))
+
+    def is_language_of(self, text: str) -> bool:
+        """Whether a sentence is of the language: enough of its words, or of its runs of letters, are known.
+
+        Args:
+            text: The sentence, without marks of layout.
+        """
+        text = CAPITALS.sub("", text)
+        words = [f"w{each}" for each in TOKEN.findall(text.lower().replace("’", "'")) if each[0].isalpha()]
+        letters = [each for each in features(text) if each[0] == "c"]
+        return self._share(words) > LEAST_WORDS or self._share(letters) >= LEAST_LETTERS
+
+    def _share(self, names: Sequence[str]) -> float:
+        return sum(each in self.weights for each in names) / max(len(names), 1)
 
     def is_harmless(self, text: str, clauses: Iterable[str]) -> bool:
         """Whether a sentence scores as no claim, and none of its clauses by itself as one.

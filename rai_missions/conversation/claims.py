@@ -168,7 +168,7 @@ class Claims:
             doubt = "report"
         elif not doubt and any(self._own.is_placed(each) for each in clauses):
             doubt = "place"
-        return self._unknown(words, share) or doubt
+        return self._unknown(words, share) or ("" if self._weights.is_language_of(text) else "language") or doubt
 
     def begun(self, before: str, sentence: str, view: StatusView) -> str:
         """The two as one sentence, where a reader may take them for one; empty where they are two.

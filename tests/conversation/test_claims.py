@@ -11,6 +11,7 @@ from pathlib import Path
 import pytest
 
 from rai_missions.conversation import KeyView, StatusView
+from rai_missions.conversation.claim_score import claim_weights
 from rai_missions.conversation.claims import Claims
 
 DATA = json.loads((Path(__file__).parent / "data/claims.json").read_text(encoding="utf-8"))
@@ -129,11 +130,26 @@ def test_what_cannot_be_judged_is_replaced() -> None:
         "Ho posato il cubo rosso sul tavolo.",
         "El cubo rojo ahora se encuentra sobre el cubo azul.",
         "Roboten har kommit fram till köket.",
+        "He terminado la ronda.",
+        "La porta si chiude da sola.",
+        "Sono arrivato in cucina.",
+        "A porta se fecha sozinha.",
+        "A luz se apaga.",
+        "Il cane dorme davanti a me.",
+        "Voy a casa.",
+        "Ik zie niemand.",
     ],
 )
 @pytest.mark.parametrize("code", sorted(DATA["claims"]))
 def test_another_language_is_found_before_a_doubt(code: str, sentence: str) -> None:
     assert Claims(code).why_replaced(sentence, VIEW) == "language"
+
+
+@pytest.mark.parametrize("code", sorted(DATA["claims"]))
+def test_no_sentence_that_is_held_out_is_of_another_language(code: str) -> None:
+    held_out = json.loads((Path(__file__).parent / "data/claims_held_out.json").read_text("utf-8"))
+    every = [*held_out["harmless"][code], *held_out["claims"][code]]
+    assert [each for each in every if not claim_weights(code).is_language_of(each)] == []
 
 
 @pytest.mark.parametrize(
