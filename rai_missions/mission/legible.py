@@ -14,6 +14,7 @@ from pydantic import ValidationError
 
 from rai_missions.errors import Fault, pointer, unescaped
 from rai_missions.mission.mission import BUILT_IN_EVENTS, Mission, declared_events
+from rai_missions.mission.schema import STRONGER
 from rai_missions.validation_errors import KEY, faults_of, place_of
 
 __all__ = ("LegiblePart", "legible_part", "words_in")
@@ -147,11 +148,18 @@ class _Repair:
             here = steps[:length]
             if _is_guard(here) or self._is_listed(here) or _is_entry(here):
                 return here
-            if "tree" in here[:-1] and not _is_entry(here):
+            if ("tree" in here[:-1] and not _is_entry(here)) or self._is_deciding(here):
                 continue
             if isinstance(here[-1], str) and (length < len(steps) or kind != "missing"):
                 return here
         return ()
+
+    def _is_deciding(self, steps: Steps) -> bool:
+        """Whether the object around a word would be read as another kind without it: `in` alone asks for a state."""
+        holder: Any = self._document
+        for step in steps[:-1]:
+            holder = holder[step]
+        return any(steps[-1] in stronger and word in holder for (_, word), stronger in STRONGER.items())
 
     def _is_listed(self, steps: Steps) -> bool:
         return len(steps) > 1 and isinstance(steps[-1], int) and steps[-2] in {"transitions", *EFFECTS}

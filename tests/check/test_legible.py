@@ -87,6 +87,14 @@ def test_what_cannot_be_read_anywhere_is_the_cause_of_no_other_finding() -> None
             assert_nothing_is_invented(*place, word=word)
 
 
+def test_a_comparison_whose_key_cannot_be_read_is_not_taken_for_a_question_about_a_state() -> None:
+    guard = {"key": [[1.5]], "in": [1, 4]}
+    document = document_of({"transitions": [{"on": "go", "when": guard, "to": "end"}]})
+    part = legible_part(document)
+    assert part is not None
+    assert {each.place for each in part.faults} == unread_places(document)
+
+
 @given(st.sampled_from([steps for name, steps in PLACES if name == "tractor" and steps[0] == "states"]))
 def test_a_misspelled_name_elsewhere_is_found_all_the_same(steps: Steps) -> None:
     document = broken("tractor", steps, word=False)
