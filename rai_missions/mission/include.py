@@ -171,13 +171,18 @@ def _compound(name: str, include: Include, inner: Mission) -> Inclusion:
         {**common, "initial": tuple(names.state(each) for each in inner.initial), "states": states}
     )
     keys = {
-        names.key(each): key.model_copy(update={"initial": include.with_[each]}) if each in include.with_ else key
+        names.key(each): _given(key, include.with_[each]) if each in include.with_ else key
         for each, key in inner.blackboard.items()
         if shared_key(include.with_.get(each)) is None
     }
     events = {names.event(each): event for each, event in inner.events.items() if each not in include.with_}
     invariants = {f"{name}/{each}": Not(guard=here) | renamed(guard, names) for each, guard in inner.invariants.items()}
     return Inclusion(compound, keys, events, invariants, inner.uses)
+
+
+def _given(key: Key, value: Any) -> Key:
+    """A key whose value the including mission gives for good: it is no argument of the run."""
+    return key.model_copy(update={"initial": value, "source": "mission", "minimum": None, "maximum": None})
 
 
 def _within(transition: Transition) -> Transition:

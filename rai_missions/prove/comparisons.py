@@ -7,12 +7,14 @@ Rule: where a few values cannot represent all, `sampled` names the path, and not
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from functools import cached_property
 from typing import Any
 
 from rai_missions.engine.robot_facts import RobotFacts
 from rai_missions.guards.compare import OPERATORS, ORDERED
 from rai_missions.keys import Key
 from rai_missions.mission.mission import Mission
+from rai_missions.model import MissionModel
 from rai_missions.prove.parts import guards_in, parts, writes_in
 from rai_missions.states.action import GoalFields
 from rai_missions.states.call import CallFields
@@ -22,6 +24,10 @@ from rai_missions.states.effects import Raise, Set, references
 __all__ = ("Comparisons",)
 
 NUMBERS = ("number", "integer")
+LITERAL = frozenset({*NUMBERS, "string", "boolean", "list"})
+"""The types of which guards compare values with literals."""
+MIRRORED = {"==": "==", "!=": "!=", "<": ">", "<=": ">=", ">": "<", ">=": "<="}
+"""Operator → the one that is true with its sides exchanged."""
 
 
 class Comparisons:
@@ -61,6 +67,7 @@ class Comparisons:
         """Key → what is added to it."""
         self.met: set[tuple[str, str, str]] = set()
         """Path, operator and path of each comparison of two; the operator is empty where it is not known."""
+        self._mission = mission
         self._copied: set[str] = set()
         self._odd: set[str] = set()
         for guard in (*guards_in(mission), *guards_in(terms.succeeded), *guards_in(terms.failed)):
@@ -85,6 +92,10 @@ class Comparisons:
             self._odd.add(path)
 
     def join(self, path: str, other: str, op: str = "") -> None:
+        for here, there, word in ((path, other, op), (other, path, MIRRORED.get(op, ""))):
+            if word and (self._lasting.get(there) == "list") is OPERATORS[word].takes_list and there in self._lasting:
+                self.compare(here, word, self.keys[there].initial)
+                return
         self.atoms.setdefault(path, [])
         self.atoms.setdefault(other, [])
         self._join(path, other)
@@ -108,6 +119,18 @@ class Comparisons:
     def sample(self, path: str) -> None:
         self.atoms.setdefault(path, [])
         self._odd.add(path)
+
+    @cached_property
+    def _lasting(self) -> Mapping[str, str]:
+        """Scalars and lists that are what they were at the start, and their types: a comparison is with their value."""
+        found = {
+            name: key.type for name, key in self.keys.items()
+            if key.source == "mission" and key.initial is not None and key.max_age_s is None and key.type in LITERAL
+        }  # fmt: skip
+        if not found or self._mission.uses:  # a kind of another package may write in its own way
+            return {}
+        written = {each.key for part in parts(self._mission, MissionModel) for each in part.writes()}
+        return {name: kind for name, kind in found.items() if name not in written}
 
     def _learn_write(self, effect: Set) -> None:
         if effect.add is not None:

@@ -19,6 +19,7 @@ from rai_missions.mission.mission import EventSpec
 from rai_missions.model import Json, MissionModel
 from rai_missions.model.fields import NAME, PATH_PATTERN
 from rai_missions.model.references import fields_of
+from rai_missions.runtime.arguments import accepted
 from rai_missions.states import Compound, DecisionSpec, Option, State, Transition
 from rai_missions.states.tree import TreeNode
 from tests.strategies import mission_documents
@@ -150,7 +151,7 @@ def test_an_inclusion_becomes_a_compound_state_with_private_names(tmp_path: Path
 def test_keys_events_and_invariants_join_those_of_the_mission(tmp_path: Path) -> None:
     mission = load(written(tmp_path, top=TOP, dock=DOCK))
     assert list(mission.blackboard) == ["place", "station", "dock/tries", "dock/limit", "dock/charging"]
-    assert mission.blackboard["dock/limit"] == Key(int, source="argument", initial=7)
+    assert mission.blackboard["dock/limit"] == Key(int, initial=7)
     assert list(mission.events) == ["bumper", "dock/lost"]
     assert json.loads(dump(mission))["invariants"] == {
         "dock/slow": {"any": [{"not": {"in": "dock"}}, {"key": "dock/tries", "<": 9}]}
@@ -161,6 +162,19 @@ def test_what_was_expanded_is_dumped_and_loaded_again_equal(tmp_path: Path) -> N
     mission = load(written(tmp_path, top=TOP, dock=DOCK))
     dump(mission, tmp_path / "whole.json")
     assert load(tmp_path / "whole.json") == mission
+
+
+def test_what_with_gives_is_no_argument_of_the_run(tmp_path: Path) -> None:
+    limit = {"type": "integer", "source": "argument", "minimum": 1, "maximum": 9}
+    dock = DOCK | {"blackboard": DOCK["blackboard"] | {"limit": limit}}
+    mission = load(written(tmp_path, top=TOP, dock=dock))
+    assert Mission.model_validate(json.loads(dump(mission))) == mission
+    with pytest.raises(DefinitionError, match="the mission takes no argument 'dock/limit'"):
+        accepted(mission, {"dock/limit": 3}, whole=False)
+    top = TOP | {"states": TOP["states"] | {"dock": TOP["states"]["dock"] | {"with": {"limit": 10}}}}
+    assert "/states/dock/with/limit: 10 is out of range; it must be from 1 to 9" in faults_in(
+        written(tmp_path, top=top)
+    )
 
 
 def test_missions_include_missions_that_include_missions(tmp_path: Path) -> None:

@@ -8,6 +8,7 @@ from typing import Any
 import pytest
 
 from rai_missions.mission.mission import Mission
+from rai_missions.prove import prove
 from rai_missions.prove.environment import Environment
 
 Json = dict[str, Any]
@@ -104,3 +105,38 @@ def test_in_a_pause_what_was_asked_for_control_is_like_what_was_interrupted() ->
         paused.settle()
         cores.add(paused.codec.core())
     assert len(cores) == 1
+
+
+KEPT: Json = {"least": {"type": "integer", "initial": 2}, "careful": {"type": "boolean", "initial": True},
+              "kinds": {"type": "list", "initial": ["log", "branch"]}}  # fmt: skip
+
+
+def counting(guard: Json, *do: Json) -> Mission:
+    """A mission that counts until a guard is true."""
+    return Mission.model_validate({
+        "name": "counting", "initial": "here",
+        "blackboard": {**KEPT, "n": {"type": "integer", "initial": 0}, "seen": {"type": "string", "source": "robot"},
+                       "clear": {"type": "boolean", "source": "robot"}},
+        "states": {
+            "here": {"entry": [{"set": "n", "add": 1}, *do], "transitions": [
+                {"when": guard, "to": "end"}, {"when": {"elapsed_s": 1}, "to": "here"}]},
+            "end": {"final": "aborted"},
+        },
+    })  # fmt: skip
+
+
+@pytest.mark.parametrize(("guard", "literal"), [
+    *(({"key": "n", op: {"key": "least"}}, {"key": "n", op: 2}) for op in ("==", "!=", "<", "<=", ">", ">=")),
+    *(({"key": "least", op: {"key": "n"}}, {"key": "n", turned: 2}) for op, turned in
+      (("==", "=="), ("!=", "!="), ("<", ">"), ("<=", ">="), (">", "<"), (">=", "<="))),
+    ({"key": "clear", "==": {"key": "careful"}}, {"key": "clear", "==": True}),
+    ({"key": "seen", "in": {"key": "kinds"}}, {"key": "seen", "in": ["log", "branch"]}),
+])  # fmt: skip
+def test_a_comparison_with_what_is_never_written_is_proved_as_one_with_its_value(guard: Json, literal: Json) -> None:
+    found, expected = prove(counting(guard)), prove(counting(literal))
+    assert found.sampled == () and (found.claims, found.states, found.steps, found.never) == (
+        expected.claims, expected.states, expected.steps, expected.never)  # fmt: skip
+
+
+def test_a_comparison_with_what_is_written_is_tried_with_some_values_only() -> None:
+    assert prove(counting({"key": "n", ">=": {"key": "least"}}, {"set": "least", "add": 1})).sampled == ("least", "n")
