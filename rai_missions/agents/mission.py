@@ -10,6 +10,7 @@ from typing import Any
 
 from rai_missions.agents.agent import AgentHealth
 from rai_missions.agents.launch import PreparedRun, prepare, prepare_next
+from rai_missions.agents.run_claims import claiming
 from rai_missions.agents.run_config import RunConfig
 from rai_missions.connectors.connector import Connector
 from rai_missions.connectors.python_robot import PythonRobot
@@ -39,6 +40,12 @@ def run(mission: Mission | str | Path, robot: Robot | PythonRobot | str | Path |
         UsageError: Something named is not there, or the mission has to receive facts and there is no robot.
     """
     with prepare(RunConfig(mission, robot, **options)) as prepared:
+        return _run(prepared)
+
+
+def _run(prepared: PreparedRun) -> Result:
+    """Run it, and report to other programs meanwhile what it commands."""
+    with claiming(prepared.runner, prepared.robot, prepared.connector):
         return prepared.runner.run()
 
 
@@ -94,7 +101,7 @@ class MissionAgent:
 
     def _work(self) -> None:
         try:
-            self.result = self._prepared.runner.run()
+            self.result = _run(self._prepared)
         except Exception as error:
             log.exception("the run broke off")
             self.error = error

@@ -8,6 +8,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from rai_missions.agents.mission import RunConfig
+from rai_missions.agents.other_missions import RUNS_TOPIC
 from rai_missions.agents.run_plan import profile_of
 from rai_missions.connectors.connector import Close, Reply
 from rai_missions.engine.step import Step
@@ -19,7 +20,6 @@ from rai_missions.node.launched import parameters_of
 from rai_missions.node.lifecycle_callbacks import LifecycleCallbacks
 from rai_missions.node.managed_lifecycle import ManagedLifecycle, serve_lifecycle
 from rai_missions.node.names import NodeName
-from rai_missions.node.other_missions import RUNS_TOPIC
 from rai_missions.node.prerequisites import about
 from rai_missions.node.publisher import StatusPublisher
 from rai_missions.node.run_host import RunHost

@@ -12,6 +12,7 @@ import time
 import uuid
 from collections.abc import Callable
 
+from rai_missions.agents.run_claims import RunClaims
 from rai_missions.connectors.connector import Message
 from rai_missions.connectors.worker import Worker
 from rai_missions.engine.step import Step
@@ -23,7 +24,6 @@ from rai_missions.node.lifecycle_table import NodeTransition
 from rai_missions.node.managed_lifecycle import EVENT_TYPE, event_fields
 from rai_missions.node.names import NodeName
 from rai_missions.node.rosout import LOG, LogLines, lines_of
-from rai_missions.node.run_claims import RunClaims
 from rai_missions.node.run_session import RunSession
 from rai_missions.node.services import STRING
 from rai_missions.node.status_message import StatusMessage, step_fields, step_text, text_of
@@ -73,7 +73,7 @@ class StatusPublisher:
         self._holder = ""
         self._instance = uuid.uuid4().hex[:12]
         self._strangers: set[str] = set()
-        self._claims = RunClaims(carrier.connector, name, instance=self._instance)
+        self._claims = RunClaims(carrier.connector, name.namespace, instance=self._instance, node=name.path)
         self._outlet = Worker("publisher", limit=LONGEST_QUEUE, keep="newest")
         self.lines = LogLines(self._logger, self.log)
         self._on_status: Callable[[StatusMessage], None] = lambda _: None

@@ -12,15 +12,15 @@ from typing import Any
 
 import pytest
 
-from rai_missions.agents.mission import RunConfig, prepare
+from rai_missions.agents.mission import MissionAgent, RunConfig, prepare
+from rai_missions.agents.other_missions import FORGET_S, MOST, RUNS_TOPIC, OtherMissions, RunClaim
+from rai_missions.agents.run_claims import claiming
 from rai_missions.connectors.connector import Message
 from rai_missions.connectors.contract import Inbox
 from rai_missions.connectors.local import LocalConnector
 from rai_missions.node import MissionNode
 from rai_missions.node.diagnostics import OK, WARN
 from rai_missions.node.names import NodeName
-from rai_missions.node.other_missions import FORGET_S, MOST, RUNS_TOPIC, OtherMissions, RunClaim
-from rai_missions.node.run_claims import claimed
 from rai_missions.node.transport import Carrier
 from tests.node.scenes import PATIENCE_S, Client, FakeRobot, mission, robot
 
@@ -51,7 +51,7 @@ def test_each_of_two_missions_on_one_robot_names_the_other_and_what_both_command
         MissionNode(RunConfig(mission(), robot({"kind": "local"}, at)), name, carrier=Carrier(connector, robots, False))
         for name, at in (("first", "/a"), ("second", below))
     ]
-    with caplog.at_level(logging.WARNING, "rai_missions.node.run_claims"):
+    with caplog.at_level(logging.WARNING, "rai_missions.agents.run_claims"):
         try:
             for node in nodes:
                 node.run()
@@ -79,22 +79,40 @@ def test_each_of_two_missions_on_one_robot_names_the_other_and_what_both_command
     assert all(each["run"] and each["mission"] == "errand" for each in claimed if each["commands"])
 
 
-def test_two_runs_without_a_node_name_each_other(connector: LocalConnector, tmp_path: Path) -> None:
-    warned: Inbox[str] = Inbox(PATIENCE_S)
+@pytest.fixture
+def warned() -> Iterator[Inbox[str]]:
+    found: Inbox[str] = Inbox(PATIENCE_S)
     handler = logging.Handler()
-    handler.emit = lambda record: warned(record.getMessage())  # type: ignore[method-assign]
-    log, profile = logging.getLogger("rai_missions.node.run_claims"), robot({"kind": "local"}, "/a")
+    handler.emit = lambda record: found(record.getMessage())  # type: ignore[method-assign]
+    log = logging.getLogger("rai_missions.agents.run_claims")
+    log.addHandler(handler)
+    yield found
+    log.removeHandler(handler)
+    assert all(
+        each.startswith("a program without a node commands the same robot (mission errand") for each in found.all
+    )
+
+
+def test_two_runs_without_a_node_name_each_other(connector: LocalConnector, tmp_path: Path, warned: Inbox[str]) -> None:
+    profile = robot({"kind": "mqtt"}, "/a")
     with ExitStack() as stack:
-        log.addHandler(handler)
-        stack.callback(log.removeHandler, handler)
         for name in ("first", "second"):
             config = RunConfig(mission(), profile, connector=connector, journal=tmp_path / f"{name}.journal")
             made = stack.enter_context(prepare(config))
-            stack.enter_context(claimed(made.runner, profile, connector, instance=name))
+            stack.enter_context(claiming(made.runner, profile, connector, name))
         warned.wait(lambda all_: len(all_) > 1, "each names the other")
-    assert all(
-        each.startswith("a program without a node commands the same robot (mission errand") for each in warned.all
-    )
+
+
+def test_two_runs_of_programs_in_python_name_each_other(connector: LocalConnector, warned: Inbox[str]) -> None:
+    FakeRobot(connector, "/a")
+    agents = [MissionAgent(RunConfig(mission(), robot({"kind": "mqtt"}, "/a"), connector=connector)) for _ in range(2)]
+    try:
+        for agent in agents:
+            agent.run()
+        warned.wait(lambda all_: len(all_) > 1, "each names the other")
+    finally:
+        for agent in agents:
+            agent.stop()
 
 
 def _sort(found: dict[str, Inbox[dict[str, Any]]], message: Any) -> None:

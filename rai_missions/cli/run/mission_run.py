@@ -29,7 +29,7 @@ from rai_missions.cli.output import wait_for_output
 from rai_missions.cli.progress import Lines
 from rai_missions.cli.run.live_page import normalise_watch_args, page_of
 from rai_missions.cli.run.migration import migrated
-from rai_missions.cli.run.node import claiming, reject_single_run_options, serve_managed, serve_node
+from rai_missions.cli.run.node import claiming_without_node, reject_single_run_options, serve_managed, serve_node
 from rai_missions.cli.run.talk import normalise_voice_args, talk_of, talking
 from rai_missions.errors import DefinitionError, MissionError, UsageError
 from rai_missions.journal import opened
@@ -146,7 +146,7 @@ def _run(options: RunOptions, config: RunConfig, lines: Lines, signals: ExitStac
         ended: LastRun | None = None
         instance = uuid.uuid4().hex[:12]
         while True:
-            with claiming(options, prepared, instance):
+            with claiming_without_node(options, prepared, instance):
                 result = page.run(prepared, node.run) if page else node.run(prepared.runner)
             is_begun = ended is None or not prepared.runner.waits
             ended = LastRun(

@@ -9,7 +9,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
-from rai_missions.connectors.registry import connector_offer
+from rai_missions.agents.run_claims import claiming
 from rai_missions.errors import UsageError
 from rai_missions.runtime.interrupts import on_interrupts
 
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from rai_missions.node.run_session import RunSession
     from rai_missions.runtime.runner import Result, Runner
 
-__all__ = ("NodeRun", "claiming", "reject_single_run_options", "serve_managed", "serve_node")
+__all__ = ("NodeRun", "claiming_without_node", "reject_single_run_options", "serve_managed", "serve_node")
 
 
 class NodeRun(NamedTuple):
@@ -55,7 +55,7 @@ def serve_node(options: RunOptions, config: RunConfig) -> Iterator[NodeRun]:
 
 
 @contextmanager
-def claiming(options: RunOptions, prepared: PreparedRun, instance: str) -> Iterator[None]:
+def claiming_without_node(options: RunOptions, prepared: PreparedRun, instance: str) -> Iterator[None]:
     """Have a run without a node report what it commands, and warn of others that command it too, while it lasts.
 
     Args:
@@ -63,13 +63,10 @@ def claiming(options: RunOptions, prepared: PreparedRun, instance: str) -> Itera
         prepared: The run.
         instance: Of this program.
     """
-    robot, connector = prepared.robot, prepared.connector
-    if _wants_node(options) or robot is None or connector is None or connector_offer(robot.connector["kind"]) is None:
-        yield  # a node does so itself, and a robot in this process is shared with no one
+    if _wants_node(options):
+        yield  # a node does so itself
         return
-    from rai_missions.node.run_claims import claimed
-
-    with claimed(prepared.runner, robot, connector, instance=instance):
+    with claiming(prepared.runner, prepared.robot, prepared.connector, instance):
         yield
 
 

@@ -11,19 +11,19 @@ import uuid
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 
+from rai_missions.agents.other_missions import RUNS_TOPIC, OtherMissions, RunClaim, warning_of
 from rai_missions.connectors.connector import Close, Connector, Message
+from rai_missions.connectors.registry import connector_offer
 from rai_missions.connectors.worker import Worker
-from rai_missions.node.names import NodeName
-from rai_missions.node.other_missions import RUNS_TOPIC, OtherMissions, RunClaim, warning_of
-from rai_missions.node.services import STRING
 from rai_missions.plain_data import carried
 from rai_missions.profile import Robot, commanded_names
 from rai_missions.redaction import logger
 from rai_missions.runtime.runner import Runner
 
-__all__ = ("RunClaims", "claimed")
+__all__ = ("RunClaims", "claiming")
 
 log = logger(__name__)
+STRING = "std_msgs/msg/String"
 EXCHANGE_S = 1.0
 """How often a run without a node reports what it commands."""
 FAREWELL_S = 1.0
@@ -34,14 +34,15 @@ class RunClaims:
 
     Args:
         connector: Carries them.
-        name: Of the node, whose namespace a relative name is in.
+        namespace: In which a relative name is, without slashes at its ends.
         instance: Of the program; one of its own by default.
-        is_node: There is a node of that name.
+        node: The full name of its node; empty where it has none.
     """
 
-    def __init__(self, connector: Connector, name: NodeName, *, instance: str = "", is_node: bool = True) -> None:
-        self._connector, self._name, self._others = connector, name, OtherMissions()
-        self._own = RunClaim(instance or uuid.uuid4().hex[:12], name.path if is_node else "", "", "")
+    def __init__(self, connector: Connector, namespace: str, *, instance: str = "", node: str = "") -> None:
+        self._connector, self._others = connector, OtherMissions()
+        self._below = f"/{namespace}/" if namespace else "/"
+        self._own = RunClaim(instance or uuid.uuid4().hex[:12], node, "", "")
 
     def receive(self, message: Message) -> None:
         """A program has reported what its run commands."""
@@ -56,7 +57,7 @@ class RunClaims:
         """
         claim = self._own
         if runner is not None:  # its own names: a status that was published may be of the run before
-            names = frozenset(map(self._name.resolved, commands))
+            names = frozenset(each if each.startswith("/") else self._below + each for each in commands)
             claim = claim._replace(mission=runner.mission.name, run=runner.run_id, commands=names)
         self._connector.publish(RUNS_TOPIC, STRING, carried({"data": claim.text()}))
         rivals = self._others.rivals(claim, time.monotonic())
@@ -68,17 +69,21 @@ class RunClaims:
 
 
 @contextmanager
-def claimed(runner: Runner, robot: Robot, connector: Connector, *, instance: str) -> Iterator[None]:
-    """Claim what a run commands that has no node, while it lasts.
+def claiming(runner: Runner, robot: Robot | None, connector: Connector | None, instance: str = "") -> Iterator[None]:
+    """Claim what a run commands that has no node, and warn of others that command it too, while it lasts.
+
+    A robot in this process is shared with no one, and is not claimed.
 
     Args:
         runner: The run.
         robot: Its profile.
         connector: How the robot is reached; nothing is exchanged before it runs.
-        instance: Of this program.
+        instance: Of this program; one of its own by default.
     """
-    name = NodeName("run", str(robot.connector.get("namespace") or "").strip("/"))
-    claims = RunClaims(connector, name, instance=instance, is_node=False)
+    if robot is None or connector is None or connector_offer(robot.connector["kind"]) is None:
+        yield
+        return
+    claims = RunClaims(connector, str(robot.connector.get("namespace") or "").strip("/"), instance=instance)
     commands = commanded_names(runner.mission, robot)
     closes = list[Close]()
 
