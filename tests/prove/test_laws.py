@@ -15,7 +15,6 @@ from hypothesis import strategies as st
 from rai_missions.mission.mission import Mission
 from rai_missions.prove.environment import Environment
 from tests.prove.explored import WORK, Forgetless, RecordingSpace, explored, facts, scripts, walked
-from tests.rigs.laws import drill
 from tests.strategies import mission_documents
 
 Json = dict[str, Any]
@@ -185,11 +184,10 @@ def test_what_no_one_reads_again_makes_no_difference_however_often_it_is_tried(d
     hold_against_forgetless(document, 4 * MOST)
 
 
-test_no_run_leaves_what_was_explored_however_often_it_is_tried = drill(
-    hold_against,
-    mission_documents(),
-    runs(),
-    st.integers(0, 3),
-    st.lists(st.sampled_from(["a", "b"]), max_size=4),
-    tried=settings(lenient, max_examples=3000),
-)
+@pytest.mark.drill
+@settings(lenient, max_examples=3000)
+@given(mission_documents(), runs(), st.integers(0, 3), st.lists(st.sampled_from(["a", "b"]), max_size=4))
+def test_no_run_leaves_what_was_explored_however_often_it_is_tried(
+    document: Json, runs: list[Any], alleys: int, waypoints: list[str]
+) -> None:
+    hold_against(document, runs, alleys, waypoints)

@@ -26,7 +26,6 @@ from rai_missions.profile import Robot
 from rai_missions.runtime.runner import Result, Runner
 from tests.connectors.ros2.peer_process import FIBONACCI, Peer
 from tests.connectors.ros2.scripted_server import PROGRAM, Script
-from tests.rigs.laws import drill
 from tests.rigs.runs import Plan, PlannedServer
 
 Open = Callable[..., Any]
@@ -323,6 +322,10 @@ def test_what_executes_when_a_run_has_ended_is_named(
     hold(open_ros, ours, first, second, after_s)
 
 
-test_what_executes_when_a_run_has_ended_is_named_over_many_servers = drill(
-    hold, PLANS, st.none() | PLANS, SECONDS, tried=settings(parent=quick, max_examples=60)
-)
+@pytest.mark.drill
+@settings(parent=quick, max_examples=60)
+@given(PLANS, st.none() | PLANS, SECONDS)
+def test_what_executes_when_a_run_has_ended_is_named_over_many_servers(
+    open_ros: Open, ours: Any, first: Plan, second: Plan | None, after_s: float
+) -> None:
+    hold(open_ros, ours, first, second, after_s)
