@@ -174,7 +174,8 @@ def test_an_event_before_the_start_is_dropped_and_noted_and_one_after_it_is_take
 # -- the end -----------------------------------------------------------------------------------------------------------
 
 
-def test_an_action_that_ignores_its_cancel_is_orphaned_in_the_mission(robot: PythonRobot) -> None:
+def spinning(robot: PythonRobot) -> threading.Event:
+    """An action that ends by nothing but this event."""
     over = threading.Event()
 
     @robot.action("spin")
@@ -182,6 +183,11 @@ def test_an_action_that_ignores_its_cancel_is_orphaned_in_the_mission(robot: Pyt
         while not over.is_set():
             run.sleep(0.5)
 
+    return over
+
+
+def test_an_action_that_ignores_its_cancel_is_orphaned_in_the_mission(robot: PythonRobot) -> None:
+    over = spinning(robot)
     states = {
         "spinning": doing("spin", {"after_s": 1, "to": "waiting"}, cancel_s=2),
         "waiting": {"transitions": [{"on": "orphaned", "to": "done"}, {"after_s": 10, "to": "lost"}]},
@@ -200,13 +206,7 @@ def test_an_action_that_ignores_its_cancel_is_orphaned_in_the_mission(robot: Pyt
 
 
 def test_an_orphan_of_a_process_that_was_killed_has_ended_with_it(robot: PythonRobot, tmp_path: Path) -> None:
-    over = threading.Event()
-
-    @robot.action("spin")
-    def spin(goal: Any, run: Any) -> None:
-        while not over.is_set():
-            run.sleep(0.5)
-
+    over = spinning(robot)
     states = {
         "spinning": doing("spin", {"after_s": 1, "to": "waiting"}, cancel_s=2),
         "waiting": {"transitions": [{"on": "orphaned", "to": "driving"}]},

@@ -71,25 +71,26 @@ def missing(window: Any) -> list[str]:
     return found
 
 
-@pytest.mark.parametrize("mission", [tractor(), hostile()], ids=["tractor", "hostile"])
-def test_every_state_and_transition_is_there_and_no_text_leaves_its_box(mission: Mission, opened: Open) -> None:
-    window = opened(review(mission))
+def assert_whole(window: Any, mission: Mission) -> None:
+    """Every state and transition is there once all are open, and no text leaves its box."""
     window.click("#open-all")
     assert sorted(window.evaluate(STATES)) == sorted(names(mission))
     assert missing(window) == []
     assert window.evaluate(SPILLED) == []
     assert window.evaluate(MEETING) == []
+
+
+@pytest.mark.parametrize("mission", [tractor(), hostile()], ids=["tractor", "hostile"])
+def test_every_state_and_transition_is_there_and_no_text_leaves_its_box(mission: Mission, opened: Open) -> None:
+    window = opened(review(mission))
+    assert_whole(window, mission)
 
 
 @settings(max_examples=5, suppress_health_check=list(HealthCheck))
 @given(mission=missions())
 def test_any_mission_is_drawn_whole(mission: Mission, opened: Open) -> None:
     window = opened(review(mission))
-    window.click("#open-all")
-    assert sorted(window.evaluate(STATES)) == sorted(names(mission))
-    assert missing(window) == []
-    assert window.evaluate(SPILLED) == []
-    assert window.evaluate(MEETING) == []
+    assert_whole(window, mission)
     window.context.close()
 
 

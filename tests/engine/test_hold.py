@@ -14,6 +14,13 @@ from rai_missions.event import Event, Tick
 from tests.rigs.charts import mission, transition
 
 Json = dict[str, Any]
+ASKED = {
+    "question": "?",
+    "options": {"no": {"about": "n"}},
+    "ask": ["operator"],
+    "deadline_s": 20,
+    "fallback": "no",
+}
 OVER: Json = {"final": "aborted"}
 ACT: Json = {"action": "go", "timeout_s": 60}
 
@@ -176,15 +183,8 @@ def test_an_open_question_stays_open_and_a_proposal_is_judged_at_the_hand_back()
 
 
 def test_a_question_continues_where_control_comes_back_elsewhere_and_is_asked_for() -> None:
-    asked = {
-        "question": "?",
-        "options": {"no": {"about": "n"}},
-        "ask": ["operator"],
-        "deadline_s": 20,
-        "fallback": "no",
-    }
     made = Chart(
-        mission({"q": {"control": "agent", "decision": asked, "transitions": [transition("no", "c")]}, "c": {}})
+        mission({"q": {"control": "agent", "decision": ASKED, "transitions": [transition("no", "c")]}, "c": {}})
     )
     given(made, "agent", 0.0)
     (question,) = of(made.start(0.0), Ask)
@@ -340,14 +340,7 @@ def test_an_outcome_that_waited_is_handled_though_control_came_back_in_a_pause()
 
 
 def test_a_question_for_which_control_came_back_elsewhere_in_a_pause_asks_for_it() -> None:
-    asked = {
-        "question": "?",
-        "options": {"no": {"about": "n"}},
-        "ask": ["operator"],
-        "deadline_s": 20,
-        "fallback": "no",
-    }
-    made = agents({"q": {"control": "agent", "decision": asked, "transitions": [transition("no", "c")]}, "c": {}})
+    made = agents({"q": {"control": "agent", "decision": ASKED, "transitions": [transition("no", "c")]}, "c": {}})
     made.start(0.0)
     taken(made, 1.0)
     commanded(made, "pause", 2.0)

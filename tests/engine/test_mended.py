@@ -10,6 +10,14 @@ from rai_missions.errors import UsageError
 from rai_missions.event import Event
 from tests.rigs.charts import chart, mission, sent, transition
 
+EACH = {
+    "each": "stops",
+    "as": "stop",
+    "initial": "x",
+    "states": {"x": {}},
+    "transitions": [transition("failed", "no")],
+}
+
 
 def test_a_result_of_another_type_is_not_written() -> None:
     states = {
@@ -48,15 +56,8 @@ def test_a_mission_that_names_a_predicate_is_not_begun_without_it() -> None:
 
 
 def test_a_list_that_is_stale_is_unknown_to_each() -> None:
-    each = {
-        "each": "stops",
-        "as": "stop",
-        "initial": "x",
-        "states": {"x": {}},
-        "transitions": [transition("failed", "no")],
-    }
     keys = {"stops": {"type": "list", "source": "robot", "max_age_s": 5}, "stop": {"type": "string"}}
-    states = {"wait": {"transitions": [transition("e", "tour")]}, "tour": each, "no": {}}
+    states = {"wait": {"transitions": [transition("e", "tour")]}, "tour": EACH, "no": {}}
     for at, entered in ((4.0, ("tour", "x")), (5.0, ("tour", "no"))):
         made = Chart(mission(states, blackboard=keys))
         made.write("stops", ["a", "b"], at=0.0)
@@ -78,15 +79,8 @@ def test_a_round_that_a_transition_leaves_is_not_begun_again() -> None:
 
 
 def test_an_item_that_does_not_fit_ends_its_each_whatever_was_raised_before() -> None:
-    each = {
-        "each": "stops",
-        "as": "stop",
-        "initial": "x",
-        "states": {"x": {}},
-        "transitions": [transition("failed", "no")],
-    }
     made = Chart(mission(
-        {"day": {"entry": [{"raise": "began"}], "initial": "tour", "states": {"tour": each}}, "no": {}},
+        {"day": {"entry": [{"raise": "began"}], "initial": "tour", "states": {"tour": EACH}}, "no": {}},
         blackboard={"stops": {"type": "list", "initial": [1]}, "stop": {"type": "string"}}, events=["began"],
     ))  # fmt: skip
     assert made.start(0.0).entered == ("day", "tour", "no")

@@ -16,7 +16,7 @@ def drill(law: Callable[..., object], *strategies: Any, tried: settings) -> Any:
     """A law as a drill; the name that it is given in a module is that of its test.
 
     Args:
-        law: What must hold of all that is drawn.
+        law: What must hold of all that is drawn; it has no parameter with a default.
         strategies: For what it takes, in order.
         tried: How often, and with which checks.
     """

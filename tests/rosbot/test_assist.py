@@ -10,9 +10,7 @@ from typing import Any
 
 import pytest
 
-from rai_missions.check import check
-from rai_missions.mission.files import dump, load
-from rai_missions.profile import load_profile, missing
+from rai_missions.mission.files import load
 from rai_missions.prove import prove
 from rai_missions.replay.replay import replay
 from rai_missions.worlds.house.layout import PLACES, SPOTS
@@ -29,18 +27,6 @@ def order(task: str, **words: Any) -> Mapping[str, Any]:
 def value(one: Any, key: str) -> Any:
     """The last value that a key had."""
     return [written for step in one.steps for name, written in step.writes if name == key][-1]
-
-
-def test_the_mission_has_no_fault_and_its_profiles_all_that_it_uses() -> None:
-    mission = load(ROSBOT / "assist.json")
-    assert list(check(mission)) == []
-    for profile in PROFILES:
-        assert missing(mission, load_profile(ROSBOT / profile)) == ()
-
-
-def test_the_twin_in_python_is_equal() -> None:
-    assert load(ROSBOT / "assist.py") == load(ROSBOT / "assist.json")
-    assert dump(load(ROSBOT / "assist.py")) == dump(load(ROSBOT / "assist.json"))
 
 
 def test_every_state_and_key_can_be_spoken_of() -> None:

@@ -20,16 +20,18 @@ ROSBOT = Path(__file__).parents[2] / "missions" / "rosbot"
 PROFILES = ["robot.sim.json", "robot.ros2.json"]
 
 
-def test_the_mission_has_no_fault_and_its_profiles_all_that_it_uses() -> None:
-    mission = load(ROSBOT / "mission.json")
+@pytest.mark.parametrize("name", ["mission", "assist"])
+def test_a_mission_has_no_fault_and_its_profiles_all_that_it_uses(name: str) -> None:
+    mission = load(ROSBOT / f"{name}.json")
     assert list(check(mission)) == []
     for profile in PROFILES:
         assert missing(mission, load_profile(ROSBOT / profile)) == ()
 
 
-def test_the_twin_in_python_is_equal() -> None:
-    assert load(ROSBOT / "mission.py") == load(ROSBOT / "mission.json")
-    assert dump(load(ROSBOT / "mission.py")) == dump(load(ROSBOT / "mission.json"))
+@pytest.mark.parametrize("name", ["mission", "assist"])
+def test_a_twin_in_python_is_equal(name: str) -> None:
+    mission, twin = (load(ROSBOT / f"{name}.{ending}") for ending in ("json", "py"))
+    assert mission == twin and dump(mission) == dump(twin)
 
 
 def test_over_ros_nothing_is_another_but_the_way_there_the_button_and_the_topics_of_talk() -> None:

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from typing import Any, ClassVar
 
 import pytest
@@ -96,10 +96,15 @@ class Rig:
 @pytest.fixture
 def rig() -> Any:
     """Makes rigs, and closes them."""
-    made: list[Rig] = []
+    yield from closing(Rig)
 
-    def make(**options: Any) -> Rig:
-        made.append(Rig(**options))
+
+def closing(kind: Callable[..., Any]) -> Iterator[Callable[..., Any]]:
+    """What makes things of a kind, and closes their worlds at the end."""
+    made: list[Any] = []
+
+    def make(**options: Any) -> Any:
+        made.append(kind(**options))
         return made[-1]
 
     yield make

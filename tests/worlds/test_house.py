@@ -20,6 +20,7 @@ from rai_missions.profile.convert import pose_message
 from rai_missions.worlds import open_world
 from rai_missions.worlds.contract import check_world
 from rai_missions.worlds.house.layout import PLACES
+from tests.worlds.conftest import closing
 
 pytestmark = pytest.mark.sim
 NAVIGATE, DOCK = "/navigate_to_pose", "/dock_robot"
@@ -71,15 +72,7 @@ class Visit:
 
 @pytest.fixture
 def visit() -> Any:
-    made: list[Visit] = []
-
-    def make(**options: Any) -> Visit:
-        made.append(Visit(**options))
-        return made[-1]
-
-    yield make
-    for one in made:
-        one.world.close()
+    yield from closing(Visit)
 
 
 def test_the_house_keeps_the_contract() -> None:

@@ -22,8 +22,9 @@ from pathlib import Path
 
 import pytest
 
-from rai_missions.connectors.sound.connector import FRAME_BYTES, SoundConnector, SoundFrame
+from rai_missions.connectors.sound.connector import FRAME_BYTES, SoundFrame
 from rai_missions.connectors.sound.contract import check_sound_connector
+from tests.connectors.sound.test_sound import waited
 from tests.voice.conftest import LACKING as VOICE_LACKING
 from tests.voice.conftest import quiet, spoken
 
@@ -81,23 +82,10 @@ def in_new_process(work: Callable[[], object]) -> object:
         return pool.submit(work).result(60)
 
 
-def passed(sound: SoundConnector, frames: int) -> None:
-    count, done = [0], threading.Event()
-
-    def take(_: SoundFrame) -> None:
-        count[0] += 1
-        if count[0] > frames:
-            done.set()
-
-    close = sound.listen(take)
-    assert done.wait(10), "the device gives no frames"
-    close()
-
-
 def contract() -> None:
     from rai_missions.connectors.sound.devices import DeviceSound
 
-    check_sound_connector(lambda: DeviceSound("pulse", "pulse"), passed)
+    check_sound_connector(lambda: DeviceSound("pulse", "pulse"), waited)
 
 
 @pytest.mark.long
@@ -116,7 +104,7 @@ def played() -> list[bytes]:
     sound.listen(frames.append)
     sound.play(lambda at: next(rest, b""))
     sound.start()
-    passed(sound, 75)
+    waited(sound, 75)
     sound.stop()
     return [frame.played for frame in frames if any(frame.played)]
 

@@ -45,7 +45,7 @@ def waited(sound: SoundConnector, frames: int) -> None:
             done.set()
 
     close = sound.listen(count)
-    assert done.wait(10), "the wall's pace brings no frames"
+    assert done.wait(10), "no frames come"
     close()
 
 
