@@ -8,7 +8,7 @@ to and holds is in the annotations of its fields: no kind is picked out here.
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Iterator, Mapping
-from functools import cache
+from functools import cache, cached_property
 from typing import Any, NamedTuple
 
 from rai_missions.check.name_table import Lexicon
@@ -185,6 +185,11 @@ class MissionIndex:
     def found(self, names: Iterable[str]) -> list[StateRef]:
         """The states of the names, as far as there are any."""
         return [spot for name in names if (spot := self.spot(name)) is not None]
+
+    @cached_property
+    def lasting_keys(self) -> frozenset[str]:
+        """See `Mission.lasting_keys`."""
+        return self.mission.lasting_keys()
 
     # -- looking ------------------------------------------------------------------------------------------------------
 

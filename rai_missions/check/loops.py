@@ -7,7 +7,6 @@ from collections.abc import Iterator, Mapping
 
 from rai_missions.check.index import MissionIndex
 from rai_missions.guards.guard import Guard, Site
-from rai_missions.keys import Key
 from rai_missions.states.tree import (
     Check,
     Condition,
@@ -68,7 +67,7 @@ def waitless_loops(index: MissionIndex) -> Found:
     for node, place in index.nodes:
         continues = _continues(node)
         if continues and isinstance(node, Decorator):
-            ends = _ends(node.child, index.mission.blackboard)
+            ends = _ends(node.child, index)
             if ends <= ENDED and ends & continues:
                 yield (
                     place,
@@ -86,43 +85,43 @@ def _continues(node: TreeNode) -> Ends:
     return ENDED - {node.status} if isinstance(node, Condition) else frozenset()
 
 
-def _ends(node: TreeNode, keys: Mapping[str, Key]) -> Ends:
+def _ends(node: TreeNode, index: MissionIndex) -> Ends:
     if isinstance(node, Sequence):
-        return _in_turn(node.sequence, "success", keys)
+        return _in_turn(node.sequence, "success", index)
     if isinstance(node, Selector):
-        return _in_turn(node.selector, "failure", keys)
+        return _in_turn(node.selector, "failure", index)
     if isinstance(node, Parallel):
-        return _together(node, keys)
+        return _together(node, index)
     if isinstance(node, EternalGuard):
-        waits = frozenset() if _is_settled(node.guard, keys) else WAITS
-        return _ends(node.child, keys) | {"failure"} | waits
+        waits = frozenset() if _is_settled(node.guard, index) else WAITS
+        return _ends(node.child, index) | {"failure"} | waits
     if isinstance(node, Decorator):
-        return _decorated(node, _ends(node.child, keys))
-    return _of_leaf(node, keys)
+        return _decorated(node, _ends(node.child, index))
+    return _of_leaf(node, index)
 
 
-def _of_leaf(node: TreeNode, keys: Mapping[str, Key]) -> Ends:
+def _of_leaf(node: TreeNode, index: MissionIndex) -> Ends:
     if isinstance(node, Check):
-        return ENDED if _is_settled(node.check, keys) else ENDED | WAITS
+        return ENDED if _is_settled(node.check, index) else ENDED | WAITS
     if isinstance(node, Set) and (source := node.effect().source) is not None:
-        return ENDED if _lasts(source, keys) else ENDED | WAITS
+        return ENDED if _lasts(source, index) else ENDED | WAITS
     at_once = isinstance(node, Publish | Set) or (isinstance(node, Wait) and node.wait_s == 0)
     return frozenset({"success" if at_once else "running"})
 
 
-def _in_turn(children: tuple[TreeNode, ...], onward: str, keys: Mapping[str, Key]) -> Ends:
+def _in_turn(children: tuple[TreeNode, ...], onward: str, index: MissionIndex) -> Ends:
     """One after the other, while each reports what leads on."""
     found = Ends()
     for child in children:
-        ends = _ends(child, keys)
+        ends = _ends(child, index)
         found |= ends - {onward}
         if onward not in ends:
             return found
     return found | {onward}
 
 
-def _together(node: Parallel, keys: Mapping[str, Key]) -> Ends:
-    each = [_ends(child, keys) for child in node.parallel]
+def _together(node: Parallel, index: MissionIndex) -> Ends:
+    each = [_ends(child, index) for child in node.parallel]
     if frozenset({"failure"}) in each:
         return frozenset({"failure"})
     if any("waits" in ends for ends in each):
@@ -149,15 +148,15 @@ def _decorated(node: Decorator, ends: Ends) -> Ends:
     return (ends - continues) | {"running"} if ends & continues else ends
 
 
-def _is_settled(guard: Guard, keys: Mapping[str, Key]) -> bool:
+def _is_settled(guard: Guard, index: MissionIndex) -> bool:
     """Whether the value of a guard stays the same for the whole of a run."""
-    site = Site("", keys)
+    site = Site("", index.mission.blackboard)
     guard.compiled(site)
     if site.clocked or site.holds or site.states or site.named:
         return False
-    return all(_lasts(path, keys) for path in site.reads)
+    return all(_lasts(path, index) for path in site.reads)
 
 
-def _lasts(path: str, keys: Mapping[str, Key]) -> bool:
-    key = keys.get(path.partition(".")[0])
-    return key is None or (key.source == "argument" and key.max_age_s is None)
+def _lasts(path: str, index: MissionIndex) -> bool:
+    name = path.partition(".")[0]
+    return name not in index.mission.blackboard or name in index.lasting_keys

@@ -196,6 +196,13 @@ class Mission(MissionModel):
         """The keys that the robot must have reported before the mission starts."""
         return tuple(name for name, key in self.blackboard.items() if key.source == "robot" and not key.optional)
 
+    def lasting_keys(self) -> frozenset[str]:
+        """The keys that are what they were at the start: arguments, and what has an `initial` and is never written."""
+        written = {each.key for thing in self.everything() for each in thing.writes()}
+        own = {name for name, key in self.blackboard.items() if key.source == "mission" and key.initial is not None}
+        given = {name for name, key in self.blackboard.items() if key.source == "argument"}
+        return frozenset(name for name in given | (own - written) if self.blackboard[name].max_age_s is None)
+
     def behaviours(self) -> Mapping[str, BehaviourLeaf]:
         """`state#path` → the leaf there that is written in Python; a mission with one has no JSON."""
         return {

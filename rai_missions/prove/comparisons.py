@@ -14,7 +14,6 @@ from rai_missions.engine.robot_facts import RobotFacts
 from rai_missions.guards.compare import OPERATORS, ORDERED
 from rai_missions.keys import Key
 from rai_missions.mission.mission import Mission
-from rai_missions.model import MissionModel
 from rai_missions.prove.parts import guards_in, parts, writes_in
 from rai_missions.states.action import GoalFields
 from rai_missions.states.call import CallFields
@@ -123,14 +122,14 @@ class Comparisons:
     @cached_property
     def _lasting(self) -> Mapping[str, str]:
         """Scalars and lists that are what they were at the start, and their types: a comparison is with their value."""
-        found = {
+        own = {
             name: key.type for name, key in self.keys.items()
-            if key.source == "mission" and key.initial is not None and key.max_age_s is None and key.type in LITERAL
+            if key.source == "mission" and key.initial is not None and key.type in LITERAL
         }  # fmt: skip
-        if not found or self._mission.uses:  # a kind of another package may write in its own way
+        if not own or self._mission.uses:  # a kind of another package may write in its own way
             return {}
-        written = {each.key for part in parts(self._mission, MissionModel) for each in part.writes()}
-        return {name: kind for name, kind in found.items() if name not in written}
+        lasting = self._mission.lasting_keys()
+        return {name: kind for name, kind in own.items() if name in lasting}
 
     def _learn_write(self, effect: Set) -> None:
         if effect.add is not None:
