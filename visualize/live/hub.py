@@ -108,9 +108,9 @@ class Hub:
         Raises:
             UsageError: There are too many already.
         """
-        if len(self._viewers) >= MOST_VIEWERS and not (is_operator and self._make_room()):
-            raise UsageError(f"{MOST_VIEWERS} viewers watch already; close one")
         async with self._opening:
+            if len(self._viewers) >= MOST_VIEWERS and not (is_operator and self._make_room()):
+                raise UsageError(f"{MOST_VIEWERS} viewers watch already; close one")
             if self._pump is None or self._pump.done():
                 await self._begin()
             viewer = Viewer(is_operator=is_operator)

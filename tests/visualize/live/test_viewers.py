@@ -3,7 +3,9 @@
 
 from __future__ import annotations
 
+import asyncio
 import socket
+from collections.abc import Callable
 from typing import Any
 
 import pytest
@@ -12,12 +14,13 @@ from hypothesis import strategies as st
 
 from rai_missions.engine import Chart
 from rai_missions.engine.trees import CompiledTrees
+from rai_missions.errors import UsageError
 from rai_missions.image import Image
 from rai_missions.runtime.lifecycle import Lifecycle
 from tests.visualize.live.stage import Run, Viewer, ask, until
 from tests.visualize.live.test_scene import ACTS, play
 from tests.visualize.runs import tractor
-from visualize.live import hub
+from visualize.live import RunFeed, RunScene, hub
 
 
 def ends_with(viewer: Viewer, run: Run) -> None:
@@ -137,6 +140,27 @@ def test_one_viewer_too_many_is_reported_so(run: Run) -> None:
     assert "close one" in reported["why"]
     for viewer in viewers:
         viewer.cut()
+
+
+class ReadFeed(RunFeed):
+    """A run that is read before it is shown, on a thread, as a journal is."""
+
+    async def begin(self, wake: Callable[[], None]) -> RunScene:
+        await asyncio.to_thread(int)
+        return await super().begin(wake)
+
+
+def test_viewers_that_come_while_the_run_is_read_are_counted() -> None:
+    async def come() -> list[Any]:
+        watched = hub.Hub(ReadFeed(RunScene, lambda: 0.0))
+        more = hub.MOST_VIEWERS + 3
+        found = await asyncio.gather(*(watched.join() for _ in range(more)), return_exceptions=True)
+        assert watched.viewers == hub.MOST_VIEWERS
+        await watched.close()
+        return found
+
+    refused = [each for each in asyncio.run(come()) if isinstance(each, UsageError)]
+    assert [str(each) for each in refused] == [f"{hub.MOST_VIEWERS} viewers watch already; close one"] * 3
 
 
 def test_viewers_make_room_for_the_operator_and_are_counted_apart(run: Run) -> None:
