@@ -18,11 +18,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from langchain_core.callbacks import CallbackManagerForLLMRun
 from langchain_core.language_models import BaseChatModel
-from langchain_core.messages import AIMessage, BaseMessage
-from langchain_core.outputs import ChatGeneration, ChatResult
 
+from benchmarks.slow_model import SlowModel
 from rai_missions.agents.conversation import ConversationalAgent
 from rai_missions.agents.mission import RunConfig, prepare
 from rai_missions.agents.talk.model import TalkModel
@@ -42,21 +40,6 @@ ROUNDS = 20
 RECOGNISER = os.environ.get("RECOGNISER", "whisper")
 """The first recogniser, with its options: `whisper:weights=base`."""
 DRIVES_MPS, STILL_MPS = 0.2, 0.02
-
-
-class SlowModel(BaseChatModel):
-    """Answers after three seconds."""
-
-    @property
-    def _llm_type(self) -> str:
-        return "slow"
-
-    def _generate(
-        self, messages: list[BaseMessage], stop: list[str] | None = None,
-        run_manager: CallbackManagerForLLMRun | None = None, **words: object,
-    ) -> ChatResult:  # fmt: skip
-        threading.Event().wait(3.0)
-        return ChatResult(generations=[ChatGeneration(message=AIMessage("Mice like cheese."))])
 
 
 class Talk:
@@ -170,7 +153,7 @@ def answers(count: int, texts: Sequence[str] = QUESTIONS, model: BaseChatModel |
 
 
 def filler(count: int) -> None:
-    answers(count, ("Do mice like cheese?", "Who painted the ceiling?"), SlowModel())
+    answers(count, ("Do mice like cheese?", "Who painted the ceiling?"), SlowModel(wait_s=3.0))
 
 
 def stop(count: int) -> None:

@@ -15,11 +15,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
-from langchain_core.callbacks import CallbackManagerForLLMRun
-from langchain_core.language_models import BaseChatModel
-from langchain_core.messages import AIMessage, BaseMessage
-from langchain_core.outputs import ChatGeneration, ChatResult
-
+from benchmarks.slow_model import SlowModel
 from rai_missions.agents.conversation import ConversationalAgent
 from rai_missions.agents.mission import RunConfig, prepare
 from rai_missions.agents.talk.doors import TalkLine, TextDoor
@@ -31,21 +27,6 @@ from rai_missions.runtime.lifecycle import Status
 TRACTOR = Path(__file__).parents[1] / "missions/tractor"
 QUESTIONS = ("what are you doing?", "how far are you?", "what is the battery level?", "why did you stop?")
 COUNT = 200
-
-
-class Hangs(BaseChatModel):
-    """Answers after a minute."""
-
-    @property
-    def _llm_type(self) -> str:
-        return "hangs"
-
-    def _generate(
-        self, messages: list[BaseMessage], stop: list[str] | None = None,
-        run_manager: CallbackManagerForLLMRun | None = None, **words: object,
-    ) -> ChatResult:  # fmt: skip
-        threading.Event().wait(60.0)
-        return ChatResult(generations=[ChatGeneration(message=AIMessage("late"))])
 
 
 class Asker:
@@ -93,7 +74,9 @@ TIMED: dict[str, Any] = {
 
 def lateness(folder: Path, *, talks: bool) -> list[float]:
     """Seconds by which each step of a run was late, as the wall's clock has them when their effects are performed."""
-    agent = ConversationalAgent(doors=[TextDoor("terminal", lambda line: None)], model=TalkModel(Hangs()))
+    agent = ConversationalAgent(
+        doors=[TextDoor("terminal", lambda line: None)], model=TalkModel(SlowModel(wait_s=60.0))
+    )
     late, due, over = list[float](), [0.0], threading.Event()
 
     def stepped(step: Step) -> None:
@@ -144,7 +127,7 @@ def side_by_side() -> None:
 def main() -> None:
     side_by_side()
     asker, paused, at = Asker(), threading.Event(), [0.0]
-    agent = ConversationalAgent(doors=[TextDoor("terminal", asker.show)], model=TalkModel(Hangs()))
+    agent = ConversationalAgent(doors=[TextDoor("terminal", asker.show)], model=TalkModel(SlowModel(wait_s=60.0)))
 
     def stepped(step: Step) -> None:
         agent.step(step)
