@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Loops of trees: what one without a number waits for, and how often one with a number goes round."""
+"""Loops of trees: what one waits for, how often it goes round, and a selector that goes round by itself."""
 
 from __future__ import annotations
 
@@ -8,8 +8,11 @@ from collections.abc import Iterator, Mapping
 from rai_missions.check.index import MissionIndex
 from rai_missions.guards.guard import Guard, Site
 from rai_missions.states.tree import (
+    Action,
+    Call,
     Check,
     Condition,
+    Decision,
     Decorator,
     EternalGuard,
     FailureIsRunning,
@@ -31,7 +34,7 @@ from rai_missions.states.tree import (
     Wait,
 )
 
-__all__ = ("MOST_TIMES", "long_loops", "waitless_loops")
+__all__ = ("MOST_TIMES", "long_loops", "lost_fallbacks", "waitless_loops")
 
 Found = Iterator[tuple[str, str]]
 Ends = frozenset[str]
@@ -74,6 +77,29 @@ def waitless_loops(index: MissionIndex) -> Found:
                     f"'{node.word}' has nothing to wait for: each round would end at once, so no second one begins; "
                     'add {"wait_s": 1} to its child, or a check of what it waits for',
                 )
+
+
+def lost_fallbacks(index: MissionIndex) -> Found:
+    """A selector without memory has no branch of actions behind one that takes time and begins without a check."""
+    for node, place in index.nodes:
+        if not isinstance(node, Selector) or node.memory:
+            continue
+        ends = [_ends(child, index) for child in node.selector]
+        ahead = (at for at, each in enumerate(node.selector) if ends[at] == {"running"} and not _holds(each, OneShot))
+        first = next(ahead, len(ends))
+        for at in range(first + 1, len(ends)):
+            if "success" not in ends[at] and _holds(node.selector[at], Action, Call, Decision):
+                yield (
+                    f"{place}/selector/{at}",
+                    f"this branch never comes to its end: branch {first}, which takes time, begins again in its place "
+                    'as soon as a step of it has ended; add "memory": true to the selector, or begin the other with a '
+                    "check",
+                )
+
+
+def _holds(node: TreeNode, *kinds: type[TreeNode]) -> bool:
+    """Whether it is one of these, or has one in it."""
+    return any(isinstance(each, kinds) for _, each in node.paths())
 
 
 def _continues(node: TreeNode) -> Ends:

@@ -88,6 +88,7 @@ RULES: tuple[CheckRule, ...] = (
     CheckRule("crossing-transition", "warning", shape.crossing_transitions),
     CheckRule("lost-timer", "warning", surprises.lost_timers),
     CheckRule("hasty-retry", "warning", surprises.hasty_retries),
+    CheckRule("lost-fallback", "warning", loops.lost_fallbacks),
     CheckRule("rival-action", "warning", surprises.rival_actions),
     CheckRule("unbounded-call", "warning", bounds.unbounded_calls),
     CheckRule("misspelled-answerer", "warning", bounds.misspelled_answerers, "place"),

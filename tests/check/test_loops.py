@@ -12,8 +12,9 @@ from hypothesis import strategies as st
 from rai_missions.check import check
 from rai_missions.engine import Chart
 from rai_missions.engine.hold import live
+from rai_missions.engine.step import CallService
 from rai_missions.engine.trees import CompiledTrees
-from rai_missions.event import Tick
+from rai_missions.event import Event, Tick
 from rai_missions.mission.mission import Mission
 from tests.trees.growing import FACTS, is_true
 from tests.trees.polling import FLAGS, branches
@@ -120,3 +121,36 @@ def test_what_waits_for_something_at_its_first_rest_is_not_refused_for_its_root(
 )
 def test_a_loop_needs_something_to_wait_for_and_an_end_that_can_be_seen(tree: Json, rule: str) -> None:
     assert list(faults(mission_of(tree)).values()) == ([rule] if rule else [])
+
+
+SOFT, FIRM = {"call": "soft"}, {"call": "firm"}
+QUIET = {"check": {"key": "loud", "==": False}}
+
+
+@pytest.mark.parametrize(
+    ("branches", "memory", "comes_to_its_end"),
+    [
+        ([SOFT, FIRM], False, False),
+        ([SOFT, {"sequence": [{"set": "n", "add": 1}, FIRM]}], False, False),
+        ([{"retry": 2, "child": SOFT}, FIRM], False, False),
+        ([SOFT, FIRM], True, True),
+        ([{"sequence": [QUIET, SOFT]}, FIRM], False, True),
+        ([{"one_shot": SOFT, "policy": "on_completion"}, FIRM], False, True),
+        ([{"running_is_failure": SOFT}, FIRM], False, True),
+    ],
+)
+def test_a_branch_comes_to_its_end_unless_one_ahead_of_it_begins_again(
+    branches: list[Json], memory: bool, comes_to_its_end: bool
+) -> None:
+    """The soft grip fails each time, and the firm one succeeds; it is loud where that is looked at."""
+    mission = mission_of({"selector": branches, "memory": memory}, loud=True)
+    warned = any(each.rule == "lost-fallback" for each in check(mission))
+    chart = Chart(mission)
+    calls = [each for each in chart.start(at=0.0).effects if isinstance(each, CallService)]
+    for at in range(1, 8):
+        replies = [
+            Event("failed" if each.service == "soft" else "succeeded", at, {}, "result", each.number) for each in calls
+        ]
+        steps = [chart.send(reply) for reply in replies]
+        calls = [each for step in steps for each in step.effects if isinstance(each, CallService)]
+    assert (not warned) == comes_to_its_end == (not calls)
