@@ -24,7 +24,7 @@ from rai_missions.runtime.view import RunView
 from rai_missions.states import answerer_words
 from rai_missions.states.final import FinalOutcome
 
-__all__ = ("Lines", "Person", "Tone", "trimmed")
+__all__ = ("Lines", "Person", "Tone", "trimmed", "value_words")
 
 WIDTH = 150
 MOVED_ASIDE = "the journal of an earlier run, which had this name, is now {}"
@@ -37,6 +37,11 @@ def trimmed(value: Any, width: int = WIDTH) -> str:
     text = value if isinstance(value, str) else listed(value)
     text = " ".join("".join(char if char.isprintable() else " " for char in text).split())
     return text if len(text) <= width else text[: width - 1] + "…"
+
+
+def value_words(value: Any, width: int) -> str:
+    """A value of a key in one line of bounded length; a text without letters is seen by its quotes."""
+    return trimmed(value, width) or '""'
 
 
 def _reasons(mission: Mission) -> dict[str, str]:
@@ -169,7 +174,7 @@ class Lines:
         effects = zip(step.effects, described.effects, strict=True)
         does = [trimmed(words, 100) for effect, words in effects if not self._is_vain(effect)]
         writes = groupby(step.writes if step.event.kind != "write" else ())
-        does += [f"{key} := {trimmed(value, 40)}" for (key, value), _again in writes]
+        does += [f"{key} := {value_words(value, 40)}" for (key, value), _again in writes]
         parts = [described.way, *does]
         if step.ignored:
             parts = [f"ignored: {step.why}" if step.why else "ignored"]
@@ -226,7 +231,9 @@ class Lines:
             self._print(line)
 
     def _event(self, event: Event) -> str:
-        return f"{event.name} = {trimmed(event.data.get('value'), 20)}" if event.kind == "write" else event_words(event)
+        if event.kind != "write":
+            return event_words(event)
+        return f"{event.name} = {value_words(event.data.get('value'), 20)}"
 
     def _because(self, step: Step) -> list[str]:
         """What was so that moved the mission without an event or outcome."""

@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any, TextIO
 
 from rai_missions.cli.play.session import PlaySession
-from rai_missions.cli.progress import trimmed
+from rai_missions.cli.progress import trimmed, value_words
 from rai_missions.engine.description import describe
 from rai_missions.errors import MissionError, UsageError, suggestion
 from rai_missions.replay.play import Click, Field, PlayChoice
@@ -226,9 +226,8 @@ class TerminalPlay:
         for number, choice in values:
             name = choice.name.partition(" ")[2]
             entry = chart.view.board.get(name)
-            now = (
-                "unknown" if entry is None else f"{trimmed(entry.value, 60)}, {max(0.0, chart.at - entry.at):.3g} s old"
-            )
+            age_s = 0.0 if entry is None else max(0.0, chart.at - entry.at)
+            now = "unknown" if entry is None else f"{value_words(entry.value, 60)}, {age_s:.3g} s old"
             self._print(f"{number:4} {name} ({now})")
         stale = [
             f"{number} {choice.name.partition(' ')[2]}" for number, choice in choices if (number, choice) not in values
@@ -269,7 +268,7 @@ def _takes(field: Field) -> str:
 
 
 def _shown(value: Any) -> str:
-    return "true" if value is True else "false" if value is False else trimmed(value, 60)
+    return "true" if value is True else "false" if value is False else value_words(value, 60)
 
 
 def _happened(click: Click) -> Iterator[str]:

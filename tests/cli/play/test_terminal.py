@@ -55,6 +55,16 @@ def typed(monkeypatch: pytest.MonkeyPatch, *lines: str) -> None:
     monkeypatch.setattr("sys.stdin", io.StringIO("".join(f"{line}\n" for line in lines)))
 
 
+def test_a_text_without_letters_is_shown_as_one(
+    door: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    tag = {"tag": {"type": "string", "source": "robot"}}
+    door.write_text(json.dumps(DOOR | {"blackboard": DOOR["blackboard"] | tag}), encoding="utf-8")
+    typed(monkeypatch, "readings tag=", "q")
+    assert main(["try", "door.json"]) == 0
+    assert 'tag ("", 0 s old)' in capsys.readouterr().out
+
+
 def test_what_is_piped_is_played_saved_and_written_as_a_test(
     door: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
