@@ -14,6 +14,7 @@ from rai_missions.engine.robot_facts import RobotFacts
 from rai_missions.guards.compare import OPERATORS, ORDERED
 from rai_missions.keys import Key
 from rai_missions.mission.mission import Mission
+from rai_missions.model.references import reference_word
 from rai_missions.prove.parts import guards_in, parts, writes_in
 from rai_missions.states.action import GoalFields
 from rai_missions.states.call import CallFields
@@ -67,6 +68,8 @@ class Comparisons:
         self.met: set[tuple[str, str, str]] = set()
         """Path, operator and path of each comparison of two; the operator is empty where it is not known."""
         self._mission = mission
+        self._own: list[tuple[str, Any]] = []
+        """Paths, and what each can be by the mission's own doing."""
         self._copied: set[str] = set()
         self._odd: set[str] = set()
         for guard in (*guards_in(mission), *guards_in(terms.succeeded), *guards_in(terms.failed)):
@@ -83,6 +86,7 @@ class Comparisons:
                 self._constant(name, key.initial)
         self._learn_results(mission)
         self._spread()
+        self._learn_fields()
 
     def compare(self, path: str, op: str, operand: Any) -> None:
         self.atoms.setdefault(path, []).append((op, operand))
@@ -142,11 +146,18 @@ class Comparisons:
 
     def _constant(self, path: str, value: Any) -> None:
         """It can be this by the mission's own doing; what it is compared with can be so too, and an item of a list."""
+        self._own.append((path, value))
         if path in self.kin:
             self.atoms.setdefault(path, []).append(("==", value))
         for item in self.items.get(path, ()) if isinstance(value, list) else ():
             for each in value:
                 self._constant(item, each)
+
+    def _learn_fields(self) -> None:
+        """The fields of an object can be what they are in it; once it is known what they are compared with."""
+        for path, value in self._own:  # grows by the objects in objects
+            for field, inner in value.items() if isinstance(value, Mapping) else ():
+                self._constant(f"{path}.{field}", inner)
 
     def _learn_sent(self, mission: Mission) -> None:
         """A field that a goal or a request is sent with: without it the start is rejected."""
@@ -155,11 +166,20 @@ class Comparisons:
         self.fresh |= {path for path in references(sent) if path.partition(".")[0] in self.keys and "." in path}
 
     def _learn_raises(self, mission: Mission) -> None:
-        """What a raised event brings is compared for the key that it was taken from."""
+        """What a raised event brings is compared for the key that it was taken from, or is as it was written."""
         for raised in parts(mission, Raise):
             for field, value in raised.data.items():
-                for path in references(value) if f"event.{field}" in self.atoms else ():
-                    self._join(f"event.{field}", path)
+                self._learn_raised(f"event.{field}", value)
+
+    def _learn_raised(self, path: str, value: Any) -> None:
+        found = list(references(value))
+        for each in found if path in self.atoms else ():
+            self._join(path, each)
+        if not found:
+            self._constant(path, value)
+        elif isinstance(value, Mapping) and reference_word(value) is None:
+            for field, inner in value.items():
+                self._learn_raised(f"{path}.{field}", inner)
 
     def _learn_results(self, mission: Mission) -> None:
         """A result's field may be read as `event.field` and kept under a key as well."""

@@ -177,6 +177,13 @@ def test_what_with_gives_is_no_argument_of_the_run(tmp_path: Path) -> None:
     )
 
 
+def test_an_object_that_with_gives_is_an_argument_with_a_value(tmp_path: Path) -> None:
+    keys = DOCK["blackboard"] | {"goal": {"type": "object", "source": "argument"}}
+    top = TOP | {"states": TOP["states"] | {"dock": TOP["states"]["dock"] | {"with": {"goal": {"far": 3}}}}}
+    mission = load(written(tmp_path, top=top, dock=DOCK | {"blackboard": keys}))
+    assert mission.blackboard["dock/goal"] == Key(dict, source="argument", initial={"far": 3})
+
+
 def test_missions_include_missions_that_include_missions(tmp_path: Path) -> None:
     middle = TOP | {"name": "middle"}
     outer = {"format": 1, "name": "outer", "initial": "m", "states": {"m": {"mission": "parts/middle.json"}}}

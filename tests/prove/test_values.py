@@ -140,3 +140,45 @@ def test_a_comparison_with_what_is_never_written_is_proved_as_one_with_its_value
 
 def test_a_comparison_with_what_is_written_is_tried_with_some_values_only() -> None:
     assert prove(counting({"key": "n", ">=": {"key": "least"}}, {"set": "least", "add": 1})).sampled == ("least", "n")
+
+
+RAISED: Json = {"raise": "found", "data": {"at": {"max": 3, "min": {"from": "limits.max"}}}}
+
+
+@pytest.mark.parametrize(("path", "keys", "do"), [
+    ("limits.max", {}, []),
+    ("other.max", {}, [{"set": "other", "from": "limits"}]),
+    ("other.max", {}, [{"set": "other", "value": {"max": 3}}]),
+    ("other.in.max", {"other": {"type": "object", "initial": {"in": {"max": 3}}}}, []),
+    ("event.at.max", {}, [RAISED]),
+    ("event.at.min", {}, [RAISED]),
+])  # fmt: skip
+def test_what_is_compared_with_a_field_that_the_author_wrote_can_lie_on_either_side(
+    path: str, keys: Json, do: list[Json]
+) -> None:
+    on: Json = {"on": "found"} if path.startswith("event") else {}
+    proof = prove(Mission.model_validate({
+        "name": "asked", "initial": "here", "events": {"found": {"fields": {"at": "object"}}},
+        "blackboard": {"level": {"type": "number", "source": "robot"}, "other": {"type": "object"},
+                       "limits": {"type": "object", "initial": {"max": 3}}, **keys},
+        "states": {
+            "here": {"entry": do, "transitions": [
+                {**on, "when": {"key": path, "<": {"key": "level"}}, "to": "high"},
+                {**on, "when": {"key": path, ">": {"key": "level"}}, "to": "low"}]},
+            "high": {}, "low": {},
+        },
+    }))  # fmt: skip
+    assert proof.verdict == "refuted" and proof.never == ()
+
+
+def test_what_is_compared_with_an_item_of_a_written_list_can_lie_on_either_side() -> None:
+    proof = prove(Mission.model_validate({
+        "name": "asked", "initial": "going",
+        "blackboard": {"level": {"type": "number", "source": "robot"}, "spot": {"type": "object"},
+                       "spots": {"type": "list", "initial": [{"max": 3}]}},
+        "states": {"going": {"each": "spots", "as": "spot", "initial": "here", "states": {
+            "here": {"transitions": [{"when": {"key": "spot.max", "<": {"key": "level"}}, "to": "high"},
+                                     {"when": {"key": "spot.max", ">": {"key": "level"}}, "to": "low"}]},
+            "high": {}, "low": {}}}},
+    }))  # fmt: skip
+    assert proof.never == ()
