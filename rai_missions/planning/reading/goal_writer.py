@@ -50,8 +50,8 @@ class GoalWriter:
         """What the phrases so far are taken to mean."""
         self._moved_to = list[tuple[str, str]]()
         self._is_held = False
-        self._is_alone = True
-        """Whether the request only takes things from where they lie."""
+        self._empty = list[str]()
+        """Containers that are to be emptied, and are empty."""
         self._until_put = list[Plain]()
         """What holds of things until they are put elsewhere: what was taken from somewhere lies on the desk."""
         self._latest = list[Plain]()
@@ -63,9 +63,6 @@ class GoalWriter:
             Unread: A clause is not sure over this scene, or about things that are not there.
         """
         found = list[Plain]()
-        self._is_alone = all(
-            each.kind == "off" or any(one.kind == "those" for one in each.subjects) for each in clauses
-        )
         for clause in clauses:
             self._before = self._subjects, self._target
             self._check_held(clause)
@@ -79,6 +76,9 @@ class GoalWriter:
         if self._is_held:
             raise self._ask("where", self._listed(self._subjects))
         found += self._exchanges()
+        if self._empty and not found:
+            where = self._listed(tuple(self._empty[:1]))
+            raise Unread("absent", self._things.lexicon.text("nothing_there", where), refused=True)
         self._check_swapped(found)
         return [each for at, each in enumerate(found) if each not in found[:at]]
 
@@ -209,8 +209,9 @@ class GoalWriter:
     def _off(self, clause: Clause) -> Iterator[Plain]:
         """`everything out of the bin`: of several things those that lie there are meant; they come onto the desk."""
         place = self._one(clause.target)
-        if not self._is_alone and any(each.kind == "everything" for each in clause.subjects) and self._is_empty(place):
+        if any(each.kind == "everything" for each in clause.subjects) and self._is_empty(place):
             self._subjects = ()
+            self._empty.append(place)
             return  # `empty the tray, and put …`: that is so
         names = [
             name
@@ -428,7 +429,8 @@ class GoalWriter:
         self._is_held = False
 
     def _too(self, clause: Clause) -> Iterator[Plain]:
-        emptied = self._emptied if clause.target is not None else ()
+        is_there = clause.target is not None and self._last is not None and self._last.kind == "off"
+        emptied = is_there and len(self._target) == 1 and self._is_container(self._target[0])
         names = self._names(clause.subjects)
         is_put = self._last is not None and self._last.kind in ("in", "to", "on")
         if not (is_put or emptied) or len(self._target) != 1:

@@ -142,7 +142,7 @@ class Rules:
         self._is_grasped_there = is_there
 
     def _after(self, found: list[Clause]) -> list[Clause]:
-        self.cursor.skip("put", "too", "grasp")
+        self.cursor.skip("put", "too", "grasp", "sort")
         return found
 
     def _reversed(self, before: Sequence[Clause]) -> Clause:
@@ -166,7 +166,7 @@ class Rules:
         if cursor.kind() in ("stack", "level"):
             return self._tower_of(subjects)
         if cursor.kind() == "empty" and len(subjects) == 1:
-            return self._emptied(cursor.take().text, subjects[0])  # `räum das Tablett leer`
+            return self._emptied(cursor.take().text, subjects)  # `räum das Tablett leer`
         if cursor.kind() == "left_to_right":
             return self._in_order(subjects)
         if cursor.kind() == ":" and cursor.kind(1) in ("axis", "("):
@@ -279,13 +279,17 @@ class Rules:
     def _empty(self) -> list[Clause]:
         """`empty the bin`."""
         word = self.cursor.take()
-        return self._emptied(word.text, self._thing())
+        return self._emptied(word.text, self._things())
 
-    def _emptied(self, word: str, target: Phrase) -> list[Clause]:
+    def _emptied(self, word: str, targets: tuple[Phrase, ...]) -> list[Clause]:
         """All that lies in a container comes out of it; `… into the bin` names where it goes."""
-        if not target.types or not target.types <= CONTAINERS:
+        if not all(map(_is_container, targets)):
             raise self.unread()
-        found = Clause("off", (Phrase("everything", word, is_many=True, is_all=True),), target)
+        self.cursor.skip("empty")
+        every = Phrase("everything", word, is_many=True, is_all=True)
+        *others, found = (Clause("off", (every,), target) for target in targets)
+        if others:
+            return [*others, found]
         is_moved = self.cursor.kind() == "relation" and self.cursor.value() in ("in", "on", "to")
         return [found, *self._about(THOSE, is_held=False)] if is_moved else [found]
 
@@ -377,3 +381,7 @@ class Rules:
             raise Unread("order", self.lexicon.text("order"))
         subjects = subjects if is_from_left else subjects[::-1]
         return [Clause("in_order", subjects, whole[0] if whole else None)]
+
+
+def _is_container(phrase: Phrase) -> bool:
+    return bool(phrase.types) and phrase.types <= CONTAINERS

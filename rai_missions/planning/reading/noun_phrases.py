@@ -173,20 +173,31 @@ def _things(cursor: Cursor) -> Phrase | None:
 
 def _excluded(cursor: Cursor) -> frozenset[str]:
     """The types of `that is not a cube or an apple`."""
+    return frozenset().union(*(each.value.types for each in _limits(cursor, "noun")))
+
+
+def _other_colours(cursor: Cursor, phrase: Phrase) -> tuple[Phrase, ...]:
+    """What is left out by `that is not blue or red`: the same things of these colours."""
+    whole = replace(phrase, is_many=True, is_all=True, count=None, is_any=False)
+    return tuple(replace(whole, text=each.text, colour=each.value) for each in _limits(cursor, "colour"))
+
+
+def _limits(cursor: Cursor, kind: str) -> list[Symbol]:
+    """The words of a kind after `that is not`, with `or` between them; past what ends the limit."""
     cursor.take()
-    types: frozenset[str] = cursor.take().value.types
+    found = [cursor.take()]
     while cursor.kind() in ("or", "and", ","):
         before = cursor.at
         cursor.skip("or", "and", ",")
         cursor.skip("a", "not_a", "no")
-        if cursor.kind() != "noun":
+        if cursor.kind() != kind:
             cursor.back_to(before)
             break
-        types |= cursor.take().value.types
+        found.append(cursor.take())
     cursor.skip("is")
     if cursor.kind() == "," and cursor.kind(1) == "relation":
         cursor.take()
-    return types
+    return found
 
 
 NOUNS = ("noun", "colour", "generic", "other")
@@ -200,6 +211,9 @@ def _counts(cursor: Cursor) -> bool:
 def with_limits(cursor: Cursor, phrase: Phrase) -> Phrase:
     """The phrase with what is excepted here: `… except the corn`, `… that is not a cube`."""
     comma = int(cursor.kind() == ",")
+    if cursor.kind(comma) == "not_a" and cursor.kind(comma + 1) == "colour":
+        cursor.skip(",")
+        return replace(phrase, without=_other_colours(cursor, phrase))
     if cursor.kind(comma) == "not_a" and cursor.kind(comma + 1) == "noun":
         cursor.skip(",")
         return replace(phrase, not_types=_excluded(cursor))

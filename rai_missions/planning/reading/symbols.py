@@ -11,6 +11,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
 
 from rai_missions.planning.reading.lexicon import Vocabulary
+from rai_missions.planning.scene import CONTAINERS
 from rai_missions.planning.text.normalise import readable
 from rai_missions.planning.text.numbers import number
 
@@ -33,6 +34,7 @@ ARROW = re.compile(r"[-=]+>|⇒|➡")
 HYPHEN = re.compile(r"(?<=[^\W\d_])[-‐‑–](?=[^\W\d_])")
 
 
+ENDS = (".", ",", "and", "then", "too", "empty")
 SUBJECTS = frozenset({"noun", "colour", "generic", "pronoun", "all", "rest", "everything"})
 """Kinds of symbols that end a phrase about things."""
 NAMING = SUBJECTS | {"the", "a", "other", "number"}
@@ -76,7 +78,20 @@ def symbols(request: str, lexicon: Vocabulary) -> list[Symbol]:
         count, symbol = _symbol(words, at, lexicon)
         found.append(symbol)
         at += count
-    return _without_contrast(_without_noise(list(_asking(found, lexicon.data))), lexicon.data["contrast"])
+    return _without_contrast(_clearing(_without_noise(list(_asking(found, lexicon.data)))), lexicon.data["contrast"])
+
+
+def _clearing(found: list[Symbol]) -> list[Symbol]:
+    """With a verb of clearing that has only a container after it as what it is there: `clear the tray` empties it."""
+    for at, symbol in enumerate(found):
+        if (symbol.kind, symbol.value) == ("put", "clear"):
+            end = at + 1
+            while end < len(found) and found[end].kind in ("the", "all"):
+                end += 1
+            is_container = end < len(found) and found[end].kind == "noun" and found[end].value.types <= CONTAINERS
+            if is_container and (end + 1 == len(found) or found[end + 1].kind in ENDS):
+                found[at] = symbol._replace(kind="empty", value="")
+    return found
 
 
 def _asking(found: Sequence[Symbol], data: Mapping[str, Any]) -> Iterator[Symbol]:

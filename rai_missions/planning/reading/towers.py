@@ -45,7 +45,7 @@ def tower(
     cursor.skip("with", ":", ",", "put")
     if cursor.kind() == "part":
         return _several(cursor, unread)
-    if cursor.kind() == "upward":
+    if cursor.kind() == "upward" and not first:
         return [_upward(cursor, unread)]
     first = first or noun_phrases(cursor)
     if count > 1 and cursor.kind() in ENDS:

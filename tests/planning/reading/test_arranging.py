@@ -144,6 +144,10 @@ ON_DESK = ({"on": ["tomato", "desk"]}, {"on": ["apple", "desk"]})
         ("empty the tray and put the carrot in it", [*ON_DESK, {"in": ["carrot", "tray"]}]),
         ("empty the tray into the bin", [{"in": ["tomato", "bin"]}, {"in": ["apple", "bin"]}]),
         ("räum das Tablett leer", ON_DESK),
+        ("räum das Tablett ab", ON_DESK),
+        ("clear the tray", ON_DESK),
+        ("empty the tray and the bin", ON_DESK),
+        ("the apple out of the tray, the carrot into it", [ON_DESK[1], {"in": ["carrot", "tray"]}]),
         ("empty the bin and put the carrot in it", [{"in": ["carrot", "bin"]}]),
     ],
 )
