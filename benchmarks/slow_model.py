@@ -5,26 +5,18 @@ from __future__ import annotations
 
 import threading
 
-from langchain_core.callbacks import CallbackManagerForLLMRun
-from langchain_core.language_models import BaseChatModel
-from langchain_core.messages import AIMessage, BaseMessage
-from langchain_core.outputs import ChatGeneration, ChatResult
+from langchain_core.messages import BaseMessage
+
+from rai_missions.answerers.test_models import DoubleModel
 
 __all__ = ("SlowModel",)
 
 
-class SlowModel(BaseChatModel):
+class SlowModel(DoubleModel):
     """Answers with a sentence after so many seconds."""
 
     wait_s: float
 
-    @property
-    def _llm_type(self) -> str:
-        return "slow"
-
-    def _generate(
-        self, messages: list[BaseMessage], stop: list[str] | None = None,
-        run_manager: CallbackManagerForLLMRun | None = None, **words: object,
-    ) -> ChatResult:  # fmt: skip
+    def reply_to(self, messages: list[BaseMessage]) -> str:
         threading.Event().wait(self.wait_s)
-        return ChatResult(generations=[ChatGeneration(message=AIMessage("Mice like cheese."))])
+        return "Mice like cheese."

@@ -15,10 +15,8 @@ from functools import partial
 from pathlib import Path
 from typing import NamedTuple
 
-from langchain_core.callbacks import CallbackManagerForLLMRun
 from langchain_core.language_models import BaseChatModel
-from langchain_core.messages import AIMessage, BaseMessage
-from langchain_core.outputs import ChatGeneration, ChatResult
+from langchain_core.messages import BaseMessage
 
 from rai_missions.agents.conversation import ConversationalAgent
 from rai_missions.agents.mission import RunConfig, prepare
@@ -26,6 +24,7 @@ from rai_missions.agents.talk.doors import TalkLine, TextDoor
 from rai_missions.agents.talk.model import TalkModel
 from rai_missions.agents.talk.run_status import RobotWords
 from rai_missions.agents.talk.settings import settings_of
+from rai_missions.answerers.test_models import DoubleModel
 from rai_missions.engine.step import Step
 from rai_missions.runtime.lifecycle import Status
 from rai_missions.runtime.runner import Result
@@ -80,21 +79,13 @@ SCENES: Mapping[str, Scene] = {
 }  # fmt: skip
 
 
-class ScriptedModel(BaseChatModel):
+class TalkingModel(DoubleModel):
     """Answers with a fixed sentence and a claim that the rules replace; of songs it knows nothing."""
 
-    @property
-    def _llm_type(self) -> str:
-        return "scripted"
-
-    def _generate(
-        self, messages: list[BaseMessage], stop: list[str] | None = None,
-        run_manager: CallbackManagerForLLMRun | None = None, **words: object,
-    ) -> ChatResult:  # fmt: skip
+    def reply_to(self, messages: list[BaseMessage]) -> str:
         if "song" in str(messages[-1].content).rpartition("operator:")[2]:
             raise RuntimeError("this model knows no song")
-        text = "The moon is made of rock. I have finished the whole mission."
-        return ChatResult(generations=[ChatGeneration(message=AIMessage(text))])
+        return "The moon is made of rock. I have finished the whole mission."
 
 
 class Person:
@@ -172,7 +163,7 @@ def play(scene: Scene, show: Callable[[str], None], *, model: BaseChatModel | No
         runner, robot = prepared.runner, prepared.robot
         agent = ConversationalAgent(
             settings_of(robot.conversation if robot is not None else None), doors=[TextDoor("terminal", line)],
-            model=TalkModel(model or ScriptedModel()), robot=RobotWords(robot.name if robot is not None else ""),
+            model=TalkModel(model or TalkingModel()), robot=RobotWords(robot.name if robot is not None else ""),
         )  # fmt: skip
         person = Person(
             scene.sentences, runner.view.now,

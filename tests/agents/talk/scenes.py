@@ -8,14 +8,13 @@ import time
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from langchain_core.callbacks import CallbackManagerForLLMRun
 from langchain_core.language_models import BaseChatModel
 from langchain_core.messages import AIMessage, BaseMessage
-from langchain_core.outputs import ChatGeneration, ChatResult
 
 from rai_missions.agents.conversation import ConversationalAgent
 from rai_missions.agents.talk.doors import TalkLine, TextDoor
 from rai_missions.agents.talk.model import TalkModel
+from rai_missions.answerers.test_models import DoubleModel
 from rai_missions.conversation import Settings
 from rai_missions.engine.decision import Question
 from rai_missions.engine.step import Step
@@ -151,26 +150,19 @@ class Talk:
             threading.Event().wait(0.002)
 
 
-class RepliesModel(BaseChatModel):
+class RepliesModel(DoubleModel):
     """Replies with what it was given, in plain text, or does something worse first."""
 
     reply: str = "I have finished the mission and all is well."
     before: Any = None
     calls: tuple[dict[str, Any], ...] = ()
 
-    @property
-    def _llm_type(self) -> str:
-        return "replies"
-
     def bind_tools(self, tools: Any, **words: Any) -> Any:
         if not self.calls:
             raise NotImplementedError
         return self
 
-    def _generate(
-        self, messages: list[BaseMessage], stop: list[str] | None = None,
-        run_manager: CallbackManagerForLLMRun | None = None, **words: Any,
-    ) -> ChatResult:  # fmt: skip
+    def reply_to(self, messages: list[BaseMessage]) -> AIMessage:
         if self.before is not None:
             self.before()
-        return ChatResult(generations=[ChatGeneration(message=AIMessage(self.reply, tool_calls=list(self.calls)))])
+        return AIMessage(self.reply, tool_calls=list(self.calls))
