@@ -234,7 +234,7 @@ class Comparisons:
     @property
     def sampled(self) -> tuple[str, ...]:
         """The paths that a few values are tried of, though guards can distinguish more."""
-        return tuple(sorted({*self._odd, *self._reckoned(), *self._far(), *self._wanted()}))
+        return tuple(sorted({*self._odd, *self._reckoned(), *self._far(), *self._looked_into(), *self._wanted()}))
 
     def _reckoned(self) -> Iterator[str]:
         """Numbers that are compared with a key that is counted or copied, and poses with several distances."""
@@ -248,6 +248,10 @@ class Comparisons:
             kin = self.kin_of(path)
             if len(kin) > 2 or (len(radii) > 1 and kin & self._copied):
                 yield path
+
+    def _looked_into(self) -> Iterator[str]:
+        """Poses of which guards ask for a distance, and for a field as well."""
+        return (path for path in self.near if any(self.within(kin) for kin in self.kin_of(path)))
 
     def _wanted(self) -> Iterator[str]:
         """Goals that the author wrote, goals next to more than one other, and what is looked into besides."""

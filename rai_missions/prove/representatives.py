@@ -187,7 +187,24 @@ class Values:
             {**base, "x": base.get("x", 0.0) + offset} if offset else dict(base)
             for base, offset in product(bases, offsets)
         ]
-        yield from _distinct(found, bases, radii) if self._is_of_written(path) else found
+        if looked := learned.within(path):
+            for pose in found:
+                yield from self._looked_into(path, looked, pose)
+        else:
+            yield from _distinct(found, bases, radii) if self._is_of_written(path) else found
+
+    def _looked_into(self, path: str, looked: list[str], pose: Mapping[str, Any]) -> Iterator[Any]:
+        """A pose with each mixture of the fields that guards look at one by one; it has an x and a y."""
+        choices = []
+        for name in looked:
+            own = [pose[name]] if name in pose else []
+            if name != "frame" or not own:
+                more = self.field(f"{path}.{name}", "string" if name == "frame" else "number")[name in ("x", "y") :]
+                own += [each for each in more if each not in own]
+            choices.append(own)
+        for mixture in product(*choices):
+            fields = {**pose, **dict(zip(looked, mixture, strict=True))}
+            yield {name: value for name, value in fields.items() if value is not None}
 
     def _is_of_written(self, path: str) -> bool:
         """It is compared with poses that the mission writes alone: with constants."""

@@ -182,3 +182,25 @@ def test_what_is_compared_with_an_item_of_a_written_list_can_lie_on_either_side(
             "high": {}, "low": {}}}},
     }))  # fmt: skip
     assert proof.never == ()
+
+
+@pytest.mark.parametrize(("ways", "sampled"), [
+    (({"key": "at.x", ">": 5}, {"key": "at.x", "<": 5}), ()),
+    (({"key": "at.x", ">": {"key": "goal.x"}}, {"key": "at.x", "<": {"key": "goal.x"}}), ()),
+    (({"key": "at.yaw", ">": 1}, {"not": {"fresh": "at.yaw"}}), ()),
+    (({"all": [{"key": "at.x", ">": 1}, {"key": "at.y", ">": 1}]}, {"key": "at.y", "<": 0}), ()),
+    (({"key": "seen.at.x", ">": 5}, {"key": "seen.at.x", "<": 5}), ()),
+    (({"all": [{"near": ["at", "goal"], "within_m": 1}, {"key": "at.yaw", ">": 1}]}, {"key": "at.yaw", "<": 1}),
+     ("at", "goal")),
+])  # fmt: skip
+def test_a_pose_that_guards_look_into_is_anywhere(ways: tuple[Json, ...], sampled: tuple[str, ...]) -> None:
+    one, other = ways
+    pose: Json = {"type": "pose", "source": "robot"}
+    proof = prove(Mission.model_validate({
+        "name": "asked", "initial": "here",
+        "blackboard": {"at": pose, "goal": {"type": "pose", "source": "argument"},
+                       "seen": {"type": "object", "source": "robot", "fields": {"at": "pose"}}},
+        "states": {"here": {"transitions": [{"when": one, "to": "there"}, {"when": other, "to": "away"}]},
+                   "there": {}, "away": {}},
+    }))  # fmt: skip
+    assert (proof.verdict, proof.never, proof.sampled) == ("refuted", (), sampled)
