@@ -11,6 +11,7 @@ from functools import cached_property
 from typing import Any
 
 from rai_missions.engine.robot_facts import RobotFacts
+from rai_missions.engine.trees.node import STATUSES
 from rai_missions.guards.compare import OPERATORS, ORDERED
 from rai_missions.keys import Key
 from rai_missions.mission.mission import Mission
@@ -20,6 +21,7 @@ from rai_missions.states.action import GoalFields
 from rai_missions.states.call import CallFields
 from rai_missions.states.compound import Each
 from rai_missions.states.effects import Raise, Set, references
+from rai_missions.states.tree.decorators import StatusToBlackboard
 
 __all__ = ("Comparisons",)
 
@@ -84,6 +86,9 @@ class Comparisons:
         for name, key in self.keys.items():
             if key.initial is not None and key.source == "mission":
                 self._constant(name, key.initial)
+        for node in parts(mission, StatusToBlackboard):
+            for status in STATUSES.values():
+                self._constant(node.key, status)
         self._learn_results(mission)
         self._spread()
         self._learn_fields()
@@ -103,7 +108,10 @@ class Comparisons:
         self.atoms.setdefault(other, [])
         self._join(path, other)
         self.met.add((path, op, other))
-        self._odd |= {path} if op == "in" else set()
+        whole = op in ("==", "!=") and {"object", "pose"} & {
+            self.keys[each].type for each in (path, other) if each in self.keys
+        }
+        self._odd |= {path} if op == "in" or whole else set()
 
     def measure(self, path: str, other: str, within_m: float) -> None:
         for each in (path, other):

@@ -204,3 +204,28 @@ def test_a_pose_that_guards_look_into_is_anywhere(ways: tuple[Json, ...], sample
                    "there": {}, "away": {}},
     }))  # fmt: skip
     assert (proof.verdict, proof.never, proof.sampled) == ("refuted", (), sampled)
+
+
+@pytest.mark.parametrize("kind", ["object", "pose"])
+@pytest.mark.parametrize("op", ["==", "!="])
+def test_objects_that_are_compared_as_a_whole_are_tried_with_some_values_only(kind: str, op: str) -> None:
+    keys = {"seen": {"type": kind, "source": "robot"}, "given": {"type": kind, "source": "argument"}}
+    guard = {"key": "seen", op: {"key": "given"}}
+    assert prove(Mission.model_validate({
+        "name": "asked", "initial": "here", "blackboard": keys,
+        "states": {"here": {"transitions": [{"when": guard, "to": "end"}]}, "end": {"final": "aborted"}},
+    })).sampled == ("seen",)  # fmt: skip
+
+
+def test_what_is_compared_with_what_a_tree_reports_can_be_the_same() -> None:
+    same = {"key": "report", "==": {"key": "word"}}
+    proof = prove(Mission.model_validate({
+        "name": "asked", "initial": "here",
+        "blackboard": {"report": {"type": "string"}, "word": {"type": "string", "source": "robot"}},
+        "states": {
+            "here": {"tree": {"status_to_blackboard": "report", "child": {"wait_s": 1}},
+                     "transitions": [{"when": same, "to": "there"}, {"on": "succeeded", "to": "end"}]},
+            "there": {}, "end": {"final": "aborted"},
+        },
+    }))  # fmt: skip
+    assert (proof.verdict, proof.never) == ("refuted", ())
