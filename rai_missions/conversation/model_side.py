@@ -68,7 +68,14 @@ class ModelSide:
         form = "filler" if utterance.is_spoken else "model_waits" if is_waiting else "model_asked"
         self._speaking.acknowledge(form, utterance, sentence.number)
 
-    def _do_not_know(self, utterance: Utterance, number: int) -> None:
+    def _do_not_know(self, utterance: Utterance, number: int, *, is_silent: bool = False) -> None:
+        """That no one knows an answer.
+
+        Args:
+            utterance: The sentence.
+            number: Of its turn.
+            is_silent: The model was asked, and gave no reply.
+        """
         language, view = self._talk.language, self._talk.view
         is_first = not self._talk.settings.has_model and not any(each.way == "unknown" for each in self._talk.turns)
         if view.questions and not utterance.is_spoken and may(utterance.role, "answer", self._talk.settings):
@@ -76,6 +83,8 @@ class ModelSide:
             text = f"{text} {language.text('unknown_answer', options=options_text(view.questions, language))}"
         else:
             text = self._talk.answers.unread(utterance.text, view, is_first=is_first)
+        if is_silent:
+            text = f"{language.text('model_silent')} {text}"
         self._speaking.speak(text, to=utterance.channel, reply_to=number, way="unknown")
 
     def _begin(self, sentence: WaitingSentence) -> None:
@@ -146,7 +155,7 @@ class ModelSide:
         if not reply.is_end:
             self._talk.put(DropModel(turn.number))
         if not turn.spoken and not turn.has_order:
-            self._do_not_know(turn.sentence.utterance, turn.sentence.number)
+            self._do_not_know(turn.sentence.utterance, turn.sentence.number, is_silent=bool(reply.failed))
         self._turns.keep(None)
         self._next()
 
