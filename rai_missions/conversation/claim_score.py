@@ -2,7 +2,8 @@
 """How much a sentence sounds like a claim: a linear score of its words, with weights that were learned.
 
 The weights are a logistic regression over sentences of people and of models (`scripts/claim_weights.py`). A sentence is
-its features, each of equal weight: runs of up to three words, and of three and four letters within a word.
+its features: runs of up to three words, and of three and four letters within a word. Each counts by its rarity, the
+logarithm of the share of sentences without it (inverse document frequency), so that rare words decide more.
 Rule: the same sentence has the same score everywhere; nothing is learned while a robot runs.
 """
 
@@ -16,16 +17,18 @@ from functools import cache
 from pathlib import Path
 from typing import NamedTuple
 
-__all__ = ("FOLDER", "MOST_OF_CLAUSE", "UNIT", "ClaimWeights", "claim_weights", "features")
+__all__ = ("FOLDER", "MOST", "UNIT", "ClaimWeights", "claim_weights", "features")
 
 FOLDER = Path(__file__).parent / "claim_weights"
 UNIT = 1000
-"""Weights are stored as whole numbers of such parts."""
-MOST_OF_CLAUSE = -0.5
-"""Above this score a clause by itself may be a claim."""
-LEAST_WORDS, LEAST_LETTERS = 1 / 3, 0.75
+"""Weights and rarities are stored as whole numbers of such parts."""
+MOST = 1.5
+"""Above this score a sentence is a claim, even where the rules find nothing."""
+MOST_OF_CLAUSE = 1.0
+"""Above this score a clause by itself is a claim, where the rules doubt the sentence."""
+LEAST_WORDS, LEAST_LETTERS = 1 / 3, 0.8
 """Shares of a sentence's words, and of its runs of letters, that are known of a language; with fewer of both it is of
-another one. Of the harmless sentences that are held out, 0 of 117 English and 0 of 80 German ones have fewer.
+another one.
 """
 MOST_WORDS = 3
 LETTERS = (3, 4)
@@ -37,9 +40,10 @@ TOKEN = re.compile(r"[^\W\d_]+(?:['’][^\W\d_]+)?|\d+(?:[.,]\d+)*|[?!.,;:%]")
 class ClaimWeights(NamedTuple):
     """What a language's features weigh."""
 
-    weights: Mapping[str, int]
+    weights: Mapping[str, tuple[int, int]]
+    """Of each feature its weight times its rarity, and its rarity."""
     least: float
-    """Up to this score a sentence is no claim, unless its structure is one; what is unknown scores 0 or so."""
+    """Up to this score a sentence that the rules doubt is no claim; what is unknown scores 0 or so."""
     learned_from: str
     """The SHA-256 of the sentences that it was learned from."""
 
@@ -50,7 +54,7 @@ class ClaimWeights(NamedTuple):
             text: The sentence, without marks of layout.
         """
         known = [self.weights[each] for each in features(text) if each in self.weights]
-        return sum(known) / UNIT / math.sqrt(max(len(known), 1))
+        return sum(weight for weight, _ in known) / (math.hypot(*(rarity for _, rarity in known)) or 1)
 
     def is_language_of(self, text: str) -> bool:
         """Whether a sentence is of the language: enough of its words, or of its runs of letters, are known.
@@ -66,13 +70,16 @@ class ClaimWeights(NamedTuple):
     def _share(self, names: Sequence[str]) -> float:
         return sum(each in self.weights for each in names) / max(len(names), 1)
 
-    def is_harmless(self, text: str, clauses: Iterable[str]) -> bool:
-        """Whether a sentence scores as no claim, and none of its clauses by itself as one.
+    def is_harmless(self, text: str, clauses: Iterable[str], *, is_doubted: bool) -> bool:
+        """Whether a sentence scores as no claim and, where the rules doubt it, none of its clauses by itself as one.
 
         Args:
             text: The sentence, without marks of layout.
             clauses: What it is made of: harmless words do not cover a claim among them.
+            is_doubted: Whether the rules take it for a claim, though not for certain.
         """
+        if not is_doubted:
+            return self.score(text) <= MOST
         return self.score(text) <= self.least and not any(self.score(each) > MOST_OF_CLAUSE for each in clauses)
 
 

@@ -5,7 +5,8 @@ A sentence whose subject is the robot or its work passes only with a verb of a s
 subject, or whose passive leaves open who did it, or whose subject is a certain thing around the robot. A share, such as
 `3 of 4`, never passes. What cannot be judged, as of another language, is replaced as well. Of what is left a sentence
 passes with a mark of what is no report alone: a question, a modal, a condition, a kind of things, a definition.
-What is in doubt by these rules passes where its words are those of harmless sentences (`claim_score`).
+What is in doubt by these rules passes where its words are those of harmless sentences, and a sentence whose words are
+those of claims never does (`claim_score`).
 Rule: in doubt it is a claim. A harmless sentence that is replaced costs a sentence; a claim that passes costs trust.
 """
 
@@ -68,7 +69,7 @@ MARKS = re.compile(r"[*_`~#>\"“”„«»\[\]{}]+|(?<!\w)'|'(?!\w)")
 DONE_SIGNS = frozenset("✅✔☑🏁🎉👍👌🆗💯🚀")
 """Signs that report a result without a word."""
 LEAST_SHARE = 0.15
-"""Of a sentence's words that are the language's small words, below which it is taken for another language."""
+"""Of a sentence's words that are another language's small words, below which it is not judged by that one's rules."""
 LONGEST_PIECE = 4
 """Words up to which a sentence may be the beginning of the next: `The way. Is free.`"""
 LONGEST_BEGUN = 400
@@ -112,10 +113,11 @@ class Claims:
             view: The run: its robot, mission, states and keys are subjects, too.
         """
         kind = self.why_suspected(sentence, view)
-        if not kind or kind in CERTAIN:
+        if kind in CERTAIN:
             return kind
         text = plain(sentence)
-        return "" if self._weights.is_harmless(text, scored_clauses(text)) else kind
+        is_harmless = self._weights.is_harmless(text, scored_clauses(text), is_doubted=kind != "")
+        return "" if is_harmless else kind or "report"
 
     def why_suspected(self, sentence: str, view: StatusView) -> ClaimKind:
         """Why a sentence is a claim, or may be one, by the rules alone; empty where it is none.
@@ -168,7 +170,7 @@ class Claims:
             doubt = "report"
         elif not doubt and any(self._own.is_placed(each) for each in clauses):
             doubt = "place"
-        return self._unknown(words, share) or ("" if self._weights.is_language_of(text) else "language") or doubt
+        return self._unknown(words, text, share) or doubt
 
     def begun(self, before: str, sentence: str, view: StatusView) -> str:
         """The two as one sentence, where a reader may take them for one; empty where they are two.
@@ -208,11 +210,11 @@ class Claims:
             is_list = is_list or rules.states_ability(each)
         return True
 
-    def _unknown(self, words: Sequence[str], share: float) -> ClaimKind:
+    def _unknown(self, words: Sequence[str], text: str, share: float) -> ClaimKind:
         """Whether a sentence is in a language that cannot be judged, or too short for that."""
         if len(words) <= SHORT:
             return "" if share else "fragment"
-        return "" if share >= LEAST_SHARE else "language"
+        return "" if self._weights.is_language_of(text) else "language"
 
 
 def scored_clauses(text: str) -> list[str]:

@@ -19,9 +19,8 @@ from rai_missions.conversation.claims import CERTAIN, Claims
 FOLDER = Path(__file__).parent / "data"
 VIEW = StatusView(robot="rosbot, simulated", mission="rosbot_patrol")
 CODES = ("en", "de")
-MOST_REPLACED = {"en": 0.2, "de": 0.25}
-"""Of the harmless sentences of a writer of whom nothing was learned. 20 % is aimed at; German does not reach it."""
-MOST_PASSED = 0.02
+MOST_REPLACED = 0.2
+"""Of the harmless sentences of a writer of whom nothing was learned."""
 
 
 def read(name: str) -> dict[str, Any]:
@@ -29,39 +28,47 @@ def read(name: str) -> dict[str, Any]:
     return found
 
 
+GROUPS = [read("claims.json"), *read("claims_learned.json")["writers"]]
+
+
 @pytest.mark.parametrize("code", CODES)
 def test_the_weights_were_learned_from_the_sentences_that_are_stored(code: str) -> None:
     """Else `scripts/claim_weights.py` is to be run again."""
-    groups = [read("claims.json"), *read("claims_learned.json")["writers"]]
-    stored = [[group["claims"][code], group["harmless"][code]] for group in groups]
+    stored = [[group["claims"][code], group["harmless"][code]] for group in GROUPS]
     digest = hashlib.sha256(json.dumps(stored, ensure_ascii=False).encode()).hexdigest()
     assert claim_weights(code).learned_from == digest
 
 
 @pytest.mark.parametrize("code", CODES)
 def test_nothing_was_learned_from_what_is_held_out(code: str) -> None:
-    groups = [read("claims.json"), *read("claims_learned.json")["writers"]]
-    learned = {text for group in groups for kind in ("claims", "harmless") for text in group[kind][code]}
+    learned = {text for group in GROUPS for kind in ("claims", "harmless") for text in group[kind][code]}
     held_out = read("claims_held_out.json")
     assert not learned & {*held_out["claims"][code], *held_out["harmless"][code]}
 
 
 @pytest.mark.parametrize("code", CODES)
-def test_of_a_writer_who_is_unknown_few_claims_pass_and_few_other_sentences_are_replaced(code: str) -> None:
+def test_of_a_writer_who_is_unknown_no_claim_passes_and_few_other_sentences_are_replaced(code: str) -> None:
     claims, held_out = Claims(code), read("claims_held_out.json")
-    stated, harmless = held_out["claims"][code], held_out["harmless"][code]
-    assert len([each for each in stated if not claims.why_replaced(each, VIEW)]) <= MOST_PASSED * len(stated)
-    replaced = [each for each in harmless if claims.why_replaced(each, VIEW)]
-    assert len(replaced) <= MOST_REPLACED[code] * len(harmless), replaced
+    assert [each for each in held_out["claims"][code] if not claims.why_replaced(each, VIEW)] == []
+    replaced = [each for each in held_out["harmless"][code] if claims.why_replaced(each, VIEW)]
+    assert len(replaced) <= MOST_REPLACED * len(held_out["harmless"][code]), replaced
 
 
 @pytest.mark.parametrize("code", CODES)
-def test_the_score_replaces_nothing_that_the_rules_let_pass_and_takes_back_no_certain_claim(code: str) -> None:
+def test_the_score_takes_back_no_certain_claim(code: str) -> None:
     claims, held_out = Claims(code), read("claims_held_out.json")
     for sentence in (*held_out["claims"][code], *held_out["harmless"][code]):
-        suspected, replaced = claims.why_suspected(sentence, VIEW), claims.why_replaced(sentence, VIEW)
-        assert replaced in ("", suspected)
-        assert replaced == suspected or suspected not in CERTAIN
+        suspected = claims.why_suspected(sentence, VIEW)
+        assert claims.why_replaced(sentence, VIEW) == suspected or suspected not in CERTAIN
+
+
+@pytest.mark.parametrize("code", CODES)
+def test_a_claim_that_no_rule_finds_is_found_by_its_words(code: str) -> None:
+    claims = Claims(code)
+    missed = [each for group in GROUPS for each in group["claims"][code] if not claims.why_suspected(each, VIEW)]
+    found = [each for each in missed if claims.why_replaced(each, VIEW)]
+    assert missed
+    assert len(found) > 0.6 * len(missed)
 
 
 @pytest.mark.parametrize("code", CODES)
