@@ -220,6 +220,15 @@ def _exit(program: Program, state: RunState, node: Node) -> None:
         _outdate(state, node)
     if state.kept:
         state.kept = tuple(each for each in state.kept if each.kind != "outcome" or each.data["state"] != node.name)
+    if node.is_final and node.parent is not None and node.parent.is_each:
+        _resume_last_round(state, node.parent)
+
+
+def _resume_last_round(state: RunState, each: Node) -> None:
+    """Where a list stays active and the final of its last round is left, what follows is about the last item again."""
+    items, index = state.rounds[each.name]
+    if items and index == len(items):
+        state.rounds[each.name] = items, index - 1
 
 
 def _outdate(state: RunState, node: Node) -> None:

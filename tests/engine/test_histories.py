@@ -127,6 +127,21 @@ def test_an_item_whose_final_was_left_before_the_next_round_is_over_once() -> No
     assert (made.active, item_of(made)) == ({"work", "tour", "x"}, 3)
 
 
+@pytest.mark.parametrize("where", ["y", "z"])
+def test_what_leaves_the_final_of_the_last_round_is_about_the_last_item(where: str) -> None:
+    ways = tour(items=(1, 2)).model_dump()
+    more = {**transition("repeat", "x"), "internal": True}
+    ways["states"]["work"]["states"]["tour"]["transitions"] = [more]
+    made = Chart(Mission.model_validate({**ways, "events": [*ways["events"], "repeat"]}))
+    made.start()
+    sent(made, "next", "next", "next", "next", "repeat", "next")
+    assert (made.active, item_of(made)) == ({"work", "tour", "y"}, 2)
+    if where == "z":
+        sent(made, "next", "repeat", "next", "next")
+    sent(made, "away", "back")
+    assert (made.active, item_of(made)) == ({"work", "tour", where}, 2)
+
+
 def test_the_item_that_a_history_leads_back_to_outlives_its_process() -> None:
     made = Chart(tour())
     made.start()
