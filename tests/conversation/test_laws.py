@@ -214,7 +214,8 @@ class Referee:
 
     def _judge_now(self, order: Order) -> None:
         mode = self.view.mode
-        assert order.name != "pause" or mode == "running"
+        begins_by_itself = mode == "ready" and not self.view.awaits_start
+        assert order.name != "pause" or mode == "running" or begins_by_itself
         assert order.name != "resume" or mode == "paused"
         assert order.name != "cancel" or mode in ("ready", "running", "paused")
         assert order.name != "start" or mode not in ("running", "paused", "canceling")
