@@ -200,7 +200,7 @@ class Claims:
     def _is_marked(self, clauses: Sequence[Sequence[str]], *, is_question: bool, is_conditional: bool) -> bool:
         """Whether each clause that states something has a mark of what is no report."""
         rules, main, is_list = self._own, self._addresses.main(clauses), False
-        stated = [each for each in main[1:] if each[0] in rules.relative] if is_question else main
+        stated = self._stated_in(main) if is_question else main
         least = 1 if is_conditional else LEAST_PREDICATE
         for before, each in pairwise([[], *stated]):
             is_list = is_list and rules.is_listed(each)
@@ -209,6 +209,11 @@ class Claims:
                 return False
             is_list = is_list or rules.states_ability(each)
         return True
+
+    def _stated_in(self, clauses: Sequence[Sequence[str]]) -> Sequence[Sequence[str]]:
+        """What a question states on its way: `Did you know that …`, also where another language follows."""
+        relative = (any(each[0] in rules.relative for rules in self._every) for each in clauses[1:])
+        return clauses[next((at for at, is_relative in enumerate(relative, 1) if is_relative), len(clauses)) :]
 
     def _unknown(self, words: Sequence[str], text: str, share: float) -> ClaimKind:
         """Whether a sentence is in a language that cannot be judged, or too short for that."""

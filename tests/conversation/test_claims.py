@@ -145,6 +145,17 @@ def test_another_language_is_found_before_a_doubt(code: str, sentence: str) -> N
     assert Claims(code).why_replaced(sentence, VIEW) == "language"
 
 
+@pytest.mark.parametrize(
+    "question",
+    [
+        "Did you know that die Tasche hat jetzt die Pflegerin?",
+        "Did you know that sehen Sie nur, ein Laster versperrt die Straße?",
+    ],
+)
+def test_what_a_question_states_is_found_where_its_language_changes(question: str) -> None:
+    assert Claims("de").why_replaced(question, VIEW) != ""
+
+
 @pytest.mark.parametrize("code", sorted(DATA["claims"]))
 def test_hardly_a_sentence_that_is_held_out_is_of_another_language(code: str) -> None:
     held_out = json.loads((Path(__file__).parent / "data/claims_held_out.json").read_text("utf-8"))
