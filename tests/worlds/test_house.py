@@ -312,6 +312,7 @@ def test_its_camera_shows_the_room(visit: Any) -> None:
         ({"blocked": ["cellar"]}, "no door 'cellar'; there is: bedroom_study"),
         ({"blocked": {"study_pantry": [60, 20]}}, r"study_pantry: \[60, 20\] is not when it begins and ends"),
         ({"recoveries": -1}, "-1 is no number of attempts"),
+        ({"camera": False, "detects": False, "detector": {"mis": 1}}, "no option 'mis'; did you mean 'miss'"),
         ({"battery": {"volts": 3}}, "no option 'volts'; there is: capacity_wh, charge"),
         ({"alleys": 3}, "has no option 'alleys'; there are: seed, blocked"),
     ],

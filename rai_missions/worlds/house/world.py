@@ -104,9 +104,10 @@ class House(Simulation):
         self.navigator = Navigator(recoveries)
         people_here = [int(self.model.body(person_name(number)).id) for number in range(len(here))]
         self.judge = HouseJudge(self.model, self.data, self.rosbot.body_id, people_here)
+        errors = DetectorErrors.of(detector)  # also where another detector serves: a faulty field is found
         self._finder = ObjectFinder(interface.FINDER)
         self._frames = self._camera_frames(seed)
-        self._detecting = self._detector(seed, DetectorErrors.of(detector)) if detects else None
+        self._detecting = self._detector(seed, errors) if detects else None
         self._speech = sentences(speech)
         self._lidar, self._low_scan = Lidar(self.model, self.data, seed), LowScan(self.model, self.data, seed)
         self._servers: dict[tuple[str, str], NavigateToPose | DockRobot | Wait] = {
