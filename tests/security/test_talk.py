@@ -28,8 +28,7 @@ def test_nothing_of_a_conversation_holds_a_secret_that_a_person_or_a_model_utter
         for count, text in enumerate((f"what of {KNOWN} {SHAPED}", f"start the {KNOWN}"), start=1):
             talk.order(text, author=author)
             talk.until(lambda count=count: [line.way for line in talk.screen.of_robot()].count("model") == count)
-        talk.order("cancel the mission", author=author)
-        talk.screen.until(lambda line: "Is that right?" in line.text)
+        talk.order_to_confirm("cancel the mission", author=author)
         talk.order("yes", author=author)
         talk.end()
         talk.agent.conclude(5.0)

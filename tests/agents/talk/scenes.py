@@ -133,6 +133,11 @@ class Talk:
         self.order(text, role)
         return self.screen.until(lambda line: self.screen.of_robot().index(line) >= before)
 
+    def order_to_confirm(self, text: str, author: str = "Anna") -> None:
+        """An order that is read back by now; a report may have come first."""
+        self.order(text, author=author)
+        self.screen.until(lambda line: "Is that right?" in line.text)
+
     def end(self) -> Result:
         self._thread.join(PATIENCE_S)
         assert self.result is not None

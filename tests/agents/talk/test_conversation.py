@@ -94,7 +94,7 @@ def test_a_start_after_a_stop_before_it_begins_the_mission(waits: bool) -> None:
         talk.order("stop", "person")
         talk.until(lambda: talk.rig.runner.view.mode == "paused")
         talk.rig.publish("/there", data=False)
-        talk.ask("start")
+        talk.order_to_confirm("start")
         talk.order("yes")
         running(talk)
         talk.until(lambda: talk.rig.move.goals)
@@ -141,7 +141,7 @@ def test_an_option_that_is_to_be_confirmed_counts_with_the_yes() -> None:
     states = asking(ask=["operator"], deadline_s=600, options={"left": {"confirm": True}, "right": {}})
     with talked(states) as talk:
         talk.screen.until(lambda line: "Which?" in line.text)
-        talk.ask("left")
+        talk.order_to_confirm("left")
         assert talk.rig.runner.view.questions, "it is read back first"
         talk.order("yes")
         assert talk.end().outcome == "aborted"
@@ -166,7 +166,7 @@ def test_a_yes_that_was_typed_before_the_order_is_read_back_is_no_confirmation()
 def test_a_run_that_waits_is_started_by_an_order_with_its_arguments() -> None:
     with talked(waits=True) as talk:
         assert "ready" in talk.ask("what are you doing?").text
-        talk.ask("start with speed 2")
+        talk.order_to_confirm("start with speed 2")
         assert talk.rig.runner.view.mode == "ready", "it is read back first"
         talk.order("yes")
         running(talk)

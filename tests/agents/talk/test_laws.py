@@ -241,6 +241,7 @@ def ordered(seed: int) -> Talk:
         for _ in range(8):
             role: Role = draw.choice(("operator", "operator", "person", "viewer"))
             for text in draw.choice((("cancel the mission", "yes"), ("left", "yes"), (draw.choice(SENTENCES),))):
+                talk.agent.wait_answered(1.0)  # a yes counts once its order is read back
                 talk.agent.receive(text, role=role, channel="terminal" if role == "operator" else "page", author="Anna")
         talk.until(lambda: talk.result is not None or talk.rig.runner.view.mode == "paused")
         talk.rig.runner.kill("test")
