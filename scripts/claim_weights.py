@@ -24,11 +24,13 @@ from sklearn.linear_model import LogisticRegression
 from sklearn.preprocessing import normalize
 
 from rai_missions.conversation import StatusView
-from rai_missions.conversation.claim_score import FOLDER, UNIT, ClaimWeights, features
+from rai_missions.conversation.claim_score import FOLDER, ClaimWeights, features
 from rai_missions.conversation.claims import CERTAIN, Claims, plain, scored_clauses
 
 DATA = Path(__file__).parent.parent / "tests/conversation/data"
 VIEW = StatusView(robot="rosbot, simulated", mission="rosbot_patrol")
+UNIT = 1000
+"""Weights and rarities are written as whole numbers of such parts."""
 LEAST_COUNT, MOST_FEATURES, STRENGTH = 3, 12000, 20.0
 """How many sentences a feature is in, how many are kept, and the inverse of the regularization."""
 MOST_PASSED = 0.01
@@ -126,9 +128,11 @@ def by_others(code: str) -> Iterator[Judged]:
         weights = ClaimWeights(learn(texts, [claim for each in rest for claim in each.are_claims]), math.inf, "")
         for text, is_claim in zip(group.texts, group.are_claims, strict=True):
             kind, bare = claims.why_suspected(text, VIEW), plain(text)
-            is_open = weights.is_harmless(bare, scored_clauses(bare), is_doubted=kind != "")
-            score = weights.score(bare) if kind else -math.inf
-            yield Judged(is_claim, kind in CERTAIN or not is_open, score)
+            if kind:
+                is_certain = kind in CERTAIN or not weights.is_harmless(bare, scored_clauses(bare))
+                yield Judged(is_claim, is_certain, weights.score(bare))
+            else:
+                yield Judged(is_claim, weights.is_claim(bare), -math.inf)
 
 
 def least_score(code: str) -> float:

@@ -12,16 +12,14 @@ from __future__ import annotations
 import json
 import math
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from functools import cache
 from pathlib import Path
 from typing import NamedTuple
 
-__all__ = ("FOLDER", "MOST", "UNIT", "ClaimWeights", "claim_weights", "features")
+__all__ = ("FOLDER", "ClaimWeights", "claim_weights", "features")
 
 FOLDER = Path(__file__).parent / "claim_weights"
-UNIT = 1000
-"""Weights and rarities are stored as whole numbers of such parts."""
 MOST = 1.5
 """Above this score a sentence is a claim, even where the rules find nothing."""
 MOST_OF_CLAUSE = 1.0
@@ -41,7 +39,7 @@ class ClaimWeights(NamedTuple):
     """What a language's features weigh."""
 
     weights: Mapping[str, tuple[int, int]]
-    """Of each feature its weight times its rarity, and its rarity."""
+    """Of each feature its weight times its rarity, and its rarity, both in the same parts of one."""
     least: float
     """Up to this score a sentence that the rules doubt is no claim; what is unknown scores 0 or so."""
     learned_from: str
@@ -62,24 +60,28 @@ class ClaimWeights(NamedTuple):
         Args:
             text: The sentence, without marks of layout.
         """
-        text = CAPITALS.sub("", text)
-        words = [f"w{each}" for each in TOKEN.findall(text.lower().replace("’", "'")) if each[0].isalpha()]
-        letters = [each for each in features(text) if each[0] == "c"]
-        return self._share(words) > LEAST_WORDS or self._share(letters) >= LEAST_LETTERS
+        words = _words(CAPITALS.sub("", text))
+        names = [f"w{each}" for each in words if each[0].isalpha()]
+        return self._share(names) > LEAST_WORDS or self._share(set(_runs_of_letters(words))) >= LEAST_LETTERS
 
-    def _share(self, names: Sequence[str]) -> float:
+    def _share(self, names: Collection[str]) -> float:
         return sum(each in self.weights for each in names) / max(len(names), 1)
 
-    def is_harmless(self, text: str, clauses: Iterable[str], *, is_doubted: bool) -> bool:
-        """Whether a sentence scores as no claim and, where the rules doubt it, none of its clauses by itself as one.
+    def is_claim(self, text: str) -> bool:
+        """Whether a sentence scores as a claim even where the rules find nothing.
+
+        Args:
+            text: The sentence, without marks of layout.
+        """
+        return self.score(text) > MOST
+
+    def is_harmless(self, text: str, clauses: Iterable[str]) -> bool:
+        """Whether a sentence that the rules doubt scores as no claim, and none of its clauses by itself as one.
 
         Args:
             text: The sentence, without marks of layout.
             clauses: What it is made of: harmless words do not cover a claim among them.
-            is_doubted: Whether the rules take it for a claim, though not for certain.
         """
-        if not is_doubted:
-            return self.score(text) <= MOST
         return self.score(text) <= self.least and not any(self.score(each) > MOST_OF_CLAUSE for each in clauses)
 
 
@@ -91,8 +93,13 @@ def claim_weights(code: str) -> ClaimWeights:
 
 def features(text: str) -> frozenset[str]:
     """What a sentence is to a score: a run of words begins with `w`, one of letters with `c`; a number is `#`."""
-    words = ["#" if each[0].isdigit() else each for each in TOKEN.findall(text.lower().replace("’", "'"))]
+    words = _words(text)
     return frozenset((*_runs_of_words(["^", *words, "$"]), *_runs_of_letters(words)))
+
+
+def _words(text: str) -> list[str]:
+    """The words, numbers and signs of a text, each number as `#`."""
+    return ["#" if each[0].isdigit() else each for each in TOKEN.findall(text.lower().replace("’", "'"))]
 
 
 def _runs_of_words(words: Sequence[str]) -> Iterator[str]:

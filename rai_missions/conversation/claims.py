@@ -116,8 +116,9 @@ class Claims:
         if kind in CERTAIN:
             return kind
         text = plain(sentence)
-        is_harmless = self._weights.is_harmless(text, scored_clauses(text), is_doubted=kind != "")
-        return "" if is_harmless else kind or "report"
+        if not kind:
+            return "report" if self._weights.is_claim(text) else ""
+        return "" if self._weights.is_harmless(text, scored_clauses(text)) else kind
 
     def why_suspected(self, sentence: str, view: StatusView) -> ClaimKind:
         """Why a sentence is a claim, or may be one, by the rules alone; empty where it is none.
