@@ -79,24 +79,25 @@ class Grammar:
         is_open = _is_open(whole)
         several = self._several(words(text), view, whole) if is_open else ()
         parts = self.language.normaliser.parts(text) if is_open and not several else []
-        if is_open and STOP not in several and (self._stops_at_an_edge(text, view) or self._warns(text, view)):
+        edges = self._edges(text, view) if is_open else []
+        if is_open and STOP not in several and (self._stops_at_an_edge(edges) or self._warns(text, edges, view)):
             return (STOP,)
         found = several or whole if len(parts) < 2 else self._in_parts(parts, view, draft) or whole
-        return (self._pause_at_first(text, view) if _is_fault(found or FAULT) else ()) or found
+        return (self._pause_at_first(text, edges) if _is_fault(found or FAULT) else ()) or found
 
-    def _pause_at_first(self, text: str, view: StatusView) -> tuple[Sense, ...]:
+    def _pause_at_first(self, text: str, edges: Sequence[list[str]]) -> tuple[Sense, ...]:
         """A pause as the first clause of other talk: `wait, I am coming`; none where something is asked."""
         asking = self.language.data["asking"]
         clauses = [self.language.normaliser.words(each) for each in self.language.normaliser.clauses(text)]
         is_asked = text.rstrip().endswith("?") or any(words[:1] == [each] for each in asking for words in clauses)
-        is_pause = any(map(self.language.orders["pause"].fits, self._edges(text, view)[:1]))
+        is_pause = any(map(self.language.orders["pause"].fits, edges[:1]))
         return (Sense("order", "pause"),) if is_pause and not is_asked else ()
 
-    def _stops_at_an_edge(self, text: str, view: StatusView) -> bool:
+    def _stops_at_an_edge(self, edges: Sequence[list[str]]) -> bool:
         """Whether its first or last clause is a stop: `stop, there is a child`; the last one after no condition."""
-        return any(map(self.language.orders["stop"].fits, self._edges(text, view)))
+        return any(map(self.language.orders["stop"].fits, edges))
 
-    def _warns(self, text: str, view: StatusView) -> bool:
+    def _warns(self, text: str, edges: Sequence[list[str]], view: StatusView) -> bool:
         """Whether it is a warning, `watch out, the dog!`, and does not announce what the person wants to express."""
         normaliser, warnings = self.language.normaliser, self.language.warnings
         words = normaliser.bare(normaliser.words(text), _called(view.robot))
@@ -106,7 +107,7 @@ class Grammar:
         is_whole = is_alone and (
             warnings["whole"].fits(words) or (text.endswith("!") and warnings["cried"].fits(words))
         )
-        return is_whole or any(map(warnings["alone"].fits, self._edges(text, view)))
+        return is_whole or any(map(warnings["alone"].fits, edges))
 
     def _edges(self, text: str, view: StatusView) -> list[list[str]]:
         """The first clause and the last one, the last one after no condition; and each sentence of a few."""

@@ -93,12 +93,13 @@ class StartPhrases:
         """The starts that the words are; of several phrases that fit, the one that names the most."""
         for mission in missions:
             keys = {key.name: key for key in mission.arguments}
+            texts = self._texts(keys)
             fitting = [
                 (slots, each)
                 for each in self._each
                 if each.keys <= keys.keys()
                 for slots in each.phrases.match(words)
-                if all(self._may_be_thing(slots[name].split()) for name in slots.keys() & self._texts(keys))
+                if all(self._may_be_thing(slots[name].split()) for name in slots.keys() & texts)
             ]
             if fitting:
                 slots, each = max(fitting, key=lambda one: len(one[0]))

@@ -101,8 +101,9 @@ def _asking(found: Sequence[Symbol], data: Mapping[str, Any]) -> Iterator[Symbol
     a word a verb that reports is none: `make sure the apple is in the tray`.
     """
     is_first, is_address, is_wish, before = True, True, False, ""
+    wishing = set(data["wishing"])
     for symbol in found:
-        is_wish = symbol.kind != "." and (is_wish or not set(data["wishing"]).isdisjoint(symbol.text.split()))
+        is_wish = symbol.kind != "." and (is_wish or not wishing.isdisjoint(symbol.text.split()))
         if (is_first and symbol.text in data["asks"]) or (
             before in SUBJECTS and not is_wish and symbol.text in data["reports"]
         ):
