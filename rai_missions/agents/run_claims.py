@@ -20,7 +20,7 @@ from rai_missions.profile import Robot, commanded_names
 from rai_missions.redaction import logger
 from rai_missions.runtime.runner import Runner
 
-__all__ = ("RunClaims", "claiming")
+__all__ = ("RunClaims", "claiming", "full_name")
 
 log = logger(__name__)
 STRING = "std_msgs/msg/String"
@@ -41,7 +41,7 @@ class RunClaims:
 
     def __init__(self, connector: Connector, namespace: str, *, instance: str = "", node: str = "") -> None:
         self._connector, self._others = connector, OtherMissions()
-        self._below = f"/{namespace}/" if namespace else "/"
+        self._namespace = namespace
         self._own = RunClaim(instance or uuid.uuid4().hex[:12], node, "", "")
 
     def receive(self, message: Message) -> None:
@@ -57,7 +57,7 @@ class RunClaims:
         """
         claim = self._own
         if runner is not None:  # its own names: a status that was published may be of the run before
-            names = frozenset(each if each.startswith("/") else self._below + each for each in commands)
+            names = frozenset(full_name(each, self._namespace) for each in commands)
             claim = claim._replace(mission=runner.mission.name, run=runner.run_id, commands=names)
         self._connector.publish(RUNS_TOPIC, STRING, carried({"data": claim.text()}))
         rivals = self._others.rivals(claim, time.monotonic())
@@ -102,3 +102,13 @@ def claiming(runner: Runner, robot: Robot | None, connector: Connector | None, i
         worker.close(FAREWELL_S)
         while closes:
             closes.pop()()
+
+
+def full_name(name: str, namespace: str) -> str:
+    """The full name of an action, a service or a topic.
+
+    Args:
+        name: A relative one is in the namespace.
+        namespace: Without slashes at its ends; empty for the root.
+    """
+    return name if name.startswith("/") else f"/{namespace}/{name}" if namespace else f"/{name}"

@@ -34,10 +34,6 @@ class NodeName(NamedTuple):
         """The full name of a node's own (`~/status`)."""
         return f"{self.path}/{name}"
 
-    def resolved(self, name: str) -> str:
-        """The full name of what the node uses: a relative one is in its namespace."""
-        return name if name.startswith("/") else f"{self.path.rpartition('/')[0]}/{name}"
-
 
 def node_name(given: str, *, namespace: str = "", ros_arguments: Sequence[str] = ()) -> NodeName:
     """The name that a node gets; what `ros2 launch` remaps it to comes first.

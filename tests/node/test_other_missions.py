@@ -14,13 +14,12 @@ import pytest
 
 from rai_missions.agents.mission import MissionAgent, RunConfig, prepare
 from rai_missions.agents.other_missions import FORGET_S, MOST, RUNS_TOPIC, OtherMissions, RunClaim
-from rai_missions.agents.run_claims import claiming
+from rai_missions.agents.run_claims import claiming, full_name
 from rai_missions.connectors.connector import Message
 from rai_missions.connectors.contract import Inbox
 from rai_missions.connectors.local import LocalConnector
 from rai_missions.node import MissionNode
 from rai_missions.node.diagnostics import OK, WARN
-from rai_missions.node.names import NodeName
 from rai_missions.node.transport import Carrier
 from tests.node.scenes import PATIENCE_S, Client, FakeRobot, mission, robot
 
@@ -151,6 +150,6 @@ def test_what_is_no_report_of_a_run_is_left_out(text: str) -> None:
 
 
 def test_a_relative_name_is_one_of_the_node_s_namespace() -> None:
-    assert NodeName("a", "fields/north").resolved("drive") == "/fields/north/drive"
-    assert NodeName("a").resolved("drive") == "/drive"
-    assert NodeName("a", "fields").resolved("/drive") == "/drive"
+    assert full_name("drive", "fields/north") == "/fields/north/drive"
+    assert full_name("drive", "") == "/drive"
+    assert full_name("/drive", "fields") == "/drive"
