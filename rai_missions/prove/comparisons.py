@@ -134,14 +134,10 @@ class Comparisons:
     @cached_property
     def _lasting(self) -> Mapping[str, str]:
         """Scalars and lists that are what they were at the start, and their types: a comparison is with their value."""
-        own = {
-            name: key.type for name, key in self.keys.items()
-            if key.source == "mission" and key.initial is not None and key.type in LITERAL
-        }  # fmt: skip
-        if not own or self._mission.uses:  # a kind of another package may write in its own way
+        if self._mission.uses:  # a kind of another package may write in its own way
             return {}
-        lasting = self._mission.lasting_keys()
-        return {name: kind for name, kind in own.items() if name in lasting}
+        lasting = ((name, self.keys[name]) for name in self._mission.lasting_keys())
+        return {name: key.type for name, key in lasting if key.source == "mission" and key.type in LITERAL}
 
     def _learn_write(self, effect: Set) -> None:
         if effect.add is not None:
