@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager, nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -54,8 +54,7 @@ def serve_node(options: RunOptions, config: RunConfig) -> Iterator[NodeRun]:
         node.stop()
 
 
-@contextmanager
-def claiming_without_node(options: RunOptions, prepared: PreparedRun, instance: str) -> Iterator[None]:
+def claiming_without_node(options: RunOptions, prepared: PreparedRun, instance: str) -> AbstractContextManager[None]:
     """Have a run without a node report what it commands, and warn of others that command it too, while it lasts.
 
     Args:
@@ -64,10 +63,8 @@ def claiming_without_node(options: RunOptions, prepared: PreparedRun, instance: 
         instance: Of this program.
     """
     if _wants_node(options):
-        yield  # a node does so itself
-        return
-    with claiming(prepared.runner, prepared.robot, prepared.connector, instance):
-        yield
+        return nullcontext()  # a node does so itself
+    return claiming(prepared.runner, prepared.robot, prepared.connector, instance)
 
 
 def reject_single_run_options(options: RunOptions) -> None:
