@@ -183,7 +183,7 @@ class Abstraction:
         if not answer and not isinstance(answer, Payload):
             return {}
         wanted = self.later.answers
-        every = (*answer, *(answer.fields if isinstance(answer, Payload) else ()))
+        every = answer.fields if isinstance(answer, Payload) else answer
         kept = {name: answer.get(name) for name in every if name in wanted or ALL in wanted}
         return {name: value for name, value in kept.items() if value is not None}
 

@@ -7,7 +7,8 @@ here. That gives more answers, never fewer.
 Why parameters that are chosen when someone looks lose no run, and add none: what a step does depends on an answer
 through the parameters that it looks at. So answers that agree in these lead to the same step, and each value that one
 has is an alternative of the look. At the end of the step those are chosen that may be read before the next answer
-(`Later.answers`); what is left of an answer is plain data then, and the others no rule can read any more.
+(`Later.answers`); what is left of an answer is plain data then, and the others no rule can read any more. An answer
+that waits for a hand-back is copied, which chooses all of it.
 """
 
 from __future__ import annotations

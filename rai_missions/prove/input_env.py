@@ -18,7 +18,7 @@ from rai_missions.engine.activities.call import REPLIES
 from rai_missions.engine.activities.decision import DecisionActivity, DecisionMachine
 from rai_missions.engine.activities.goal_ledger import Goal
 from rai_missions.engine.activities.tree import TreeActivity
-from rai_missions.engine.decision import Offer, Question
+from rai_missions.engine.decision import Offer, Question, VerdictNote
 from rai_missions.engine.events import handle
 from rai_missions.engine.hold import free, is_held
 from rai_missions.event import Event, EventKind
@@ -239,17 +239,21 @@ class InputEnvironment:
         return happen
 
     def leave_answers_open(self, machine: DecisionMachine) -> None:
-        """Have the parameters of an answer chosen when someone looks; at once where it may wait for a hand-back."""
+        """Have the parameters of an answer that is accepted chosen when someone looks."""
         receive = machine.receive
 
         def receiving(state: DecisionActivity, event: Event, host: ActivityHost) -> Turn | None:
             turn = receive(state, event, host)
-            if self._brings is None or turn is None or turn.outcome is None:
+            if self._brings is None or turn is None or turn.outcome is None or not _is_accepted(turn):
                 return turn
-            brought = self._brings.whole() if self._chart.state.frozen else self._brings
-            return turn._replace(outcome=turn.outcome._replace(data=brought))
+            return turn._replace(outcome=turn.outcome._replace(data=self._brings))
 
         machine.receive = receiving  # type: ignore[method-assign]
+
+
+def _is_accepted(turn: Turn) -> bool:
+    """Whether an outcome is the option that was proposed; a fallback comes without what an answer has brought."""
+    return any(isinstance(each, VerdictNote) and each.verdict.accepted for each in turn.notes)
 
 
 def owned(name: str, path: str | None) -> str:

@@ -109,7 +109,7 @@ class OpenFields(dict[str, Any]):
 
 
 class Payload(dict[str, Any]):
-    """What an event or an answer brings, chosen field by field when someone looks.
+    """What an event or an answer brings, chosen field by field when someone looks; a copy is a look at all.
 
     Args:
         fields: Those that anybody looks at.
@@ -129,6 +129,12 @@ class Payload(dict[str, Any]):
         if self.get(field) is None:
             raise KeyError(field)
         return self.get(field)
+
+    def keys(self) -> Any:
+        return self.whole().keys()
+
+    def __iter__(self) -> Iterator[str]:  # `dict(payload)` asks for the keys only where this is not dict's own
+        return iter(self.whole())
 
     def known(self) -> dict[str, Any]:
         """What is chosen of it."""

@@ -16,6 +16,7 @@ from typing import Any, NamedTuple
 from rai_missions.engine import Chart
 from rai_missions.engine.activities.goal_ledger import Goal
 from rai_missions.engine.state import HOLDS, TABLE, Holds, RunState, StepDraft, copied
+from rai_missions.event import Event
 from rai_missions.keys import Stamped
 from rai_missions.prove.abstraction import INDIFFERENT, PURSUED, Abstraction
 from rai_missions.prove.activity_key import key_of, plain, timer_key
@@ -90,7 +91,7 @@ class StateCodec:
         self.loops: tuple[Loop, ...] = ()
         """The loops of which a few rounds may represent all."""
         keys_by_kind: Mapping[Holds, Callable[[Any], Any]] = {
-            "configuration": lambda config: config.key, "state": lambda node: node.index, "events": _events_key,
+            "configuration": lambda config: config.key, "state": lambda node: node.index, "events": self._events_key,
             "memory": self._memory_key, "deadline": _is_never, "deadlines": _deadlines_key, "settling": list,
             "controls": sorted, "invariants": sorted, "timers": _timers_key, "rounds": sorted,
             "lists": self._lists_key, "activities": _activities_key, "calls": _calls_key, "goals": _pursued_key,
@@ -248,6 +249,14 @@ class StateCodec:
             parts.append(partial(_rivals_key, rivals))
         return Ahead(partial(_kept, lists, None if is_whole else later), StoreQuery(parts))
 
+    def _events_key(self, events: Iterable[Event]) -> Any:
+        """Of what waits for the hand-back what a state's outcome brings, and what rules look at of anything else."""
+        looked = self._world.values.fields("event")
+        return [
+            (*kept_words(each), each.data["data"] if each.kind == "outcome" else [each.data.get(n) for n in looked])
+            for each in events
+        ]
+
     def _memory_key(self, memory: Mapping[int, Any]) -> Any:
         recalls = self._rest.later.recalls
         return [(at, [node.index for node in nodes]) for at, nodes in sorted(memory.items()) if at in recalls]
@@ -319,10 +328,6 @@ def _is_never(until: float) -> bool:
 
 def _deadlines_key(deadlines: Mapping[str, float]) -> Any:
     return [(name, until == math.inf) for name, until in sorted(deadlines.items())]
-
-
-def _events_key(events: Iterable[Any]) -> Any:
-    return [(*kept_words(each), each.data.get("data") if each.kind == "outcome" else None) for each in events]
 
 
 def _timers_key(timers: Mapping[Any, Any]) -> Any:

@@ -33,6 +33,7 @@ from tests.rigs.laws import drill
 Json = dict[str, Any]
 lenient = settings(suppress_health_check=list(HealthCheck), deadline=None)
 MOST = 150
+NONE: Json = {}
 KEYS: Json = {
     "n": {"type": "integer", "initial": 0}, "word": {"type": "string", "initial": ""},
     "kept": {"type": "integer", "source": "answer", "initial": 0},
@@ -85,8 +86,11 @@ def asking(draw: st.DrawFn) -> Json:
                   "required": draw(st.lists(st.sampled_from(names), max_size=2, unique=True))}  # fmt: skip
     if draw(st.booleans()):
         parameters["additionalProperties"] = False
+    give: Json = {"parameters": parameters}
+    if draw(st.integers(0, 3)) == 0:
+        give["when"] = {"key": "battery", ">": 0.2}
     return {"question": "Which?", "ask": ["operator"], "fallback": "leave", "deadline_s": 5,
-            "options": {"give": {"parameters": parameters}, "leave": {}}}  # fmt: skip
+            "options": {"give": give, "leave": {}}}  # fmt: skip
 
 
 @st.composite
@@ -114,7 +118,8 @@ def answered(draw: st.DrawFn) -> Json:
     if draw(st.integers(0, 2)) == 0:
         document["states"] = {"both": {"parallel": {
             "left": {"initial": "one", "states": states},
-            "right": {"initial": "waiting", "states": {
+            "right": {"initial": draw(st.sampled_from(["idle", "waiting"])), "states": {
+                "idle": {"transitions": [{"when": draw(guard), "to": "waiting"}]},
                 "waiting": {"control": "autonomy", "transitions": [
                     {"on": "give", "of": "one", "when": draw(guard), "to": "there", "do": draw(do)}]},
                 "there": {"transitions": [{"on": "next", "when": draw(guard), "to": "odd"}]},
@@ -205,9 +210,10 @@ ASKING: Json = {
 }  # fmt: skip
 
 
-def asking_mission(**states: Json) -> Mission:
+def asking_mission(keys: Json = NONE, /, **states: Json) -> Mission:
     return Mission.model_validate({
-        "format": 1, "name": "answered", "version": "1.0.0", "initial": next(iter(states)),
+        "format": 1, "name": "answered", "version": "1.0.0", "initial": next(iter(states)), "blackboard": keys,
+        "events": {"next": {}},
         "states": states | {"over": {"final": "aborted"}, "odd": {"final": "failed"}},
         "invariants": {"never": {"not": {"in": "odd"}}},
     })  # fmt: skip
@@ -226,14 +232,35 @@ def test_a_refutation_by_an_answer_brings_all_that_is_asked_for_and_is_done_agai
     assert replay(tmp_path / "run.journal").holds
 
 
-class Keeping(RecordingSpace):
-    """A space that remembers which answers wait for a hand-back in its states."""
+def test_a_fallback_brings_nothing_of_the_answer_that_was_refused() -> None:
+    give = {**ASKING["decision"]["options"]["give"], "when": {"key": "battery", ">": 0.5}}
+    decision = {"question": "Which?", "ask": ["operator"], "attempts": 1, "fallback": "leave",
+                "options": {"give": give, "leave": {}}}  # fmt: skip
+    asked: Json = {"decision": decision, "transitions": [
+        {"on": "leave", "when": {"key": "answer.n", "==": 1}, "to": "odd"}, {"on": ["give", "leave"], "to": "over"},
+    ]}  # fmt: skip
+    proof = prove(asking_mission({"battery": KEYS["battery"]}, asked=asked))
+    assert "odd" in proof.never and not proof.ways
 
-    kept = frozenset[int]()
+
+class Keeping(RecordingSpace):
+    """A space that remembers what the events bring that wait for a hand-back in its states."""
+
+    def __init__(self, mission: Mission) -> None:
+        super().__init__(Environment(mission), MOST)
+        self.kept: list[Json] = []
 
     def _leave(self, number: int, core: bytes, place: Place) -> None:
         super()._leave(number, core, place)
-        self.kept |= {event.data["data"]["n"] for event in place.saved.run.kept if event.kind == "outcome"}
+        self.kept += [event.data.get("data", event.data) for event in place.saved.run.kept]
+
+
+def kept_in(mission: Mission, field: str) -> set[Any]:
+    """The values of a field in all that waits for a hand-back anywhere."""
+    space = Keeping(mission)
+    space.explore()
+    assert space.is_whole
+    return {each[field] for each in space.kept}
 
 
 def test_answers_that_wait_for_a_hand_back_are_states_of_their_own() -> None:
@@ -247,15 +274,41 @@ def test_answers_that_wait_for_a_hand_back_are_states_of_their_own() -> None:
                                                   "quiet": {"about": "waits"}}},
     }  # fmt: skip
     both = asking_mission(both={"parallel": regions, "transitions": [{"after_s": 60, "to": "over"}]})
-    space = Keeping(Environment(both), MOST)
-    space.explore()
-    assert space.is_whole and space.kept == {0, 1}
+    assert kept_in(both, "n") == {0, 1}
+
+
+def test_failures_that_wait_for_a_hand_back_are_states_of_their_own() -> None:
+    calls: Json = {"control": "autonomy", "entry": [{"call": "reset"}], "transitions": [
+        {"on": "call_failed", "when": {"key": "event.why", "==": "broken"}, "to": "odd"}, {"after_s": 60, "to": "over"},
+    ]}  # fmt: skip
+    assert {"broken", "timed_out"} < kept_in(asking_mission(calls=calls), "why")
+
+
+def test_an_answer_that_has_to_wait_only_since_it_was_given_waits_with_all_that_it_brings() -> None:
+    """It writes a key by which a state is entered that the operator holds; that state's transitions name the answer."""
+    asked = dict(ASKING["decision"], options={"leave": {}, "give": {"parameters": {
+        "type": "object", "properties": {name: PARAMETERS[name] for name in ("n", "kept")}, "required": ["n", "kept"],
+        "additionalProperties": False}}})  # fmt: skip
+    late: Json = {"on": "give", "of": "asking", "to": "odd", "when": {
+        "all": [{"key": "n", "==": 1}, {"key": "answer.n", "==": 1}]}}  # fmt: skip
+    signed: Json = {"on": "next", "when": {"in": "driving"}, "to": "on", "do": [{"set": "n", "value": 1}]}
+    regions: Json = {
+        "left": {"initial": "asking", "states": {
+            "asking": {"decision": asked, "transitions": [{"on": "leave", "to": "quiet"}]},
+            "quiet": {"about": "waits"}}},
+        "right": {"initial": "idle", "states": {
+            "idle": {"transitions": [{"when": {"key": "kept", "==": 2}, "to": "driving"}]},
+            "driving": {"control": "autonomy", "transitions": [late]}}},
+        "signs": {"initial": "off", "states": {"off": {"transitions": [signed]}, "on": {"about": "waits"}}},
+    }  # fmt: skip
+    both: Json = {"parallel": regions, "transitions": [{"after_s": 60, "to": "over"}]}
+    mission = asking_mission({name: KEYS[name] for name in ("n", "kept")}, both=both)
+    assert prove(mission).ways["invariants"][-1].outcome == "aborted"
 
 
 def test_a_parameter_that_is_read_later_can_be_anything_then() -> None:
     later: Json = {"transitions": [{"after_s": 1, "when": {"key": "answer.n", "==": 1}, "to": "odd"},
                                    {"after_s": 2, "to": "over"}]}  # fmt: skip
     asked: Json = {**ASKING, "transitions": [{"on": "give", "to": "later"}, {"on": "leave", "to": "over"}]}
-    space = Keeping(Environment(asking_mission(asking=asked, later=later)), MOST)
-    space.explore()
+    space = space_of(Environment(asking_mission(asking=asked, later=later)))
     assert space.is_whole and {"odd", "over"} <= space.entered
