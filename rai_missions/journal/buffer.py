@@ -3,7 +3,8 @@
 
 Rule: of each key only the newest value travels, and none travels longer than a second.
 Rule: a confirmation travels only while the event is taken that waits already, and has its own row before the next.
-Rule: a run continues only when its row is written, but a disk that hangs holds up no e-stop.
+Rule: a run continues only when its row is written, but a disk that hangs holds up no e-stop. A wait behind the rows of
+others ends no run.
 """
 
 from __future__ import annotations
@@ -14,7 +15,7 @@ import queue
 import threading
 import time
 import weakref
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any, Protocol
 
@@ -32,7 +33,9 @@ MOST_FREE = 1
 HURRY_S = 0.02
 """Where no thread has taken a row for so long, and one waits, all of them wait for disks."""
 LONGEST_S = 10.0
-"""A disk that has not taken a row by then is one that cannot be written."""
+"""A disk that has not taken a row so long after a thread began to write it is one that cannot be written."""
+PATIENCE_S = 1.0
+"""How often at least a row that waits behind others looks whether a thread has taken any."""
 Job = tuple[Callable[[], object], Callable[[], object]]
 """What is to be done, and how that is made known."""
 
@@ -236,15 +239,13 @@ class BufferedWriter:
         """Have something written, behind the confirmation that travels, and wait until it is."""
         if (journal := self._journal) is None:
             return
-        until, why = time.monotonic() + LONGEST_S, f"its disk has not answered for {LONGEST_S:g} s"
         if self._is_lost:
-            raise ConnectorError(why)
-        outcome: list[BaseException | None] = []
-        begun, patience_s = list[bool](), HURRY_S
+            raise ConnectorError(f"its disk has not answered for {LONGEST_S:g} s")
+        begun_at, outcome = list[float](), list[BaseException | None]()
         performed, self._performed = self._performed, []
 
         def do() -> None:
-            begun.append(True)
+            begun_at.append(time.monotonic())
             try:
                 for seq in performed:
                     journal.confirm(seq, "performed")
@@ -254,22 +255,31 @@ class BufferedWriter:
                 outcome.append(error)
 
         THREADS.do(do, lambda: self._bell.put(False))
-        while not outcome:
-            left_s = max(0.0, until - time.monotonic())
-            try:
-                is_call = self._bell.get(timeout=left_s if begun else min(patience_s, left_s))
-            except queue.Empty:
-                if time.monotonic() < until:
-                    if not begun:
-                        patience_s *= 4
-                        THREADS.hurry()
-                    continue
-                self._is_lost = True
-                raise ConnectorError(why) from None
-            if is_call:
-                self._called()
+        self._wait(begun_at, outcome)
         if outcome[0] is not None:
             raise outcome[0]
+
+    def _wait(self, begun_at: Sequence[float], outcome: Sequence[object]) -> None:
+        """Wait for the outcome of what a thread begins to do at some time.
+
+        Raises:
+            ConnectorError: It was begun long ago.
+        """
+        patience_s = HURRY_S
+        while not outcome:
+            left_s = begun_at[0] + LONGEST_S - time.monotonic() if begun_at else patience_s
+            try:
+                is_call = self._bell.get(timeout=max(0.0, left_s))
+            except queue.Empty:
+                if not begun_at:
+                    patience_s = min(4 * patience_s, PATIENCE_S)
+                    THREADS.hurry()
+                elif left_s <= 0 and not outcome:
+                    self._is_lost = True
+                    raise ConnectorError(f"its disk has not answered for {LONGEST_S:g} s") from None
+                continue
+            if is_call:
+                self._called()
 
 
 def raised_by(write: Callable[[], None]) -> Exception | None:

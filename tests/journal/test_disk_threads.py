@@ -5,6 +5,8 @@ from __future__ import annotations
 
 import gc
 import threading
+import time
+from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +15,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from rai_missions.engine.step import Step
-from rai_missions.journal.buffer import MOST_FREE, BufferedWriter
+from rai_missions.journal import buffer
+from rai_missions.journal.buffer import MOST_FREE, BufferedWriter, raised_by
 
 PATIENCE_S = 30.0
 
@@ -37,6 +40,16 @@ class Disk:
             assert self.hangs.wait(PATIENCE_S)
         self.notes.append(text)
         return 0
+
+
+class BusyDisk(Disk):
+    """Takes 15 ms of the processor for a row."""
+
+    def note(self, text: str, data: Any = None) -> int:
+        begun = time.thread_time()
+        while time.thread_time() < begun + 0.015:
+            sha256(bytes(10_000))
+        return super().note(text, data)
 
 
 @pytest.fixture(autouse=True)
@@ -91,6 +104,28 @@ def test_disks_that_hang_hold_up_no_other_journal_however_many_they_are() -> Non
     for left in waiting_for_disks() - before:
         left.join(PATIENCE_S)
     assert waiting_for_disks() <= before
+
+
+def test_a_row_that_waits_behind_those_of_others_is_not_given_up(monkeypatch: pytest.MonkeyPatch) -> None:
+    """However many there are and however long it takes: a disk that was not asked yet cannot be one that hangs."""
+    monkeypatch.setattr(buffer, "LONGEST_S", 0.4)
+    before, disks, faults = waiting_for_disks(), [BusyDisk() for _ in range(60)], list[Exception]()
+    writers = [BufferedWriter(disk) for disk in disks]
+
+    def write(writer: BufferedWriter) -> None:
+        if (fault := raised_by(lambda: writer.note("row"))) is not None:
+            faults.append(fault)
+
+    threads = [threading.Thread(target=write, args=(writer,)) for writer in writers]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join(PATIENCE_S)
+    for writer in writers:
+        writer.close()
+    assert faults == [] and all(disk.notes == ["row"] for disk in disks)
+    for left in waiting_for_disks() - before:
+        left.join(PATIENCE_S)
 
 
 @given(st.lists(st.integers(0, 11), max_size=40))
