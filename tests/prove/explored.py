@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Collection, Iterable, Mapping
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -20,6 +20,7 @@ from rai_missions.prove.explorer import Edge, Space
 from rai_missions.prove.limits import Limits
 from rai_missions.prove.liveness import ALL, Later
 from rai_missions.prove.parts import parts
+from rai_missions.prove.stimulus import Stimulus
 from rai_missions.states.action import Action
 from rai_missions.states.tree.leaves import ActionLeaf
 from tests.rigs.charts import ScriptedRobot
@@ -67,6 +68,13 @@ class Forgetless(Environment):
         self.rest.live = Everything(
             Later(frozenset(mission.blackboard), frozenset(actions), histories, frozenset([ALL]))
         )
+
+
+class Backwards(Environment):
+    """It has what can happen in a state happen in the opposite order."""
+
+    def happenings(self) -> Iterator[Stimulus]:
+        yield from reversed([*super().happenings()])
 
 
 class Everything(NamedTuple):

@@ -24,11 +24,12 @@ from rai_missions.prove.environment import Environment
 from rai_missions.prove.input_env import InputEnvironment
 from rai_missions.prove.state_key import Place
 from rai_missions.replay.replay import replay
-from tests.prove.explored import HANDS, RecordingSpace, seen
+from tests.prove.explored import HANDS, Backwards, RecordingSpace, seen
 from tests.prove.test_laws import hold_against_forgetless, hold_against_patient
 from tests.prove.test_sights import hold_alike, lengths
 from tests.rigs.charts import ScriptedRobot
 from tests.rigs.laws import drill
+from tests.strategies import mission_documents
 
 Json = dict[str, Any]
 lenient = settings(suppress_health_check=list(HealthCheck), deadline=None)
@@ -145,6 +146,15 @@ def hold_against_at_once(document: Json) -> None:
     assert lengths(few) == lengths(every) and few.states == every.states and few.steps <= every.steps
 
 
+def hold_against_backwards(document: Json) -> None:
+    """A step does the same whatever was made before it."""
+    mission = Mission.model_validate(document)
+    one, other = space_of(Environment(mission)), space_of(Backwards(mission))
+    hold_alike(one, other)
+    assert one.environment.instruments.answered == other.environment.instruments.answered
+    assert (lengths(one), one.states, one.steps) == (lengths(other), other.states, other.steps)
+
+
 HAPPENS = st.lists(st.one_of(
     st.tuples(st.just("answer"), st.sampled_from(ANSWERS)), st.tuples(st.just("answer"), st.sampled_from(ANSWERS)),
     st.tuples(st.just("event"), st.just("next")), st.tuples(st.just("tick"), st.just("")),
@@ -178,6 +188,17 @@ def test_an_answer_that_is_left_open_finds_what_every_answer_finds(document: Jso
 
 test_an_answer_that_is_left_open_finds_what_every_answer_finds_however_often_it_is_tried = drill(
     hold_against_at_once, answered(), tried=settings(lenient, max_examples=1500)
+)
+
+
+@settings(lenient, max_examples=5)
+@given(answered())
+def test_the_order_in_which_things_are_tried_makes_no_difference(document: Json) -> None:
+    hold_against_backwards(document)
+
+
+test_the_order_in_which_things_are_tried_makes_no_difference_however_often_it_is_tried = drill(
+    hold_against_backwards, st.one_of(answered(), mission_documents()), tried=settings(lenient, max_examples=1000)
 )
 
 
@@ -241,6 +262,12 @@ def test_a_fallback_brings_nothing_of_the_answer_that_was_refused() -> None:
     ]}  # fmt: skip
     proof = prove(asking_mission({"battery": KEYS["battery"]}, asked=asked))
     assert "odd" in proof.never and not proof.ways
+
+
+def test_a_deadline_brings_nothing_of_an_answer_that_was_tried_before() -> None:
+    leave: Json = {"on": "leave", "when": {"fresh": "answer.n"}, "to": "odd"}
+    asked: Json = {**ASKING, "transitions": [leave, {"on": ["give", "leave"], "to": "over"}]}
+    assert space_of(Backwards(asking_mission(asked=asked))).entered == {"asked", "over"}
 
 
 class Keeping(RecordingSpace):
