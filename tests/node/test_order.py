@@ -24,6 +24,9 @@ NEAR_ORDERS = st.dictionaries(
         ["id", "by", "command", "to", "question", "run", "option", "parameters", "event", "data", "arguments"]
     ),
     JSON | st.sampled_from(list(WORDS)),
+) | st.fixed_dictionaries(
+    {"command": st.sampled_from(list(WORDS))},
+    optional={"id": st.text() | JSON, "by": JSON, "to": st.text(), "event": st.text(), "data": JSON},
 )
 
 

@@ -137,6 +137,8 @@ PAUSE_S = 0.03
 """Seconds between two sentences of one talker."""
 WORLD_WAITS_S = 0.04
 """Seconds that each step of the world waits at most for a reply of the model: the run is as long as the talk."""
+WORLD_WAITS_FOR_TALK_S = 2.0
+"""Seconds that each step of the world waits at most for a sentence: no run is over before the talk about it."""
 ASKS = Settings(may={**MAY, "person": frozenset({"ask"})})
 """No one may order anything, a stop included: with it, a person's "yes" to a model's proposal to stop would count."""
 
@@ -236,13 +238,16 @@ def test_what_a_hostile_model_reads_in_an_operators_sentence_counts_in_none_of_a
 
 def ordered(seed: int) -> Talk:
     """A run about which an operator talks, orders and confirms among much else, and others use the same name."""
-    draw, talk = random.Random(seed), errand(seed, model=Hostile())
+    draw, talk, uttered = random.Random(seed), errand(seed, model=Hostile()), threading.Semaphore(0)
+    talk.rig.stage.each = lambda: uttered.acquire(timeout=WORLD_WAITS_FOR_TALK_S)
     with talk:
         for _ in range(8):
             role: Role = draw.choice(("operator", "operator", "person", "viewer"))
             for text in draw.choice((("cancel the mission", "yes"), ("left", "yes"), (draw.choice(SENTENCES),))):
                 talk.agent.wait_answered(1.0)  # a yes counts once its order is read back
                 talk.agent.receive(text, role=role, channel="terminal" if role == "operator" else "page", author="Anna")
+                uttered.release()
+        talk.rig.stage.each = lambda: None
         talk.until(lambda: talk.result is not None or talk.rig.runner.view.mode == "paused")
         talk.rig.runner.kill("test")
         talk.end()
@@ -280,11 +285,11 @@ def check_orders(seeds: Iterable[int]) -> None:
         roles = {(event.data["role"], event.name) for event in events}
         assert {name for role, name in roles if role != "operator"} <= {"pause", "stop"}, (seed, roles)
         assert "viewer" not in {role for role, _ in roles}, (seed, roles)
-    assert confirmed or len(list(seeds)) < MANY, "some orders were confirmed"
+    assert confirmed, "some orders were confirmed"
 
 
 MANY = 100
-"""Runs among which an order is sure to be confirmed: about two in 25 are."""
+"""Runs of a batch of the drill."""
 
 
 def test_each_event_of_talk_is_an_order_that_was_judged() -> None:

@@ -58,7 +58,10 @@ def test_a_forged_reply_is_refused(message: dict[str, Any]) -> None:
         reply_in(message)
 
 
-@given(st.lists(st.binary(max_size=40), max_size=9), st.integers(1, 9))
+MESSAGES = st.dictionaries(WORDS, st.integers() | st.text(), max_size=3).map(lambda words: outward(words)[0])
+
+
+@given(st.lists(st.one_of(MESSAGES, MESSAGES, st.binary(max_size=40)), max_size=9), st.integers(1, 9))
 def test_any_bytes_are_messages_or_refused(parts: list[bytes], size: int) -> None:
     inlet = Inlet()
     try:

@@ -134,7 +134,8 @@ def makes_sense(event: Event, chart: Chart) -> bool:
     if event.kind == "accepted":
         return goal is not None and goal.phase in ("sent", "withdrawn")
     if event.kind == "result":
-        return question is None and event.name in (GOAL_ENDS if goal is not None else REPLIES)
+        is_awaited = goal is not None or (question is None and event.number in chart.awaited)  # a pause keeps any
+        return is_awaited and event.name in (GOAL_ENDS if goal is not None else REPLIES)
     if event.kind == "proposal":
         offered = {offer.name for offer in question.options} | {"?"} if question is not None else set()
         return event.data.get("option", "?") in offered

@@ -10,7 +10,7 @@ from tempfile import TemporaryDirectory
 from typing import Any
 
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from rai_missions.engine import Chart
@@ -119,6 +119,8 @@ def test_a_run_enters_nothing_that_is_out_of_reach(mission: Mission, events: lis
 
 
 @given(missions())
+@example(tractor())
+@example(hostile())
 def test_a_lens_names_what_there_is(mission: Mission) -> None:
     data = review_data(mission)
     states = {state["name"] for state in data["chart"]["states"]}
@@ -135,6 +137,8 @@ def test_a_lens_names_what_there_is(mission: Mission) -> None:
 
 
 @given(missions())
+@example(tractor())
+@example(hostile())
 def test_the_lens_of_the_model_lights_its_decisions_with_every_option_and_every_bound(mission: Mission) -> None:
     lens = review_data(mission)["lenses"][0]
     reported = " ".join(item["text"] for section in lens["sections"] for item in section["items"])
