@@ -44,9 +44,9 @@ class Corrections:
         self._language, self._phrases = language, phrases
 
     def instead(self, words: Sequence[str]) -> Iterator[list[str]]:
-        """What is to be in place of what was meant: `the plant` of `no, the plant`."""
-        for slots in self._language.correction.match(words):
-            yield slots["instead"].split()
+        """What is to be in place of what was meant, the shortest first: `the plant` of `no, the plant, I mean`."""
+        found = (slots["instead"].split() for slots in self._language.correction.match(words))
+        yield from sorted(found, key=len)
 
     def corrected(self, words: Sequence[str], draft: Draft, view: StatusView) -> Sense | None:
         """The draft with these words in place of one of its values, or what is wrong with them; None for other talk."""

@@ -77,7 +77,8 @@ class Grammar:
         words = self.language.normaliser.words
         whole = self._sentence(words(text), view, draft)
         is_open = _is_open(whole)
-        several = self._several(words(text), view, whole) if is_open else ()
+        corrected = self._corrected_within(words(text), view) if is_open else ()
+        several = corrected or (self._several(words(text), view, whole) if is_open else ())
         parts = self.language.normaliser.parts(text) if is_open and not several else []
         edges = self._edges(text, view) if is_open else []
         if is_open and STOP not in several and (self._stops_at_an_edge(edges) or self._warns(text, edges, view)):
@@ -139,11 +140,24 @@ class Grammar:
         rest = " ".join(part for _, part in meant[1:]).rstrip(".!?; ")
         return tuple(sense._replace(rest=rest) for sense in meant[0][0])
 
+    def _corrected_within(self, words: list[str], view: StatusView) -> tuple[Sense, ...]:
+        """`Go to the kitchen, no wait, the study`: the order of both; empty where no correction follows an order."""
+        marks = self.language.data["correcting"]
+        for at in range(1, min(len(words), MOST_WORDS)):
+            if words[at] in marks and at < len(words) - 1:
+                openings = self.language.normaliser.openings(words[at:])
+                then = next(filter(self.language.correction.fits, openings), None)
+                first = self._sentence(words[:at], view) if then is not None else ()
+                if then is not None and (found := self._corrected_at_once(first, [then], view)):
+                    return found
+        return ()
+
     def _corrected_at_once(
         self, first: tuple[Sense, ...], then: Sequence[list[str]], view: StatusView
     ) -> tuple[Sense, ...]:
         """`Go to the kitchen. No, the study!`: the one order of both; empty where they are none."""
-        if len(first) != 1 or len(then) != 1 or not _is_order(first) or not self.language.correction.fits(then[0]):
+        is_start = len(first) == 1 and (_is_order(first) or first[0].name == "start")
+        if not is_start or len(then) != 1 or not self.language.correction.fits(then[0]):
             return ()
         found = self._sentence(then[0], view, Draft(first[0]))
         return found if _is_order(found) and all(each.name == first[0].name for each in found) else ()
@@ -176,11 +190,17 @@ class Grammar:
         bare = list(once(normaliser.bare(words, called)))
         ways = (
             bare, words, self._unnamed(bare, view), normaliser.bare(words, called, is_tail_first=True),
-            *self._ungreeted(words),
+            *self._ungreeted(words), *self._polite(words, called), *normaliser.openings(words, called),
         )  # fmt: skip
         found = next(filter(None, (self._words(each, view, draft) for each in ways)), ())
         mended = self._mended(bare, view, draft) if len(bare) <= MOST_MENDED and _is_fault(found or FAULT) else ()
         return mended if mended and not _is_fault(mended) else found or mended
+
+    def _polite(self, words: list[str], called: Sequence[str]) -> Iterator[list[str]]:
+        """The order inside a polite sentence, in the form of an order: `go home` of `would you mind going home`."""
+        for opening in self.language.normaliser.openings(words, called):
+            for slots in self.language.polite.match(opening):
+                yield self.language.imperative(self.language.normaliser.bare(slots["order"].split(), called))
 
     def _ungreeted(self, words: list[str]) -> Iterator[list[str]]:
         """The words after a greeting: `good morning, who are you?`; then the greeting, where they are but a name."""
@@ -208,12 +228,14 @@ class Grammar:
         if len(words) == 1:
             mended = [misheard.get(short[0], short[0])]
         mended = [self._nearest(word, known) for word in mended]
-        return self._words(mended, view, draft) if mended != words else ()
+        bare = self.language.normaliser.bare(mended, _called(view.robot))
+        return self._words(bare, view, draft) if mended != words else ()
 
     def _nearest(self, word: str, known: set[str]) -> str:
         if word in known or len(word) < NEAREST:
             return word
         near = [each for each in known if len(each) >= NEAREST - 1 and is_near(word, each)]
+        near = [each for each in near if each[0] == word[0]] or near
         return near[0] if len(near) == 1 else word
 
     def _words(self, words: list[str], view: StatusView, draft: Draft | None = None) -> tuple[Sense, ...]:
@@ -235,6 +257,8 @@ class Grammar:
         if _is_fault(found):  # `go to the kitchen instead` has no place of that name in it
             found = [each for each in self._corrected(words, view, draft) if each.kind == "order"] or found
         found = found or self._corrected(words, view, draft)
+        if not found and text_option(view.questions) is None:
+            found = list(self._phrases.valued(words, view.missions))
         found = found or list(self._questions(words, view))
         return tuple({sense.identity: sense for sense in found}.values())
 

@@ -7,7 +7,7 @@ Rule: no sentence of any language is written in code; a new language is a new fi
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -47,15 +47,32 @@ class Language(LanguageTexts):
         self.statement, self.wish = Phrases(data["statement"], parts), Phrases(data["wish"], parts)
         self.argument = Phrases(data["argument"], parts)
         self.with_values = Phrases([data["with_values"]], parts)
+        self.polite = Phrases(data["polite"], parts)
 
     def vocabulary(self) -> frozenset[str]:
         """Every word of the grammar: what a misspelled word may be meant as."""
         alone = (
             self.yes, self.no, self.quiet, self.withdraw, self.again, self.start, self.correction, self.other,
-            self.rejected,
+            self.rejected, self.polite,
         )  # fmt: skip
         every = (*self.orders.values(), *self.questions.values(), *alone)
-        return frozenset(word for each in every for word in each.words)
+        around = (word for name in ("fillers", "lead", "tail") for each in self.data[name] for word in each.split())
+        return frozenset(around).union(*(each.words for each in every))
+
+    def imperative(self, words: Sequence[str]) -> list[str]:
+        """An order whose verb has another form, as it is in an order: `go home` of `going home`.
+
+        A verb at the end becomes the first word: `fahre nach hause` of `nach hause fahren`; what follows `…` in its
+        form stays at the end.
+        """
+        forms: Mapping[str, str] = self.data["verb_forms"]
+        if words and words[0] in forms:
+            begun, _, end = forms[words[0]].partition("…")
+            return [*begun.split(), *words[1:], *end.split()]
+        if words and words[-1] in forms:
+            begun, _, end = forms[words[-1]].partition("…")
+            return [*begun.split(), *words[:-1], *end.split()]
+        return list(words)
 
     def own_phrases(self, phrases: Iterable[str]) -> Phrases:
         """Phrases of a robot's profile: each word as a sentence has it once it is read, in lower case and written out.

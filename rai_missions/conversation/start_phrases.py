@@ -19,6 +19,10 @@ from rai_missions.conversation.view import KeyView, MissionView
 
 __all__ = ("StartPhrase", "StartPhrases", "arguments_of")
 
+MOST_SLOTS = 100
+"""Slots that a phrase without any counts as: it fits word by word."""
+VALUE = "…"
+"""The plainest sentence of a phrase that needs no word but a value."""
 QUOTED = re.compile(r"\{(\w+)\}")
 
 Names = Mapping[str, Mapping[str, Any]]
@@ -40,6 +44,8 @@ class CompiledPhrase(NamedTuple):
     given: StartPhrase
     keys: frozenset[str]
     """Every argument that it gives."""
+    is_value: bool
+    """Whether a value alone fits it: it is read last, and only with values that there are."""
 
 
 def arguments_of(slots: frozenset[str], given: Mapping[str, Any]) -> frozenset[str]:
@@ -77,7 +83,8 @@ class StartPhrases:
 
     def _compiled(self, given: StartPhrase) -> CompiledPhrase:
         phrases = self._language.own_phrases([given.phrase])
-        return CompiledPhrase(phrases, given, arguments_of(phrases.slots, given.arguments))
+        is_value = example_of(given.phrase) == VALUE
+        return CompiledPhrase(phrases, given, arguments_of(phrases.slots, given.arguments), is_value)
 
     def _called(self, name: str) -> str:
         """The words for a value, as a sentence has them."""
@@ -86,23 +93,34 @@ class StartPhrases:
     def examples(self, missions: Sequence[MissionView]) -> tuple[str, ...]:
         """A plain sentence for each phrase that starts one of the missions: `go to …`."""
         keys = [{key.name for key in mission.arguments} for mission in missions]
-        starting = (each.given.phrase for each in self._each if any(each.keys <= names for names in keys))
+        own = [each for each in self._each if not each.is_value]
+        starting = (each.given.phrase for each in own if any(each.keys <= names for names in keys))
         return tuple(dict.fromkeys(example_of(phrase) for phrase in starting))
 
     def senses(self, words: Sequence[str], missions: Sequence[MissionView]) -> Iterator[Sense]:
-        """The starts that the words are; of several phrases that fit, the one that names the most."""
+        """The starts that the words are; of several phrases that fit, one without values, else the one with most."""
+        return self._fitting(words, missions, [each for each in self._each if not each.is_value])
+
+    def valued(self, words: Sequence[str], missions: Sequence[MissionView]) -> Iterator[Sense]:
+        """The starts that a value alone is: `the kitchen`."""
+        found = self._fitting(words, missions, [each for each in self._each if each.is_value])
+        return (sense for sense in found if sense.kind == "order")
+
+    def _fitting(
+        self, words: Sequence[str], missions: Sequence[MissionView], phrases: Sequence[CompiledPhrase]
+    ) -> Iterator[Sense]:
         for mission in missions:
             keys = {key.name: key for key in mission.arguments}
             texts = self._texts(keys)
             fitting = [
                 (slots, each)
-                for each in self._each
+                for each in phrases
                 if each.keys <= keys.keys()
                 for slots in each.phrases.match(words)
                 if all(self._may_be_thing(slots[name].split()) for name in slots.keys() & texts)
             ]
             if fitting:
-                slots, each = max(fitting, key=lambda one: len(one[0]))
+                slots, each = max(fitting, key=lambda one: len(one[0]) or MOST_SLOTS)
                 yield self._start(mission, slots, each.given.arguments, keys)
 
     def _texts(self, keys: Mapping[str, KeyView]) -> frozenset[str]:

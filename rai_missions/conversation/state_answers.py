@@ -50,6 +50,8 @@ BUILD = {
     "speed": ("speed_m_s", "m/s", ("speed",)),
 }  # fmt: skip
 """Question → the field of the build that answers it, its unit, and what its numbers are called in the answer."""
+SPEED = ("speed",)
+"""The name of the key that reports how fast a robot is."""
 ALWAYS = ("hello", "thanks", "bye", "sorry", "rude")
 """Questions, or what is none, whose answer is always the same: the text of that name."""
 MOST_CAUSES = 2
@@ -176,7 +178,7 @@ class StateAnswers:
             "happened": self._happened, "commanded": self._commanded, "result": self._result, "decided": self._decided,
             "who": self._who, "since": self._since, "repeat": self._repeat,
             **{name: partial(self._always, name) for name in ALWAYS},
-            **{name: partial(self._of_build, name) for name in BUILD},
+            **{name: partial(self._of_build, name) for name in BUILD}, "speed_now": self._speed_now,
         }  # fmt: skip
 
     def _always(self, name: str, *_: object) -> str:
@@ -479,6 +481,13 @@ class StateAnswers:
         values = (value,) if len(names) == 1 else value
         numbers = {each: self._number(number, unit) for each, number in zip(names, values, strict=True)}
         return self.language.text(name, build=view.build.name, **numbers)
+
+    def _speed_now(self, view: StatusView, asker: Asker) -> str:
+        """The key that reports it; where there is none, that it is not reported, and the limit."""
+        path = key_named(SPEED, view, self.language, strict=True)
+        if path:
+            return key_sentence(path, view.keys, self.language)
+        return self.language.text("speed_now", speed=self._of_build("speed", view, asker))
 
     def _number(self, value: float, unit: str) -> str:
         return self.language.decimals(f"{value:.2f}".rstrip("0").rstrip(".")) + f" {unit}"

@@ -73,6 +73,23 @@ class Normaliser:
             found += self._contractions.get(token, token).split()
         return found
 
+    def spoken(self, words: Iterable[str]) -> list[str]:
+        """The words without fillers."""
+        return [word for word in words if word not in self._fillers]
+
+    def openings(self, words: Iterable[str], names: Iterable[str] = ()) -> Iterator[list[str]]:
+        """The words without fillers, then without each address or politeness ahead of them, one after the other.
+
+        Args:
+            words: Of one sentence.
+            names: How the robot is called.
+        """
+        lead, left = [*(name.lower().split() for name in names if name.strip()), *self._lead], self.spoken(words)
+        while left:
+            yield left
+            first = next((each for each in lead if left[: len(each)] == each), left)
+            left = left[len(first) :]
+
     def bare(self, words: list[str], names: Iterable[str] = (), *, is_tail_first: bool = False) -> list[str]:
         """The words without politeness, address and fillers.
 
@@ -82,7 +99,7 @@ class Normaliser:
             is_tail_first: What may come last is removed first: of `hi robot` a greeting is left, and no address.
         """
         called = [name.lower().split() for name in names if name.strip()]
-        words = [word for word in words if word not in self._fillers]
+        words = self.spoken(words)
         lead, tail = [*called, *self._lead], [*called, *self._tail]
         ways = (lambda each: self._without_tail(each, tail), lambda each: _without_lead(each, lead))
         before: list[str] = []

@@ -1,0 +1,140 @@
+# SPDX-License-Identifier: Apache-2.0
+"""An order in another form is the order: asked politely, corrected in the same sentence, or a value alone."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import NamedTuple
+
+import pytest
+
+from rai_missions.conversation import KeyView, MissionView, StatusView
+from rai_missions.conversation.grammar import Grammar
+from rai_missions.conversation.language import language, languages
+from rai_missions.conversation.senses import Sense
+from rai_missions.conversation.start_phrases import StartPhrase, StartPhrases
+from rai_missions.engine.decision import Offer, Question
+
+ARGUMENTS = tuple(KeyView(name, "string", "argument") for name in ("task", "object", "place"))
+VIEW = StatusView(mode="running", mission="assist", robot="rob", missions=(MissionView("assist", "", ARGUMENTS),))
+PHRASES = {
+    "en": {
+        "(find|look for) {object}": {"task": "find"}, "go (to|in) {place}": {"task": "go"},
+        "go back to your dock": {"task": "back"}, "[off] [to|in] {place} [with you]": {"task": "go"},
+    },
+    "de": {
+        "(finde|suche) {object}": {"task": "find"}, "fahre in {place}": {"task": "go"},
+        "fahre nach hause": {"task": "back"}, "[ab] [in|ins] {place}": {"task": "go"},
+    },
+}  # fmt: skip
+PLACES = {
+    "en": {"place": {"kitchen": "kitchen", "study": "study"}},
+    "de": {"place": {"küche": "kitchen", "diele": "hall"}},
+}
+
+
+class Form(NamedTuple):
+    """An order, and its verb in the forms that a polite sentence has."""
+
+    order: str
+    noun: str
+    """English: the form with -ing; German: the infinitive."""
+    finite: str
+    """English: the past; German: of the second person."""
+
+
+ORDERS = {
+    "en": (
+        Form("go to the kitchen", "going to the kitchen", "went to the kitchen"),
+        Form("look for the cup", "looking for the cup", "looked for the cup"),
+        Form("go back to your dock", "going back to your dock", "went back to your dock"),
+        Form("stop", "stopping", "stopped"), Form("wait", "waiting", "waited"),
+    ),
+    "de": (
+        Form("fahre in die Küche", "in die Küche fahren", "in die Küche fährst"),
+        Form("suche die Tasse", "die Tasse suchen", "die Tasse suchst"),
+        Form("fahre nach Hause", "nach Hause fahren", "nach Hause fährst"),
+        Form("halte an", "anhalten", "anhältst"), Form("mache weiter", "weitermachen", "weitermachst"),
+    ),
+}  # fmt: skip
+POLITE = {
+    "en": (
+        "Would you mind {noun}?", "Rob, do you mind {noun} now, please?", "Mind {noun}?", "It's time you {finite}.",
+        "I'd be glad if you'd {order}.", "Hey, I was hoping you could {order}", "Any chance you could {order}?",
+        "When you have a minute, {order}", "Forget it, {order}!",
+    ),
+    "de": (
+        "Könntest du bitte {noun}?", "Rob, kannst du mal {noun}", "Du kannst jetzt {noun}.",
+        "Ich möchte, dass du {finite}.", "Wenn du Zeit hast, {order}", "Vergiss es, {order}!",
+    ),
+}  # fmt: skip
+MARKS = {
+    "en": ("no", "no wait", "sorry", "sorry, I meant", "I mean", "actually"),
+    "de": ("nein", "äh nein", "ach Quatsch", "nein, ich meine", "doch lieber"),
+}
+CORRECTED = {
+    "en": (("go to the kitchen", "the study", "go to the study"), ("find the cup", "the book", "find the book"),
+           ("go to the attic", "the study", "go to the study")),
+    "de": (("fahre in die Küche", "in die Diele", "fahre in die Diele"), ("suche die Tasse", "das Buch", "suche Buch")),
+}  # fmt: skip
+VALUES = {
+    "en": {"Rob, kitchen please": "kitchen", "Off to the study with you!": "study", "erm, the kitchen": "kitchen"},
+    "de": {"Rob, in die Küche bitte": "kitchen", "Ab in die Diele!": "hall", "die Küche": "kitchen"},
+}
+NO_ORDERS = {
+    "en": ("Mum, would you mind going to the kitchen?", "Mum, could you look for the cup?", "I am off to the kitchen",
+           "would you mind not looking for the cup?", "do not look for the cup", "look for no cup", "off to the office",
+           "the kitchen is dirty", "it is time you stopped smoking", "would you mind if I went to the kitchen?"),
+    "de": ("Mama, kannst du in die Küche fahren?", "Mama, könntest du die Tasse suchen?", "ich fahre in die Küche",
+           "könntest du nicht die Tasse suchen", "suche nicht die Tasse", "suche keine Tasse", "ab ins Büro",
+           "die Küche ist schmutzig", "ich möchte in die Küche fahren"),
+}  # fmt: skip
+
+
+def grammar_of(code: str) -> Grammar:
+    words = language(code)
+    phrases = [StartPhrase(each, given) for each, given in PHRASES[code].items()]
+    return Grammar(words, StartPhrases(phrases, PLACES[code], words))
+
+
+def ordered(senses: tuple[Sense, ...]) -> list[tuple[str, dict[str, object]]]:
+    return [(each.name, dict(each.arguments)) for each in senses if each.kind == "order"]
+
+
+def polite() -> Iterator[tuple[str, str, str]]:
+    for code, frames in POLITE.items():
+        for frame in frames:
+            for form in ORDERS[code]:
+                yield code, frame.format(**form._asdict()), form.order
+
+
+@pytest.mark.parametrize(("code", "sentence", "order"), [*polite()])
+def test_a_polite_sentence_is_the_order_in_it(code: str, sentence: str, order: str) -> None:
+    grammar = grammar_of(code)
+    assert ordered(grammar.senses(sentence, VIEW)) == ordered(grammar.senses(order, VIEW)) != []
+
+
+@pytest.mark.parametrize("code", languages())
+@pytest.mark.parametrize("sign", [", ", " ", " – ", "... "])
+def test_a_correction_in_the_same_sentence_is_the_order_of_both(code: str, sign: str) -> None:
+    grammar = grammar_of(code)
+    for order, instead, meant in CORRECTED[code]:
+        for mark in MARKS[code]:
+            sentence = f"{order}{sign}{mark} {instead}"
+            assert ordered(grammar.senses(sentence, VIEW)) == ordered(grammar.senses(meant, VIEW)) != [], sentence
+
+
+@pytest.mark.parametrize("code", languages())
+def test_a_value_alone_is_the_start_that_takes_it_unless_a_text_is_asked_for(code: str) -> None:
+    grammar = grammar_of(code)
+    text = Offer("answer", "", {"properties": {"text": {"type": "string"}}, "required": ["text"]})
+    asked = VIEW._replace(questions=(Question(1, "s", "operator", "?", (text,)),))
+    for sentence, place in VALUES[code].items():
+        assert ordered(grammar.senses(sentence, VIEW)) == [("start", {"task": "go", "place": place})], sentence
+        assert all(name != "start" for name, _ in ordered(grammar.senses(sentence, asked))), sentence
+
+
+@pytest.mark.parametrize("code", languages())
+def test_what_is_asked_of_another_or_negated_orders_nothing(code: str) -> None:
+    grammar = grammar_of(code)
+    assert {each: found for each in NO_ORDERS[code] if (found := ordered(grammar.senses(each, VIEW)))} == {}
