@@ -23,7 +23,7 @@ MEANS_A_CUBE = {
     word
     for code in lexicons()
     for phrase, sense in lexicon(code).phrases.items()
-    if sense.kind in ("everything", "rest", "other", "stack", "upward")
+    if sense.kind in ("everything", "rest", "other", "stack", "upward", "unstack", "empty")
     or (sense.kind == "noun" and "cube" in sense.value.types)
     or sense == ("colour", "red")
     for word in phrase
