@@ -136,13 +136,16 @@ def lengths(space: RecordingSpace) -> dict[str, int]:
     return {name: len(space.path(flaw.state)) for name, flaw in space.flaws.items()}
 
 
+def counts_at(place: str) -> Truth:
+    """What counts of a guard: that of an option or transition is true, of an invariant false; of an end each value."""
+    is_enabling = place.endswith("/when") or "/transitions/" in place
+    return True if is_enabling else False if place.startswith("/invariants/") else None
+
+
 def counted(space: RecordingSpace) -> dict[str, set[Truth]]:
-    """Place of a guard → what it was: an option's true or not, as nothing else counts; each value of an end's."""
+    """Place of a guard → what it was, as far as that counts."""
     seen = space.environment.instruments.seen
-    return {
-        place: {as_counted(each, True if place.endswith("/when") else None) for each in values}
-        for place, values in seen.items()
-    }
+    return {place: {as_counted(each, counts_at(place)) for each in values} for place, values in seen.items()}
 
 
 def hold_alike(few: RecordingSpace, every: RecordingSpace) -> None:
