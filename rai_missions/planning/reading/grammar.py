@@ -96,6 +96,8 @@ class Rules:
         cursor = self.cursor
         begun = cursor.at
         cursor.skip("put", "then", "too")
+        if cursor.kind() == "by" and cursor.kind(1) == ":":
+            cursor.skip("by", ":")  # `tidy by kind: cubes in the tray, food in the bin`
         is_too = any(each.kind == "too" for each in cursor.symbols[begun : cursor.at])
         if cursor.kind() == "reverse":
             return [self._reversed(before)]
@@ -127,8 +129,10 @@ class Rules:
         return found
 
     def _thing(self) -> Phrase:
-        """The one phrase that must be here."""
+        """The one phrase that must be here; `the tower` is one where something is put."""
         found = noun_phrase(self.cursor)
+        if found is None and self.cursor.kind(1) == "stack" and self.cursor.skip("the"):
+            return Phrase("tower", self.cursor.take().text)
         if found is None:
             raise self.unread()
         return found

@@ -12,6 +12,7 @@ from dataclasses import dataclass, field
 
 from rai_missions.planning.goal import AtPlace, Goal, LeftOf
 from rai_missions.planning.reading.lexicon import Vocabulary, lexicon, lexicons
+from rai_missions.planning.reading.rewrites import rewritten
 from rai_missions.planning.reading.said_relations import relations_in
 from rai_missions.planning.reading.symbols import Quantity, Symbol, symbols
 from rai_missions.planning.scene import CONTAINERS, Scene, Thing, has_colour
@@ -79,7 +80,7 @@ class _Evidence:
     @classmethod
     def of(cls, request: str, words: Vocabulary) -> _Evidence:
         """What the text mentions."""
-        found = symbols(request, words)
+        found = rewritten(symbols(request, words), words.data)
         made = cls()
         for at, symbol in enumerate(found):
             made._add(symbol, at, found)

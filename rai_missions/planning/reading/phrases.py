@@ -8,7 +8,7 @@ from typing import Literal
 
 __all__ = ("Clause", "ClauseKind", "Phrase", "PhraseKind", "Unread")
 
-PhraseKind = Literal["things", "everything", "rest", "pronoun", "those", "there", "desk"]
+PhraseKind = Literal["things", "everything", "rest", "pronoun", "those", "there", "desk", "tower"]
 """`those` has no words: the things of the clause before, whatever their number."""
 ClauseKind = Literal[
     "on", "in", "to", "left_of", "right_of", "next_to", "apart", "place_of", "off", "at", "stack", "swap", "group",

@@ -19,6 +19,7 @@ from rai_missions.planning.reading.lexicon import Vocabulary, lexicon, lexicons
 from rai_missions.planning.reading.phrases import Clause, Phrase, Unread
 from rai_missions.planning.reading.picks import Picks, tries
 from rai_missions.planning.reading.reading import RequestReading
+from rai_missions.planning.reading.rewrites import rewritten
 from rai_missions.planning.reading.symbols import LONGEST_REQUEST, MOST_WORDS, Symbol, symbols
 from rai_missions.planning.reading.things import Things
 from rai_missions.planning.reading.wishes import wishes_of
@@ -105,7 +106,7 @@ class _Attempt:
 
 
 def _read(request: str, scene: Scene, words: Vocabulary) -> _Attempt:
-    found = symbols(request, words) if len(request) <= LONGEST_REQUEST else []
+    found = rewritten(symbols(request, words), words.data) if len(request) <= LONGEST_REQUEST else []
     try:
         if len(request) > LONGEST_REQUEST or len(found) > MOST_WORDS:
             raise Unread("too_long", words.text("too_long"))

@@ -27,7 +27,7 @@ TOKENS = {sign: re.compile(rf"(?<![\w.])-?\d+(?:[{sign}]\d+)?|\d+|[^\W\d_]+(?:'[
 """By what divides decimals: people who write a comma write a point too."""
 SIGNS = {
     ",": ",", "/": ",", ".": ".", ";": ".", "!": ".", "?": ".", ":": ":", "(": "(", "[": "(", ")": ")", "]": ")",
-    "=": "=", "&": "and",
+    "=": "=", "&": "and", "-": ",", "–": ",", "—": ",", "…": ",",
 }  # fmt: skip
 ARROW = re.compile(r"[-=]+>|⇒|➡")
 """Written as one sign, which a language may have among its words."""
@@ -89,7 +89,7 @@ def _clearing(found: list[Symbol]) -> list[Symbol]:
             while end < len(found) and found[end].kind in ("the", "all"):
                 end += 1
             is_container = end < len(found) and found[end].kind == "noun" and found[end].value.types <= CONTAINERS
-            if is_container and (end + 1 == len(found) or found[end + 1].kind in ENDS):
+            if is_container and (end + 1 == len(found) or found[end + 1].kind in (*ENDS, "particle")):
                 found[at] = symbol._replace(kind="empty", value="")
     return found
 
@@ -97,14 +97,22 @@ def _clearing(found: list[Symbol]) -> list[Symbol]:
 def _asking(found: Sequence[Symbol], data: Mapping[str, Any]) -> Iterator[Symbol]:
     """With a verb at the beginning of a sentence as what it is there, a question: `should red be on blue`.
 
+    `Can the cube …` asks what is possible, unless it has a place to which it moves.
     One that follows its things, where no word of a wish came before, reports: `the cubes lie on the tray`. After such
     a word a verb that reports is none: `make sure the apple is in the tray`.
     """
     is_first, is_address, is_wish, before = True, True, False, ""
     wishing = set(data["wishing"])
+    is_moved = any(each.kind == "relation" for each in found) and not any(
+        each.text in data["reports"] for each in found
+    )
+    asks = {
+        *data["asks"], *(data["addressed"] if found and found[-1].text == "?" else ()),
+        *(() if is_moved else data["asks_if_it_can"]),
+    }  # fmt: skip
     for symbol in found:
         is_wish = symbol.kind != "." and (is_wish or not wishing.isdisjoint(symbol.text.split()))
-        if (is_first and symbol.text in data["asks"]) or (
+        if (is_first and symbol.text in asks) or (
             before in SUBJECTS and not is_wish and symbol.text in data["reports"]
         ):
             yield symbol._replace(kind="asked")
@@ -180,13 +188,15 @@ def _without_noise(found: Sequence[Symbol]) -> list[Symbol]:
 def _without_contrast(found: list[Symbol], contrast: Mapping[str, Sequence[str]]) -> list[Symbol]:
     """Without what is named only to exclude it: `not the blue but the red cube`, `on red, not on blue`.
 
+    What follows `rather than` is left out wherever it is.
     After a comma that is sure only where each phrase is about one thing: `the cubes …, not the red one` excepts.
     """
     is_many = any(each.kind in ("all", "everything", "rest") or each.value == "many" for each in found) or any(
         each.kind == "noun" and each.value.is_many is not False for each in found
     )
     for at, symbol in enumerate(found):
-        if symbol.text not in contrast["not"]:
+        is_than = symbol.text in contrast["than"]
+        if symbol.text not in contrast["not"] and not is_than:
             continue
         end = at + 1 + (at + 1 < len(found) and found[at + 1].kind == "relation")
         begun = end
@@ -195,6 +205,8 @@ def _without_contrast(found: list[Symbol], contrast: Mapping[str, Sequence[str]]
         rest = found[end + 1 :] if end < len(found) and found[end].kind == "," else found[end:]
         if end == begun:
             continue
+        if is_than:
+            return [*found[:at], *found[end:]]
         if rest and rest[0].text in contrast["but"]:
             return [*found[:at], *rest[1:]]
         if at > 1 and found[at - 1].kind == "," and found[at - 2].kind in NAMING and not is_many:

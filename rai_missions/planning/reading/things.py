@@ -62,6 +62,10 @@ class Things:
         return covers(other, thing)
 
     def _of_one(self, phrase: Phrase, taken: frozenset[str]) -> tuple[Names, ...]:
+        if phrase.kind == "tower":
+            if not (tops := self._tops()):
+                raise self._absent(phrase)
+            return tuple((each,) for each in tops)
         if phrase.kind in ("everything", "rest"):
             left_out = self._named | taken if phrase.kind == "rest" else frozenset[str]()
             return (self._set(phrase, [each for each in self._movable() if each.name not in left_out]),)
@@ -77,6 +81,13 @@ class Things:
         if len(matching) > 1 and (phrase.is_many or (phrase.count or 1) > 1 or phrase.is_all):
             raise Unread("ambiguous", self._which(phrase, matching))
         return tuple((each.name,) for each in matching)
+
+    def _tops(self) -> Names:
+        """The topmost thing of each tower that is seen."""
+        movable = self._movable()
+        on = {each.name: [other.name for other in movable if self.lies_at(each.name, other.name)] for each in movable}
+        carrying = frozenset(name for names in on.values() for name in names)
+        return tuple(name for name, below in on.items() if below and name not in carrying)
 
     def _means_all(self, phrase: Phrase, matching: Sequence[Thing]) -> bool:
         if phrase.count is not None:

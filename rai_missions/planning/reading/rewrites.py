@@ -1,0 +1,137 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Forms of a wish, rewritten to the ones that the grammar reads: `bau … ab`, `put it in A, no wait, in B`.
+
+Rule: a form that is open to another reading stays as it is, and is asked about.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
+
+from rai_missions.planning.reading.symbols import ENDS, NAMING, Symbol
+from rai_missions.planning.scene import CONTAINERS
+
+__all__ = ("rewritten",)
+
+
+def rewritten(found: list[Symbol], data: Mapping[str, Any]) -> list[Symbol]:
+    """The symbols of a request with each form rewritten.
+
+    Args:
+        found: Without what means nothing.
+        data: The language's file.
+    """
+    for each in data["separated"]:
+        found = _joined(found, each)
+    found = [symbol for symbol in found if symbol.kind != "particle"]
+    return _cleared_tops(_moved_out(_removed(_corrected(found), data), data), data)
+
+
+def _sentence_end(found: Sequence[Symbol], at: int, ends: Sequence[str]) -> int:
+    return next((place for place in range(at, len(found)) if found[place].kind in ends), len(found))
+
+
+def _joined(found: list[Symbol], form: Mapping[str, Any]) -> list[Symbol]:
+    """With a verb and the word that ends its clause as one: `bau den Turm ab`, `take the cube down`."""
+    for at, symbol in enumerate(found):
+        if symbol.text not in form["verb"]:
+            continue
+        end = _sentence_end(found, at, ENDS)
+        if end - 1 > at and found[end - 1].text in form["particle"]:
+            if form["kind"] == "down":
+                onto = [Symbol("relation", "on", found[end - 1].text), Symbol("desk", "", "")]
+                begun = [*found[:at], symbol._replace(kind="put", value=""), *found[at + 1 : end - 1]]
+                return [*begun, *onto, *_joined(found[end:], form)]
+            verb = symbol._replace(kind=form["kind"], value="")
+            rest = [each for each in found[at + 1 : end - 1] if each.kind not in ("the", "stack")]
+            return [*found[:at], verb, *rest, *_joined(found[end:], form)]
+    return found
+
+
+def _corrected(found: list[Symbol]) -> list[Symbol]:
+    """With what follows a word of correction in place of what it corrects: the last place, or the one thing alike."""
+    at = next((place for place, symbol in enumerate(found) if symbol.kind == "rather"), None)
+    if at is None:
+        return found
+    before, after = [*found[:at]], [*found[at + 1 :]]
+    while before and before[-1].kind in (",", "."):
+        before.pop()
+    while after and after[0].kind in (",", ".", "rather"):
+        after.pop(0)
+    if not before or not after:
+        return [*before, *after]
+    if after[0].kind == "relation":
+        place = [index for index, symbol in enumerate(before) if symbol.kind == "relation"]
+        return _corrected([*before[: place[-1]], *after]) if place else found
+    named = _sentence_end(after, 0, (".", ","))
+    runs = [run for run in _runs(before) if _may_replace(after[:named], before[run])]
+    if all(symbol.kind in NAMING for symbol in after[:named]) and len(runs) == 1:
+        instead = _with_noun(after[:named], before[runs[0]])
+        return _corrected([*before[: runs[0].start], *instead, *before[runs[0].stop :], *after[named:]])
+    return after if after[0].kind in ("put", "grasp", "swap", "toss") else found
+
+
+def _may_replace(words: Sequence[Symbol], others: Sequence[Symbol]) -> bool:
+    """Whether a phrase may be named in place of another one: both of the same types, or of any colour."""
+    types, replaced = _types(words), _types(others)
+    has_colour = any(symbol.kind == "colour" for symbol in others)
+    return types == replaced or (has_colour and not (types and replaced))
+
+
+def _with_noun(words: Sequence[Symbol], others: Sequence[Symbol]) -> list[Symbol]:
+    """`the green one` with the noun of what it replaces."""
+    noun = next((symbol for symbol in others if symbol.kind == "noun"), None)
+    return [noun if symbol.kind == "generic" and noun is not None else symbol for symbol in words]
+
+
+def _runs(found: Sequence[Symbol]) -> Iterator[slice]:
+    """Where phrases about things are."""
+    at = 0
+    while at < len(found):
+        end = at
+        while end < len(found) and found[end].kind in NAMING:
+            end += 1
+        if end > at:
+            yield slice(at, end)
+        at = end + 1
+
+
+def _types(found: Sequence[Symbol]) -> frozenset[str]:
+    return frozenset[str]().union(*(symbol.value.types for symbol in found if symbol.kind == "noun"))
+
+
+def _removed(found: list[Symbol], data: Mapping[str, Any]) -> list[Symbol]:
+    """`remove the cube from the red one`: `from` after a verb of removing is `off`."""
+    at = next((place for place, symbol in enumerate(found) if symbol.text in data["removing"]), len(found))
+    return [
+        symbol._replace(kind="relation", value="off")
+        if place > at and symbol.kind == "with" and symbol.text in data["out_of"]
+        else symbol
+        for place, symbol in enumerate(found)
+    ]
+
+
+def _moved_out(found: list[Symbol], data: Mapping[str, Any]) -> list[Symbol]:
+    """`whatever is in the bin`: what is there, off where it is."""
+    return [
+        symbol._replace(value="off")
+        if symbol.kind == "relation" and place and found[place - 1].text in data["whatever"] and _holds(found[place:])
+        else symbol
+        for place, symbol in enumerate(found)
+    ]
+
+
+def _holds(found: Sequence[Symbol]) -> bool:
+    noun = next((symbol for symbol in found[1:] if symbol.kind not in ("the", "a")), None)
+    return noun is not None and noun.kind == "noun" and noun.value.types <= CONTAINERS
+
+
+def _cleared_tops(found: list[Symbol], data: Mapping[str, Any]) -> list[Symbol]:
+    """`nothing on the blue cube` as a wish: everything off it. `Nothing is on it` reports, and stays."""
+    found = found[next((at for at, symbol in enumerate(found) if symbol.kind != ","), 0) :]
+    is_wish = len(found) > 1 and found[0].text in data["nothing"] and found[1].kind == "relation"
+    if not is_wish or found[1].value not in ("on", "in"):
+        return found
+    every = Symbol("everything", "", found[0].text)
+    return [every, found[1]._replace(value="off"), *found[2:]]
