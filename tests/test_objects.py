@@ -5,12 +5,11 @@ from __future__ import annotations
 
 import ast
 from collections.abc import Iterator
-from functools import lru_cache
 from pathlib import Path
 
 import pytest
 
-from tests.rigs.sources import parsed
+from tests.rigs.sources import nodes, parsed
 
 ROOT = Path(__file__).parents[1]
 OURS = ("rai_missions", "visualize")
@@ -127,11 +126,6 @@ def found() -> tuple[set[tuple[str, str]], set[tuple[str, str]]]:
         of_modules |= {(name, what) for what in changed_globals(tree)}
         of_others |= {(name, what) for what in assigned(tree)}
     return of_modules, of_others
-
-
-@lru_cache(maxsize=1024)  # those of a file or two: each is looked through several times
-def nodes(tree: ast.AST) -> tuple[ast.AST, ...]:
-    return tuple(ast.walk(tree))
 
 
 def functions(tree: ast.AST) -> Iterator[Function]:

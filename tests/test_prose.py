@@ -9,6 +9,8 @@ from pathlib import Path
 
 import pytest
 
+from tests.rigs.sources import parsed
+
 ROOT = Path(__file__).parents[1]
 PACKAGES = ("rai_missions", "visualize", "missions")
 PROSE = frozenset({"notes", "note", "why", "remark", "remarks"})
@@ -106,7 +108,7 @@ class Reader(ast.NodeVisitor):
 def looks(source: str) -> list[int]:
     """The lines in which a module looks into prose."""
     reader = Reader()
-    reader.visit(ast.parse(source))
+    reader.visit(parsed(source))
     return reader.found
 
 

@@ -9,7 +9,6 @@ import inspect
 import pkgutil
 import subprocess
 import sys
-import textwrap
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -17,6 +16,7 @@ from typing import Any
 import pytest
 
 from rai_missions.engine.state import HOLDS, TABLE
+from tests.rigs.sources import nodes, parsed
 
 ROOT = Path(__file__).parents[2]
 PACKAGES = ("rai_missions.engine", "rai_missions.prove")
@@ -49,11 +49,17 @@ def test_no_class_is_on_a_tower(package: str) -> None:
     assert towers == {}
 
 
-def used(kind: type[Any]) -> set[str]:
+def written(kind: type[Any]) -> tuple[ast.AST, ...]:
+    """What the definition of a class is made of."""
+    source = Path(str(inspect.getsourcefile(kind))).read_text(encoding="utf-8")
+    (found,) = [each for each in nodes(parsed(source)) if isinstance(each, ast.ClassDef) and each.name == kind.__name__]
+    return nodes(found)
+
+
+def used(kind: type[Any]) -> frozenset[str]:
     """The attributes of `self` that a class uses."""
-    tree = ast.parse(textwrap.dedent(inspect.getsource(kind)))
-    return {node.attr for node in ast.walk(tree) if isinstance(node, ast.Attribute)
-            and isinstance(node.value, ast.Name) and node.value.id == "self"}  # fmt: skip
+    return frozenset(node.attr for node in written(kind) if isinstance(node, ast.Attribute)
+                     and isinstance(node.value, ast.Name) and node.value.id == "self")  # fmt: skip
 
 
 def borrowed(kind: type[Any], bases: list[type[Any]]) -> list[str]:
@@ -73,8 +79,7 @@ def test_no_base_uses_what_only_its_descendants_have(package: str) -> None:
 
 def left_to_descendants(kind: type[Any]) -> list[str]:
     """The methods that a class uses and leaves to its descendants: abstract ones, and those that raise."""
-    methods = (node for node in ast.walk(ast.parse(textwrap.dedent(inspect.getsource(kind))))
-               if isinstance(node, ast.FunctionDef))  # fmt: skip
+    methods = (node for node in written(kind) if isinstance(node, ast.FunctionDef))
     unfilled = {
         method.name
         for method in methods
@@ -148,7 +153,7 @@ def test_no_field_of_a_run_is_listed_elsewhere() -> None:
     folders = ("engine", "prove", "replay")
     paths = [path for folder in folders for path in sorted((ROOT / "rai_missions" / folder).rglob("*.py"))]
     for path in (path for path in paths if path.name != "description.py"):  # the fields of a step, some of one name
-        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        for node in nodes(parsed(path.read_text(encoding="utf-8"))):
             listed, fields = texts(node), reached(node)
             where = f"{path.relative_to(ROOT)}:{getattr(node, 'lineno', 0)}"
             if len(listed) > 2:
@@ -164,7 +169,7 @@ def test_no_package_lists_the_words_of_a_snapshot() -> None:
         for folder in ("rai_missions", "visualize")
         for path in sorted((ROOT / folder).rglob("*.py"))
         if any(f'"{word}"' in (text := path.read_text(encoding="utf-8")) for word in STORED)
-        for node in ast.walk(ast.parse(text))
+        for node in nodes(parsed(text))
         if len(listed := texts(node) & STORED) > 1
     ]
     assert faults == []

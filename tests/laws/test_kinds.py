@@ -13,7 +13,7 @@ from pathlib import Path
 import rai_missions
 import visualize
 from rai_missions.states import Compound, Each, Final, History, Include, Parallel, State
-from tests.rigs.sources import parsed
+from tests.rigs.sources import nodes, parsed
 
 ROOTS = [Path(str(each.__file__)).parent for each in (rai_missions, visualize)]
 GRAMMAR = {State, Compound, Each, Final, History, Include, Parallel}
@@ -35,7 +35,7 @@ def of_states(module: ast.Module) -> set[str]:
     """The names under which a module knows activities; an effect of the same name is another thing."""
     return {
         alias.asname or alias.name
-        for node in ast.walk(module)
+        for node in nodes(module)
         if isinstance(node, ast.ImportFrom)
         and (node.module or "").startswith("rai_missions.states")
         and node.module != "rai_missions.states.effects"
@@ -47,7 +47,7 @@ def of_states(module: ast.Module) -> set[str]:
 def picked(module: ast.Module) -> Iterator[str]:
     """Where a module asks whether something is of one kind of activity, by its class or by its word."""
     known, words = of_states(module), {kind.word for kind in State.kinds.values() if kind.__name__ in OPEN}
-    for node in ast.walk(module):
+    for node in nodes(module):
         if (
             isinstance(node, ast.Call)
             and isinstance(node.func, ast.Name)

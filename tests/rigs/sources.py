@@ -9,10 +9,16 @@ from __future__ import annotations
 import ast
 from functools import cache
 
-__all__ = ("parsed",)
+__all__ = ("nodes", "parsed")
 
 
 @cache
 def parsed(text: str) -> ast.Module:
     """The tree of a module's text."""
     return ast.parse(text)
+
+
+@cache
+def nodes(tree: ast.AST) -> tuple[ast.AST, ...]:
+    """The tree and all that is in it, as `ast.walk` finds them."""
+    return tuple(ast.walk(tree))
