@@ -48,7 +48,7 @@ class ClaimWords:
 
     def __init__(self, language: Language) -> None:
         data: Mapping[str, Any] = language.data["claims"]
-        self._data, self._words = data, language.normaliser.words
+        self._data, self._words = data, language.normaliser.words_in
         self.verb_second: bool = data["verb_second"]
         self.harmless, self.let = Phrases(data["harmless"], {}), Phrases(data["let"], {})
         self.progress = Phrases(data["progress"], {})
@@ -102,7 +102,7 @@ class ClaimWords:
         return found
 
     def words(self, text: str) -> list[str]:
-        """The words of a text; what may be a short `is` is one."""
+        """The words of a text that is `readable`; what may be a short `is` is one."""
         return self._words(POSSESSIVE.sub(" is", text) if not self.verb_second else text)
 
     def is_counted(self, text: str) -> bool:

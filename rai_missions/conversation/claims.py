@@ -181,6 +181,7 @@ class Claims:
             sentence: The next one.
             view: The run.
         """
+        before, sentence = readable(before, by=cut), readable(sentence, by=cut)
         bare, rules = ENDS.sub("", before.strip()), self._own
         words, rest = rules.words(bare), rules.words(sentence)
         is_calm = rules.harmless.fits(words) and not rules.self_words & set(words)

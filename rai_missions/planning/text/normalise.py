@@ -68,8 +68,12 @@ class Normaliser:
 
     def words(self, text: str) -> list[str]:
         """The words and numbers of a sentence, in lower case, contractions written out."""
+        return self.words_in(readable(text, by=self._cut))
+
+    def words_in(self, text: str) -> list[str]:
+        """The same of a text that is `readable`."""
         found = list[str]()
-        for token in TOKEN.findall(readable(text, by=self._cut).lower()):
+        for token in TOKEN.findall(text.lower()):
             found += self._contractions.get(token, token).split()
         return found
 
