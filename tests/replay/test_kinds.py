@@ -97,7 +97,7 @@ KINDS = {
     "paused_and_kept": Kind(made({"looking": do("kept"), **DONE}), PAUSED),
     "canceled": Kind(
         made({"moving": do("move", then="done"), "tidying": do("turn"), **DONE}, on_cancel="tidying", cancel_s=30),
-        (Wish(1.0, lambda runner: runner.cancel(), is_mode("canceling")),)),
+        (Wish(2.0, lambda runner: runner.cancel(), is_mode("canceling")),)),
     "handed_over": Kind(made({
         "first": do("move", control="agent", then="second"), "second": do("turn", control="autonomy"), **DONE})),
     "each": Kind(made({"tour": {
