@@ -27,7 +27,16 @@ import numpy as np
 from rai_missions.connectors.sound.connector import FRAME_BYTES, FRAME_S, RATE_HZ, SoundFrame
 from rai_missions.connectors.sound.files import FileSound
 from rai_missions.connectors.sound.room import RoomSound
-from rai_missions.conversation import Dialogue, MissionView, Order, StatusView, TalkNote, Utterance
+from rai_missions.conversation import (
+    Dialogue,
+    MissionView,
+    Order,
+    Speech,
+    SpeechEnd,
+    StatusView,
+    TalkNote,
+    Utterance,
+)  # fmt: skip
 from rai_missions.voice.ear import WAKE_WORDS, EchoCanceller, WakeWord
 from rai_missions.voice.listener import PHRASES, WAKE_CUTOFF, ListenSettings, SpeechListener, Transcript
 from rai_missions.voice.process import SpeechProcess
@@ -168,7 +177,10 @@ def effect(transcript: Transcript, view: StatusView, *, answers: bool = False) -
     """
     dialogue = Dialogue(view=view)
     if answers:
-        dialogue.on_utterance(Utterance("cancel the mission", "operator", "voice", readings=("cancel",) * 2), view)
+        order = Utterance("cancel the mission", "operator", "voice", readings=("cancel",) * 2)
+        for each in dialogue.on_utterance(order, view):
+            if isinstance(each, Speech):
+                dialogue.on_speech_end(SpeechEnd(each.key, "whole"))
     sentence = Utterance(transcript.text, "operator", "voice", readings=transcript.readings)
     for each in dialogue.on_utterance(sentence, view):
         if isinstance(each, Order):
