@@ -39,8 +39,10 @@ def check_recogniser(make: Callable[[], Recogniser], turns: Iterable[bytes] = ()
             assert samples or not reading.text, f"without sound there are no words, not {reading.text!r}"
             other = sorted(map(str, set(reading.evidence) - set(phrases)))
             assert not other, f"there is evidence for phrases that are expected only, not for {other}"
-            wrong = [each for each in reading.evidence.values() if not _is_number(each)]
+            numbers = (*reading.evidence.values(), *reading.guesses.values())
+            wrong = [each for each in numbers if not _is_number(each)]
             assert not wrong, f"evidence is a finite number, not {wrong[0]!r}"
+            assert all(map(_is_text, reading.guesses)), f"what is guessed is text, not {list(reading.guesses)}"
 
 
 def check_voice(make: Callable[[], Voice], texts: Iterable[str] = TEXTS) -> None:
@@ -70,6 +72,10 @@ def _sounds() -> tuple[bytes, ...]:
     """A second of quiet, and one of noise."""
     drawn = random.Random(0)
     return bytes(2 * RATE_HZ), array("h", (drawn.randint(-3000, 3000) for _ in range(RATE_HZ))).tobytes()
+
+
+def _is_text(given: object) -> bool:
+    return isinstance(given, str)
 
 
 def _is_number(given: object) -> bool:

@@ -2,10 +2,10 @@
 """What two recognisers make of one turn, as one text and what each of them reads; pure.
 
 The evidence of both for a phrase is added, as logarithms of likelihood ratios are, and that of the letters of the free
-text: "close the mission" is nearer to "pause the mission" than "open it" is. A phrase counts where the sum is
-large, and larger than that of any other, and where the turn lasted as long as the phrase can. The second agrees where
-it holds the phrase for one of the two most probable. What is read as "no" and is too short for it is no word; nor is a
-phrase of one word that the second takes for others, but for "stop".
+text: "close the mission" is nearer to "pause the mission" than "open it" is. Where the first has guesses, their letters
+count instead. A phrase counts where the sum is large, and larger than that of any other, and where the turn lasted as
+long as the phrase can. The second agrees where it holds the phrase for one of the two most probable. What is read as
+"no" and is too short for it is no word; nor is a phrase of one word that the second takes for others, but for "stop".
 
 Another phrase for which both have evidence, or the first has more, may have been meant as well, and is a reading, too:
 "start the mission" is nearer to "pause the mission" by some voices. Which is meant is decided where orders are judged.
@@ -16,18 +16,23 @@ Rule: the second can vote and agree, and no more: a phrase for which the first h
 from __future__ import annotations
 
 import math
+from collections import defaultdict
 from collections.abc import Mapping, Sequence
 from difflib import SequenceMatcher
+from types import MappingProxyType
 from typing import Any, NamedTuple
 
 from rai_missions.plain_data import is_number
 
-__all__ = ("LEAST", "LEAST_FIRST_OF_ANY", "LEAST_STOP", "FusedTurn", "evidence_in", "fused")
+__all__ = ("LEAST", "LEAST_FIRST_OF_ANY", "LEAST_STOP", "FusedTurn", "evidence_in", "fused", "guesses_in")
 
 LEAST, LEAST_ALONE = 5.5, 8.5
 """What the evidence for a phrase must come to, in nats, where the second agrees; where it does not."""
+LEAST_GUESSED, LEAST_GUESSED_ALONE = 9.0, 12.0
+"""The same where the first guesses what it may be otherwise."""
 MORE_FOR_WORDS = 1.5
-"""How much more where the free text has more words than the phrase, so that the second's vote alone is not enough."""
+"""How much more where the free text has more words than the phrase and nothing is guessed, so that the second's vote
+alone is not enough."""
 LEAST_FIRST = 2.4
 """What the first recogniser's own must come to."""
 LEAST_STOP, LEAST_STOP_FIRST = 2.4, 1.0
@@ -48,6 +53,12 @@ PAUSE = "pause"
 LIKENESS, NO_LIKENESS, NO_TEXT = 6.0, 0.5, -1.5
 """Nats for the share of letters that a free text has in common with a phrase, the share that is no evidence, and nats
 where nothing was read freely."""
+GUESSED_LIKENESS = 20.0
+"""Nats for the share that guesses have in common with it, each as probable as it is."""
+LIKELY_GUESS = 0.5
+"""As probable among the guesses, a phrase may be as short and as long as where the second agrees."""
+MOST_GUESSES = 16
+"""More of them are left out."""
 WORDS_A_MORE, MORE_WORDS_BEST = 3, 2
 """For how many words of a phrase that is meant the free text may have one more; how many it may have more where the
 phrase is the second's best. For "stop" one more is never too much: it must not be missed."""
@@ -70,7 +81,7 @@ class FusedTurn(NamedTuple):
 
 def fused(
     text: str, first: Mapping[str, float], second: Mapping[str, float], phrases: Sequence[str],
-    spoken_s: float | None = None,
+    spoken_s: float | None = None, guesses: Mapping[str, float] = MappingProxyType({}),
 ) -> FusedTurn:  # fmt: skip
     """The text of a turn.
 
@@ -80,14 +91,16 @@ def fused(
         second: That of the second.
         phrases: Those that are expected.
         spoken_s: From the first frame of speech to the end of the last, in seconds; None where that is unknown.
+        guesses: Those of the first; see `Reading.guesses`.
     """
-    plain = " ".join("".join(each if each.isalnum() or each == "'" else " " for each in text.lower()).split())
+    plain, shares = _plain(text), _shares(guesses)
     if plain in phrases and _is_denied(plain, second):
         return FusedTurn("")
-    phrase = plain if plain in phrases else _phrase(plain, first, second, phrases)
+    phrase = plain if plain in phrases else _phrase(plain, first, second, phrases, shares)
+    is_agreed = phrase in second or shares.get(phrase, 0.0) >= LIKELY_GUESS
     if phrase and (
         spoken_s is None
-        or _can_last(phrase, spoken_s, first.get(phrase, 0.0), is_read=phrase == plain, is_agreed=phrase in second)
+        or _can_last(phrase, spoken_s, first.get(phrase, 0.0), is_read=phrase == plain, is_agreed=is_agreed)
     ):
         bound = first.get(phrase, MOST)
         others = tuple(each for each in first if each != phrase and first[each] > (0.0 if each in second else bound))
@@ -127,18 +140,26 @@ def _least_of_stop(spoken_s: float, *, is_agreed: bool) -> float:
     return LEAST_LONG if is_agreed or spoken_s <= LONGER_STOP_S else LEAST_DRAWN_OUT
 
 
-def _phrase(plain: str, first: Mapping[str, float], second: Mapping[str, float], phrases: Sequence[str]) -> str:
+def _phrase(
+    plain: str, first: Mapping[str, float], second: Mapping[str, float], phrases: Sequence[str],
+    guessed: Mapping[str, float],
+) -> str:  # fmt: skip
     """The phrase for which there is evidence enough, where this was read freely; empty where there is none."""
     sums = sorted(
-        (first[each] + second.get(each, 0.0) + _likeness(plain, each), each) for each in phrases if each in first
+        (first[each] + second.get(each, 0.0) + _likeness(plain, guessed, each), each)
+        for each in phrases
+        if each in first
     )
     if not sums:
         return ""
     most, phrase = sums[-1]
     lead = most - sums[-2][0] if len(sums) > 1 else math.inf
     words, read = len(phrase.split()), len(plain.split())
-    least = LEAST + (MORE_FOR_WORDS if read > words else 0.0) if phrase in second else LEAST_ALONE
-    is_enough = most >= least and first[phrase] >= LEAST_FIRST and lead >= LEAST_LEAD
+    is_enough = (
+        most >= _least(is_agreed=phrase in second, is_guessed=bool(guessed), has_more=read > words)
+        and first[phrase] >= LEAST_FIRST
+        and lead >= LEAST_LEAD
+    )
     if phrase == STOP:
         is_enough = most >= LEAST_STOP and first[phrase] >= LEAST_STOP_FIRST
     elif phrase == PAUSE and not is_enough and len(sums) > 1 and sums[-2][1] == STOP:
@@ -148,14 +169,48 @@ def _phrase(plain: str, first: Mapping[str, float], second: Mapping[str, float],
     return phrase if is_enough and read <= words + more else ""
 
 
-def _likeness(plain: str, phrase: str) -> float:
-    """Nats of evidence that the letters of a free text give; "stop" is too short for it."""
+def _least(*, is_agreed: bool, is_guessed: bool, has_more: bool) -> float:
+    """What the evidence for a phrase must come to; `has_more` words has the free text."""
+    if is_guessed:
+        return LEAST_GUESSED if is_agreed else LEAST_GUESSED_ALONE
+    return LEAST + (MORE_FOR_WORDS if has_more else 0.0) if is_agreed else LEAST_ALONE
+
+
+def _likeness(plain: str, guessed: Mapping[str, float], phrase: str) -> float:
+    """Nats of evidence that the letters of the guesses give, or of a free text; "stop" is too short for it."""
     if phrase == STOP:
         return 0.0
-    if not plain:
-        return NO_TEXT
-    share = SequenceMatcher(None, plain.replace(" ", ""), phrase.replace(" ", ""), autojunk=False).ratio()
-    return LIKENESS * (share - NO_LIKENESS)
+    if guessed:
+        likeness = sum(share * _in_common(each, phrase) for each, share in guessed.items())
+        return GUESSED_LIKENESS * (likeness - NO_LIKENESS)
+    return LIKENESS * (_in_common(plain, phrase) - NO_LIKENESS) if plain else NO_TEXT
+
+
+def _in_common(plain: str, phrase: str) -> float:
+    """The share of letters that two texts have in common."""
+    return SequenceMatcher(None, plain.replace(" ", ""), phrase.replace(" ", ""), autojunk=False).ratio()
+
+
+def _shares(guesses: Mapping[str, float]) -> dict[str, float]:
+    """Each guess, plain and without what it repeats, and how probable it is among them."""
+    chances = defaultdict[str, float](float)
+    for text, log_chance in guesses.items():
+        chances[_once(_plain(text))] += math.exp(log_chance)
+    total = sum(chances.values())
+    return {each: chance / total for each, chance in chances.items()} if total else {}
+
+
+def _once(plain: str) -> str:
+    """A text that is the same words twice or more as these words alone."""
+    words = plain.split()
+    for size in range(1, len(words) // 2 + 1):
+        if all(word == words[place % size] for place, word in enumerate(words)):
+            return " ".join(words[:size])
+    return plain
+
+
+def _plain(text: str) -> str:
+    return " ".join("".join(each if each.isalnum() or each == "'" else " " for each in text.lower()).split())
 
 
 def evidence_in(data: Mapping[str, Any], phrases: Sequence[str]) -> dict[str, float]:
@@ -164,3 +219,11 @@ def evidence_in(data: Mapping[str, Any], phrases: Sequence[str]) -> dict[str, fl
     if not isinstance(given, Mapping):
         return {}
     return {each: max(-MOST, min(MOST, float(value))) for each in phrases if is_number(value := given.get(each))}
+
+
+def guesses_in(data: Mapping[str, Any]) -> dict[str, float]:
+    """The guesses in a reply of a recogniser's process; what is no text with a number is left out."""
+    given = data.get("guesses")
+    found = given.items() if isinstance(given, Mapping) else ()
+    numbers = [(str(text), float(value)) for text, value in found if is_number(value)]
+    return {text: max(-MOST, min(0.0, value)) for text, value in numbers[:MOST_GUESSES]}

@@ -31,6 +31,8 @@ class Reading(NamedTuple):
     evidence: Mapping[str, float] = MappingProxyType({})
     """Of those phrases that were looked for: the logarithm of how much more probable the sound makes them than sound
     that is no speech. It need not be of a probability: what votes for a phrase gives it a few nats."""
+    guesses: Mapping[str, float] = MappingProxyType({})
+    """Texts that the sound may be where such phrases are spoken, each with the logarithm of its probability."""
 
 
 class Recogniser(Protocol):

@@ -106,6 +106,18 @@ def test_evidence_is_a_finite_number() -> None:
         check_recogniser(Unsure)
 
 
+@pytest.mark.parametrize(
+    ("guesses", "named"), [({"yes": math.nan}, "a finite number, not nan"), ({1: -1.0}, r"is text, not \[1\]")]
+)
+def test_guesses_are_texts_with_numbers(guesses: dict[Any, float], named: str) -> None:
+    class Guesses(Loud):
+        def transcribe(self, samples: bytes, phrases: Sequence[str]) -> Reading:
+            return Reading("", {}, guesses)
+
+    with pytest.raises(AssertionError, match=named):
+        check_recogniser(Guesses)
+
+
 @needs_voice
 @pytest.mark.xdist_group("voice")
 def test_flite_keeps_the_contract_of_voices() -> None:

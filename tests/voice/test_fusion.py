@@ -3,14 +3,15 @@
 
 from __future__ import annotations
 
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
-from rai_missions.voice.fusion import LEAST, LEAST_STOP, evidence_in, fused
+from rai_missions.voice.fusion import LEAST, LEAST_STOP, evidence_in, fused, guesses_in
 
 PHRASES = ("stop", "yes", "cancel the mission", "resume the mission")
 numbers = st.floats(-20, 20)
 evidence = st.dictionaries(st.sampled_from(PHRASES), numbers)
+guesses = st.dictionaries(st.sampled_from(["Stop.", "Cancel the mission.", "yes", "the panel", ""]), st.floats(-9, 0))
 votes = st.dictionaries(st.sampled_from(PHRASES), st.sampled_from([1.0, 2.0]), max_size=2)
 
 
@@ -90,6 +91,13 @@ def test_a_sound_that_is_shorter_or_longer_than_stop_needs_more_evidence_for_it(
         assert found == ("stop" if is_stop else "Just have"), (spoken_s, own, second)
 
 
+def test_a_short_stop_that_the_second_disagrees_on_counts_where_it_is_the_likely_guess() -> None:
+    for guessed, is_stop in (({"Stop.": -1.9, "No.": -4.3}, True), ({"Stop.": -2.5, "Go.": -1.9}, False), ({}, False)):
+        found = fused("Just go.", {"stop": 5.2}, {"yes": 2.0}, PHRASES, 0.26, guessed)
+        assert found.text == ("stop" if is_stop else "Just go."), guessed
+        assert found.readings == (found.text,), "the second has not read it"
+
+
 def test_one_word_that_the_second_takes_for_others_is_no_phrase_but_stop_is() -> None:
     others, phrases = {"no": 2.0, "resume the mission": 1.0}, (*PHRASES, "wait")
     assert fused("Wait.", {"wait": 20.0}, others, phrases) == ("", ())
@@ -125,6 +133,42 @@ def test_letters_of_the_free_text_decide_what_is_near() -> None:
     assert fused("Open it, Meg.", first, second, PHRASES).text == "Open it, Meg."
 
 
+def test_letters_of_what_is_guessed_decide_instead_of_those_of_the_free_text() -> None:
+    first, second = {"cancel the mission": 7.0}, {"cancel the mission": 2.0}
+    near = {"Council the mission.": -1.5, "Until the mission.": -2.0}
+    far = {"Open it, Meg.": -0.5, "Council the mission.": -4.0}
+    assert fused("And seldom mission", first, second, PHRASES, None, near).text == "cancel the mission"
+    assert fused("Can sell the mission.", first, second, PHRASES, None, far).text == "Can sell the mission."
+    assert fused("Can sell the mission.", first, second, PHRASES).text == "cancel the mission"
+
+
+@given(evidence, votes, guesses)
+@example({"cancel the mission": 2.0}, {"cancel the mission": 2.0}, {"Cancel the mission.": -0.5})
+def test_guesses_alone_make_no_phrase(
+    first: dict[str, float], second: dict[str, float], guessed: dict[str, float]
+) -> None:
+    found = fused("the panel", first, second, PHRASES, None, guessed).text
+    assert found == "the panel" or first[found] >= (1.0 if found == "stop" else 2.4)
+
+
+@given(evidence, votes, guesses, st.sampled_from(["{0}!", "{0} {0}", "{0}. {0}. {0}."]))
+def test_a_guess_counts_the_same_however_it_is_written_and_repeated(
+    first: dict[str, float], second: dict[str, float], guessed: dict[str, float], form: str
+) -> None:
+    again = {form.format(text.rstrip(".")): value for text, value in guessed.items()}
+    one, other = (fused("", first, second, PHRASES, None, each) for each in (guessed, again))
+    assert one == other
+
+
+@given(evidence, votes, guesses)
+def test_a_guess_that_is_the_phrase_never_takes_it_away(
+    first: dict[str, float], second: dict[str, float], guessed: dict[str, float]
+) -> None:
+    phrase = "cancel the mission"
+    if guessed and fused("", first, second, PHRASES, None, guessed).text == phrase:
+        assert fused("", first, second, PHRASES, None, {"Cancel the mission.": -1.0}).text == phrase
+
+
 def test_a_sentence_with_many_more_words_is_no_phrase() -> None:
     read = "receive the message of the newest mission"
     assert fused(read, {"resume the mission": 12.0}, {"resume the mission": 2.0}, PHRASES) == (read, (read,))
@@ -157,3 +201,10 @@ def test_what_a_recogniser_sends_as_evidence_is_numbers_of_expected_phrases() ->
     assert evidence_in({"evidence": sent}, PHRASES) == {"yes": 1.0, "resume the mission": 30.0}
     assert evidence_in({"evidence": ["yes"]}, PHRASES) == {}
     assert evidence_in({}, PHRASES) == {}
+
+
+def test_what_a_recogniser_sends_as_guesses_is_texts_with_their_log_probability() -> None:
+    sent = {"yes": -1, "stop": float("nan"), "go": 9.0, "no": "9", "far": -1e9}
+    assert guesses_in({"guesses": sent}) == {"yes": -1.0, "go": 0.0, "far": -30.0}
+    assert len(guesses_in({"guesses": {str(each): -1.0 for each in range(99)}})) == 16
+    assert guesses_in({"guesses": ["yes"]}) == guesses_in({}) == {}

@@ -50,6 +50,18 @@ def test_evidence_depends_little_on_how_much_quiet_follows() -> None:
         assert max(values) - min(values) < 2.0, values
 
 
+@needs_voice
+@pytest.mark.xdist_group("voice")
+def test_what_is_near_a_phrase_is_guessed_with_the_phrases_before_it() -> None:
+    whisper = open_recogniser(threads=1)
+    guessed = whisper.transcribe(quiet(0.1) + spoken("Counsel the mission.") + quiet(0.3), PHRASES)
+    assert any("the mission" in plain_words(each) for each in guessed.guesses), guessed
+    assert all(each <= 0.0 for each in guessed.guesses.values()), "they are log probabilities"
+    read = whisper.transcribe(quiet(0.1) + spoken("Cancel the mission.") + quiet(0.3), PHRASES)
+    assert plain_words(read.text) == "cancel the mission"
+    assert not read.guesses, "what is read freely needs none"
+
+
 class Written(NamedTuple):
     """A recogniser that reads the same in any sound."""
 
@@ -63,14 +75,16 @@ class Written(NamedTuple):
     st.sampled_from(["", "Stop.", "the panel"]), st.sampled_from(["", "Stop!", "Where is the panel?"]),
     st.dictionaries(st.sampled_from(PHRASES), st.floats(-20, 20)),
     st.dictionaries(st.sampled_from(PHRASES), st.sampled_from([1.0, 2.0]), max_size=2),
+    st.dictionaries(st.sampled_from(["Yes.", "the panel"]), st.floats(-9, 0)),
 )  # fmt: skip
-@example("the panel", "Where is the panel?", {"stop": 1.4}, {"stop": 1.0})
+@example("the panel", "Where is the panel?", {"stop": 1.4}, {"stop": 1.0}, {})
 def test_next_to_a_larger_model_the_same_phrases_are_read(
-    text: str, better: str, first: dict[str, float], second: dict[str, float]
+    text: str, better: str, first: dict[str, float], second: dict[str, float], guesses: dict[str, float]
 ) -> None:
-    alone = Written(Reading(text, first))
+    alone = Written(Reading(text, first, guesses))
     both = FreeSpeech(alone, Written(Reading(better))).transcribe(quiet(1.0), PHRASES)
-    one, other = fused(text, first, second, PHRASES), fused(both.text, both.evidence, second, PHRASES)
+    one = fused(text, first, second, PHRASES, None, guesses)
+    other = fused(both.text, both.evidence, second, PHRASES, None, both.guesses)
     if one.text in PHRASES or other.text in PHRASES:
         assert other == one
     long = FreeSpeech(alone, Written(Reading(better))).transcribe(quiet(4.0), PHRASES)

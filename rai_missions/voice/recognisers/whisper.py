@@ -29,6 +29,8 @@ WORD_SOUND_S = 1.3
 LONGEST_TOKENS = 96
 MOST_WORDS = 7
 """A longer text is no phrase that was taken for another."""
+GUESSES, GUESSED_TOKENS = 5, 10
+"""How many texts are looked for with the phrases as the text before, and how long they may be."""
 LEAST_CHANCE = 1e-9
 CERTAIN = 20.0
 """Nats of evidence for a phrase that is read freely."""
@@ -84,7 +86,7 @@ class FreeSpeech:
         if plain_words(found.text) in phrases or max(found.evidence.values(), default=0.0) >= LEAST_FIRST_OF_ANY:
             return found
         text = self._words.transcribe(samples, ()).text
-        return found if plain_words(text) in phrases else Reading(text, found.evidence)
+        return found if plain_words(text) in phrases else found._replace(text=text)
 
 
 class Whisper:
@@ -129,7 +131,10 @@ class Whisper:
             return Reading(text, {plain: CERTAIN})
         if len(sound) > SHORT_S * RATE_HZ or len(plain.split()) > MOST_WORDS or not phrases:
             return Reading(text)
-        return Reading(text, self._evidence(beginning(encoded, len(sound)), phrases))
+        view = self._view.from_array(beginning(encoded, len(sound)))
+        evidence = self._evidence(view, phrases)
+        is_probable = max(evidence.values()) >= LEAST_FIRST_OF_ANY
+        return Reading(text, evidence, self._guesses(view) if is_probable else {})
 
     def _encode(self, sound: Any) -> Any:
         from rai_missions.voice.recognisers.mel import mel_features
@@ -144,10 +149,9 @@ class Whisper:
 
         Source: T. Z. Zhao et al., "Calibrate Before Use", 2021: a model's own liking of an answer is taken off.
         """
-        view = self._view.from_array(encoded)
-        most = self._most_log_chances(view, phrases)
+        most = self._most_log_chances(encoded, phrases)
         return {
-            each: (self._log_chance(view, each) if most[each] + ROUNDING > before_hand else most[each]) - before_hand
+            each: (self._log_chance(encoded, each) if most[each] + ROUNDING > before_hand else most[each]) - before_hand
             for each, before_hand in self._before_hand.items()
         }
 
@@ -186,6 +190,14 @@ class Whisper:
         form = self._tokens.ids(self._tokens.of([phrase]))
         (found,) = self._model.align(encoded, self._before, [form], 2 * encoded.shape[1])
         return sum(math.log(max(chance, LEAST_CHANCE)) for chance in found.text_token_probs)
+
+    def _guesses(self, encoded: Any) -> dict[str, float]:
+        """The most probable texts with the phrases as the text before, with their log probabilities."""
+        (found,) = self._model.generate(
+            encoded, [self._before], beam_size=GUESSES, num_hypotheses=GUESSES, length_penalty=0.0,
+            max_length=len(self._before) + GUESSED_TOKENS, return_scores=True,
+        )  # fmt: skip
+        return {text_of_tokens(each): score for each, score in zip(found.sequences, found.scores, strict=True)}
 
     def _decode(self, encoded: Any, prompt: list[str], longest: int) -> Any:
         return self._model.generate(
