@@ -475,8 +475,8 @@ def killed_workers(tmp_path: Path, scenes: int, kills: int) -> None:
 
 def killed_whole(tmp_path: Path, scenes: int, kills: int) -> None:
     """Kill the whole campaign whenever it has stored some more cells, until it is done."""
-    chance, store = random.Random(7), tmp_path / "killed.db"
-    path = write_campaign(tmp_path, campaign_data(scenes))
+    chance, store, left = random.Random(7), tmp_path / "killed.db", list[int]()
+    path = write_campaign(tmp_path, campaign_data(scenes, scripts={"teller": {"*": USED}}))  # stored one by one
     ran(path, tmp_path / "whole.db")
     command = [sys.executable, "-m", "rai_missions.cli.main", "campaign", "run", str(path), "--store", str(store)]
     for kill in range(kills):
@@ -486,6 +486,8 @@ def killed_whole(tmp_path: Path, scenes: int, kills: int) -> None:
             pass
         process.kill()
         process.wait()
+        left.append(6 * scenes - counted(store))
+    assert any(left), "it was killed in its midst"
     assert subprocess.run([*command, "--jobs", "2"], capture_output=True, check=False).returncode == 0
     assert cells_in(store) == cells_in(tmp_path / "whole.db")
 
@@ -493,7 +495,7 @@ def killed_whole(tmp_path: Path, scenes: int, kills: int) -> None:
 def ended(process: subprocess.Popen[bytes]) -> bool:
     """Whether a process ends within a moment."""
     try:
-        process.wait(0.05)
+        process.wait(0.001)
     except subprocess.TimeoutExpired:
         return False
     return True
