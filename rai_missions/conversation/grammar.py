@@ -29,7 +29,7 @@ FAULT = (Sense("fault"),)
 MOST_WORDS = 40
 """Words of the longest sentence that may be an order or a question of state."""
 MOST_MENDED = 12
-"""Words of the longest sentence in which misspelled words are mended."""
+"""Words of the longest sentence in which misspelled words are mended, and of the longest correction inside one."""
 MOST_PARTS = 6
 """Sentences of an utterance that are read; of more, only a stop at its beginning or end counts."""
 DRAWN_OUT = re.compile(r"([^\W\d_])\1{2,}")
@@ -143,7 +143,7 @@ class Grammar:
     def _corrected_within(self, words: list[str], view: StatusView) -> tuple[Sense, ...]:
         """`Go to the kitchen, no wait, the study`: the order of both; empty where no correction follows an order."""
         marks = self.language.data["correcting"]
-        for at in range(1, min(len(words), MOST_WORDS)):
+        for at in range(max(1, len(words) - MOST_MENDED), min(len(words), MOST_WORDS)):
             if words[at] in marks and at < len(words) - 1:
                 openings = self.language.normaliser.openings(words[at:])
                 then = next(filter(self.language.correction.fits, openings), None)
