@@ -57,9 +57,11 @@ def test_what_is_spoken_into_a_page_is_a_sentence_of_its_role_with_its_readings(
         assert conversation.ear.listen(sound[at : at + PIECE], key="1", author="Anna", role="viewer") == ""
     assert conversation.ear.listen(b"", key="1", author="Anna", role="viewer", is_last=True) == ""
     assert conversation.came.wait(PATIENCE_S)
-    readings = ("cancel the mission",) * 2 + ("cancel",) * 2  # which both may have read as well
-    given = {"role": "viewer", "channel": "page", "author": "Anna", "readings": readings}
-    assert conversation.sentences == [("cancel the mission", given)]
+    ((text, given),) = conversation.sentences
+    assert (text, given["role"], given["channel"], given["author"]) == ("cancel the mission", "viewer", "page", "Anna")
+    readings = given["readings"]
+    assert readings[:2] == ("cancel the mission",) * 2, "one of each recogniser"
+    assert set(readings[2:]) <= {"cancel"}, "which a processor with other rounding may have read as well"
 
 
 @needs_voice
