@@ -43,6 +43,8 @@ class Fault(NamedTuple):
     """JSON pointer (RFC 6901) into the document; empty for the document itself."""
     sentence: str
     """What is wrong, what was given, and what would be right."""
+    file: str = ""
+    """The file that the place is in, where it is another than that of the other faults."""
 
     def __str__(self) -> str:
         return f"{self.place or '/'}: {self.sentence}"
@@ -63,7 +65,8 @@ class DefinitionError(MissionError):
     def __init__(self, faults: Iterable[Fault], source: str = "") -> None:
         self.faults = tuple(faults)
         self.source = source
-        super().__init__("\n".join(f"{source}{fault}" if not source else f"{source}: {fault}" for fault in self.faults))
+        lines = (f"{file}: {fault}" if (file := fault.file or source) else str(fault) for fault in self.faults)
+        super().__init__("\n".join(lines))
 
     def __reduce__(self) -> tuple[type[DefinitionError], tuple[tuple[Fault, ...], str]]:
         """Made again of its faults, not of its text, when it is copied or comes out of another process."""

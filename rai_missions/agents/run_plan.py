@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from rai_missions.agents.python_robot import open_python_robot
 from rai_missions.agents.run_config import RunConfig
-from rai_missions.check import check, faults_of, load_whole
+from rai_missions.check import errors_of, load_whole
 from rai_missions.connectors.python_robot import PythonRobot
 from rai_missions.errors import DefinitionError, Fault, UsageError
 from rai_missions.mission.mission import Mission
@@ -122,7 +122,8 @@ def read_plan(config: RunConfig, closing: CleanupStack) -> RunPlan:
     if mission is None:
         raise UsageError("no mission was named, and no run to resume")
     plan = RunPlan(config, mission, robot, identity, resumed)
-    plan.refuse(faults_of(check(mission, named=config.named)), config.mission)
+    file = config.mission if isinstance(config.mission, str | Path) else ""
+    plan.refuse(errors_of(mission, file, named=config.named), config.mission)
     if resumed is None:
         accepted(mission, config.arguments, whole=not config.waits)
     if (chosen := open_python_robot(given, mission, resumed.robot if resumed is not None else None)) is not None:

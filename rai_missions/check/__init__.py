@@ -4,11 +4,11 @@
 Imports `guards`, `mission`, `model` and `states`, and the modules of the root.
 """
 
-from rai_missions.check.files import CheckedFile, FileFinding, check_file, load_whole
+from rai_missions.check.files import CheckedFile, FileFinding, check_file, errors_of, load_whole
 from rai_missions.check.finding import Finding, Severity, exit_status, faults_of
 from rai_missions.check.rules import RULES, CheckRule, check
 
 __all__ = (
-    "RULES", "CheckRule", "CheckedFile", "FileFinding", "Finding", "Severity", "check", "check_file", "exit_status",
-    "faults_of", "load_whole",
+    "RULES", "CheckRule", "CheckedFile", "FileFinding", "Finding", "Severity", "check", "check_file", "errors_of",
+    "exit_status", "faults_of", "load_whole",
 )  # fmt: skip

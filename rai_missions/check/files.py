@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 
 from rai_missions.check.finding import Finding, document_order, faults_of
 from rai_missions.check.rules import check, check_part
-from rai_missions.errors import DefinitionError, MissionError, unescaped
+from rai_missions.errors import DefinitionError, Fault, MissionError, unescaped
 from rai_missions.mission.files import load
 from rai_missions.mission.include import read_mission
 from rai_missions.mission.json_reader import read_json
@@ -21,7 +21,7 @@ from rai_missions.mission.legible import LegiblePart, legible_part
 from rai_missions.mission.mission import Mission
 from rai_missions.mission.origins import origin
 
-__all__ = ("CheckedFile", "FileFinding", "check_file", "load_whole")
+__all__ = ("CheckedFile", "FileFinding", "check_file", "errors_of", "load_whole")
 
 
 class FileFinding(NamedTuple):
@@ -58,12 +58,21 @@ def check_file(path: str, *, python: bool = True, named: Collection[str] | None 
     except DefinitionError as error:
         unread = [Finding(each.place, each.sentence) for each in error.faults]
         return CheckedFile(None, tuple(_with_rest(path, error.source or path, unread, named)))
-    includes = path.endswith(".json") and any("/" in name for _, name, _ in mission.walk())
-    written = read_mission(Path(path)) if includes else None
-    found = check(mission, named=named)
-    if written is None:
-        return CheckedFile(mission, tuple(FileFinding(path, each) for each in found))
-    return CheckedFile(mission, tuple(_located(path, each, written) for each in found))
+    return CheckedFile(mission, tuple(_located(path, mission, check(mission, named=named))))
+
+
+def errors_of(
+    mission: Mission, path: str | os.PathLike[str] = "", *, named: Collection[str] | None = None
+) -> list[Fault]:
+    """The errors that `check` finds in a mission that is about to run, each in the file that its author opens.
+
+    Args:
+        mission: As `load` made it.
+        path: The file that it was loaded from; empty where it was made in Python.
+        named: The names of the registered predicates, as in `check`.
+    """
+    found = [each for each in check(mission, named=named) if each.severity == "error"]
+    return [each.finding.fault._replace(file=each.file) for each in _located(str(path), mission, found)]
 
 
 def load_whole(path: str | os.PathLike[str], *, python: bool = True) -> Mission:
@@ -86,9 +95,13 @@ def load_whole(path: str | os.PathLike[str], *, python: bool = True) -> Mission:
         raise DefinitionError(faults_of(each.finding for each in found), source) from None
 
 
-def _located(path: str, finding: Finding, written: Mission) -> FileFinding:
-    there = origin(path, finding.place, written)
-    return FileFinding(there.file, finding._replace(place=there.place))
+def _located(path: str, mission: Mission, findings: Collection[Finding]) -> Iterator[FileFinding]:
+    """Findings in an expanded mission, each in the file and at the place where it is written."""
+    includes = path.endswith(".json") and any("/" in name for _, name, _ in mission.walk())
+    written = read_mission(Path(path)) if includes and findings else mission
+    for each in findings:
+        there = origin(path, each.place, written)
+        yield FileFinding(there.file, each._replace(place=there.place))
 
 
 def _with_rest(path: str, source: str, unread: list[Finding], named: Collection[str] | None) -> Iterator[FileFinding]:

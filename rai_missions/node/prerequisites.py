@@ -11,7 +11,7 @@ from typing import Any
 
 from rai_missions.agents.mission import RunConfig
 from rai_missions.agents.run_plan import profile_of
-from rai_missions.check import check, faults_of, load_whole
+from rai_missions.check import errors_of, load_whole
 from rai_missions.connectors.python_robot import PythonRobot
 from rai_missions.engine.decision import Question
 from rai_missions.errors import DefinitionError, MissionError, UsageError
@@ -59,7 +59,7 @@ def readied(setting: RunConfig) -> tuple[Mission, Robot | None]:
         raise UsageError("a node needs to know its mission; name its file")
     mission = given if isinstance(given, Mission) else load_whole(given)
     source = "" if isinstance(given, Mission) else str(given)
-    if faults := faults_of(check(mission, named=setting.named or {})):
+    if faults := errors_of(mission, source, named=setting.named or {}):
         raise DefinitionError(faults, source)
     robot = profile_of(setting)
     if robot is not None and (lacks := missing(mission, robot)):

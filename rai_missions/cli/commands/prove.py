@@ -47,7 +47,7 @@ def prove(
     """
     from json import dumps
 
-    from rai_missions.check import check, faults_of, load_whole
+    from rai_missions.check import errors_of, load_whole
     from rai_missions.cli.inputs import distinct, load_guards
     from rai_missions.cli.long_work import LongWork, WorkPace
     from rai_missions.cli.proof_report import as_json, how_far, limits_of, report, write_journals
@@ -62,9 +62,9 @@ def prove(
 
         profile = load_profile(robot)
     named = load_guards(guards, python=not no_python)
-    faults = faults_of(check(loaded, named=named))
+    faults = errors_of(loaded, mission, named=named)
     if profile is not None:
-        faults += missing(loaded, profile)
+        faults += (each._replace(file=robot or "") for each in missing(loaded, profile))
     if faults:
         raise DefinitionError(faults, mission)
     limits = limits_of(states, max_seconds, max_memory)

@@ -7,7 +7,7 @@ import operator
 from pathlib import Path
 from typing import NamedTuple
 
-from rai_missions.check import check, faults_of
+from rai_missions.check import errors_of
 from rai_missions.errors import DefinitionError, UsageError
 from rai_missions.journal import writing_at
 from rai_missions.mission.files import write_atomically
@@ -43,8 +43,9 @@ class PlaySession:
 
     def __init__(self, mission: Mission, files: PlayFiles | None = None, named: Predicates | None = None) -> None:
         self.files = files or PlayFiles()
-        if faults := faults_of(check(mission, named=named)):
-            raise DefinitionError(faults, str(self.files.source.mission) if self.files.source else mission.name)
+        file = str(self.files.source.mission) if self.files.source else ""
+        if faults := errors_of(mission, file, named=named):
+            raise DefinitionError(faults, file or mission.name)
         self.play = Play(mission, named=named)
         self.journal = self.files.journal or Path(f"{mission.stem}.played.journal")
         self._saved: set[Path] = set()

@@ -8,7 +8,7 @@ import json
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from rai_missions.check import check, faults_of, load_whole
+from rai_missions.check import errors_of, load_whole
 from rai_missions.cli.inputs import program_hashes, warn
 from rai_missions.engine import Named
 from rai_missions.errors import DefinitionError, UsageError
@@ -34,7 +34,7 @@ def migrated(options: RunOptions, named: Named | None) -> RunOptions:
     if not (options.migrate and options.resume and options.mission):
         raise UsageError("--migrate MAP goes with --resume JOURNAL and the mission as it is now: MISSION")
     mission = load_whole(options.mission, python=not options.no_python)
-    if faults := faults_of(check(mission, named=named or {})):
+    if faults := errors_of(mission, options.mission, named=named or {}):
         raise DefinitionError(faults, options.mission)
     to = Path(options.journal) if options.journal else _free_name(Path(options.resume))
     if options.robot and is_program(options.robot):  # before anything is written

@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from rai_missions.agents.mission import PreparedRun, RunConfig, prepare
-from rai_missions.check import check, faults_of, load_whole
+from rai_missions.check import errors_of, load_whole
 from rai_missions.cli.inputs import (
     distinct,
     is_robot_program,
@@ -66,8 +66,9 @@ def run_mission(options: RunOptions) -> int:
     if options.migrate:
         options = migrated(options, named)
     mission = _mission(options)
-    if faults := faults_of(check(mission, named=named or {})):
-        raise DefinitionError(faults, options.mission or options.resume or "")
+    source = options.mission or options.resume or ""
+    if faults := errors_of(mission, source, named=named or {}):
+        raise DefinitionError(faults, source)
     needed = mission.needed_facts()
     if needed and not options.robot and not options.resume:
         raise UsageError(

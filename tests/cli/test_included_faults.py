@@ -1,0 +1,48 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A fault is reported in the file that its author opens, by every command that refuses a mission for it."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from rai_missions.cli.main import main
+
+COMMANDS = (("check",), ("prove",), ("run",), ("try", "--terminal"))
+
+INNER = {
+    "format": 1, "name": "inner", "initial": "asking",
+    "states": {"asking": {"call": "bell", "timeout_s": 1, "transitions": [{"on": "unheard", "to": "rung"}]},
+               "rung": {"final": "succeeded"}},
+}  # fmt: skip
+OUTER = {
+    "format": 1, "name": "outer", "initial": "ringing",
+    "states": {"ringing": {"mission": "parts/inner.json", "transitions": [{"on": "succeeded", "to": "over"}]},
+               "over": {"final": "canceled"}},
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("command", COMMANDS, ids=" ".join)
+def test_a_fault_of_an_included_mission_is_reported_in_its_file(
+    command: tuple[str, ...], tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("parts").mkdir()
+    Path("parts/inner.json").write_text(json.dumps(INNER))
+    Path("outer.json").write_text(json.dumps(OUTER))
+    assert main([*command, "outer.json"]) == 2
+    printed = "".join(capsys.readouterr())
+    assert "parts/inner.json: /states/asking/transitions/0/on: no event or outcome" in printed
+
+
+def test_what_a_profile_lacks_is_reported_in_the_profile(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    inner = json.loads(json.dumps(INNER).replace("unheard", "succeeded"))
+    Path("mission.json").write_text(json.dumps(inner))
+    Path("robot.json").write_text(json.dumps({"format": 1, "name": "mute", "connector": {"kind": "local"}}))
+    assert main(["prove", "mission.json", "--robot", "robot.json"]) == 2
+    assert "robot.json: /services/bell: missing" in capsys.readouterr().err
