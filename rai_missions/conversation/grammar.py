@@ -74,11 +74,11 @@ class Grammar:
             view: The run: which options, missions and keys there are.
             draft: The order that it may correct.
         """
-        words = self.language.normaliser.words
-        whole = self._sentence(words(text), view, draft)
+        words = self.language.normaliser.words(text)
+        whole = self._sentence(words, view, draft)
         is_open = _is_open(whole)
-        corrected = self._corrected_within(words(text), view) if is_open else ()
-        several = corrected or (self._several(words(text), view, whole) if is_open else ())
+        corrected = self._corrected_within(words, view) if is_open else ()
+        several = corrected or (self._several(words, view, whole) if is_open else ())
         parts = self.language.normaliser.parts(text) if is_open and not several else []
         edges = self._edges(text, view) if is_open else []
         if is_open and STOP not in several and (self._stops_at_an_edge(edges) or self._warns(text, edges, view)):
@@ -186,15 +186,21 @@ class Grammar:
         normaliser = self.language.normaliser
         if not words or len(words) > MOST_WORDS or max(map(len, words)) > LONGEST_WORD:
             return ()
-        called = _called(view.robot)
-        bare = list(once(normaliser.bare(words, called)))
-        ways = (
-            bare, words, self._unnamed(bare, view), normaliser.bare(words, called, is_tail_first=True),
-            *self._ungreeted(words), *self._polite(words, called), *normaliser.openings(words, called),
-        )  # fmt: skip
-        found = next(filter(None, (self._words(each, view, draft) for each in ways)), ())
+        bare = list(once(normaliser.bare(words, _called(view.robot))))
+        found = next(filter(None, (self._words(each, view, draft) for each in self._forms(words, bare, view))), ())
         mended = self._mended(bare, view, draft) if len(bare) <= MOST_MENDED and _is_fault(found or FAULT) else ()
         return mended if mended and not _is_fault(mended) else found or mended
+
+    def _forms(self, words: list[str], bare: list[str], view: StatusView) -> Iterator[list[str]]:
+        """What of a sentence may be what is meant, the likeliest first; what is not asked for is not worked out."""
+        normaliser, called = self.language.normaliser, _called(view.robot)
+        yield bare
+        yield words
+        yield self._unnamed(bare, view)
+        yield normaliser.bare(words, called, is_tail_first=True)
+        yield from self._ungreeted(words)
+        yield from self._polite(words, called)
+        yield from normaliser.openings(words, called)
 
     def _polite(self, words: list[str], called: Sequence[str]) -> Iterator[list[str]]:
         """The order inside a polite sentence, in the form of an order: `go home` of `would you mind going home`."""

@@ -66,12 +66,10 @@ class Language(LanguageTexts):
         form stays at the end.
         """
         forms: Mapping[str, str] = self.data["verb_forms"]
-        if words and words[0] in forms:
-            begun, _, end = forms[words[0]].partition("…")
-            return [*begun.split(), *words[1:], *end.split()]
-        if words and words[-1] in forms:
-            begun, _, end = forms[words[-1]].partition("…")
-            return [*begun.split(), *words[:-1], *end.split()]
+        for verb, rest in ((words[:1], words[1:]), (words[-1:], words[:-1])):
+            if form := forms.get("".join(verb)):
+                begun, _, end = form.partition("…")
+                return [*begun.split(), *rest, *end.split()]
         return list(words)
 
     def own_phrases(self, phrases: Iterable[str]) -> Phrases:

@@ -7,6 +7,7 @@ Rule: a sentence of this kind is a start like any other: read back, confirmed, a
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
@@ -19,8 +20,6 @@ from rai_missions.conversation.view import KeyView, MissionView
 
 __all__ = ("StartPhrase", "StartPhrases", "arguments_of")
 
-MOST_SLOTS = 100
-"""Slots that a phrase without any counts as: it fits word by word."""
 VALUE = "…"
 """The plainest sentence of a phrase that needs no word but a value."""
 QUOTED = re.compile(r"\{(\w+)\}")
@@ -120,7 +119,7 @@ class StartPhrases:
                 if all(self._may_be_thing(slots[name].split()) for name in slots.keys() & texts)
             ]
             if fitting:
-                slots, each = max(fitting, key=lambda one: len(one[0]) or MOST_SLOTS)
+                slots, each = max(fitting, key=lambda one: len(one[0]) or math.inf)
                 yield self._start(mission, slots, each.given.arguments, keys)
 
     def _texts(self, keys: Mapping[str, KeyView]) -> frozenset[str]:

@@ -6,6 +6,7 @@ from __future__ import annotations
 import gc
 import threading
 import time
+from collections.abc import Callable, Iterable
 from hashlib import sha256
 from pathlib import Path
 from typing import Any
@@ -62,6 +63,17 @@ def waiting_for_disks() -> set[threading.Thread]:
     return {thread for thread in threading.enumerate() if thread.name == "journal"}
 
 
+def write_at_once(writers: Iterable[BufferedWriter], write: Callable[[Any], None], given: Iterable[Any]) -> None:
+    """Call a function with each of what is given, on a thread for each, and close the writers."""
+    threads = [threading.Thread(target=write, args=(each,)) for each in given]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join(PATIENCE_S)
+    for writer in writers:
+        writer.close()
+
+
 def test_a_disk_that_hangs_holds_up_no_other_journal() -> None:
     before, answers = waiting_for_disks(), threading.Event()
     slow, disks = Disk(answers), [Disk() for _ in range(20)]
@@ -116,13 +128,7 @@ def test_a_row_that_waits_behind_those_of_others_is_not_given_up(monkeypatch: py
         if (fault := raised_by(lambda: writer.note("row"))) is not None:
             faults.append(fault)
 
-    threads = [threading.Thread(target=write, args=(writer,)) for writer in writers]
-    for thread in threads:
-        thread.start()
-    for thread in threads:
-        thread.join(PATIENCE_S)
-    for writer in writers:
-        writer.close()
+    write_at_once(writers, write, writers)
     assert faults == [] and all(disk.notes == ["row"] for disk in disks)
     for left in waiting_for_disks() - before:
         left.join(PATIENCE_S)
@@ -138,13 +144,7 @@ def test_each_journal_has_its_rows_in_their_order_whichever_thread_writes_them(o
             if each == number:
                 writers[number].note(str(place))
 
-    threads = [threading.Thread(target=write, args=(number,)) for number in range(12)]
-    for thread in threads:
-        thread.start()
-    for thread in threads:
-        thread.join(PATIENCE_S)
-    for writer in writers:
-        writer.close()
+    write_at_once(writers, write, range(12))
     assert [disk.notes for disk in disks] == [
         [str(place) for place, each in enumerate(order) if each == number] for number in range(12)
     ]
