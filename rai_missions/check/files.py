@@ -56,7 +56,7 @@ def check_file(path: str, *, python: bool = True, named: Collection[str] | None 
     try:
         mission = load(path, python=python)
     except DefinitionError as error:
-        unread = [Finding(each.place, each.sentence) for each in error.faults]
+        unread = [Finding.of(each) for each in error.faults]
         return CheckedFile(None, tuple(_with_rest(path, error.source or path, unread, named)))
     return CheckedFile(mission, tuple(_located(path, mission, check(mission, named=named))))
 
@@ -89,7 +89,7 @@ def load_whole(path: str | os.PathLike[str], *, python: bool = True) -> Mission:
     try:
         return load(path, python=python)
     except DefinitionError as error:
-        unread = [Finding(each.place, each.sentence) for each in error.faults]
+        unread = [Finding.of(each) for each in error.faults]
         source = error.source or str(path)
         found = _with_rest(str(path), source, unread, None)
         raise DefinitionError(faults_of(each.finding for each in found), source) from None
@@ -130,5 +130,5 @@ def _of_rest(document: Any, unread: list[Finding], named: Collection[str] | None
     if not part.unread:  # only what it includes cannot be read
         steps = tuple(tuple(unescaped(word) for word in each.place.split("/")[1:]) for each in unread)
         part = LegiblePart(part.mission, steps, part.names, has_states=True, has_targets=True)
-    hidden = (Finding(each.place, each.sentence) for each in part.faults)
+    hidden = (Finding.of(each) for each in part.faults)
     return (*hidden, *check_part(part, document, named=named))

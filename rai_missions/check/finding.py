@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
-from typing import Any, Literal, NamedTuple
+from typing import Any, Literal, NamedTuple, Self
 
 from rai_missions.errors import Fault, unescaped
 from rai_missions.model import MissionModel
@@ -25,6 +25,11 @@ class Finding(NamedTuple):
     severity: Severity = "error"
     rule: str = ""
     """The name of the rule, as in `RULES` and in the guide."""
+
+    @classmethod
+    def of(cls, fault: Fault) -> Self:
+        """A fault as an error."""
+        return cls(fault.place, fault.sentence)
 
     @property
     def fault(self) -> Fault:

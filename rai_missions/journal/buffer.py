@@ -240,7 +240,7 @@ class BufferedWriter:
         if (journal := self._journal) is None:
             return
         if self._is_lost:
-            raise ConnectorError(f"its disk has not answered for {LONGEST_S:g} s")
+            raise _unanswered()
         begun_at, outcome = list[float](), list[BaseException | None]()
         performed, self._performed = self._performed, []
 
@@ -276,10 +276,14 @@ class BufferedWriter:
                     THREADS.hurry()
                 elif left_s <= 0 and not outcome:
                     self._is_lost = True
-                    raise ConnectorError(f"its disk has not answered for {LONGEST_S:g} s") from None
+                    raise _unanswered() from None
                 continue
             if is_call:
                 self._called()
+
+
+def _unanswered() -> ConnectorError:
+    return ConnectorError(f"its disk has not answered for {LONGEST_S:g} s")
 
 
 def raised_by(write: Callable[[], None]) -> Exception | None:

@@ -85,10 +85,10 @@ def _checked_profile(path: str, mission: Mission | None) -> tuple[str, tuple[Fil
     try:
         profile = load_profile(path)
     except DefinitionError as error:
-        return "", tuple(FileFinding(error.source or path, Finding(each.place, each.sentence)) for each in error.faults)
+        return "", tuple(FileFinding(error.source or path, Finding.of(each)) for each in error.faults)
     names = missing(mission, profile) if mission is not None else ()
     lacking = (*_connector_faults(profile), *names, *conversation_faults(profile, mission))
-    return profile.name, tuple(FileFinding(path, Finding(each.place, each.sentence)) for each in lacking)
+    return profile.name, tuple(FileFinding(path, Finding.of(each)) for each in lacking)
 
 
 def _connector_faults(robot: Robot) -> Iterator[Fault]:

@@ -14,7 +14,7 @@ from rai_missions.planning.goal import AtPlace, Goal, LeftOf
 from rai_missions.planning.reading.lexicon import Vocabulary, lexicon, lexicons
 from rai_missions.planning.reading.rewrites import rewritten
 from rai_missions.planning.reading.said_relations import relations_in
-from rai_missions.planning.reading.symbols import Quantity, Symbol, symbols
+from rai_missions.planning.reading.symbols import Quantity, Symbol
 from rai_missions.planning.scene import CONTAINERS, Scene, Thing, has_colour
 
 __all__ = ("is_said", "unsaid")
@@ -80,7 +80,7 @@ class _Evidence:
     @classmethod
     def of(cls, request: str, words: Vocabulary) -> _Evidence:
         """What the text mentions."""
-        found = rewritten(symbols(request, words), words.data)
+        found = rewritten(request, words)
         made = cls()
         for at, symbol in enumerate(found):
             made._add(symbol, at, found)

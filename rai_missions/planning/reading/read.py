@@ -106,7 +106,7 @@ class _Attempt:
 
 
 def _read(request: str, scene: Scene, words: Vocabulary) -> _Attempt:
-    found = rewritten(symbols(request, words), words.data) if len(request) <= LONGEST_REQUEST else []
+    found = rewritten(request, words) if len(request) <= LONGEST_REQUEST else []
     try:
         if len(request) > LONGEST_REQUEST or len(found) > MOST_WORDS:
             raise Unread("too_long", words.text("too_long"))

@@ -9,19 +9,16 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
-from rai_missions.planning.reading.symbols import ENDS, NAMING, Symbol
+from rai_missions.planning.reading.lexicon import Vocabulary
+from rai_missions.planning.reading.symbols import ENDS, NAMING, Symbol, symbols
 from rai_missions.planning.scene import CONTAINERS
 
 __all__ = ("rewritten",)
 
 
-def rewritten(found: list[Symbol], data: Mapping[str, Any]) -> list[Symbol]:
-    """The symbols of a request with each form rewritten.
-
-    Args:
-        found: Without what means nothing.
-        data: The language's file.
-    """
+def rewritten(request: str, lexicon: Vocabulary) -> list[Symbol]:
+    """The symbols of a request with each form rewritten."""
+    found, data = symbols(request, lexicon), lexicon.data
     for each in data["separated"]:
         found = _joined(found, each)
     found = [symbol for symbol in found if symbol.kind != "particle"]
