@@ -63,8 +63,9 @@ def run_mission(options: RunOptions) -> int:
     if options.managed:
         return _run_managed(options, is_python=is_python)
     named = load_guards(options.guards, python=not options.no_python)
+    program = None
     if options.migrate:
-        options = migrated(options, named)
+        options, program = migrated(options, named)
     mission = _mission(options)
     source = options.mission or options.resume or ""
     if faults := errors_of(mission, source, named=named or {}):
@@ -77,6 +78,8 @@ def run_mission(options: RunOptions) -> int:
         )
     lines = _lines(mission, options)
     config = _single_run(options, mission, named, lines)
+    if program is not None:
+        config = replace(config, robot=program)
     warn(_without_effect(options, is_python=is_python))
     with ExitStack() as signals:
         try:
