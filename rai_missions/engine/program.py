@@ -54,10 +54,11 @@ class Program:
         self.mission, self.keys = mission, mission.blackboard
         self.ticker: Trees = ticker if ticker is not None else CompiledTrees()
         self.facts = facts if facts is not None else RobotFacts()
-        self.named: Named = dict(named or {})
         self.surroundings = surroundings if surroundings is not None else Surroundings()
         self.has_trees = has_trees
         self.graph = Graph(mission, content)
+        given = named if named is not None else {}
+        self.named: Named = {name: each for name, each in given.items() if name in self.graph.named}
         if absent := sorted(self.graph.named - self.named.keys()):
             sentence = f"the mission names predicates that were not given: {', '.join(absent)}"
             raise UsageError(f"{sentence}; give named={{…}}, on the command line --guards FILE.py")
