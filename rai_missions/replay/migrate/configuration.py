@@ -82,7 +82,7 @@ def _unfit(naming: Naming, old: str, new: str) -> Iterator[Fault]:
         yield Fault(place, f"'{new}' is a history, which is never active; name the state that it leads to")
     elif isinstance(now, Final) and (not isinstance(was, Final) or was.final != now.final or is_deep[0] != is_deep[1]):
         yield Fault(place, f"'{new}' is a final: a map ends no run; name a state from which a transition leads there")
-    elif isinstance(now, Each):
+    elif isinstance(now, Each) and not isinstance(was, Each):  # one that was empty has nothing active inside it
         yield Fault(place, f"'{new}' goes through a list; name a state inside it")
 
 

@@ -22,7 +22,8 @@ from rai_missions.journal import MIGRATED, Header, Journal, Record, opened, read
 from rai_missions.journal.sqlite import log_of
 from rai_missions.mission.files import dump
 from rai_missions.mission.mission import Mission
-from rai_missions.profile import Robot, dump_profile, missing, terms
+from rai_missions.mission.renaming import renamed
+from rai_missions.profile import ActionEntry, Robot, dump_profile, missing, terms
 from rai_missions.replay.migrate.activities import carry
 from rai_missions.replay.migrate.blackboard import board
 from rai_missions.replay.migrate.configuration import reached_states
@@ -81,7 +82,7 @@ def migrate(
         naming = Naming(was, mission, map_)
         chart = Chart(mission, terms=terms(profile) if profile is not None else None, named=named)
         data, at = _data(naming, resumed, chart, source), resumed.at
-        if profile is not None and (faults := [*missing(mission, profile), *_other(record, profile, resumed)]):
+        if profile is not None and (faults := [*missing(mission, profile), *_other(record, profile, resumed, naming)]):
             raise DefinitionError(faults, profile.name)
         chart.absorb((), at=at, seq=resumed.chart.seq)
         step = chart.send(Event("migrate", at, data, "command"))
@@ -128,14 +129,23 @@ def _birth(record: Record) -> str:
     return str(next(record.raw())[3])
 
 
-def _other(record: Record, now: Robot, resumed: Resumption) -> list[Fault]:
-    """An action whose goal is under way must be what it was."""
-    was = robot_of(record)
+def _other(record: Record, now: Robot, resumed: Resumption, naming: Naming) -> list[Fault]:
+    """An action whose goal is under way must be what it was, under the keys' names of today."""
+    robot = robot_of(record)
+    was = {name: _as_now(action, naming) for name, action in robot.actions.items()} if robot is not None else {}
     started = {each.action for each in resumed.under.open.values() if isinstance(each, StartGoal)}
     return [
         Fault(f"/actions/{name}", "a goal of it is under way, and the profile has another action there now; leave it")
-        for name in sorted(started) if was is not None and was.actions.get(name) != now.actions.get(name)
+        for name in sorted(started) if robot is not None and was.get(name) != now.actions.get(name)
     ]  # fmt: skip
+
+
+def _as_now(action: ActionEntry, naming: Naming) -> ActionEntry:
+    """An action that looks at keys by their names of today; what its services reply has names of its own."""
+    guards = {"succeeded": action.succeeded, "failed": action.failed}
+    return action.model_copy(
+        update={word: renamed(guard, naming.names) for word, guard in guards.items() if guard is not None}
+    )
 
 
 def _data(naming: Naming, resumed: Resumption, chart: Chart, source: str) -> dict[str, Any]:

@@ -1,0 +1,188 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A run that is cut short anywhere is where it was: in another process, from its journal, under other names."""
+
+from __future__ import annotations
+
+import json
+import random
+from collections import Counter
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import pytest
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
+
+from rai_missions.engine import Chart
+from rai_missions.engine import macrostep as microsteps
+from rai_missions.engine import timing as instants
+from rai_missions.engine.snapshot_json import packed, unpacked
+from rai_missions.event import Event
+from rai_missions.journal import Header, Journal, read
+from rai_missions.journal.json_values import from_json, to_json
+from rai_missions.mission.files import dump
+from rai_missions.mission.mission import Mission
+from rai_missions.profile import Robot, dump_profile
+from rai_missions.profile import terms as terms_of
+from rai_missions.replay.migrate import migrate
+from rai_missions.replay.resume import resumption
+from tests.laws.drawn import EVENTS, KEYS, DrawnEvent, document, happenings, is_far, terms
+from tests.laws.test_instants import AFTER_S, PASSING
+from tests.replay.test_renamed import TWO, otherwise
+from tests.rigs.charts import ScriptedRobot
+from tests.rigs.journals import assert_whole
+
+Json = dict[str, Any]
+NAMED = {"is_far": is_far}
+TRIGGER = "std_srvs/srv/Trigger"
+
+
+def is_far_by_new_names(known: Mapping[str, Any], margin: int) -> bool | None:
+    return is_far({name.removesuffix(TWO): known[name] for name in known}, margin)
+
+
+@pytest.fixture(autouse=True)
+def _ended_sooner(monkeypatch: pytest.MonkeyPatch) -> None:
+    """What goes round for ever is found sooner."""
+    for module in (microsteps, instants):
+        monkeypatch.setattr(module, "MOST_MICROSTEPS", 100)
+
+
+def profile(rng: random.Random, suffix: str = "") -> Robot:
+    """A robot on the terms that a number draws, for a mission whose keys and events have a suffix."""
+    facts = terms(rng)
+
+    def guard(given: Any) -> Json:
+        return json.loads(json.dumps(given.written()).replace('"count"', f'"count{suffix}"')
+                          .replace('"fact"', f'"fact{suffix}"'))  # fmt: skip
+
+    def action(name: str) -> Json:
+        uses = {"uses": sorted(facts.uses.get(name) or ())}
+        if name in facts.succeeded:
+            ends = {"succeeded": guard(facts.succeeded[name]), "failed": guard(facts.failed[name])}
+            return {"start": f"/{name}", "cancel": f"/{name}_stop", **ends, **uses}
+        return {"action": f"/{name}", "type": "x/action/X", "keep": name in facts.keep, **uses}
+
+    read_from = {"topic": "/fact", "type": "std_msgs/msg/String", "json": True}
+    return Robot.model_validate({
+        "name": "drawn", "actions": {name: action(name) for name in ("drive", "turn", "composed")},
+        "blackboard": {f"{name}{suffix}": read_from for name, key in KEYS.items() if key.get("source") == "robot"},
+        "services": {"horn": {"service": "/horn", "type": TRIGGER}},
+        "topics": {"lamp": {"topic": "/lamp", "type": "std_msgs/msg/String"}},
+        "events": {f"{name}{suffix}": {"posted": True} for name in (*EVENTS, "x", "y")},
+        "control": {who: f"/to_{who}" for who in ("agent", "autonomy", "operator", "nobody")},
+    })  # fmt: skip
+
+
+def plain(value: Any) -> Any:
+    """A value with its old names, in an order of its own."""
+    if isinstance(value, Mapping):
+        return {repr(plain(key)): plain(value[key]) for key in sorted(value, key=repr)}
+    if isinstance(value, set | frozenset):
+        return sorted(map(plain, value), key=repr)
+    if isinstance(value, tuple) and hasattr(value, "_asdict"):
+        return type(value).__name__, plain(value._asdict())
+    if isinstance(value, list | tuple):
+        return [plain(each) for each in value]
+    return value.replace(TWO, "") if isinstance(value, str) else value
+
+
+def remembered(chart: Chart) -> Any:
+    return plain({name: value for name, value in chart.snapshot().items() if name not in PASSING})
+
+
+def through_json(chart: Chart) -> Json:
+    """What a chart remembers, written and read."""
+    written = json.loads(json.dumps(to_json(packed(dict(chart.snapshot())))))
+    found: Json = unpacked(from_json(written, lambda ref, digest: b""))
+    return found
+
+
+def agree(folder: Path, seed: int) -> str:
+    """Cut a run short; what continues in any way must do what the run would have done, step by step.
+
+    Returns:
+        `same`, or why there was nothing to compare.
+    """
+    rng = random.Random(seed)
+    made, script, state = document(rng), happenings(rng), rng.getstate()
+    robot = profile(rng)
+    rng.setstate(state)
+    new_robot = profile(rng, TWO)
+    mission, facts = Mission.model_validate(made), terms_of(robot)
+    assert Mission.model_validate_json(dump(mission)) == mission
+    cut = rng.randint(0, len(script))
+    whole, answers = Chart(mission, terms=facts, named=NAMED), ScriptedRobot("agent")
+    path, new = folder / "run.journal", folder / "new.journal"
+    with Journal.create(path, Header(dump(mission), dump_profile(robot))) as journal:
+        journal.write(answers.follow(whole.start(0.0)), since=0.0)
+        for happening in script[:cut]:
+            if whole.outcome is None:
+                step = answers.follow(whole.send(answers.event(*happening)))
+                journal.write(step, since=step.at)
+    assert_whole(path)
+    if whole.outcome is not None:
+        return "it had ended"
+    with read(path) as record:
+        resumed = resumption(record, mission, named=NAMED).chart
+    assert remembered(resumed) == remembered(whole)
+    now, map_ = otherwise(mission)
+    by_new_names = {"is_far": is_far_by_new_names}
+    assert migrate(path, now, map_, to=new, robot=new_robot, named=by_new_names).notes == ()
+    assert_whole(new)
+    with read(new) as record:
+        migrated = resumption(record, now, named=by_new_names).chart
+    whole.settle_holds()
+    assert remembered(migrated) == remembered(whole)
+    for happening in [*script[cut:], DrawnEvent(("tick",), script[-1].at + AFTER_S)]:
+        other = Chart.restore(mission, through_json(whole), terms=facts, named=NAMED)
+        event = answers.event(*happening)
+        step = answers.follow(whole.send(event))
+        is_known = event.kind == "write" or (event.kind == "event" and event.name in mission.events)
+        in_new_names = event._replace(name=event.name + TWO) if is_known else event
+        for again in (other.send(event), migrated.send(in_new_names)):
+            assert done(again) == done(step)
+        assert remembered(other) == remembered(migrated) == remembered(whole)
+    return "same"
+
+
+def done(step: Any) -> Any:
+    """What a step did, but for the instant at which to wake: a chart may wake too early, never too late."""
+    without = {"seq": 0, "event": Event("", 0.0), "wake_at": None}
+    return plain(step._replace(**without))
+
+
+@given(seed=st.integers(0, 2**32))
+@settings(max_examples=15)
+def test_a_run_that_is_cut_short_is_where_it_was_and_does_what_it_would_have_done(
+    seed: int, tmp_path_factory: pytest.TempPathFactory
+) -> None:
+    assume(agree(tmp_path_factory.mktemp("cut"), seed) == "same")
+
+
+@pytest.mark.drill
+@pytest.mark.timeout(3600)
+def test_five_thousand_runs_that_are_cut_short_do_what_they_would_have_done(tmp_path: Path) -> None:
+    found = Counter[str]()
+    for seed in range(5_000):
+        folder = tmp_path / str(seed)
+        folder.mkdir()
+        found[agree(folder, seed)] += 1
+    assert found["same"] > 3_000
+
+
+def test_a_predicate_that_no_guard_names_makes_no_difference() -> None:
+    """So a run with a file of them is done again from its journal, which asks for those alone that are named."""
+    for seed in range(30):
+        rng = random.Random(seed)
+        mission, script = Mission.model_validate(document(rng)), happenings(rng)
+        asked = NAMED if "is_far" in dump(mission) else {}
+        charts = [Chart(mission, named=given) for given in (asked, NAMED | {"is_odd": is_far})]
+        answers = ScriptedRobot("agent")
+        answers.follow(charts[0].start(0.0))
+        charts[1].start(0.0)
+        for happening in script:
+            event = answers.event(*happening)
+            one, other = (chart.send(event) for chart in charts)
+            assert answers.follow(one) == other, seed
