@@ -7,7 +7,7 @@ Rule: the word to stop comes first, whatever else it could be; it needs no quest
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from itertools import groupby
 
 from rai_missions.conversation.arguments import BadValue, read_arguments
@@ -75,7 +75,7 @@ class Grammar:
             draft: The order that it may correct.
         """
         words = self.language.normaliser.words(text)
-        whole = self._sentence(words, view, draft)
+        whole = self.sentence(words, view, draft)
         is_open = _is_open(whole)
         corrected = self._corrected_within(words, view) if is_open else ()
         several = corrected or (self._several(words, view, whole) if is_open else ())
@@ -83,8 +83,21 @@ class Grammar:
         edges = self._edges(text, view) if is_open else []
         if is_open and STOP not in several and (self._stops_at_an_edge(edges) or self._warns(text, edges, view)):
             return (STOP,)
-        found = several or whole if len(parts) < 2 else self._in_parts(parts, view, draft) or whole
+        if len(parts) < 2:
+            found = several or whole
+        else:
+            found = self._in_parts(parts, view, draft) or tuple(filter(self._within_one(parts), whole))
         return (self._pause_at_first(text, edges) if _is_fault(found or FAULT) else ()) or found
+
+    def _within_one(self, parts: Sequence[str]) -> Callable[[Sense], bool]:
+        """Whether each text that a sense has as a value is in one sentence: not that of `Find the cup. I am here`."""
+        texts = [" ".join(self.language.normaliser.words(part)) for part in parts]
+
+        def holds(sense: Sense) -> bool:
+            open_texts = (sense.arguments.get(name) for name in sense.named if not self._phrases.choices(name))
+            return all(any(value in text for text in texts) for value in open_texts if isinstance(value, str))
+
+        return holds
 
     def _pause_at_first(self, text: str, edges: Sequence[list[str]]) -> tuple[Sense, ...]:
         """A pause as the first clause of other talk: `wait, I am coming`; none where something is asked."""
@@ -125,7 +138,7 @@ class Grammar:
         if len(parts) > MOST_PARTS:
             parts = [parts[0], "", parts[-1]]
         spoken_words = [self.language.normaliser.words(part) for part in parts]
-        each = [self._sentence(words, view, draft) for words in spoken_words]
+        each = [self.sentence(words, view, draft) for words in spoken_words]
         if STOP in each[0] or STOP in each[-1]:
             return (STOP,)
         if corrected := self._corrected_at_once(each[0], spoken_words[1:], view):
@@ -147,7 +160,7 @@ class Grammar:
             if words[at] in marks and at < len(words) - 1:
                 openings = self.language.normaliser.openings(words[at:])
                 then = next(filter(self.language.correction.fits, openings), None)
-                first = self._sentence(words[:at], view) if then is not None else ()
+                first = self.sentence(words[:at], view) if then is not None else ()
                 if then is not None and (found := self._corrected_at_once(first, [then], view)):
                     return found
         return ()
@@ -159,7 +172,7 @@ class Grammar:
         is_start = len(first) == 1 and (_is_order(first) or first[0].name == "start")
         if not is_start or len(then) != 1 or not self.language.correction.fits(then[0]):
             return ()
-        found = self._sentence(then[0], view, Draft(first[0]))
+        found = self.sentence(then[0], view, Draft(first[0]))
         return found if _is_order(found) and all(each.name == first[0].name for each in found) else ()
 
     def _several(self, words: list[str], view: StatusView, whole: tuple[Sense, ...]) -> tuple[Sense, ...]:
@@ -174,15 +187,16 @@ class Grammar:
             return ()
         for joint, at in _joints(words, self.language):
             left, right = words[:at], words[at + len(joint) :]
-            first = self._sentence(left, view)
-            second = self._sentence(right, view) if _is_order(first) else ()
+            first = self.sentence(left, view)
+            second = self.sentence(right, view) if _is_order(first) else ()
             if STOP in second or (STOP in first and not whole):
                 return (STOP,)
             if _is_order(first) and (_is_order(second) or _is_fault(whole)):
                 return tuple(sense._replace(rest=" ".join(right)) for sense in first)
         return ()
 
-    def _sentence(self, words: list[str], view: StatusView, draft: Draft | None = None) -> tuple[Sense, ...]:
+    def sentence(self, words: list[str], view: StatusView, draft: Draft | None = None) -> tuple[Sense, ...]:
+        """What these words may mean as one sentence; see `senses`."""
         normaliser = self.language.normaliser
         if not words or len(words) > MOST_WORDS or max(map(len, words)) > LONGEST_WORD:
             return ()

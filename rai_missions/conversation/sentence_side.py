@@ -21,6 +21,7 @@ from rai_missions.conversation.senses import Sense
 from rai_missions.conversation.settings import ORDERS
 from rai_missions.conversation.speaking import SpeechSide
 from rai_missions.conversation.state_answers import Asker
+from rai_missions.conversation.suggestions import Suggestions
 from rai_missions.conversation.talk import Talk
 from rai_missions.conversation.values import is_known
 from rai_missions.conversation.view import StatusView
@@ -47,6 +48,7 @@ class SentenceSide:
     def __init__(self, talk: Talk, speaking: SpeechSide, orders: OrderSide) -> None:
         self._talk, self._speaking, self._orders = talk, speaking, orders
         self._grammar = Grammar(talk.language, talk.starts, talk.settings.questions)
+        self._suggestions = Suggestions(self._grammar)
         self._unfinished: EarlierOrder | None = None
         """The order that the last sentence of its speaker had refused or dropped, and which the next may complete."""
         self._closed, self._closed_at = tuple[Question, ...](), float("-inf")
@@ -105,6 +107,8 @@ class SentenceSide:
         if self._is_late(utterance, senses):
             self._speaking.speak(self._talk.answers.closed(self._talk.view), to=utterance.channel, reply_to=number)
             return "handled"
+        if all(sense.kind == "fault" for sense in senses):
+            senses = self._suggested(utterance, senses) or senses
         if not senses:
             return "unknown"
         if senses[0].kind in ("yes", "no"):
@@ -150,6 +154,24 @@ class SentenceSide:
             return ()
         sense = self._grammar.free_answer(utterance.text, self._talk.view)
         return (sense,) if sense is not None else ()
+
+    def _suggested(self, utterance: Utterance, faults: Sequence[Sense]) -> tuple[Sense, ...]:
+        """What a clause of a typed sentence orders, to be read back, or asks; a model reads more, and comes first.
+
+        Args:
+            utterance: The sentence.
+            faults: What the whole means, with values that do not fit; an order must have one for each.
+        """
+        view, settings = self._talk.view, self._talk.settings
+        if settings.has_model or utterance.is_spoken or self._orders.pending is not None:
+            return ()
+        sense = self._suggestions.suggested(cut(utterance.text, 10_000), view)
+        if sense is None or any(not each.lacks or set(each.lacks) - sense.arguments.keys() for each in faults):
+            return ()
+        if sense.kind != "order":
+            return (sense,)
+        is_possible = is_request(sense, view) or not why_not_now(sense, view, self._talk.language)
+        return (sense,) if is_possible and may(utterance.role, sense.name, settings) else ()
 
     def _answer_nothing(self, utterance: Utterance, number: int) -> Handling:
         if self._talk.ends_with_model(utterance.channel):

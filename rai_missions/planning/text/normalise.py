@@ -60,6 +60,7 @@ class Normaliser:
     def __init__(self, data: Mapping[str, Any], *, by: Cut = clipped) -> None:
         self._cut = by
         self._contractions: Mapping[str, str] = data["contractions"]
+        self._endings: Mapping[str, str] = data["contraction_endings"]
         self._fillers = frozenset(data["fillers"])
         self._lead = _by_length(data["lead"])
         self._tail = _by_length(data["tail"])
@@ -74,8 +75,13 @@ class Normaliser:
         """The same of a text that is `readable`."""
         found = list[str]()
         for token in TOKEN.findall(text.lower()):
-            found += self._contractions.get(token, token).split()
+            found += (self._contractions.get(token) or self._written_out(token)).split()
         return found
+
+    def _written_out(self, token: str) -> str:
+        """A word whose last letters stand for a word of their own: `why've` is `why have`."""
+        ending = next((each for each in self._endings if token.endswith(each)), "")
+        return f"{token.removesuffix(ending)} {self._endings[ending]}" if ending else token
 
     def spoken(self, words: Iterable[str]) -> list[str]:
         """The words without fillers."""

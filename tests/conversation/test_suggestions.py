@@ -1,0 +1,150 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What one clause of other talk orders is read back, what it asks is answered, and nothing of it is done."""
+
+from __future__ import annotations
+
+import json
+from itertools import product
+from pathlib import Path
+
+import pytest
+
+from rai_missions.conversation import (
+    Dialogue,
+    KeyView,
+    MissionView,
+    Order,
+    Output,
+    Settings,
+    Speech,
+    StatusView,
+    TalkNote,
+    Utterance,
+)
+from rai_missions.conversation.language import language, languages
+from rai_missions.conversation.start_phrases import StartPhrase
+from rai_missions.event import Role
+
+STORED = json.loads((Path(__file__).parent / "data/sentences.json").read_text("utf-8"))
+ARGUMENTS = tuple(KeyView(name, "string", "argument") for name in ("task", "object", "place"))
+VIEW = StatusView(mode="running", mission="assist", robot="rob", missions=(MissionView("assist", "", ARGUMENTS),))
+PHRASES = {
+    "en": {
+        "(find|look for) {object}": {"task": "find"}, "go to {place}": {"task": "go"}, "go home": {"task": "back"},
+    },
+    "de": {
+        "(finde|suche) {object}": {"task": "find"}, "fahre in {place}": {"task": "go"}, "fahre heim": {"task": "back"},
+    },
+}  # fmt: skip
+PLACES = {"en": {"kitchen": "kitchen", "study": "study"}, "de": {"küche": "kitchen", "diele": "study"}}
+TALK = {
+    "en": ("I am hungry", "The weather is lovely today", "You were great", "My phone is over there"),
+    "de": ("Ich habe Hunger", "Das Wetter ist heute schön", "Du warst toll", "Mein Telefon liegt dort"),
+}
+ORDERS = {
+    "en": {
+        "go to the kitchen": {"task": "go", "place": "kitchen"}, "could you go home": {"task": "back"},
+        "please find the cup": {"task": "find", "object": "cup"}, "cancel the mission": {},
+    },
+    "de": {
+        "fahr in die Küche": {"task": "go", "place": "kitchen"}, "kannst du bitte heimfahren": {"task": "back"},
+        "such bitte die Tasse": {"task": "find", "object": "tasse"}, "brich die Mission ab": {},
+    },
+}  # fmt: skip
+JOINED = {
+    "en": ("{talk}, {order}.", "{talk}. {order}!", "{talk}, so {order}", "{order}. {talk}", "{order} because {talk}"),
+    "de": ("{talk}, {order}.", "{talk}. {order}!", "{talk}, also {order}", "{order}. {talk}"),
+}
+LOST = {
+    "en": (
+        ("The ball is gone.", "Find it!", "ball"), ("My red cup has vanished,", "could you look for it?", "red cup"),
+        ("I do not know where I left my book,", "so find it", "book"),
+        ("The dog's ball is missing,", "look for it please", "dog's ball"),
+    ),
+    "de": (
+        ("Der Ball ist weg.", "Such ihn!", "ball"), ("Mein roter Becher ist verschwunden,", "such ihn", "roter becher"),
+        ("Ich weiß nicht, wo mein Buch liegt,", "also such es", "buch"),
+    ),
+}  # fmt: skip
+CONDITIONS = {"en": ("When {talk}, {order}", "{talk}, if so, {order}"), "de": ("Wenn {talk}, {order}",)}
+
+
+def dialogue_in(code: str, *, has_model: bool = False) -> Dialogue:
+    phrases = tuple(StartPhrase(phrase, given) for phrase, given in PHRASES[code].items())
+    settings = Settings(language=code, phrases=phrases, names={"place": PLACES[code]}, has_model=has_model)
+    return Dialogue(settings, VIEW)
+
+
+def replies(text: str, code: str, *, role: Role = "operator", has_model: bool = False) -> tuple[Output, ...]:
+    """What a dialogue makes of a typed sentence."""
+    return dialogue_in(code, has_model=has_model).on_utterance(Utterance(text, role, "terminal"), VIEW)
+
+
+def read_back(outputs: tuple[Output, ...]) -> list[dict[str, str] | None]:
+    """The arguments of each order that is read back; None where an order is given out."""
+    found = [each.data["order"] for each in outputs if isinstance(each, TalkNote) and each.kind == "read_back"]
+    done = [None for each in outputs if isinstance(each, Order)]
+    return [each.get("arguments", {}) for each in found] + done
+
+
+@pytest.mark.parametrize("code", languages())
+def test_an_order_between_other_talk_is_read_back_and_not_given_out(code: str) -> None:
+    wrong = list[str]()
+    for joined, talk, (order, arguments) in product(JOINED[code], TALK[code], ORDERS[code].items()):
+        text = joined.format(talk=talk, order=order)
+        if read_back(replies(text, code)) != [arguments]:
+            wrong.append(text)
+    assert wrong == []
+
+
+@pytest.mark.parametrize(
+    ("code", "text"), [("en", "I am hungry, take a break"), ("de", "Ich habe Hunger, mach eine Pause")]
+)
+def test_a_pause_is_read_back_where_it_is_suggested(code: str, text: str) -> None:
+    assert read_back(replies(text, code)) == [{}]
+
+
+@pytest.mark.parametrize("code", languages())
+def test_a_pronoun_is_the_thing_that_was_named_before(code: str) -> None:
+    meant = {f"{talk} {order}": {"task": "find", "object": thing} for talk, order, thing in LOST[code]}
+    assert {text: read_back(replies(text, code)) for text in meant} == {text: [each] for text, each in meant.items()}
+
+
+@pytest.mark.parametrize("code", languages())
+def test_nothing_is_suggested_after_a_condition_to_who_may_not_order_aloud_or_next_to_a_model(code: str) -> None:
+    order, talk = next(iter(ORDERS[code])), TALK[code][0]
+    for form in CONDITIONS[code]:
+        assert read_back(replies(form.format(talk=talk, order=order), code)) == []
+    text = f"{talk}, {order}"
+    assert read_back(replies(text, code, role="viewer")) == []
+    assert read_back(replies(text, code, has_model=True)) == []
+    spoken = Utterance(text, "operator", "voice", readings=(text, text))
+    assert read_back(dialogue_in(code).on_utterance(spoken, VIEW)) == []
+
+
+@pytest.mark.parametrize("code", languages())
+def test_what_was_read_back_before_remains(code: str) -> None:
+    (first, arguments), (second, _) = list(ORDERS[code].items())[:2]
+    dialogue = dialogue_in(code)
+    assert read_back(dialogue.on_utterance(Utterance(first, "operator", "terminal"), VIEW)) == [arguments]
+    talk = Utterance(f"{TALK[code][0]}, {second}", "operator", "terminal")
+    assert read_back(dialogue.on_utterance(talk, VIEW)) == []
+
+
+@pytest.mark.parametrize(
+    ("code", "text"), [("en", "You look tired. What are you doing?"), ("de", "Du siehst müde aus. Was machst du?")]
+)
+def test_a_question_between_other_talk_is_answered(code: str, text: str) -> None:
+    question = text.split(". ")[1]
+    answers = [[each.text for each in replies(each, code) if isinstance(each, Speech)] for each in (text, question)]
+    assert answers[0] == answers[1] != []
+
+
+@pytest.mark.parametrize("code", languages())
+def test_talk_without_an_order_in_it_has_none_suggested(code: str) -> None:
+    assert [each for each in STORED["talk"][code] if read_back(replies(each, code))] == []
+
+
+def test_each_language_has_the_words_of_clauses_and_things() -> None:
+    data = [language(code).data for code in languages()]
+    assert all(each[name] for each in data for name in ("clause_joints", "thing_pronouns", "thing_ends"))
