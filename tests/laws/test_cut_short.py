@@ -14,10 +14,12 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
+from rai_missions import load
 from rai_missions.engine import Chart
 from rai_missions.engine import macrostep as microsteps
 from rai_missions.engine import timing as instants
 from rai_missions.engine.snapshot_json import packed, unpacked
+from rai_missions.errors import DefinitionError
 from rai_missions.event import Event
 from rai_missions.journal import Header, Journal, read
 from rai_missions.journal.json_values import from_json, to_json
@@ -28,6 +30,7 @@ from rai_missions.profile import terms as terms_of
 from rai_missions.replay.migrate import migrate
 from rai_missions.replay.resume import resumption
 from tests.laws.drawn import EVENTS, KEYS, DrawnEvent, document, happenings, is_far, terms
+from tests.laws.test_included import including
 from tests.laws.test_instants import AFTER_S, PASSING
 from tests.replay.test_renamed import TWO, otherwise
 from tests.rigs.charts import ScriptedRobot
@@ -49,13 +52,14 @@ def _ended_sooner(monkeypatch: pytest.MonkeyPatch) -> None:
         monkeypatch.setattr(module, "MOST_MICROSTEPS", 100)
 
 
-def profile(rng: random.Random, suffix: str = "") -> Robot:
-    """A robot on the terms that a number draws, for a mission whose keys and events have a suffix."""
+def profile(rng: random.Random, mission: Mission, suffix: str = "") -> Robot:
+    """A robot on the terms that a number draws, for a mission whose keys have a suffix."""
     facts = terms(rng)
 
     def guard(given: Any) -> Json:
-        return json.loads(json.dumps(given.written()).replace('"count"', f'"count{suffix}"')
-                          .replace('"fact"', f'"fact{suffix}"'))  # fmt: skip
+        written = json.dumps(given.written())
+        made: Json = json.loads(written.replace('"count"', f'"count{suffix}"').replace('"fact"', f'"fact{suffix}"'))
+        return made
 
     def action(name: str) -> Json:
         uses = {"uses": sorted(facts.uses.get(name) or ())}
@@ -67,12 +71,23 @@ def profile(rng: random.Random, suffix: str = "") -> Robot:
     read_from = {"topic": "/fact", "type": "std_msgs/msg/String", "json": True}
     return Robot.model_validate({
         "name": "drawn", "actions": {name: action(name) for name in ("drive", "turn", "composed")},
-        "blackboard": {f"{name}{suffix}": read_from for name, key in KEYS.items() if key.get("source") == "robot"},
+        "blackboard": {name: read_from for name, key in mission.blackboard.items() if key.source == "robot"},
         "services": {"horn": {"service": "/horn", "type": TRIGGER}},
         "topics": {"lamp": {"topic": "/lamp", "type": "std_msgs/msg/String"}},
-        "events": {f"{name}{suffix}": {"posted": True} for name in (*EVENTS, "x", "y")},
+        "events": {name: {"posted": True} for name in mission.events},
         "control": {who: f"/to_{who}" for who in ("agent", "autonomy", "operator", "nobody")},
     })  # fmt: skip
+
+
+def drawn(rng: random.Random, folder: Path, made: Json, *, is_included: bool) -> tuple[Mission, frozenset[str]]:
+    """The mission that was drawn, or one that includes it; and what is private in that one."""
+    if not is_included:
+        return Mission.model_validate(made), frozenset()
+    made.pop("on_cancel", None)  # that of the outermost mission counts
+    outer = including(rng)
+    for name, each in (("inner", made), ("outer", outer)):
+        (folder / f"{name}.json").write_text(json.dumps({"format": 1, **each}))
+    return load(folder / "outer.json"), frozenset({*KEYS, *EVENTS} - outer["states"]["part"]["with"].keys())
 
 
 def plain(value: Any) -> Any:
@@ -99,7 +114,7 @@ def through_json(chart: Chart) -> Json:
     return found
 
 
-def agree(folder: Path, seed: int) -> str:
+def agree(folder: Path, seed: int, *, is_included: bool = False) -> str:
     """Cut a run short; what continues in any way must do what the run would have done, step by step.
 
     Returns:
@@ -107,11 +122,22 @@ def agree(folder: Path, seed: int) -> str:
     """
     rng = random.Random(seed)
     made, script, state = document(rng), happenings(rng), rng.getstate()
-    robot = profile(rng)
+    try:
+        mission, private = drawn(rng, folder, made, is_included=is_included)
+    except DefinitionError:
+        return "it cannot be included"
+    now, map_ = otherwise(mission)
     rng.setstate(state)
-    new_robot = profile(rng, TWO)
-    mission, facts = Mission.model_validate(made), terms_of(robot)
+    robot = profile(rng, mission)
+    rng.setstate(state)
+    new_robot, facts = profile(rng, now, TWO), terms_of(robot)
     assert Mission.model_validate_json(dump(mission)) == mission
+
+    def happened(happening: DrawnEvent) -> Event:
+        event = answers.event(*happening)
+        is_private = event.kind in ("event", "write") and event.name in private
+        return event._replace(name=f"part/{event.name}") if is_private else event
+
     cut = rng.randint(0, len(script))
     whole, answers = Chart(mission, terms=facts, named=NAMED), ScriptedRobot("agent")
     path, new = folder / "run.journal", folder / "new.journal"
@@ -119,7 +145,7 @@ def agree(folder: Path, seed: int) -> str:
         journal.write(answers.follow(whole.start(0.0)), since=0.0)
         for happening in script[:cut]:
             if whole.outcome is None:
-                step = answers.follow(whole.send(answers.event(*happening)))
+                step = answers.follow(whole.send(happened(happening)))
                 journal.write(step, since=step.at)
     assert_whole(path)
     if whole.outcome is not None:
@@ -127,7 +153,6 @@ def agree(folder: Path, seed: int) -> str:
     with read(path) as record:
         resumed = resumption(record, mission, named=NAMED).chart
     assert remembered(resumed) == remembered(whole)
-    now, map_ = otherwise(mission)
     by_new_names = {"is_far": is_far_by_new_names}
     assert migrate(path, now, map_, to=new, robot=new_robot, named=by_new_names).notes == ()
     assert_whole(new)
@@ -137,12 +162,14 @@ def agree(folder: Path, seed: int) -> str:
     assert remembered(migrated) == remembered(whole)
     for happening in [*script[cut:], DrawnEvent(("tick",), script[-1].at + AFTER_S)]:
         other = Chart.restore(mission, through_json(whole), terms=facts, named=NAMED)
-        event = answers.event(*happening)
+        event = happened(happening)
         step = answers.follow(whole.send(event))
         is_known = event.kind == "write" or (event.kind == "event" and event.name in mission.events)
         in_new_names = event._replace(name=event.name + TWO) if is_known else event
-        for again in (other.send(event), migrated.send(in_new_names)):
-            assert done(again) == done(step)
+        again = other.send(event), migrated.send(in_new_names)
+        if whole.cause == "cycle":  # the states of one are named in the order of the alphabet
+            return "it went round for ever"
+        assert done(again[0]) == done(again[1]) == done(step)
         assert remembered(other) == remembered(migrated) == remembered(whole)
     return "same"
 
@@ -153,23 +180,27 @@ def done(step: Any) -> Any:
     return plain(step._replace(**without))
 
 
+@pytest.mark.parametrize("is_included", [False, True])
 @given(seed=st.integers(0, 2**32))
-@settings(max_examples=15)
+@settings(max_examples=8)
 def test_a_run_that_is_cut_short_is_where_it_was_and_does_what_it_would_have_done(
-    seed: int, tmp_path_factory: pytest.TempPathFactory
+    seed: int, tmp_path_factory: pytest.TempPathFactory, *, is_included: bool
 ) -> None:
-    assume(agree(tmp_path_factory.mktemp("cut"), seed) == "same")
+    assume(agree(tmp_path_factory.mktemp("cut"), seed, is_included=is_included) == "same")
 
 
 @pytest.mark.drill
 @pytest.mark.timeout(3600)
-def test_five_thousand_runs_that_are_cut_short_do_what_they_would_have_done(tmp_path: Path) -> None:
+@pytest.mark.parametrize("is_included", [False, True])
+def test_three_thousand_runs_that_are_cut_short_do_what_they_would_have_done(
+    tmp_path: Path, *, is_included: bool
+) -> None:
     found = Counter[str]()
-    for seed in range(5_000):
+    for seed in range(3_000):
         folder = tmp_path / str(seed)
         folder.mkdir()
-        found[agree(folder, seed)] += 1
-    assert found["same"] > 3_000
+        found[agree(folder, seed, is_included=is_included)] += 1
+    assert found["same"] > 1_500
 
 
 def test_a_predicate_that_no_guard_names_makes_no_difference() -> None:
