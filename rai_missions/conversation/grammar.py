@@ -90,12 +90,13 @@ class Grammar:
         return (self._pause_at_first(text, edges) if _is_fault(found or FAULT) else ()) or found
 
     def _within_one(self, parts: Sequence[str]) -> Callable[[Sense], bool]:
-        """Whether each text that a sense has as a value is in one sentence: not that of `Find the cup. I am here`."""
+        """Whether each text that a sense has is in one sentence: not the thing of `Find the cup. I am here`."""
         texts = [" ".join(self.language.normaliser.words(part)) for part in parts]
 
         def holds(sense: Sense) -> bool:
-            open_texts = (sense.arguments.get(name) for name in sense.named if not self._phrases.choices(name))
-            return all(any(value in text for text in texts) for value in open_texts if isinstance(value, str))
+            values = (sense.arguments.get(name) for name in sense.named if not self._phrases.choices(name))
+            open_texts = (value for value in (*values, sense.thing) if isinstance(value, str))
+            return all(any(value in text for text in texts) for value in open_texts)
 
         return holds
 
@@ -472,7 +473,7 @@ def _is_fault(senses: Sequence[Sense]) -> bool:
 
 def _is_open(senses: Sequence[Sense]) -> bool:
     """Whether the words may be several sentences: they mean nothing, or have words as values that may fit or not."""
-    return not senses or _is_fault(senses) or all(sense.named for sense in senses)
+    return not senses or _is_fault(senses) or all(sense.named or sense.thing for sense in senses)
 
 
 def _is_order(senses: Sequence[Sense]) -> bool:

@@ -59,11 +59,11 @@ LOST = {
     "en": (
         ("The ball is gone.", "Find it!", "ball"), ("My red cup has vanished,", "could you look for it?", "red cup"),
         ("I do not know where I left my book,", "so find it", "book"),
-        ("The dog's ball is missing,", "look for it please", "dog's ball"),
+        ("The dog's ball is missing,", "look for it please", "dog's ball"), ("Where is my cup?", "Find it!", "cup"),
     ),
     "de": (
         ("Der Ball ist weg.", "Such ihn!", "ball"), ("Mein roter Becher ist verschwunden,", "such ihn", "roter becher"),
-        ("Ich weiß nicht, wo mein Buch liegt,", "also such es", "buch"),
+        ("Ich weiß nicht, wo mein Buch liegt,", "also such es", "buch"), ("Wo ist mein Ball?", "Such ihn!", "ball"),
     ),
 }  # fmt: skip
 CONDITIONS = {"en": ("When {talk}, {order}", "{talk}, if so, {order}"), "de": ("Wenn {talk}, {order}",)}
