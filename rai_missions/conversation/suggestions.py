@@ -38,21 +38,22 @@ class Suggestions:
         data = self._language.data
         self._conditions, self._pronouns = frozenset(data["conditions"]), frozenset(data["thing_pronouns"])
         self._articles, self._ends = frozenset(data["articles"]), frozenset(data["thing_ends"])
-        self._joints = frozenset(data["clause_joints"])
+        self._openings = frozenset(data["lead"])
+        self._joints, self._addressed = frozenset(data["clause_joints"]), frozenset(data["addressed"])
 
     def suggested(self, text: str, view: StatusView) -> Sense | None:
-        """The one order in it, or else its first question, or what an order in it lacks; None after a condition.
+        """The one order in it, or else its first question, or what an order in it lacks; None with a condition.
 
         Args:
             text: The sentence, as it was received, which means nothing as a whole, or has values that do not fit.
             view: The run.
         """
         clauses = list(self._clauses(text)) if QUOTING not in text else []
-        if not 1 < len(clauses) <= MOST_CLAUSES or any(words[0] in self._conditions for words in clauses):
+        if len(clauses) > MOST_CLAUSES or any(words[0] in self._conditions for words in clauses):
             return None
         orders, others = dict[str, Sense](), list[Sense]()
         for at, words in enumerate(clauses):
-            senses = self._grammar.sentence(words, view)
+            senses = self._grammar.sentence(words, view) or self._bidden(words, text, view)
             if any(sense.kind in REPLIES or sense == STOP for sense in senses):
                 return None
             order = self._order(senses) or self._order(self._resolved(words, clauses[:at], senses, view))
@@ -73,8 +74,14 @@ class Suggestions:
                     yield part
                     part = []
                 part += [] if word in self._joints else [word]
-            if part:
+            if part and " ".join(part) not in self._openings:
                 yield part
+
+    def _bidden(self, words: list[str], text: str, view: StatusView) -> tuple[Sense, ...]:
+        """What a clause orders that begins with whom it bids: `you go home`; nothing in a question."""
+        first, *rest = self._language.normaliser.spoken(words) or [""]
+        is_bidden = first in self._addressed and not text.rstrip().endswith("?")
+        return self._grammar.sentence(rest, view) if is_bidden else ()
 
     def _order(self, senses: Sequence[Sense]) -> Sense | None:
         """What a clause orders, where it can mean nothing else; an answer is none, for it needs its question."""

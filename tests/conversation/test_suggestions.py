@@ -97,6 +97,12 @@ def test_an_order_between_other_talk_is_read_back_and_not_given_out(code: str) -
     assert wrong == []
 
 
+def test_whom_an_order_bids_may_come_first() -> None:
+    assert read_back(replies("That is all, you go home now", "en")) == [{"task": "back"}]
+    assert read_back(replies("Robot, please you go to the kitchen", "en")) == [{"task": "go", "place": "kitchen"}]
+    assert read_back(replies("You go home?", "en")) == []
+
+
 @pytest.mark.parametrize(
     ("code", "text"), [("en", "I am hungry, take a break"), ("de", "Ich habe Hunger, mach eine Pause")]
 )
