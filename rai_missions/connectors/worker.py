@@ -20,7 +20,7 @@ from heapq import heappop, heappush
 from queue import Empty, SimpleQueue
 from typing import TYPE_CHECKING, Any, Literal, TypeVar
 
-from rai_missions.errors import UsageError
+from rai_missions.errors import ConnectorError, UsageError
 from rai_missions.redaction import logger
 
 if TYPE_CHECKING:
@@ -259,7 +259,11 @@ def _first_logged(name: str) -> Callable[[BaseException], None]:
     failures = itertools.count()
 
     def report(error: BaseException) -> None:
-        if next(failures) == 0:
+        if next(failures):
+            return
+        if isinstance(error, ConnectorError):  # the world's: its sentence is the whole of it
+            log.warning("'%s' failed at a piece of work; later failures are not logged: %s", name, error)
+        else:
             log.error("'%s' failed at a piece of work; later failures are not logged", name, exc_info=error)
 
     return report

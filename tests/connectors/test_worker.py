@@ -15,7 +15,7 @@ from typing import Any
 import pytest
 
 from rai_missions.connectors.worker import SerialQueue, Worker
-from rai_missions.errors import UsageError
+from rai_missions.errors import ConnectorError, UsageError
 
 PATIENCE_S = 30.0
 
@@ -82,6 +82,18 @@ def test_what_a_piece_raises_is_reported_and_the_next_is_done(caplog: pytest.Log
         worker.close()
     assert [str(error) for error in raised] == ["no more", "no more"]
     assert caplog.messages == ["'plain' failed at a piece of work; later failures are not logged"]
+
+
+def test_the_worlds_faults_are_logged_as_their_sentence(caplog: pytest.LogCaptureFixture) -> None:
+    def fail() -> None:
+        raise ConnectorError("the broker is gone")
+
+    worker = Worker("status")
+    worker.post(fail)
+    assert worker.close(PATIENCE_S)
+    (record,) = caplog.records
+    assert record.getMessage().endswith(": the broker is gone") and record.levelno == logging.WARNING
+    assert record.exc_info is None
 
 
 def test_what_waits_behind_an_interrupted_piece_is_done_by_the_next_run() -> None:

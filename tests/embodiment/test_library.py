@@ -8,6 +8,8 @@ import shutil
 import sqlite3
 import threading
 from collections.abc import Sequence
+from contextlib import closing
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -207,11 +209,25 @@ def test_an_index_that_is_not_of_these_documents_is_built_again(folder: Path, tm
     assert "boot" in Library(folder, index, embedder=LetterVectors()).recall("Where is the spare wheel?").words()
 
 
-@pytest.mark.parametrize("damage", [b"", b"SQLite format 3\x00" + b"\0" * 200, b"\xff" * 5_000])
-def test_what_is_no_index_is_built_again(folder: Path, tmp_path: Path, damage: bytes) -> None:
+@pytest.mark.parametrize("length", [0, 100, 5_000])
+def test_a_damaged_index_is_built_again(folder: Path, tmp_path: Path, length: int) -> None:
     index = tmp_path / "x.index"
-    index.write_bytes(damage)
+    build_index(folder, index, None)
+    index.write_bytes(index.read_bytes()[:length])
     assert Library(folder, index, embedder=LetterVectors()).recall("tyres").is_answered
+
+
+def test_a_file_that_is_no_index_is_refused_and_stays_as_it_was(folder: Path, tmp_path: Path) -> None:
+    file = tmp_path / "x"
+    with closing(sqlite3.connect(tmp_path / "database")) as connection:
+        connection.execute("CREATE TABLE runs (name)")
+    for content in (b"my notes", b"\xff" * 5_000, (tmp_path / "database").read_bytes()):
+        file.write_bytes(content)
+        library = Library(folder, file, embedder=LetterVectors())
+        for use in (library.build, partial(library.recall, "tyres")):
+            with pytest.raises(UsageError, match="is no index, and stays as it is; name another place with --index"):
+                use()
+        assert file.read_bytes() == content
 
 
 def test_an_index_of_another_version_or_with_other_tables_is_refused(folder: Path, tmp_path: Path) -> None:

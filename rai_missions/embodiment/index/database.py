@@ -37,6 +37,8 @@ HEADING_WEIGHT, TEXT_WEIGHT = 2.0, 1.0
 """Of a word in a heading, and in the text (BM25)."""
 LARGEST = 500_000_000
 """Bytes of an index."""
+SQLITE, APPLICATION_AT = b"SQLite format 3\x00", slice(68, 72)
+"""How a database begins, and where its header has the application (SQLite's file format, section 1.3)."""
 
 
 class IndexedDocument(NamedTuple):
@@ -156,10 +158,14 @@ def write_index(
     """Write an index and put it in its place; who reads the old one keeps reading it.
 
     Raises:
-        UsageError: It cannot be written there.
+        UsageError: It cannot be written there, or would take the place of a file that is no index.
     """
     made = ""
     try:
+        if not _is_ours(path):
+            raise UsageError(
+                f"{path} is no index, and stays as it is; name another place with --index FILE, or delete it"
+            )
         path.parent.mkdir(parents=True, exist_ok=True)
         handle, made = tempfile.mkstemp(prefix=f".{path.name}.", dir=path.parent)
         os.close(handle)
@@ -173,6 +179,15 @@ def write_index(
         if made:
             with contextlib.suppress(OSError):
                 os.unlink(made)
+
+
+def _is_ours(path: Path) -> bool:
+    """Whether an index may be put there: no file has content there, or it begins as an index of any version does."""
+    if irregular(path) or not path.is_file():
+        return True  # missing, or what cannot be replaced
+    with path.open("rb") as file:
+        head = file.read(APPLICATION_AT.stop)
+    return not head or (head.startswith(SQLITE) and int.from_bytes(head[APPLICATION_AT], "big") == APPLICATION)
 
 
 def _fill(
