@@ -108,7 +108,7 @@ def _model_at(model: type[Any], data: Any, steps: Iterable[str | int]) -> type[A
             choose = getattr(kind, "choose", None) if kind is not model else None
             if choose is not None and isinstance(data, Mapping):
                 try:
-                    kind = kind.kinds[choose(data)]  # type: ignore[attr-defined]
+                    kind = kind.kind(choose(data))  # type: ignore[attr-defined]
                 except ValueError:
                     return None
             found = kind

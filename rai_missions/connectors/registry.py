@@ -12,6 +12,7 @@ from typing import Any
 from rai_missions.connectors.connector import Connector
 from rai_missions.errors import UsageError, suggestion
 from rai_missions.kinds import PackageOffer, offered
+from rai_missions.redaction import shown
 
 __all__ = ("CONNECTORS", "IN_PROCESS", "check_connector", "check_options", "connector_offer", "open_offered")
 
@@ -19,6 +20,9 @@ CONNECTORS: Mapping[str, str] = {"ros2": "rai_missions.connectors.ros2", "mqtt":
 """Ours: kind → the module that opens it."""
 IN_PROCESS = ("local", "python")
 """Kinds that a run opens itself: a simulated world with nothing around it, and a robot in Python that was named."""
+
+NEEDED = (*Connector.__annotations__, *(each for each in vars(Connector) if not each.startswith("_")))
+"""What every connector has."""
 
 
 def connector_offer(kind: str) -> PackageOffer | None:
@@ -68,8 +72,11 @@ def open_offered(
         now: The clock of the run, in seconds; None where its own is used.
 
     Raises:
-        UsageError: It does not load, or does not open, with its kind and package; an option is not understood.
+        UsageError: It does not load, does not open or is no connector, with its kind and package; an option is not
+            understood.
     """
     with offer.opening():
         connector: Connector = offer.load().open_connector(options, now=now)
+    if absent := next((each for each in NEEDED if not hasattr(connector, each)), ""):
+        raise UsageError(f"{offer} opens {shown(connector)}, which is no connector: it lacks '{absent}'")
     return connector

@@ -19,6 +19,7 @@ from rai_missions.guards.form import Atom, Form
 from rai_missions.guards.purity import impurity
 from rai_missions.keys import Blackboard, Key
 from rai_missions.model import HasPath, TaggedModel
+from rai_missions.redaction import clipped, shown
 
 __all__ = (
     "DEEP",
@@ -223,6 +224,11 @@ class Guard(TaggedModel, family="guard", group="rai_missions.guards"):
     """The age of its state that it asks for."""
     held_s: ClassVar[float] = 0.0
     """For how long a guard inside it must have been true."""
+
+    def why_unusable(self) -> str:
+        """Why its line of words is of no use; empty where it is."""
+        line: Any = self.words()
+        return "" if isinstance(line, str) else f"'words' gives {shown(line, by=clipped)}, which is no text"
 
     def type_faults(self, types: Types) -> Iterator[TypeFault]:
         """Why it cannot be evaluated, by the types of what it reads."""

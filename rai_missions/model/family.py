@@ -6,15 +6,16 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 from functools import cache
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, TypeVar
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Self, TypeVar
 
+from pydantic import model_validator
 from pydantic_core import core_schema
 
 from rai_missions.errors import UsageError, suggestion
 from rai_missions.kinds import PackageOffer, offered
 from rai_missions.model.fields import NAME, fault
 from rai_missions.model.mission_model import MissionModel
-from rai_missions.redaction import shown
+from rai_missions.redaction import first_line, shown
 
 __all__ = ("FAMILY", "AnyOf", "TaggedModel", "kind_of")
 
@@ -52,6 +53,23 @@ class TaggedModel(MissionModel):
             raise TypeError(f"the {cls.family} '{word}' of {cls.__module__}: '{word}' {owner}; choose another")
         else:
             cls.foreign.add(cls)
+
+    @model_validator(mode="after")
+    def _is_usable(self) -> Self:
+        """Code of another package that raises, or makes what is of no use, is at fault where it is named."""
+        if type(self) in self.foreign:
+            try:
+                why = self.why_unusable()
+            except Exception as error:  # noqa: BLE001 - it may raise anything
+                why = f"{type(error).__name__}: {first_line(error)}"
+            if why:
+                whose = self.offer(self.word) or f"the {self.family} '{self.word}'"
+                raise fault("package", f"{whose} cannot be used: {why}")
+        return self
+
+    def why_unusable(self) -> str:
+        """Why what a kind of another package makes of its fields is of no use; empty where it is."""
+        return ""
 
     @classmethod
     def admit(cls, kind: type[Any]) -> str:

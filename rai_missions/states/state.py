@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Set as AbstractSet
 from functools import cache
 from itertools import chain
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, NamedTuple, Self, get_args
@@ -30,6 +31,7 @@ from rai_missions.model import (
     one_or_many,
 )
 from rai_missions.model.references import PATH, TRIGGER, Refers, fields_of
+from rai_missions.redaction import clipped, shown
 from rai_missions.states.effects import Effect
 
 if TYPE_CHECKING:
@@ -42,6 +44,8 @@ __all__ = (
     "ResultKey", "State", "States", "Transition", "TypeNeed",
 )  # fmt: skip
 
+TREE = "tree node"
+"""The family of what an activity may make; its class is built upon this module."""
 ANY_EVENT = "*"
 MOST_LETTERS = 60
 """A text that is longer is no name of an action or a mission."""
@@ -258,6 +262,17 @@ class State(TaggedModel, family="state", group="rai_missions.activities", word="
     def outcomes(self) -> frozenset[str]:
         """What it can report about itself, next to the outcomes of children."""
         return frozenset({"timed_out"} if self.timeout_s is not None else ())
+
+    def why_unusable(self) -> str:
+        """Why its tree, outcomes or words are of no use; empty where they are."""
+        made: Any = self.made()
+        outcomes: Any = self.outcomes()
+        activity: Any = self.activity()
+        if made is not None and getattr(made, "family", "") != TREE:
+            return f"'made' gives {shown(made, by=clipped)}, which is no tree"
+        if not isinstance(outcomes, AbstractSet) or not all(isinstance(each, str) for each in outcomes):
+            return f"'outcomes' gives {shown(outcomes, by=clipped)}, which is no set of names"
+        return "" if isinstance(activity, str) else f"'activity' gives {shown(activity, by=clipped)}, which is no text"
 
     def made(self) -> TreeNode | None:
         """The behaviour tree that a kind of another package makes of its fields, and that runs; None for none."""

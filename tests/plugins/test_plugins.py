@@ -37,6 +37,7 @@ from rai_missions.profile import terms as facts_of
 from rai_missions.prove import prove
 from rai_missions.replay.replay import replay
 from rai_missions.testing import check_guard
+from rai_missions.validation_errors import validated
 from rai_missions.worlds import open_world
 from visualize import FORMATS, difference, draw, drawn, picture
 
@@ -175,6 +176,7 @@ def test_a_foreign_connector_carries_a_run(tmp_path: Path) -> None:
         ("def open_connector(options): ...", "cannot be opened (TypeError: open_connector() got an unexpected keyword"),
         ("def open_connector(options, *, now=None): 1 / 0", "cannot be opened (ZeroDivisionError: division by zero"),
         ("", "cannot be opened (AttributeError: module 'radio' has no attribute 'open_connector'"),
+        ("def open_connector(options, *, now=None): return 7", "opens 7, which is no connector: it lacks 'modes'"),
     ],
 )
 def test_a_foreign_connector_that_cannot_be_opened_is_refused_by_name(tmp_path: Path, code: str, why: str) -> None:
@@ -414,6 +416,53 @@ def guard_of(
         return fault(lambda: Mission("m", uses=[] if names_nothing else [package], initial="a", states=states))
     finally:
         del sys.path[0]
+
+
+@pytest.mark.parametrize(
+    ("given", "expected"),
+    [
+        ({"between": 7}, "/between: 7 is not text; write a word in quotes"),
+        ({"lower": 0.1}, "/lower: a guard with 'between' has no 'lower'; did you mean 'low'?"),
+        ({"low": "much"}, "/low: 'much' is not a number; write one, without quotes"),
+    ],
+)
+def test_a_wrong_word_of_a_foreign_kind_is_a_fault_like_any_other(given: dict[str, Any], expected: str) -> None:
+    states = {"a": {"transitions": [{"when": {**BETWEEN, **given}, "to": "b"}]}, "b": {"final": "aborted"}}
+    text = fault(lambda: validated(Mission, {"name": "m", "uses": ["orchard_kinds"], "initial": "a", "states": states}))
+    assert text == f"/states/a/transitions/0/when{expected}"
+
+
+@pytest.mark.parametrize(
+    ("method", "why"),
+    [
+        ("made", "KeyError: 'boom'"), ("outcomes", "KeyError: 'boom'"), ("activity", "KeyError: 'boom'"),
+        ("made(self): return 'a tree'", "'made' gives 'a tree', which is no tree"),
+        ("outcomes(self): return 'ended'", "'outcomes' gives 'ended', which is no set of names"),
+        ("activity(self): return 7", "'activity' gives 7, which is no text"),
+        ("words(self): return 7", "'words' gives 7, which is no text"), ("words", "KeyError: 'boom'"),
+    ],
+)  # fmt: skip
+def test_a_kind_whose_code_raises_or_makes_what_is_of_no_use_is_refused_where_it_is_written(
+    tmp_path: Path, method: str, why: str
+) -> None:
+    package, is_guard = f"kinds_{tmp_path.name}", method.startswith("words")
+    of, group = ("Guard", "guards") if is_guard else ("State", "activities")
+    body = method if ":" in method else f"{method}(self): raise KeyError('boom')"
+    code = (
+        f"from rai_missions.guards.guard import Guard\nfrom rai_missions.states import State\n\n"
+        f"class Odd({of}, word='odd'):\n    odd: str\n    def compile(self, site): return lambda view: True\n"
+        f"    def {body}\n"
+    )
+    site = laid_out(tmp_path, package, "1.0", offers=f"[rai_missions.{group}]\nodd = {package}:Odd\n", code=code)
+    sys.path.insert(0, str(site))
+    try:
+        state = {"transitions": [{"when": {"odd": "x"}, "to": "b"}]} if is_guard else {"odd": "x"}
+        states = {"a": state, "b": {"final": "aborted"}}
+        text = fault(lambda: Mission("m", uses=[package], initial="a", states=states))
+    finally:
+        del sys.path[0]
+    sort, place = ("guard", "/states/a/transitions/0/when") if is_guard else ("activity", "/states/a")
+    assert text == f"Mission(…): {place}: the {sort} 'odd' of {package.replace('_', '-')} 1.0 cannot be used: {why}"
 
 
 @pytest.mark.parametrize(("value", "active", "notes"), [
