@@ -156,6 +156,19 @@ def _words(model: type[Any] | None) -> list[str]:
     return [field.alias or name for name, field in model.model_fields.items()] if model else []
 
 
+def _home(word: str, model: type[Any] | None) -> str:
+    """The field of a model whose value has a word as its own; empty where none or several have."""
+    inner = {
+        field.alias or name: _bare(field.annotation) for name, field in (model.model_fields if model else {}).items()
+    }
+    homes = [
+        name
+        for name, kind in inner.items()
+        if isinstance(kind, type) and issubclass(kind, BaseModel) and word in _words(kind)
+    ]
+    return homes[0] if len(homes) == 1 else ""
+
+
 def _sentence(item: Any, model: type[Any] | None, known: Iterable[str]) -> str:
     kind, given, ctx = item["type"], item["input"], item.get("ctx", {})
     if kind == "int_type" and item["loc"][-1] == "int":
@@ -171,6 +184,8 @@ def _sentence(item: Any, model: type[Any] | None, known: Iterable[str]) -> str:
             like = f", as in {example % meant}" if example else ""
             return f"{_thing(model)} has no {shown(word)}; did you mean '{meant}'{like}?"
         near, example = suggestion(word, tuple(known) or _words(model)), getattr(model, "example", "")
+        if not near.endswith("?") and (home := _home(word, model)):
+            near = f"; it belongs in '{home}'"
         like = f"; write it like {example % '<'}" if example and not near.endswith("?") else ""
         return f"{_thing(model)} has no {shown(word)}{near}{like}"
     if kind == "string_pattern_mismatch":

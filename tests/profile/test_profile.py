@@ -128,6 +128,9 @@ def test_a_file_that_is_not_there_is_the_callers_affair(tmp_path: Path) -> None:
         ({"services/horn/colour": "red"}, "/services/horn/colour:"),
         ({"rules/assessing": [{"when": {"key": "a"}, "answer": "b"}]}, "/rules/assessing/0/when"),
         ({"services/Horn": {"service": "/x"}}, "'Horn' is not a name"),
+        ({"hri_below": "/alpha"}, "/hri_below: a robot has no 'hri_below'; it belongs in 'conversation'"),
+        ({"write": ["/horn"]}, "/write: a robot has no 'write'; it belongs in 'tools'"),
+        ({"topic": "/t"}, "/topic: a robot has no 'topic'; did you mean 'topics'?"),
     ],
 )
 def test_a_fault_is_reported_with_its_place(change: dict[str, Any], message: str) -> None:
