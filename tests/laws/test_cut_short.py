@@ -6,7 +6,7 @@ from __future__ import annotations
 import json
 import random
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -19,8 +19,9 @@ from rai_missions.engine import Chart
 from rai_missions.engine import macrostep as microsteps
 from rai_missions.engine import timing as instants
 from rai_missions.engine.snapshot_json import packed, unpacked
+from rai_missions.engine.step import Step
 from rai_missions.errors import DefinitionError
-from rai_missions.event import Event
+from rai_missions.event import Event, Tick
 from rai_missions.journal import Header, Journal, read
 from rai_missions.journal.json_values import from_json, to_json
 from rai_missions.mission.files import dump
@@ -114,6 +115,28 @@ def through_json(chart: Chart) -> Json:
     return found
 
 
+class Written:
+    """A chart whose steps are written as a run writes them: what only wrote the blackboard travels with the next."""
+
+    def __init__(self, chart: Chart, journal: Journal) -> None:
+        self._chart, self._journal = chart, journal
+        self._carried: dict[str, tuple[str, Any, float]] = {}
+
+    def step(self, make: Callable[[], Step]) -> Step:
+        since, step = self._chart.at, make()
+        if self._chart.quiet and step.event.kind in ("write", "tick"):
+            self._carried |= {key: (key, value, step.stamp_of(key)) for key, value in step.writes}
+        else:
+            self._journal.write(step, since=since, quiet=tuple(self._carried.values()))
+            self._carried.clear()
+        return step
+
+    def flush(self) -> None:
+        """As a run does once it has written nothing for a second."""
+        step = self._chart.send(Tick(self._chart.at))
+        self._journal.write(step, since=self._chart.at, quiet=tuple(self._carried.values()))
+
+
 def agree(folder: Path, seed: int, *, is_included: bool = False) -> str:
     """Cut a run short; what continues in any way must do what the run would have done, step by step.
 
@@ -142,11 +165,13 @@ def agree(folder: Path, seed: int, *, is_included: bool = False) -> str:
     whole, answers = Chart(mission, terms=facts, named=NAMED), ScriptedRobot("agent")
     path, new = folder / "run.journal", folder / "new.journal"
     with Journal.create(path, Header(dump(mission), dump_profile(robot))) as journal:
-        journal.write(answers.follow(whole.start(0.0)), since=0.0)
+        written = Written(whole, journal)
+        answers.follow(written.step(lambda: whole.start(0.0)))
         for happening in script[:cut]:
             if whole.outcome is None:
-                step = answers.follow(whole.send(happened(happening)))
-                journal.write(step, since=step.at)
+                event = happened(happening)
+                answers.follow(written.step(lambda event=event: whole.send(event)))
+        written.flush()
     assert_whole(path)
     if whole.outcome is not None:
         return "it had ended"
@@ -174,9 +199,9 @@ def agree(folder: Path, seed: int, *, is_included: bool = False) -> str:
     return "same"
 
 
-def done(step: Any) -> Any:
+def done(step: Step) -> Any:
     """What a step did, but for the instant at which to wake: a chart may wake too early, never too late."""
-    without = {"seq": 0, "event": Event("", 0.0), "wake_at": None}
+    without: Any = {"seq": 0, "event": Event("", 0.0), "wake_at": None}
     return plain(step._replace(**without))
 
 
