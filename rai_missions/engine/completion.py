@@ -207,11 +207,14 @@ def settle_nested(program: Program, state: RunState) -> None:
         assert node.parent is not None and node.requires is not None and isinstance(node.state, Final)
         outer = node.parent if node.parent.is_parallel else node.parent.parent
         complete = tuple(program.graph.complete(outer, state.config.nodes))
-        if node.requires.test(state) is True:
-            del state.settling[name]
+        is_met = node.requires.test(state) is True
+        if not is_met and state.at < until:
+            continue
+        del state.settling[name]
+        state.draft.touched = True  # a region that has ended waits for the others without a move
+        if is_met:
             _finish(state, node, node.state.final, complete)
-        elif state.at >= until:
-            del state.settling[name]
+        else:
             _finish_unmet(program, state, node, complete)
 
 

@@ -242,3 +242,28 @@ def test_a_predicate_that_no_guard_names_makes_no_difference() -> None:
             event = answers.event(*happening)
             one, other = (chart.send(event) for chart in charts)
             assert answers.follow(one) == other, seed
+
+
+IS_OK = Event("ok", 1.0, {"value": True}, "write")
+
+
+@pytest.mark.parametrize(("event", "outcome"), [(Tick(3.0), "failed"), (IS_OK, "canceled")])
+def test_a_region_whose_final_has_settled_is_written_down(event: Event, outcome: str) -> None:
+    """What the facts become later must not decide it again in a run that is resumed."""
+    done = {"final": "succeeded", "requires": {"key": "ok", "==": True}, "settle_s": 2}
+    waits = {"initial": "wait", "states": {"wait": {"transitions": [{"on": "go", "to": "went"}]},
+                                           "went": {"final": "succeeded"}}}  # fmt: skip
+    ends = [{"on": "succeeded", "to": "good"}, {"on": "unverified", "to": "bad"}]
+    mission = Mission.model_validate({
+        "name": "settling", "initial": "work", "events": ["go"],
+        "blackboard": {"ok": {"type": "boolean", "source": "robot", "optional": True}},
+        "states": {"work": {"parallel": {"one": done, "other": waits}, "transitions": ends},
+                   "good": {"final": "canceled"}, "bad": {"final": "failed"}},
+    })  # fmt: skip
+    chart = Chart(mission)
+    chart.start(0.0)
+    chart.send(event)
+    assert not chart.quiet
+    chart.send(Event("ok", 4.0, {"value": outcome == "failed"}, "write"))
+    chart.send(Event("go", 5.0))
+    assert chart.outcome == outcome
