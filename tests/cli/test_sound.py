@@ -87,6 +87,8 @@ def test_a_text_is_spoken_sentence_by_sentence_however_long_it_is(
         (["speak", "x", "--voice", "flit"], "no voice 'flit' is known; did you mean 'flite'?"),
         (["speak", "x", "--voice", "flite:speaker"], "the option 'speaker' of 'flite' has no value"),
         (["speak", "x", "--voice", "piper:model=no.onnx"], "piper"),
+        (["speak", "x", "-o", "out.mp3"], "'out.mp3' does not end in .wav"),
+        (["voice", "a.wav", "-o", "out.mp3", "--ros"], "'out.mp3' does not end in .wav"),
         (["listen", "no.wav"], "there is no file no.wav"),
         (["listen", "pyproject.toml"], "pyproject.toml is no WAV file that can be read"),
     ],

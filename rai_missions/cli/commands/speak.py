@@ -33,12 +33,14 @@ def speak(
         rai-missions speak hello -o hello.wav
     """
     from rai_missions.cli.sound import play_sound
-    from rai_missions.connectors.sound.wav import write_wav
+    from rai_missions.connectors.sound.wav import check_wav_name, write_wav
     from rai_missions.errors import UsageError
     from rai_missions.voice.process import SpeechProcess
     from rai_missions.voice.setup import split_options
     from rai_missions.voice.spoken_text import sentences
 
+    if output is not None:
+        check_wav_name(output)
     if not (parts := sentences(text)):
         raise UsageError("there is nothing to speak: the text is empty")
     name, options = split_options(voice)

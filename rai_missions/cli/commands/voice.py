@@ -55,6 +55,7 @@ def voice(
     from rai_missions.connectors.sound.connector import SoundConnector
     from rai_missions.connectors.sound.devices import DeviceSound
     from rai_missions.connectors.sound.files import FileSound
+    from rai_missions.connectors.sound.wav import check_wav_name
     from rai_missions.errors import UsageError
     from rai_missions.voice.setup import ListenNames
 
@@ -67,6 +68,8 @@ def voice(
         raise UsageError(f"'--below {below}' is no beginning of a topic's name; write it like '/alpha'")
     if file is None and output is not None:
         raise UsageError("-o writes what is spoken next to a FILE; a speaker plays it: leave -o out, or name a FILE")
+    if output is not None:
+        check_wav_name(output)
     sound: SoundConnector = (
         FileSound(file, output, paced=True) if file is not None else DeviceSound(microphone, speaker)
     )

@@ -14,7 +14,7 @@ from rai_missions.connectors.sound.connector import RATE_HZ
 from rai_missions.errors import UsageError, install_command, irregular
 from rai_missions.redaction import cut
 
-__all__ = ("converted", "read_wav", "write_wav")
+__all__ = ("check_wav_name", "converted", "read_wav", "write_wav")
 
 LONGEST_S = 3600.0
 """Longer files are refused: a part of an hour is 115 MB."""
@@ -76,6 +76,16 @@ def converted(data: bytes, rate: int, channels: int = 1, what: str = "the sound"
     if rate != RATE_HZ and len(samples):
         samples = _resampled(samples, RATE_HZ / rate)
     return bytes(np.clip(np.rint(samples), -32768, 32767).astype("<i2").tobytes())
+
+
+def check_wav_name(path: Path | str) -> None:
+    """Whether a file for sound is called what it will be.
+
+    Raises:
+        UsageError: Its name has another ending.
+    """
+    if Path(path).suffix.lower() != ".wav":
+        raise UsageError(f"'{path}' does not end in .wav, the form in which sound is written; name it so")
 
 
 def write_wav(path: Path | str, samples: bytes) -> None:
