@@ -89,8 +89,8 @@ class OpenFields(dict[str, Any]):
         return made
 
     def mixtures(self) -> Iterator[OpenFields]:
-        """What it can be besides, as far as anybody has looked."""
-        known = list(self)
+        """What it can be besides, as far as anybody has looked; in one order, whatever was looked at first."""
+        known = sorted(self)
         for mixture in product(*map(self._values, known)):
             yield self.fresh(dict(zip(known, mixture, strict=True)))
 

@@ -138,7 +138,7 @@ class OpenSight(OpenFields, OpenObject):
         return made
 
     def mixtures(self) -> Iterator[OpenFields]:
-        return (self.fresh(known) for known in self.sights.combinations(list(self)))
+        return (self.fresh(known) for known in self.sights.combinations(sorted(self)))
 
     def whole(self) -> dict[str, Any]:
         return dict(self.sights.one_of(self))
