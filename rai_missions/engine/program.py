@@ -57,8 +57,8 @@ class Program:
         self.surroundings = surroundings if surroundings is not None else Surroundings()
         self.has_trees = has_trees
         self.graph = Graph(mission, content)
-        given = named if named is not None else {}
-        self.named: Named = {name: each for name, each in given.items() if name in self.graph.named}
+        asked = mission.predicates() if named else ()
+        self.named: Named = {name: each for name, each in (named or {}).items() if name in asked}
         if absent := sorted(self.graph.named - self.named.keys()):
             sentence = f"the mission names predicates that were not given: {', '.join(absent)}"
             raise UsageError(f"{sentence}; give named={{…}}, on the command line --guards FILE.py")

@@ -203,6 +203,11 @@ class Mission(MissionModel):
         given = {name for name, key in self.blackboard.items() if key.source == "argument"}
         return frozenset(name for name in given | (own - written) if self.blackboard[name].max_age_s is None)
 
+    def predicates(self) -> frozenset[str]:
+        """The predicates of the user's program that its guards name, in options and trees, too."""
+        found = (reference for thing in self.everything() for reference in thing.references())
+        return frozenset(name for refers, name, _ in found if refers.sort == "predicate")
+
     def behaviours(self) -> Mapping[str, BehaviourLeaf]:
         """`state#path` → the leaf there that is written in Python; a mission with one has no JSON."""
         return {

@@ -49,12 +49,10 @@ class JournalReplayer:
         self._source, self._live = str(record.path), named or {}
         self._recorded: deque[tuple[str, Truth]] | None = deque()
         """The values of predicates that the step in hand has looked at; None once the predicates are asked."""
-        found = (reference for each in mission.everything() for reference in each.references())
-        names = {name for refers, name, _ in found if refers.sort == "predicate"}
         try:
             self.chart = Chart(
                 mission, ticker, terms=terms(robot) if robot is not None else None,
-                named={name: partial(self._predicate, name) for name in names},
+                named={name: partial(self._predicate, name) for name in mission.predicates()},
             )  # fmt: skip
         except MissionError:
             raise
