@@ -215,6 +215,7 @@ class Grammar:
         yield normaliser.bare(words, called, is_tail_first=True)
         yield from self._ungreeted(words)
         yield from self._polite(words, called)
+        yield from self._indirect(words, called)
         yield from normaliser.openings(words, called)
 
     def _polite(self, words: list[str], called: Sequence[str]) -> Iterator[list[str]]:
@@ -222,6 +223,15 @@ class Grammar:
         for opening in self.language.normaliser.openings(words, called):
             for slots in self.language.polite.match(opening):
                 yield self.language.imperative(self.language.normaliser.bare(slots["order"].split(), called))
+
+    def _indirect(self, words: list[str], called: Sequence[str]) -> Iterator[list[str]]:
+        """The question inside an indirect one, as it is and as one of its own: `do you know where you are`."""
+        for opening in self.language.normaliser.openings(words, called):
+            for slots in self.language.indirect.match(opening):
+                asked = self.language.normaliser.bare(slots["question"].split(), called)
+                if asked[:1] and asked[0] in self.language.data["asking"]:
+                    yield asked
+                    yield self.language.inverted(asked)
 
     def _ungreeted(self, words: list[str]) -> Iterator[list[str]]:
         """The words after a greeting: `good morning, who are you?`; then the greeting, where they are but a name."""

@@ -33,6 +33,19 @@ PLACES = {
 }
 
 
+INDIRECT = {
+    "en": {
+        "Could you show me where you are?": "where", "I wonder what you are doing": "doing",
+        "Do you know how far you are?": "progress", "I'm wondering what you're doing.": "doing",
+        "I wonder what this is about": "",
+    },
+    "de": {
+        "Kannst du mir sagen, wo du bist?": "where", "Ich wüsste gern, wo du bist": "where",
+        "Weißt du, wie weit du bist?": "progress", "Ich wüsste gern, was das für ein Lied ist": "",
+    },
+}  # fmt: skip
+
+
 class Form(NamedTuple):
     """An order, and its verb in the forms that a polite sentence has."""
 
@@ -138,3 +151,10 @@ def test_a_value_alone_is_the_start_that_takes_it_unless_a_text_is_asked_for(cod
 def test_what_is_asked_of_another_or_negated_orders_nothing(code: str) -> None:
     grammar = grammar_of(code)
     assert {each: found for each in NO_ORDERS[code] if (found := ordered(grammar.senses(each, VIEW)))} == {}
+
+
+@pytest.mark.parametrize("code", languages())
+def test_an_indirect_question_is_the_question_in_it(code: str) -> None:
+    grammar = Grammar(language(code))
+    read = {each: [sense.name for sense in grammar.senses(each, VIEW)] for each in INDIRECT[code]}
+    assert read == {each: [name] if name else [] for each, name in INDIRECT[code].items()}

@@ -151,6 +151,11 @@ def test_talk_without_an_order_in_it_has_none_suggested(code: str) -> None:
     assert [each for each in STORED["talk"][code] if read_back(replies(each, code))] == []
 
 
-def test_each_language_has_the_words_of_clauses_and_things() -> None:
-    data = [language(code).data for code in languages()]
-    assert all(each[name] for each in data for name in ("clause_joints", "thing_pronouns", "thing_ends"))
+@pytest.mark.parametrize("code", languages())
+@pytest.mark.parametrize(
+    "name",
+    ["clause_joints", "thing_pronouns", "thing_ends", "asking", "conditions", "fillers", "addressed", "articles"],
+)
+def test_a_list_of_words_has_words_alone(name: str, code: str) -> None:
+    words = language(code).data[name]
+    assert words and [each for each in words if len(language(code).normaliser.words(each)) != 1] == []
