@@ -38,6 +38,8 @@ LONGEST_WARNING = 7
 """Words of the longest warning that has its danger in the same clause."""
 POLITE, LONGEST_GREETING = ("hello", "thanks", "sorry"), 3
 """Questions that are none and may be ahead of any sentence, and the words of the longest."""
+MOST_NESTED = 3
+"""Questions and tags that are read inside one another."""
 NEAREST = 5
 """Letters of the shortest word whose misspelling is mended."""
 NONE: Mapping[str, str] = {}
@@ -203,6 +205,7 @@ class Grammar:
             return ()
         bare = list(once(normaliser.bare(words, _called(view.robot))))
         found = next(filter(None, (self._words(each, view, draft) for each in self._forms(words, bare, view))), ())
+        found = found or self._indirect(bare, view)
         mended = self._mended(bare, view, draft) if len(bare) <= MOST_MENDED and _is_fault(found or FAULT) else ()
         return mended if mended and not _is_fault(mended) else found or mended
 
@@ -215,7 +218,6 @@ class Grammar:
         yield normaliser.bare(words, called, is_tail_first=True)
         yield from self._ungreeted(words)
         yield from self._polite(words, called)
-        yield from self._indirect(words, called)
         yield from normaliser.openings(words, called)
 
     def _polite(self, words: list[str], called: Sequence[str]) -> Iterator[list[str]]:
@@ -224,14 +226,31 @@ class Grammar:
             for slots in self.language.polite.match(opening):
                 yield self.language.imperative(self.language.normaliser.bare(slots["order"].split(), called))
 
-    def _indirect(self, words: list[str], called: Sequence[str]) -> Iterator[list[str]]:
-        """The question inside an indirect one, as it is and as one of its own: `do you know where you are`."""
-        for opening in self.language.normaliser.openings(words, called):
-            for slots in self.language.indirect.match(opening):
-                asked = self.language.normaliser.bare(slots["question"].split(), called)
-                if asked[:1] and asked[0] in self.language.data["asking"]:
-                    yield asked
-                    yield self.language.inverted(asked)
+    def _indirect(self, words: list[str], view: StatusView, depth: int = MOST_NESTED) -> tuple[Sense, ...]:
+        """The question inside another or with a tag: `where are you` of `I wonder where you are, roughly`.
+
+        Args:
+            words: Of the sentence, without politeness.
+            view: The run.
+            depth: How many questions may still be inside one another.
+        """
+        for slots in self.language.indirect.match(words) if depth else ():
+            inner = (slots.get("question") or slots["clause"]).split()
+            forms = self._direct(inner) if "clause" in slots else [inner]
+            each = (tuple(self._questions(form, view)) for form in forms)
+            if found := next(filter(None, each), ()) or self._indirect(inner, view, depth - 1):
+                return found
+        return ()
+
+    def _direct(self, words: list[str]) -> Iterator[list[str]]:
+        """The words of a clause, then with a verb of it or an auxiliary ahead of the subject: `where are you`."""
+        yield words
+        subjects = self.language.data["subjects"]
+        at = next((at for at, word in enumerate(words) if word in subjects), len(words))
+        for verb in range(at + 1, len(words)):
+            yield [*words[:at], words[verb], *words[at:verb], *words[verb + 1 :]]
+        for auxiliary in self.language.data["auxiliaries"] if at < len(words) else ():
+            yield [*words[:at], auxiliary, *words[at:]]
 
     def _ungreeted(self, words: list[str]) -> Iterator[list[str]]:
         """The words after a greeting: `good morning, who are you?`; then the greeting, where they are but a name."""

@@ -47,14 +47,13 @@ class Language(LanguageTexts):
         self.statement, self.wish = Phrases(data["statement"], parts), Phrases(data["wish"], parts)
         self.argument = Phrases(data["argument"], parts)
         self.with_values = Phrases([data["with_values"]], parts)
-        self.polite = Phrases(data["polite"], parts)
-        self.indirect = Phrases(data["indirect"], parts)
+        self.polite, self.indirect = Phrases(data["polite"], parts), Phrases(data["indirect"], parts)
 
     def vocabulary(self) -> frozenset[str]:
         """Every word of the grammar: what a misspelled word may be meant as."""
         alone = (
             self.yes, self.no, self.quiet, self.withdraw, self.again, self.start, self.correction, self.other,
-            self.rejected, self.polite,
+            self.rejected, self.polite, self.indirect,
         )  # fmt: skip
         every = (*self.orders.values(), *self.questions.values(), *alone)
         around = (word for name in ("fillers", "lead", "tail") for each in self.data[name] for word in each.split())
@@ -72,14 +71,6 @@ class Language(LanguageTexts):
                 begun, _, end = form.partition("…")
                 return [*begun.split(), *rest, *end.split()]
         return list(words)
-
-    def inverted(self, words: Sequence[str]) -> list[str]:
-        """An indirect question as one of its own: `where are you` of `where you are`."""
-        inversions: Mapping[str, str] = self.data["inversions"]
-        at = next((at for at in range(1, len(words)) if " ".join(words[at : at + 2]) in inversions), None)
-        if at is None:
-            return list(words)
-        return [*words[:at], *inversions[" ".join(words[at : at + 2])].split(), *words[at + 2 :]]
 
     def own_phrases(self, phrases: Iterable[str]) -> Phrases:
         """Phrases of a robot's profile: each word as a sentence has it once it is read, in lower case and written out.

@@ -15,6 +15,7 @@ from rai_missions.conversation import KeyView, MissionView, StatusView
 from rai_missions.conversation.grammar import STOP, Grammar
 from rai_missions.conversation.language import language, languages
 from rai_missions.conversation.phrases import Phrases, example_of
+from rai_missions.conversation.senses import Sense
 from rai_missions.conversation.start_phrases import StartPhrase, StartPhrases
 from rai_missions.engine.decision import Offer, Question
 from rai_missions.errors import UsageError
@@ -175,3 +176,24 @@ def test_a_value_that_an_argument_has_not_is_a_fault_and_no_other_sentence_is_tr
     assert [each.name for each in grammar.senses("wait, some seconds are missing", view)] == ["pause"]
     assert grammar.senses("find the cup in the attic", VIEW) == (), "of a mission that takes no such argument"
     assert [grammar.senses(each, view) for each in STORED["stops"]["en"]] == [(STOP,)] * len(STORED["stops"]["en"])
+
+
+INDIRECT = {
+    "en": ("where are you", "where you are", "pause the mission"),
+    "de": ("wo bist du", "wo du bist", "pausiere die mission"),
+}
+
+
+@pytest.mark.parametrize("code", languages())
+def test_a_question_in_another_or_with_a_tag_is_that_question_and_nothing_else_is_one(code: str) -> None:
+    direct, clause, other = INDIRECT[code]
+    grammar, forms = Grammar(language(code)), language(code).data["indirect"]
+    asked = {
+        form: grammar.senses(example_of(form.replace("{question}", direct).replace("{clause}", clause)), VIEW)
+        for form in forms
+    }
+    none = {
+        form: grammar.senses(example_of(form.replace("{clause}", other)), VIEW) for form in forms if "{clause}" in form
+    }
+    assert {form: senses for form, senses in asked.items() if senses != (Sense("question", "where"),)} == {}
+    assert {form: senses for form, senses in none.items() if any(each.kind == "order" for each in senses)} == {}
