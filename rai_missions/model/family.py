@@ -6,9 +6,9 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 from functools import cache
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Self, TypeVar
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, TypeVar
 
-from pydantic import model_validator
+from pydantic import GetCoreSchemaHandler
 from pydantic_core import core_schema
 
 from rai_missions.errors import UsageError, suggestion
@@ -54,18 +54,11 @@ class TaggedModel(MissionModel):
         else:
             cls.foreign.add(cls)
 
-    @model_validator(mode="after")
-    def _is_usable(self) -> Self:
-        """Code of another package that raises, or makes what is of no use, is at fault where it is named."""
-        if type(self) in self.foreign:
-            try:
-                why = self.why_unusable()
-            except Exception as error:  # noqa: BLE001 - it may raise anything
-                why = f"{type(error).__name__}: {first_line(error)}"
-            if why:
-                whose = self.offer(self.word) or f"the {self.family} '{self.word}'"
-                raise fault("package", f"{whose} cannot be used: {why}")
-        return self
+    @classmethod
+    def __get_pydantic_core_schema__(cls, source: Any, handler: GetCoreSchemaHandler) -> core_schema.CoreSchema:
+        made = handler(source)
+        is_foreign = cls in getattr(cls, "foreign", ())  # the format's own need no look
+        return core_schema.no_info_after_validator_function(_usable, made) if is_foreign else made
 
     def why_unusable(self) -> str:
         """Why what a kind of another package makes of its fields is of no use; empty where it is."""
@@ -139,6 +132,18 @@ class TaggedModel(MissionModel):
         kind = cls.kind(cls.choose(data))
         assert kind is not None
         return kind.model_validate(data)
+
+
+def _usable(made: TaggedModel) -> TaggedModel:
+    """Code of another package that raises, or makes what is of no use, is at fault where it is named."""
+    try:
+        why = made.why_unusable()
+    except Exception as error:  # noqa: BLE001 - it may raise anything
+        why = f"{type(error).__name__}: {first_line(error)}"
+    if why:
+        whose = made.offer(made.word) or f"the {made.family} '{made.word}'"
+        raise fault("package", f"{whose} cannot be used: {why}")
+    return made
 
 
 @cache
