@@ -9,9 +9,9 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 from rai_missions.connectors.python_robot import PythonRobot
-from rai_missions.errors import DefinitionError, UsageError
+from rai_missions.errors import UsageError
 from rai_missions.mission.mission import Mission
-from rai_missions.profile import Robot, RobotProgram, is_program, lacking_functions, profile_of, read_program
+from rai_missions.profile import Robot, RobotProgram, check_functions, is_program, profile_of, read_program
 from rai_missions.profile.python_robot import KIND
 from rai_missions.redaction import shown
 
@@ -55,6 +55,5 @@ def open_python_robot(given: Any, mission: Mission, before: Robot | None = None)
     robot = program.robot() if program is not None else given
     source = str(program.file) if program is not None else robot.name
     known = before.blackboard if before is not None else ()
-    if faults := lacking_functions(robot, mission, known=known):
-        raise DefinitionError(faults, source)
+    check_functions(robot, mission, source, known=known)
     return ChosenRobot(robot, profile_of(robot, mission, program, known=known))

@@ -7,7 +7,7 @@ Rule: the word to stop comes first, whatever else it could be; it needs no quest
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from itertools import groupby
 
 from rai_missions.conversation.arguments import BadValue, read_arguments
@@ -88,19 +88,15 @@ class Grammar:
         if len(parts) < 2:
             found = several or whole
         else:
-            found = self._in_parts(parts, view, draft) or tuple(filter(self._within_one(parts), whole))
+            found = self._in_parts(parts, view, draft) or tuple(each for each in whole if self._is_within(each, parts))
         return (self._pause_at_first(text, edges) if _is_fault(found or FAULT) else ()) or found
 
-    def _within_one(self, parts: Sequence[str]) -> Callable[[Sense], bool]:
+    def _is_within(self, sense: Sense, parts: Sequence[str]) -> bool:
         """Whether each text that a sense has is in one sentence: not the thing of `Find the cup. I am here`."""
         texts = [" ".join(self.language.normaliser.words(part)) for part in parts]
-
-        def holds(sense: Sense) -> bool:
-            values = (sense.arguments.get(name) for name in sense.named if not self._phrases.choices(name))
-            open_texts = (value for value in (*values, sense.thing) if isinstance(value, str))
-            return all(any(value in text for text in texts) for value in open_texts)
-
-        return holds
+        values = (sense.arguments.get(name) for name in sense.named if not self._phrases.choices(name))
+        open_texts = (value for value in (*values, sense.thing) if isinstance(value, str))
+        return all(any(value in text for text in texts) for value in open_texts)
 
     def _pause_at_first(self, text: str, edges: Sequence[list[str]]) -> tuple[Sense, ...]:
         """A pause as the first clause of other talk: `wait, I am coming`; none where something is asked."""

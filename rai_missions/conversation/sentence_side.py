@@ -162,16 +162,19 @@ class SentenceSide:
             utterance: The sentence.
             faults: What the whole means, with values that do not fit; an order must have one for each.
         """
-        view, settings = self._talk.view, self._talk.settings
-        if settings.has_model or utterance.is_spoken or self._orders.pending is not None:
+        if self._talk.settings.has_model or utterance.is_spoken or self._orders.pending is not None:
             return ()
-        sense = self._suggestions.suggested(cut(utterance.text, 10_000), view)
+        sense = self._suggestions.suggested(cut(utterance.text, 10_000), self._talk.view)
         if sense is None or any(not each.lacks or set(each.lacks) - sense.arguments.keys() for each in faults):
             return ()
-        if sense.kind != "order":
-            return (sense,)
-        is_possible = is_request(sense, view) or not why_not_now(sense, view, self._talk.language)
-        return (sense,) if is_possible and may(utterance.role, sense.name, settings) else ()
+        return (sense,) if sense.kind != "order" or self._is_possible(sense, utterance) else ()
+
+    def _is_possible(self, sense: Sense, utterance: Utterance) -> bool:
+        """Whether it is an order that the speaker's role may give, and that is possible now or after this run."""
+        view = self._talk.view
+        if sense.kind != "order" or not may(utterance.role, sense.name, self._talk.settings):
+            return False
+        return is_request(sense, view) or not why_not_now(sense, view, self._talk.language)
 
     def _answer_nothing(self, utterance: Utterance, number: int) -> Handling:
         if self._talk.ends_with_model(utterance.channel):
@@ -181,15 +184,10 @@ class SentenceSide:
 
     def _chosen(self, senses: Sequence[Sense], utterance: Utterance, number: int) -> Sense | None:
         """The one sense that is meant; None where the person must decide, and is asked."""
-        view, language, settings = self._talk.view, self._talk.language, self._talk.settings
+        language = self._talk.language
         if len(senses) == 1:
             return senses[0]
-        possible = [
-            sense
-            for sense in senses
-            if sense.kind == "order" and may(utterance.role, sense.name, settings)
-            and (not why_not_now(sense, view, language) or is_request(sense, view))
-        ]  # fmt: skip
+        possible = [sense for sense in senses if self._is_possible(sense, utterance)]
         if len(possible) < 2:
             return possible[0] if possible else senses[0]
         choices = language.listed([self._choice(sense) for sense in possible], "or")

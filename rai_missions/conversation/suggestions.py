@@ -56,24 +56,25 @@ class Suggestions:
             senses = self._grammar.sentence(words, view) or self._bidden(words, text, view)
             if any(sense.kind in REPLIES or sense == STOP for sense in senses):
                 return None
-            order = self._order(senses) or self._order(self._resolved(words, clauses[:at], senses, view))
+            order = _order(senses) or _order(self._resolved(words, clauses[:at], senses, view))
             if order is not None:
                 orders[order.identity] = order._replace(is_partial=True)
             elif senses and senses[0].kind in ("question", "fault") and senses[0].name not in ALWAYS:
                 others.append(senses[0])
         if orders:
             return next(iter(orders.values())) if len(orders) == 1 else None
-        return next(iter(sorted(others, key=lambda sense: sense.kind == "fault")), None)
+        return min(others, key=lambda sense: sense.kind == "fault", default=None)
 
     def _clauses(self, text: str) -> Iterator[list[str]]:
         """The words of each clause: what is between commas, and around the words that join clauses."""
         for clause in self._language.normaliser.clauses(text):
             part = list[str]()
             for word in self._language.normaliser.words(clause):
-                if word in self._joints and part:
+                if word not in self._joints:
+                    part.append(word)
+                elif part:
                     yield part
                     part = []
-                part += [] if word in self._joints else [word]
             if part and " ".join(part) not in self._openings:
                 yield part
 
@@ -82,11 +83,6 @@ class Suggestions:
         first, *rest = self._language.normaliser.spoken(words) or [""]
         is_bidden = first in self._addressed and not text.rstrip().endswith("?")
         return self._grammar.sentence(rest, view) if is_bidden else ()
-
-    def _order(self, senses: Sequence[Sense]) -> Sense | None:
-        """What a clause orders, where it can mean nothing else; an answer is none, for it needs its question."""
-        (sense, *others) = senses or (Sense("fault"),)
-        return sense if not others and sense.kind == "order" and sense.name != "answer" else None
 
     def _resolved(
         self, words: list[str], before: Sequence[list[str]], senses: Sequence[Sense], view: StatusView
@@ -98,7 +94,7 @@ class Suggestions:
         (at,) = places
         things = (thing for clause in reversed(before) for thing in self._things(clause))
         read = (self._grammar.sentence([*words[:at], *thing, *words[at + 1 :]], view) for thing in things)
-        return next((found for found in read if self._order(found) is not None), ())
+        return next((found for found in read if _order(found) is not None), ())
 
     def _things(self, words: list[str]) -> Iterator[list[str]]:
         """The names of things, the last first: each article with the words behind it, up to one that names nothing."""
@@ -108,3 +104,9 @@ class Suggestions:
                 size = next((place for place, word in enumerate(rest) if word in self._ends), len(rest))
                 if size:
                     yield words[at : at + 1 + size]
+
+
+def _order(senses: Sequence[Sense]) -> Sense | None:
+    """What a clause orders, where it can mean nothing else; an answer is none, for it needs its question."""
+    is_order = len(senses) == 1 and senses[0].kind == "order" and senses[0].name != "answer"
+    return senses[0] if is_order else None

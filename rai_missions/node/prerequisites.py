@@ -16,7 +16,7 @@ from rai_missions.connectors.python_robot import PythonRobot
 from rai_missions.engine.decision import Question
 from rai_missions.errors import DefinitionError, MissionError, UsageError
 from rai_missions.mission.mission import Mission
-from rai_missions.profile import Robot, RobotProgram, lacking_functions, missing
+from rai_missions.profile import Robot, RobotProgram, check_functions, missing
 
 __all__ = ("Clients", "about", "readied")
 
@@ -78,8 +78,7 @@ def _cover(given: PythonRobot | RobotProgram, mission: Mission) -> None:
         DefinitionError: It lacks some: every name at once.
     """
     robot, source = (given.ready(), str(given.file)) if isinstance(given, RobotProgram) else (given, given.name)
-    if lacks := lacking_functions(robot, mission):
-        raise DefinitionError(lacks, source)
+    check_functions(robot, mission, source)
 
 
 def _writable(folder: Path) -> None:

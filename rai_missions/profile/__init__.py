@@ -12,7 +12,7 @@ from rai_missions.profile.files import dump_profile, identity_folder, is_program
 from rai_missions.profile.message_fields import absent_field, unknown_fields, why_unreadable
 from rai_missions.profile.message_types import lacking
 from rai_missions.profile.profile import Robot, Rule, terms
-from rai_missions.profile.python_robot import RobotProgram, lacking_functions, profile_of, read_program
+from rai_missions.profile.python_robot import RobotProgram, check_functions, profile_of, read_program
 from rai_missions.profile.robot_names import RobotEntry, misnamed, wanted
 from rai_missions.profile.sources import EventSource, Source
 
@@ -32,12 +32,12 @@ __all__ = (
     "TopicEntry",
     "absent_field",
     "actions_of",
+    "check_functions",
     "commanded_names",
     "dump_profile",
     "identity_folder",
     "is_program",
     "lacking",
-    "lacking_functions",
     "load_profile",
     "misnamed",
     "missing",

@@ -26,7 +26,7 @@ from rai_missions.profile.profile import Robot
 from rai_missions.redaction import shown
 from rai_missions.validation_errors import validated
 
-__all__ = ("KIND", "RobotProgram", "lacking_functions", "profile_of", "read_program", "same_file")
+__all__ = ("KIND", "RobotProgram", "check_functions", "profile_of", "read_program", "same_file")
 
 KIND = "python"
 """The kind of its connector; a run opens it for a program that was named, and for nothing else."""
@@ -148,10 +148,21 @@ def profile_of(
     return _profile(robot, mission, facts, {"kind": KIND, **origin})
 
 
-def lacking_functions(robot: PythonRobot, mission: Mission, *, known: Iterable[str] = ()) -> tuple[Fault, ...]:
-    """What a mission uses and the robot has no function for; `known` as for `profile_of`."""
+def check_functions(robot: PythonRobot, mission: Mission, source: str, *, known: Iterable[str] = ()) -> None:
+    """Check that a robot in Python has a function for all that a mission uses.
+
+    Args:
+        robot: The robot.
+        mission: What is to run on it.
+        source: Its file or name, for the faults.
+        known: Keys that it has brought in an earlier process.
+
+    Raises:
+        DefinitionError: It lacks some: every name at once.
+    """
     facts = {name: {"topic": FACTS + name, "field": "value"} for name in _facts(robot, mission, known)}
-    return missing(mission, _profile(robot, mission, facts, {"kind": KIND}), remedies=REMEDIES)
+    if faults := missing(mission, _profile(robot, mission, facts, {"kind": KIND}), remedies=REMEDIES):
+        raise DefinitionError(faults, source)
 
 
 REMEDIES: Mapping[str, str] = {

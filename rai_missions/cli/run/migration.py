@@ -58,7 +58,7 @@ def _robot_of_now(options: RunOptions, mission: Mission) -> tuple[Robot | None, 
         DefinitionError: It is at fault, or lacks what the mission uses.
         UsageError: None is named, and the run's was in Python.
     """
-    from rai_missions.profile import is_program, lacking_functions, load_profile, profile_of, read_program
+    from rai_missions.profile import check_functions, is_program, load_profile, profile_of, read_program
     from rai_missions.profile.python_robot import KIND
     from rai_missions.replay.rebuild import robot_of
 
@@ -72,8 +72,7 @@ def _robot_of_now(options: RunOptions, mission: Mission) -> tuple[Robot | None, 
     program = read_program(options.robot)
     same = before is not None and before.connector.get("sha256") == program.sha256
     robot, known = program.ready(), (before.blackboard if before is not None and same else ())
-    if faults := lacking_functions(robot, mission, known=known):
-        raise DefinitionError(faults, options.robot)
+    check_functions(robot, mission, options.robot, known=known)
     return profile_of(robot, mission, program, known=known), program
 
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, TypeAlias
 
 from rai_missions.model import AnyOf, TaggedModel, Text
 from rai_missions.states.decision import DecisionSpec, Option
+from rai_missions.states.state import TREE
 
 if TYPE_CHECKING:
     from rai_missions.states.tree.behaviour import BehaviourLeaf
@@ -15,7 +16,7 @@ if TYPE_CHECKING:
 __all__ = ("Decorator", "TreeNode", "TreeNodes", "depth")
 
 
-class TreeNode(TaggedModel, family="tree node"):
+class TreeNode(TaggedModel, family=TREE):
     """A node of a tree."""
 
     limits: ClassVar[bool] = False
