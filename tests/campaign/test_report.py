@@ -353,8 +353,27 @@ def test_what_cannot_be_written_is_refused_with_its_place(results: Path, tmp_pat
         write_report(results, tmp_path / "no" / "such.html")
     with pytest.raises(UsageError, match=r"name it \.html"):
         write_report(results, tmp_path / "report.md")
+    (tmp_path / "notes.txt").write_text("my notes")
+    with pytest.raises(UsageError, match=r"notes\.txt'; name it \.html"):
+        write_report(results, tmp_path / "notes.txt")
+    assert (tmp_path / "notes.txt").read_text() == "my notes"
     with pytest.raises(UsageError, match="no results"):
         write_report(tmp_path / "none.db", tmp_path / "a.html")
+
+
+@pytest.mark.parametrize("ending", [".html", ".md", ".csv"])
+def test_a_report_replaces_an_earlier_one_and_no_other_file(results: Path, tmp_path: Path, ending: str) -> None:
+    page = tmp_path / "README.html"
+    assert write_report(results, page) == write_report(results, page)
+    other = page.with_suffix(ending)
+    other.write_text("# Notes\n")
+    with pytest.raises(UsageError, match=re.escape(f"{other} is no report, and stays as it is; name another")):
+        write_report(results, page)
+    assert other.read_text() == "# Notes\n"
+    other.unlink()
+    other.mkdir()
+    with pytest.raises(UsageError, match=re.escape(f"{other} is a folder, and stays as it is")):
+        write_report(results, page)
 
 
 @pytest.mark.drill

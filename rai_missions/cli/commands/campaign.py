@@ -125,10 +125,13 @@ def _run(options: CampaignOptions) -> int:
 
     from rai_missions.campaign.run import run_campaign
     from rai_missions.campaign.store import ResultStore
+    from rai_missions.cli.campaign_report import report_files
     from rai_missions.cli.long_work import LongWork
     from rai_missions.errors import counted
 
     loaded, settings, open_pool = _loaded(options), _settings(options), _pool(options)
+    if options.report is not None:
+        report_files(options.report)  # what cannot be written is known before anyone is asked
     path = Path(options.store or f"{loaded.file.name}.db")
     shown = ["the campaign begins"]
 
