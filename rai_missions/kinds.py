@@ -17,11 +17,12 @@ from pkgutil import iter_modules
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from rai_missions.errors import MissionError, UsageError, in_words
+from rai_missions.redaction import shown
 
 if TYPE_CHECKING:
     from importlib.metadata import Distribution
 
-__all__ = ("PackageOffer", "lacking", "load_kinds", "named", "offered", "offers")
+__all__ = ("PackageOffer", "known_names", "lacking", "load_kinds", "named", "offered", "offers")
 
 OURS = "rai-missions"
 
@@ -45,6 +46,18 @@ class PackageOffer(NamedTuple):
 
     def __str__(self) -> str:
         return f"the {_sort(self.group)} '{self.name}' of {self.package} {self.version}"
+
+    def keeping(self, protocol: type[Any], made: Any) -> Any:
+        """What it opened, which has every member of its protocol.
+
+        Raises:
+            UsageError: One is missing; with name and package.
+        """
+        members = (*protocol.__annotations__, *(each for each in vars(protocol) if not each.startswith("_")))
+        if absent := next((each for each in members if not hasattr(made, each)), ""):
+            sort = _sort(self.group)
+            raise UsageError(f"{self} opens {shown(made)}, which is no {sort}: it lacks '{absent}'")
+        return made
 
     def load(self) -> Any:
         """What is offered.
@@ -103,6 +116,11 @@ def offered(group: str, name: str, ours: Mapping[str, str]) -> PackageOffer | No
 def offers(group: str) -> tuple[PackageOffer, ...]:
     """What installed packages offer in a group; nothing of it is loaded."""
     return tuple(each for each in _offers(_places()) if each.group == group)
+
+
+def known_names(group: str, ours: Iterable[str]) -> tuple[str, ...]:
+    """The names that a file or an option may give, this package's own and those of installed ones; none is loaded."""
+    return tuple(sorted({*ours, *(each.name for each in offers(group))}))
 
 
 def _places() -> tuple[str, ...]:

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 
 from rai_missions.engine.step import Step
 from rai_missions.errors import UsageError
-from rai_missions.kinds import PackageOffer, offered
+from rai_missions.kinds import PackageOffer, known_names, offered
 from rai_missions.mission.files import write_atomically
 from rai_missions.mission.mission import Mission
 from rai_missions.redaction import shown
@@ -40,6 +40,8 @@ FORMATS: Mapping[str, Callable[[Picture], bytes]] = {
     "md": lambda given: table(given).encode(),
 }
 """A file's ending → the bytes of a picture."""
+EXPORTERS = "rai_missions.exporters"
+"""Entry points of other packages: ending → what makes the bytes."""
 PAGE = "html"
 """The ending of the review page, which is made of more than a picture."""
 COMPARED = (PAGE, "md", "json", *(form for form in FORMATS if form != "md"))
@@ -58,9 +60,7 @@ def drawn(given: Picture, form: str) -> bytes:
     """
     writer = _writer(form.removeprefix(".").lower())
     if writer is None:
-        raise UsageError(
-            f"pictures are not drawn as '{form}'; the endings are {', '.join(f'.{each}' for each in FORMATS)}"
-        )
+        raise UsageError(f"pictures are not drawn as '{form}'; the endings are {_listed(FORMATS)}")
     return writer(given)
 
 
@@ -68,7 +68,7 @@ def _writer(form: str) -> Callable[[Picture], bytes] | None:
     """What makes the bytes of a picture: ours, or an installed package's; None where there is none for an ending."""
     if form in FORMATS:
         return FORMATS[form]
-    offer = offered("rai_missions.exporters", form, {}) if form and form not in (PAGE, *COMPARED) else None
+    offer = offered(EXPORTERS, form, {}) if form and form not in (PAGE, *COMPARED) else None
     return None if offer is None else partial(_exported, offer)
 
 
@@ -173,8 +173,14 @@ def check_ending(path: str | os.PathLike[str], endings: Iterable[str] = (*FORMAT
     """
     ending, endings = _ending(path), tuple(endings)
     if ending not in endings and (FORMATS.keys().isdisjoint(endings) or _writer(ending) is None):
-        listed = ", ".join(f".{each}" for each in endings)
-        raise UsageError(f"'{path}' does not end in a form of picture; the endings are {listed}")
+        raise UsageError(f"'{path}' does not end in a form of picture; the endings are {_listed(endings)}")
+
+
+def _listed(endings: Iterable[str]) -> str:
+    """The endings that there are; with those of pictures also what installed packages make."""
+    endings = tuple(endings)
+    more = () if FORMATS.keys().isdisjoint(endings) else known_names(EXPORTERS, ())
+    return ", ".join(f".{each}" for each in dict.fromkeys((*endings, *more)))
 
 
 def _write(path: str | os.PathLike[str], endings: Iterable[str], made: Callable[[str], bytes]) -> Path:

@@ -11,18 +11,18 @@ from typing import Any
 
 from rai_missions.connectors.connector import Connector
 from rai_missions.errors import UsageError, suggestion
-from rai_missions.kinds import PackageOffer, offered
-from rai_missions.redaction import shown
+from rai_missions.kinds import PackageOffer, known_names, offered
 
-__all__ = ("CONNECTORS", "IN_PROCESS", "check_connector", "check_options", "connector_offer", "open_offered")
+__all__ = (
+    "CONNECTORS", "IN_PROCESS", "check_connector", "check_options", "connector_names", "connector_offer",
+    "open_offered",
+)  # fmt: skip
 
+GROUP = "rai_missions.connectors"
 CONNECTORS: Mapping[str, str] = {"ros2": "rai_missions.connectors.ros2", "mqtt": "rai_missions.connectors.mqtt"}
 """Ours: kind → the module that opens it."""
 IN_PROCESS = ("local", "python")
 """Kinds that a run opens itself: a simulated world with nothing around it, and a robot in Python that was named."""
-
-NEEDED = (*Connector.__annotations__, *(each for each in vars(Connector) if not each.startswith("_")))
-"""What every connector has."""
 
 
 def connector_offer(kind: str) -> PackageOffer | None:
@@ -34,7 +34,12 @@ def connector_offer(kind: str) -> PackageOffer | None:
     Raises:
         UsageError: Two packages do.
     """
-    return None if kind in IN_PROCESS else offered("rai_missions.connectors", kind, CONNECTORS)
+    return None if kind in IN_PROCESS else offered(GROUP, kind, CONNECTORS)
+
+
+def connector_names() -> tuple[str, ...]:
+    """The kinds that a profile may name."""
+    return known_names(GROUP, ("local", *CONNECTORS))
 
 
 def check_connector(kind: str) -> PackageOffer | None:
@@ -45,7 +50,7 @@ def check_connector(kind: str) -> PackageOffer | None:
     """
     offer = connector_offer(kind)
     if offer is None and kind not in IN_PROCESS:
-        raise UsageError(f"no connector of kind '{kind}'{suggestion(kind, ('local', *CONNECTORS))}")
+        raise UsageError(f"no connector of kind '{kind}'{suggestion(kind, connector_names())}")
     return offer
 
 
@@ -76,7 +81,5 @@ def open_offered(
             understood.
     """
     with offer.opening():
-        connector: Connector = offer.load().open_connector(options, now=now)
-    if absent := next((each for each in NEEDED if not hasattr(connector, each)), ""):
-        raise UsageError(f"{offer} opens {shown(connector)}, which is no connector: it lacks '{absent}'")
+        connector: Connector = offer.keeping(Connector, offer.load().open_connector(options, now=now))
     return connector

@@ -12,7 +12,7 @@ from pydantic import GetCoreSchemaHandler
 from pydantic_core import core_schema
 
 from rai_missions.errors import UsageError, suggestion
-from rai_missions.kinds import PackageOffer, offered
+from rai_missions.kinds import PackageOffer, known_names, offered
 from rai_missions.model.fields import NAME, fault
 from rai_missions.model.mission_model import MissionModel
 from rai_missions.redaction import first_line, shown
@@ -107,15 +107,20 @@ class TaggedModel(MissionModel):
             return given[0]
         if not given and "" in cls.kinds:
             return ""
-        known = ", ".join(word for word in cls.kinds if word)
         if given:
             raise fault("kinds", f"a {cls.family} is one thing, this is {len(given)}: {', '.join(given)}; keep one")
         unknown = next((str(word) for word in data), "")
         if meant := next((cls.meant[word] for word in map(str, data) if word in cls.meant), ""):
             raise fault("kind", f"no {cls.family} is written {sorted(map(str, data))}; did you mean '{meant}'?")
-        near = suggestion(unknown, cls.kinds) if unknown else f"; there is: {known}"
+        known = cls.known_kinds()
+        near = suggestion(unknown, known) if unknown else f"; there is: {', '.join(known)}"
         like = "" if near.endswith("?") else cls.remedy(data)
         raise fault("kind", f"no {cls.family} is written {sorted(map(str, data))}{near}{like}")
+
+    @classmethod
+    def known_kinds(cls) -> tuple[str, ...]:
+        """The words of its kinds, the format's own and those of installed packages; none of these is loaded."""
+        return known_names(cls.group, filter(None, cls.kinds))
 
     @classmethod
     def remedy(cls, data: Any) -> str:

@@ -224,7 +224,7 @@ class State(TaggedModel, family="state", group="rai_missions.activities", word="
             raise fault("kinds", f"a state is one thing, this is {len(given)}: {', '.join(given)}; nest or split it")
         if not given:
             for word in unknown:
-                known = {*cls.kinds, *cls.known_words()} - {""}  # a plain state has no word
+                known = {*cls.known_kinds(), *cls.known_words()}
                 near = f"; did you mean '{cls.meant[word]}'?" if word in cls.meant else suggestion(word, known)
                 raise fault("kind", f"a state has no '{word}'{near}")
         return given[0] if given else ""

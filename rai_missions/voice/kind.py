@@ -11,7 +11,7 @@ from types import MappingProxyType
 from typing import Any, Literal, NamedTuple, Protocol
 
 from rai_missions.errors import UsageError, suggestion
-from rai_missions.kinds import PackageOffer, offered
+from rai_missions.kinds import PackageOffer, known_names, offered
 
 __all__ = (
     "RECOGNISERS", "SHORT_S", "VOICES", "EarReading", "FrameReader", "Reading", "Recogniser", "SpeechSort", "Voice",
@@ -86,6 +86,7 @@ VOICES: Mapping[str, str] = {
     "kokoro": "rai_missions.voice.voices.kokoro:open_voice",
 }
 EARS: Mapping[str, str] = {"ear": "rai_missions.voice.ear:open_ear"}
+PROTOCOLS: Mapping[SpeechSort, type[Any]] = {"recogniser": Recogniser, "voice": Voice, "ear": FrameReader}
 OURS: Mapping[SpeechSort, Mapping[str, str]] = {"recogniser": RECOGNISERS, "voice": VOICES, "ear": EARS}
 
 
@@ -95,9 +96,10 @@ def known(sort: SpeechSort, name: str) -> PackageOffer:
     Raises:
         UsageError: No package offers it, or two do.
     """
-    offer = offered(f"rai_missions.{sort}s", name, OURS[sort])
+    group = f"rai_missions.{sort}s"
+    offer = offered(group, name, OURS[sort])
     if offer is None:
-        raise UsageError(f"no {sort} '{name}' is known{suggestion(name, OURS[sort])}")
+        raise UsageError(f"no {sort} '{name}' is known{suggestion(name, known_names(group, OURS[sort]))}")
     return offer
 
 
@@ -105,9 +107,12 @@ def opened(sort: SpeechSort, name: str, options: Mapping[str, Any]) -> Any:
     """A recogniser, a voice or an ear, ready; in the process that is to hold it.
 
     Raises:
-        UsageError: No package offers it, two do, it does not load, or an option is none of its own.
+        UsageError: No package offers it, two do, it does not load, an option is none of its own, or what it opens
+            lacks a method.
     """
+    offer = known(sort, name)
     try:
-        return known(sort, name).load()(**options)
+        held = offer.load()(**options)
     except TypeError as error:
         raise UsageError(f"the {sort} '{name}' does not open with {dict(options)} ({error})") from error
+    return offer.keeping(PROTOCOLS[sort], held)

@@ -18,7 +18,7 @@ from typing import Any, Protocol, Union, get_args, get_origin, get_type_hints
 
 from rai_missions.connectors.connector import Connector
 from rai_missions.errors import UsageError, install_command, suggestion
-from rai_missions.kinds import PackageOffer, offered
+from rai_missions.kinds import PackageOffer, known_names, offered
 from rai_missions.worlds.options import check_names
 
 __all__ = (
@@ -30,9 +30,11 @@ __all__ = (
     "load_world",
     "open_world",
     "put_on",
+    "world_names",
     "world_offer",
 )
 
+GROUP = "rai_missions.worlds"
 WORLDS: Mapping[str, str] = {
     "desk": "rai_missions.worlds.desk:Desk",
     "house": "rai_missions.worlds.house:House",
@@ -76,7 +78,12 @@ def world_offer(name: str) -> PackageOffer | None:
     Raises:
         UsageError: Two packages do.
     """
-    return offered("rai_missions.worlds", name, WORLDS)
+    return offered(GROUP, name, WORLDS)
+
+
+def world_names() -> tuple[str, ...]:
+    """The worlds that may be named."""
+    return known_names(GROUP, WORLDS)
 
 
 def check_world(name: str) -> PackageOffer:
@@ -87,7 +94,7 @@ def check_world(name: str) -> PackageOffer:
     """
     offer = world_offer(name)
     if offer is None:
-        raise UsageError(f"there is no world {name!r}{suggestion(name, sorted(WORLDS))}")
+        raise UsageError(f"there is no world {name!r}{suggestion(name, world_names())}")
     return offer
 
 
@@ -99,14 +106,14 @@ def open_world(name: str, **options: Any) -> World:
         options: What the world's class takes, such as `seed=7`.
 
     Raises:
-        UsageError: No such world or option, an option's value does not fit, or the packages that the world needs are
-            not installed.
+        UsageError: No such world or option, an option's value does not fit, the packages that the world needs are
+            not installed, or another package makes something else than a world.
     """
     offer = check_world(name)
     make = _checked(name, _class_of(name, offer), options)
     try:
         with _opening(name, offer):
-            made: World = make(**options)
+            made: World = offer.keeping(World, make(**options))
     except (ArithmeticError, AttributeError, LookupError, TypeError, ValueError) as error:
         raise UsageError(f"{_not_opened(name, options)}: {error}") from error
     return made

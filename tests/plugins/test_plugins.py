@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -16,10 +17,12 @@ from pathlib import Path
 from typing import Any, ClassVar
 
 import pytest
+from pydantic_core import PydanticCustomError
 
 from rai_missions.agents import run
 from rai_missions.check import check
 from rai_missions.cli.main import main
+from rai_missions.connectors.registry import check_connector
 from rai_missions.engine import Chart
 from rai_missions.engine.snapshot_json import packed, unpacked
 from rai_missions.errors import DefinitionError, UsageError
@@ -36,8 +39,10 @@ from rai_missions.profile import load_profile, parse_profile
 from rai_missions.profile import terms as facts_of
 from rai_missions.prove import prove
 from rai_missions.replay.replay import replay
+from rai_missions.states import State
 from rai_missions.testing import check_guard
 from rai_missions.validation_errors import validated
+from rai_missions.voice.kind import known
 from rai_missions.worlds import open_world
 from visualize import FORMATS, difference, draw, drawn, picture
 
@@ -195,11 +200,15 @@ def test_a_foreign_connector_that_cannot_be_opened_is_refused_by_name(tmp_path: 
     [
         ("def __init__(self): raise OSError('no licence')", "cannot be opened (OSError: no licence)"),
         ("def __init__(self): 1 / 0", "cannot be opened (ZeroDivisionError: division by zero)"),
-        ("def open(self, connector): raise RuntimeError('no room')", "cannot be opened (RuntimeError: no room)"),
+        (
+            "def step(self): ...\n    def open(self, connector): raise RuntimeError('no room')",
+            "cannot be opened (RuntimeError: no room)",
+        ),
+        ("def __repr__(self): return 'a moon'", "opens a moon, which is no world: it lacks 'step'"),
     ],
 )
 def test_a_foreign_world_that_cannot_be_opened_is_refused_by_name(tmp_path: Path, code: str, why: str) -> None:
-    world = f"class World:\n    at, period_s = 0.0, 0.1\n    def close(self): ...\n    {code}\n"
+    world = f"class World:\n    at, period_s, open, close = 0.0, 0.1, print, print\n    {code}\n"
     laid_out(tmp_path, "moon", "1.0", offers="[rai_missions.worlds]\nmoon = moon:World\n", code=world)
     sys.path.insert(0, str(tmp_path))
     try:
@@ -214,7 +223,7 @@ def test_a_foreign_world_that_cannot_be_opened_is_refused_by_name(tmp_path: Path
 def test_a_foreign_world_whose_clock_cannot_continue_refuses_a_resume_by_name(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    world = "class World:\n    at, period_s = 0.0, 0.1\n    def open(self, connector): ...\n    def close(self): ...\n"
+    world = "class World:\n    at, period_s, open, step, close = 0.0, 0.1, print, print, print\n"
     laid_out(tmp_path, "moon", "1.0", offers="[rai_missions.worlds]\nmoon = moon:World\n", code=world)
     sys.path.insert(0, str(tmp_path))
     try:
@@ -230,6 +239,29 @@ def test_a_foreign_world_whose_clock_cannot_continue_refuses_a_resume_by_name(
     finally:
         del sys.path[0]
         sys.modules.pop("moon", None)
+
+
+@pytest.mark.parametrize(
+    ("make", "named"),
+    [
+        (lambda: check_connector("tin_cn"), "did you mean 'tin_can'?"),
+        (lambda: check_connector("radio"), "there is: local, mqtt, ros2, tin_can"),
+        (lambda: open_world("grenhouse"), "did you mean 'greenhouse'?"),
+        (lambda: open_world("moon"), "there is: desk, greenhouse, house, orchard"),
+        (lambda: known("recogniser", "ear"), "there is: canary, pocketsphinx, whisper"),
+        (lambda: known("voice", "lark"), "there is: canary, espeak, flite, kokoro, piper"),
+        (lambda: Guard.read({"betwen": "humidity"}), "did you mean 'between'?"),
+        (lambda: State.read({"inspct": "fridge"}), "did you mean 'inspect'?"),
+        (lambda: draw(load(MISSION), "m.outlin"), ".md, .html, .outline"),
+    ],
+)
+def test_an_unknown_name_is_answered_with_what_installed_packages_bring(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, make: Callable[[], Any], named: str
+) -> None:
+    offers = "[rai_missions.recognisers]\ncanary = canary:ears\n[rai_missions.voices]\ncanary = canary:song\n"
+    monkeypatch.syspath_prepend(str(laid_out(tmp_path, "canary", "1.0", offers=offers, code="1 / 0")))
+    with pytest.raises((DefinitionError, UsageError, PydanticCustomError), match=re.escape(named)):
+        make()
 
 
 @pytest.mark.parametrize("options", [{"humid": 0.2}, {"humidity": "much"}])

@@ -34,6 +34,7 @@ class Hostile:
         from rai_missions.voice.kind import Reading
         return Reading(what)
 def open_recogniser(mood=""):
+    if mood == "mute": return 7
     if mood == "absent": raise ImportError("no such weights")
     return Hostile()
 """
@@ -132,6 +133,11 @@ def test_one_that_cannot_be_opened_is_absent_with_its_reason(package: None) -> N
     [
         ("whispr", {}, "no recogniser 'whispr' is known; did you mean 'whisper'?"),
         ("hostile", {"speed": 1}, "the recogniser 'hostile' does not open with {'speed': 1}"),
+        (
+            "hostile",
+            {"mood": "mute"},
+            "the recogniser 'hostile' of hostile-words 1.0 opens 7, which is no recogniser: it lacks 'transcribe'",
+        ),
     ],
 )
 def test_an_unknown_name_or_option_is_answered_with_what_there_is(
