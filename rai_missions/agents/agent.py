@@ -12,7 +12,9 @@ from typing import Literal, NamedTuple, Protocol, TypeGuard, runtime_checkable
 
 from rai_missions.connectors.connector import Connector
 
-__all__ = ("Agent", "AgentHealth", "HasConnectors", "ReportsHealth", "StopsSlowly", "reports_health")
+__all__ = (
+    "Agent", "AgentHealth", "HasConnectors", "ReportsHealth", "StopsSlowly", "reports_health", "why_no_agent",
+)  # fmt: skip
 
 NOTHING: Mapping[str, str] = {}
 
@@ -46,6 +48,16 @@ class Agent(Protocol):
 
         A stopped agent may be run again.
         """
+
+
+def why_no_agent(given: object) -> str:
+    """Why something cannot be run and stopped; empty where it can. No property of it is evaluated, if it has one."""
+    if isinstance(given, type):
+        return f"{given.__name__} is a class; give an agent of it, {given.__name__}(…)"
+    absent = [
+        name for name in ("run", "stop") if getattr_static(given, name, None) is None and not hasattr(given, name)
+    ]
+    return f"{type(given).__name__} has no '{absent[0]}'; an agent has run() and stop()" if absent else ""
 
 
 class ReportsHealth(Protocol):

@@ -13,11 +13,12 @@ import time
 from collections.abc import Mapping
 from typing import NoReturn
 
-from rai_missions.agents.agent import Agent, AgentHealth
+from rai_missions.agents.agent import Agent, AgentHealth, why_no_agent
 from rai_missions.agents.health import DIAGNOSTIC_ARRAY, DIAGNOSTICS, diagnostics_of
 from rai_missions.agents.watched_agent import WatchedAgent
 from rai_missions.connectors.connector import Connector
 from rai_missions.connectors.worker import Worker
+from rai_missions.errors import UsageError
 from rai_missions.redaction import logger
 from rai_missions.runtime.interrupts import on_signals
 
@@ -40,12 +41,17 @@ class AgentRunner:
         name: Of these agents together.
         start_s: How long an agent may take to begin.
         stop_s: How long one may take to end that states nothing of it.
+
+    Raises:
+        UsageError: Some are no agents; all of them are named.
     """
 
     def __init__(
         self, agents: Mapping[str, Agent], *, connector: Connector | None = None, name: str = "agents",
         start_s: float = 30.0, stop_s: float = 3.0,
     ) -> None:  # fmt: skip
+        if wrong := [f"'{each}': {why}" for each, agent in agents.items() if (why := why_no_agent(agent))]:
+            raise UsageError("; ".join(wrong))
         self._watched = [WatchedAgent(each, agent) for each, agent in agents.items()]
         self._connector, self._name, self._start_s, self._stop_s = connector, name, start_s, stop_s
         self._leaving, self._hurries, self._changed = threading.Event(), threading.Event(), threading.Event()

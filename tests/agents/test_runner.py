@@ -23,6 +23,7 @@ from rai_missions.agents.runner import AgentRunner
 from rai_missions.connectors.connector import Message
 from rai_missions.connectors.contract import Inbox
 from rai_missions.connectors.local import LocalConnector
+from rai_missions.errors import UsageError
 from rai_missions.mission.mission import Mission
 from rai_missions.testing import check_agent
 from tests.agents.test_mission import WAITING
@@ -302,6 +303,16 @@ class Unended:
     def run(self) -> None: ...
 
 
+class Wrapped:
+    """An agent that passes on all that it is asked."""
+
+    def __init__(self, agent: Agent) -> None:
+        self._agent = agent
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._agent, name)
+
+
 class Unwired(Unended):
     """An agent that hangs, and talks through nothing that can be stopped."""
 
@@ -311,15 +322,29 @@ class Unwired(Unended):
         threading.Event().wait()
 
 
-def test_what_is_no_agent_or_no_connector_is_named_and_holds_up_no_other(tmp_path: Path) -> None:
-    agents: dict[str, Any] = {"number": 5, "unended": Unended(), "unwired": Unwired()}
+def test_what_is_no_agent_is_refused_before_any_begins(tmp_path: Path) -> None:
+    first = Player("first", "plain", tmp_path / "lines")
+    wrong: dict[str, Any] = {"number": 5, "unended": Unended(), "class": Player}
+    with pytest.raises(UsageError) as caught:
+        AgentRunner({"first": first, **wrong})
+    assert str(caught.value) == (
+        "'number': int has no 'run'; an agent has run() and stop(); "
+        "'unended': Unended has no 'stop'; an agent has run() and stop(); "
+        "'class': Player is a class; give an agent of it, Player(…)"
+    )
+    wrapped: Any = Wrapped(first)
+    runner = AgentRunner({"wrapped": wrapped})
+    runner.run()
+    runner.stop()
+    assert runner.agents["wrapped"].state == "stopped"
+
+
+def test_what_is_no_connector_is_named_and_holds_up_no_other(tmp_path: Path) -> None:
     first = Player("first", "hangs", tmp_path / "lines")
-    runner = AgentRunner({"first": first, **agents}, stop_s=0.1)
+    runner = AgentRunner({"first": first, "unwired": Unwired()}, stop_s=0.1)
     runner.run()
     runner.stop()
     found = runner.agents
-    assert found["number"].why == "run raised AttributeError: 'int' object has no attribute 'run'"
-    assert found["unended"].why == "stop raised AttributeError: 'Unended' object has no attribute 'stop'"
     assert (found["unwired"].state, found["first"].state) == ("hangs", "hangs")
     assert not first.connectors["stage"].running, "it is cut off as well"
 
