@@ -52,6 +52,22 @@ def test_a_bad_document_is_named_and_the_others_are_built(folder: str, capsys: p
     assert "2 documents" in printed.out and Path(folder, "x.index").is_file()
 
 
+def test_a_build_names_all_that_a_run_with_this_identity_refuses(
+    folder: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    Path(folder, "description.md").unlink()
+    Path(folder, "portrait.png").write_text("no picture")
+    Path(folder, "a.urdf").write_text("<robot")
+    assert main(["whoami", "build", folder]) == 2
+    built = capsys.readouterr()
+    assert "1 document, 1 passage" in built.out and built.err.count("a.urdf") == 1
+    assert main(["whoami", "show", folder]) == 2
+    refused = [line.strip() for line in capsys.readouterr().err.splitlines() if "/" in line]
+    named = [line for line in built.err.splitlines() if line.startswith(folder)]
+    places = ("/a.urdf", "/portrait.png", "/description.md")
+    assert all(any(place in line for line in lines) for place in places for lines in (refused, named))
+
+
 @pytest.mark.parametrize("words", [["ask", "."], ["ask", ".", " "], ["build", ".", "Why?"]])
 def test_a_question_is_for_ask(folder: str, words: list[str], capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["whoami", *words]) == 2

@@ -59,17 +59,23 @@ def whoami(
 def _build(library: Library) -> int:
     import sys
 
-    from rai_missions.errors import counted
+    from rai_missions.embodiment import Identity
+    from rai_missions.errors import DefinitionError, Fault, counted
 
-    report = library.build()
-    for fault in report.faults:
+    report, faults = library.build(), tuple[Fault, ...]()
+    try:
+        Identity.read(library.folder)
+    except DefinitionError as error:
+        faults = error.faults
+    faults = tuple(dict.fromkeys((*report.faults, *faults)))
+    for fault in faults:
         print(f"{library.folder}: {fault}", file=sys.stderr)
     for name in report.read:
         print(f"read {name}")
     read = f"{counted(report.documents, 'document')}, {counted(report.passages, 'passage')}"
     print(f"{read}, {report.embedded} embedded now: {library.index}")
     _warn_of_words_alone(report.has_vectors)
-    return 2 if report.faults else 0
+    return 2 if faults else 0
 
 
 def _ask(library: Library, question: str, count: int) -> int:
