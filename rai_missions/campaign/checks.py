@@ -4,17 +4,20 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from pathlib import Path
 from typing import Any
 
+from rai_missions.campaign.embodiments import EMBODIMENTS
 from rai_missions.campaign.file import ANY_KIND, CONSTANT, OWN, CampaignFile
 from rai_missions.campaign.questions import CampaignSubject
 from rai_missions.errors import DefinitionError, Fault, UsageError, pointer, suggestion
+from rai_missions.mission.option_parameters import parameter_faults
 from rai_missions.redaction import shown
 from rai_missions.runtime.arguments import accepted
-from rai_missions.states.decision import DecisionSpec
+from rai_missions.states.decision import DecisionSpec, Option
 from rai_missions.worlds.world import WORLDS, check_local, check_world
 
-__all__ = ("faults_in", "scene_faults")
+__all__ = ("faults_at_work", "faults_in")
 
 
 def faults_in(file: CampaignFile, subject: CampaignSubject) -> Iterator[Fault]:
@@ -29,6 +32,10 @@ def faults_in(file: CampaignFile, subject: CampaignSubject) -> Iterator[Fault]:
     for at, model in enumerate(file.models):
         if why := _unfit(model, file, subject):
             yield Fault(pointer(("models", at)), why)
+    for at, embodiment in enumerate(file.embodiments):
+        if embodiment != EMBODIMENTS[0] and subject.identity is None:
+            sentence = f"'{embodiment}' shows the robot's identity, and its profile names none; add 'identity' there"
+            yield Fault(pointer(("embodiments", at)), sentence)
     yield from _of_rollouts(file, subject)
     kinds = {each.kind for each in file.scenes.given}
     for name, script in file.scripts.items():
@@ -70,8 +77,17 @@ def _of_world(file: CampaignFile) -> Iterator[Fault]:
             yield Fault("/labels", f"nothing tries options in the world {shown(world)}, but in: {known}; have rollouts")
 
 
-def scene_faults(file: CampaignFile) -> Iterator[Fault]:
-    """The faults of options from which scenes are built; each scene's world is made for it, in about 0.1 s."""
+def faults_at_work(file: CampaignFile, subject: CampaignSubject) -> Iterator[Fault]:
+    """What a run would find at work: scenes without a world, options that cannot be tried, weights that are not here.
+
+    Each scene's world is made for it, in about 0.1 s.
+    """
+    yield from _of_scenes(file)
+    yield from _of_tried(file, subject)
+    yield from _of_weights(file)
+
+
+def _of_scenes(file: CampaignFile) -> Iterator[Fault]:
     scenes = file.scenes
     built = [(f"/scenes/given/{number}/options", each.options) for number, each in enumerate(scenes.given)]
     for place, options in built or [("/scenes/options", {})]:
@@ -79,6 +95,33 @@ def scene_faults(file: CampaignFile) -> Iterator[Fault]:
             check_local({**scenes.options, **options, "world": scenes.world})
         except UsageError as error:
             yield Fault(place, str(error))
+
+
+def _of_tried(file: CampaignFile, subject: CampaignSubject) -> Iterator[Fault]:
+    for option, entry in (subject.spec.options if subject.spec is not None else {}).items():
+        given = file.rollouts.parameters.get(option)
+        if (given is not None or file.labels == "rollouts") and (why := _unfit_parameters(entry, given or {})):
+            yield Fault(pointer(("rollouts", "parameters", option)), why)
+
+
+def _unfit_parameters(option: Option, given: Mapping[str, Any]) -> str:
+    """Why an option cannot be tried with these parameters; empty where it can."""
+    if option.parameters is None:
+        return "the option takes no parameters; drop them" if given else ""
+    why = parameter_faults(option.parameters, given)
+    return f"the option is tried with these parameters, which do not fit: {why}" if why else ""
+
+
+def _of_weights(file: CampaignFile) -> Iterator[Fault]:
+    for at, model in enumerate(file.models):
+        provider, _, weights = model.partition(":")
+        if provider == "local" and weights:
+            from rai_missions.answerers.model.local_server import gguf  # few campaigns need it
+
+            try:
+                gguf(Path(weights).expanduser())
+            except UsageError as error:
+                yield Fault(pointer(("models", at)), str(error))
 
 
 def _of_rollouts(file: CampaignFile, subject: CampaignSubject) -> Iterator[Fault]:
@@ -116,6 +159,8 @@ def _unfit_answer(state: str, option: str, asking: Mapping[str, DecisionSpec]) -
 
 def _unfit(model: str, file: CampaignFile, subject: CampaignSubject) -> str:
     """Why a model cannot be asked, as far as its name shows; empty where it may."""
+    if model == "rules" and not subject.robot.rules.get(file.decision):
+        return f"the profile has no rules for '{file.decision}', which is asked; add them there, or drop 'rules'"
     if model in OWN or model in file.scripts or model == "local":
         return ""
     if model.startswith(CONSTANT):

@@ -43,6 +43,28 @@ def test_check_reports_what_no_world_takes(
     assert fault in capsys.readouterr().err
 
 
+NEEDY = {"type": "object", "properties": {"far_m": {"type": "number"}}, "required": ["far_m"]}
+
+
+@pytest.mark.parametrize(("words", "fault"), [
+    ({"labels": "rollouts"}, "/rollouts/parameters/left: the option is tried with these parameters, which do not fit: "
+     "$: 'far_m' is a required property"),
+    ({"rollouts": {"parameters": {"left": {"far_m": "3"}}}}, "$.far_m: '3' is not of type 'number'"),
+    ({"rollouts": {"parameters": {"wait": {"s": 3}}}}, "/rollouts/parameters/wait: the option takes no parameters"),
+    ({"models": ["local:none.gguf"], "scripts": {}}, "/models/0: there is no file 'none.gguf'; name a GGUF file"),
+    ({"labels": "rollouts", "rollouts": {"parameters": {"left": {"far_m": 3}}}}, ""),
+])  # fmt: skip
+def test_check_reports_what_a_run_would_find_at_work(
+    words: dict[str, Any], fault: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = write_campaign(tmp_path, campaign_data(1, **words))
+    mission = json.loads((tmp_path / "mission.json").read_text())
+    mission["states"]["choosing"]["decision"]["options"]["left"]["parameters"] = NEEDY
+    (tmp_path / "mission.json").write_text(json.dumps(mission))
+    assert main(["campaign", "check", str(path)]) == (2 if fault else 0)
+    assert fault in capsys.readouterr().err
+
+
 def test_a_world_that_lacks_its_package_is_refused_and_no_cell_fails(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -20,6 +20,7 @@ SHIPPED = sorted((Path(__file__).parents[2] / "campaigns").glob("*.json"))
 
 
 def faults(tmp_path: Path, words: dict[str, Any]) -> str:
+    write(tmp_path / "bare.json", format=1, name="bare")
     with pytest.raises(DefinitionError) as caught:
         load_campaign(write_campaign(tmp_path, campaign_data() | words))
     return "\n".join(map(str, caught.value.faults))
@@ -62,6 +63,10 @@ def faults(tmp_path: Path, words: dict[str, Any]) -> str:
     ({"scenes": {"world": "orchard", "count": 10**9}}, "/scenes/count"),
     ({"rates": {"opnai": {"calls_per_minute": 9}}, "models": ["openai:gpt"], "scripts": {}},
      "'rates' is about 'opnai', of which 'models' has none; did you mean 'openai'?"),
+    ({"models": ["rules"], "scripts": {}, "robot": "bare.json"},
+     "/models/0: the profile has no rules for 'choosing', which is asked; add them there, or drop 'rules'"),
+    ({"embodiments": ["none", "documents"]},
+     "/embodiments/1: 'documents' shows the robot's identity, and its profile names none; add 'identity' there"),
     ({"base": 3}, "/base: a base is a file's name, not 3"),
 ])  # fmt: skip
 def test_a_fault_is_named_with_its_place(tmp_path: Path, words: dict[str, Any], fault: str) -> None:

@@ -90,12 +90,12 @@ def _report(store: str, page: str | None) -> int:
 
 
 def _check(options: CampaignOptions) -> int:
-    from rai_missions.campaign.checks import scene_faults
+    from rai_missions.campaign.checks import faults_at_work
     from rai_missions.campaign.run import plan_of
     from rai_missions.errors import DefinitionError, counted
 
     loaded = _loaded(options)
-    if found := tuple(scene_faults(loaded.file)):
+    if found := tuple(faults_at_work(loaded.file, loaded.subject)):
         raise DefinitionError(found, options.file)
     plan, file = plan_of(loaded), loaded.file
     print(
