@@ -107,7 +107,7 @@ class Key(MissionModel):
         if self.frame and self.type != "pose":
             raise fault("frame", f"only a pose has a 'frame', this is of type '{self.type}'")
         self._check_range()
-        if self.initial is not None and (why := type_error(self, self.initial)):
+        if self.initial is not None and (why := type_error(self, self.initial, written=True)):
             raise fault("initial", f"'initial' does not fit: {why}")
         return self
 
@@ -152,11 +152,29 @@ def _range(least: str, most: str) -> str:
     return f"from {least} to {most}" if least and most else f"{least} or more" if least else f"{most} or less"
 
 
-def type_error(key: Key, value: Any) -> str:
-    """Why a value does not fit a key; empty if it does."""
+LIKE: Mapping[str, str] = {
+    "string": 'a string is like "north"',
+    "number": "a number is like 1.5",
+    "integer": "an integer is like 3",
+    "boolean": "a boolean is true or false",
+    "object": 'an object is like {"speed": 1.5}',
+    "list": "a list is like [1, 2]",
+    "pose": 'a pose is {"x": 1.5, "y": 2, "yaw": 0}, in metres and radians',
+    "image": "the robot alone has images",
+}
+"""What a value of each type looks like, for one who wrote another."""
+
+
+def type_error(key: Key, value: Any, *, written: bool = False) -> str:
+    """Why a value does not fit a key; empty if it does.
+
+    Args:
+        key: Whose value it is to be.
+        value: Any value.
+        written: A person wrote it, who is to read what would fit.
+    """
     if not _FITS[key.type](value):
-        like = '; a pose is {"x": 1.5, "y": 2, "yaw": 0}, in metres and radians' if key.type == "pose" else ""
-        return f"{clipped(repr(value), 80)} is not of type '{key.type}'{like}"
+        return _not_of(key.type, value, written=written)
     if not is_within(value, key.minimum, key.maximum):
         least, most = ("" if each is None else f"{each:g}" for each in (key.minimum, key.maximum))
         return f"{value:g} is out of range; it must be {_range(least, most)}"
@@ -164,8 +182,13 @@ def type_error(key: Key, value: Any) -> str:
         return f'{clipped(repr(value), 80)} is not in the frame of this key; it needs "frame": "{key.frame}"'
     for name, kind in (key.fields or {}).items():
         if name in value and value[name] is not None and not _FITS[kind](value[name]):
-            return f"field '{name}': {clipped(repr(value[name]), 80)} is not of type '{kind}'"
+            return f"field '{name}': {_not_of(kind, value[name], written=written)}"
     return ""
+
+
+def _not_of(kind: TypeName, value: Any, *, written: bool) -> str:
+    like = f"; {LIKE[kind]}" if written or kind == "pose" else ""
+    return f"{clipped(repr(value), 80)} is not of type '{kind}'{like}"
 
 
 def stale_at(key: Key | None, entry: Stamped) -> float:

@@ -20,7 +20,7 @@ from rai_missions.check.finding import Finding, Severity, document_order
 from rai_missions.check.index import MissionIndex
 from rai_missions.errors import unescaped
 from rai_missions.mission.garbage import few_collections
-from rai_missions.mission.legible import LegiblePart, words_in
+from rai_missions.mission.legible import LegiblePart, is_entry, words_in
 from rai_missions.mission.mission import Mission
 
 __all__ = ("RULES", "CheckRule", "check", "check_part")
@@ -33,8 +33,9 @@ class CheckRule(NamedTuple):
     severity: Severity
     find: Callable[[MissionIndex], Iterable[tuple[str, str]]]
     """Place and sentence of each breach."""
-    scope: Literal["place", "state", "mission"] = "mission"
-    """What must be readable for it: what is written at a place, the state or key around that, or the mission whole."""
+    scope: Literal["place", "state", "structure", "mission"] = "mission"
+    """What must be readable for it: what is written at a place, or the state or key around that, and what their names
+    mean; the state around a place and those around it, whatever names mean; or the mission whole."""
 
     @property
     def summary(self) -> str:
@@ -61,7 +62,7 @@ RULES: tuple[CheckRule, ...] = (
     CheckRule("initial-outside", "error", shape.initial_outside, "place"),
     CheckRule("history-default", "error", shape.history_defaults, "place"),
     CheckRule("target-list", "error", shape.target_lists, "place"),
-    CheckRule("misplaced-state", "error", shape.misplaced_states, "state"),
+    CheckRule("misplaced-state", "error", shape.misplaced_states, "structure"),
     CheckRule("misused-internal", "error", shape.misused_internal, "place"),
     CheckRule("inactive-state", "error", shape.words_in_vain, "place"),
     CheckRule("unreachable-state", "error", reach.unreachable_states, "place"),
@@ -75,10 +76,10 @@ RULES: tuple[CheckRule, ...] = (
     CheckRule("endless-cycle", "error", cycles.endless_cycles),
     CheckRule("waitless-loop", "error", loops.waitless_loops),
     CheckRule("long-loop", "error", loops.long_loops, "place"),
-    CheckRule("missing-requires", "error", facts.missing_requires, "state"),
+    CheckRule("missing-requires", "error", facts.missing_requires, "structure"),
     CheckRule("unfounded-success", "error", facts.unfounded_success),
-    CheckRule("unbounded-action", "error", bounds.unbounded_actions, "state"),
-    CheckRule("unbounded-decision", "error", bounds.unbounded_decisions, "state"),
+    CheckRule("unbounded-action", "error", bounds.unbounded_actions, "structure"),
+    CheckRule("unbounded-decision", "error", bounds.unbounded_decisions, "structure"),
     CheckRule("wrong-parameters", "error", bounds.wrong_parameters, "place"),
     CheckRule("blind-transition", "warning", stale.blind_transitions),
     CheckRule("possible-cycle", "warning", cycles.possible_cycles),
@@ -132,7 +133,7 @@ def check_part(
 
 def _holds_anyway(finding: Finding, scope: str, part: LegiblePart, document: Mapping[str, Any]) -> bool:
     """Whether it would be found as well if the rest could be read."""
-    if part.hides(finding.place) or (scope == "state" and part.touches(finding.place)):
+    if part.hides(finding.place) or (scope in ("state", "structure") and part.touches(finding.place)):
         return False
     known = {
         "unknown-state": part.has_states,
@@ -141,14 +142,21 @@ def _holds_anyway(finding: Finding, scope: str, part: LegiblePart, document: Map
     }
     if not known.get(finding.rule, True):
         return False
+    steps = [unescaped(word) for word in finding.place.split("/")[1:]]
     here: Any = document
     around: Any = document
-    for word in finding.place.split("/")[1:]:
+    for word in steps:
         around = here
-        here = here.get(unescaped(word)) if isinstance(here, Mapping) else _item(here, word)
+        here = here.get(word) if isinstance(here, Mapping) else _item(here, word)
         if here is None:
             return False
-    name = here if finding.rule.startswith("unknown-") else around if isinstance(around, Mapping) else here
+    if scope == "structure":
+        return True
+    name: Any = here
+    if is_entry(steps):
+        name = steps[-1]
+    elif isinstance(around, Mapping) and not finding.rule.startswith("unknown-"):
+        name = around
     return not any(part.mentions(each) for each in words_in(name))
 
 

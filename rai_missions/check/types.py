@@ -100,6 +100,10 @@ def _written(index: MissionIndex, write: KeyWrite, key: Key) -> tuple[str, str] 
             )
     elif write.by == "status" and key.type != "string":
         return write.place, f"'{write.key}' is of type '{key.type}', and a status is a string; write one that is"
-    elif write.by == "set" and next(references(write.value), None) is None and (why := type_error(key, write.value)):
-        return f"{write.place}/value", f"'{write.key}' cannot hold this: {why}; write one that is"
+    elif (
+        write.by == "set"
+        and next(references(write.value), None) is None
+        and (why := type_error(key, write.value, written=True))
+    ):
+        return f"{write.place}/value", f"'{write.key}' cannot hold this: {why}"
     return None

@@ -108,7 +108,7 @@ def _key_faults(key: Key, given: Any, parent: Mission) -> Iterator[str]:
     if name is None:
         if key.source in ("robot", "answer"):
             yield f'a key of the {key.source} takes no value; share one of this mission\'s: {{"from": key}}'
-        elif why := type_error(key, given):
+        elif why := type_error(key, given, written=True):
             yield why
     elif name not in parent.blackboard:
         yield f"no key {shown(name)}{suggestion(name, parent.blackboard)}"

@@ -17,7 +17,7 @@ from rai_missions.mission.mission import BUILT_IN_EVENTS, Mission, declared_even
 from rai_missions.mission.schema import STRONGER
 from rai_missions.validation_errors import KEY, faults_of, place_of
 
-__all__ = ("LegiblePart", "legible_part", "words_in")
+__all__ = ("LegiblePart", "is_entry", "legible_part", "words_in")
 
 Steps = tuple[str | int, ...]
 ROUNDS = 30
@@ -146,9 +146,9 @@ class _Repair:
         """The smallest thing around a fault that can be replaced or left out."""
         for length in range(len(steps), 0, -1):
             here = steps[:length]
-            if _is_guard(here) or self._is_listed(here) or _is_entry(here):
+            if _is_guard(here) or self._is_listed(here) or is_entry(here):
                 return here
-            if ("tree" in here[:-1] and not _is_entry(here)) or self._is_deciding(here):
+            if ("tree" in here[:-1] and not is_entry(here)) or self._is_deciding(here):
                 continue
             if isinstance(here[-1], str) and (length < len(steps) or kind != "missing"):
                 return here
@@ -200,7 +200,7 @@ class _Repair:
         """Remember what is not known any more."""
         last, word = steps[-1], steps[-2] if len(steps) > 1 else ""
         self.unread.append(steps)
-        if not isinstance(was, Mapping) and (last in STATES or (_is_entry(steps) and word in STATES)):
+        if not isinstance(was, Mapping) and (last in STATES or (is_entry(steps) and word in STATES)):
             self.has_states = self.has_states and not isinstance(was, list)  # text and numbers hold no state's name
             self.has_targets = self.has_targets and last in _flags({str(last): was})
         if last in TARGETS or (isinstance(last, int) and word == "transitions"):
@@ -208,7 +208,7 @@ class _Repair:
         self.names.update(words_in(was))
         if steps[0] in ("blackboard", "events"):
             self.names.update(map(str, steps[1:2]))
-        if _is_entry(steps):
+        if is_entry(steps):
             self.names.add(str(last))
 
     def _neutral(self, steps: Steps, was: Any, *, again: bool) -> Any:
@@ -222,8 +222,8 @@ class _Repair:
             return UNREAD
         if steps[-1] == "initial" and word not in NAMED and "blackboard" not in steps:
             return self._first_child(steps[:-1])
-        if not _is_entry(steps) or word == "options":
-            return {} if _is_entry(steps) else None
+        if not is_entry(steps) or word == "options":
+            return {} if is_entry(steps) else None
         if word in STATES:
             kept = {key: was[key] for key in was if key in KEPT - _flags(was)} if isinstance(was, Mapping) else {}
             return kept if kept != was and not again else {"final": "aborted"} if was == {} else {}
@@ -260,7 +260,7 @@ def _is_original(place: str, data: Any, document: Any) -> bool:
     return bool(around[0] == around[1])
 
 
-def _is_entry(steps: Steps) -> bool:
+def is_entry(steps: Sequence[str | int]) -> bool:
     """Whether it is something that the author named."""
     return len(steps) > 1 and steps[-2] in NAMED and isinstance(steps[-1], str) and steps[-1] != "options"
 
@@ -278,7 +278,7 @@ def _entry(steps: Steps) -> Steps:
     found = (
         steps[:length]
         for length in range(len(steps), 1, -1)
-        if _is_entry(steps[:length]) and steps[length - 2] != "options"
+        if is_entry(steps[:length]) and steps[length - 2] != "options"
     )
     return next(found, steps)
 

@@ -29,13 +29,16 @@ def accepted(mission: Mission, arguments: Mapping[str, Any], *, whole: bool = Tr
     """
     takes = {name: key for name, key in mission.blackboard.items() if key.source == "argument"}
     faults = [
-        Fault(f"/blackboard/{name}", f"the mission takes no argument '{name}'{suggestion(name, takes)}")
+        Fault(
+            f"/blackboard/{name}",
+            f"the mission takes no argument '{name}'{suggestion(name, takes) or '; it takes none'}",
+        )
         for name in arguments
         if name not in takes
     ]
     for name, key in takes.items():
-        if name in arguments and (why := type_error(key, arguments[name])):
-            example = WRITTEN.get(key.type) if isinstance(arguments[name], str) else None
+        example = WRITTEN.get(key.type) if isinstance(arguments.get(name), str) else None
+        if name in arguments and (why := type_error(key, arguments[name], written=example is None)):
             remedy = f"; on a command line, quote JSON: --set '{name}={example}'" if example is not None else ""
             faults.append(Fault(f"/blackboard/{name}", f"the argument does not fit: {why}{remedy}"))
         if whole and name not in arguments and key.initial is None and not key.optional:

@@ -107,6 +107,32 @@ def test_a_misspelled_name_elsewhere_is_found_all_the_same(steps: Steps) -> None
     assert len(found) == part.has_states
 
 
+@given(st.sampled_from([steps for name, steps in PLACES if name == "tractor" and steps[:2] != ("states", "done")]))
+def test_a_final_that_lacks_its_facts_is_found_all_the_same(steps: Steps) -> None:
+    document = broken("tractor", steps, word=False)
+    if document is None or steps == ("states",):
+        return
+    del document["states"]["done"]["requires"]
+    part = legible_part(document)
+    assert part is None or "missing-requires" in {each.rule for each in check_part(part, document)}
+
+
+def test_errors_are_printed_before_warnings(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    document = copy.deepcopy(SHIPPED["tractor"])
+    document["blackboard"]["unused"] = {"type": "number", "initial": 1}
+    del document["states"]["done"]["requires"]
+    path = tmp_path / "m.json"
+    path.write_text(json.dumps(document))
+    severities = [each.finding.severity for each in check_file(str(path)).findings]
+    assert severities == ["warning", "error"], "the place of the warning is the earlier one"
+    assert main(["check", str(path)]) == 2
+    first, second, *_ = capsys.readouterr().err.splitlines()
+    assert "/states/done" in first
+    assert "/blackboard/unused: warning" in second
+    main(["check", str(path), "--json"])
+    assert [each["severity"] for each in json.loads(capsys.readouterr().out)] == ["error", "warning"]
+
+
 @pytest.mark.parametrize("events", [list, dict])
 @pytest.mark.parametrize("steps", [("events", "anomaly"), ("blackboard", "obstacle"), ("states", "assessing")])
 def test_a_name_that_is_none_is_reported_with_the_rest(steps: Steps, events: type, tmp_path: Path) -> None:

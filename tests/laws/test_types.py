@@ -4,6 +4,8 @@ it."""
 
 from __future__ import annotations
 
+import json
+import re
 from typing import Any
 
 import pytest
@@ -15,7 +17,7 @@ from rai_missions.engine import Chart
 from rai_missions.engine.step import Ask, CallService, StartGoal, Step
 from rai_missions.engine.trees import CompiledTrees
 from rai_missions.event import Event
-from rai_missions.keys import Key, type_error
+from rai_missions.keys import LIKE, Key, TypeName, type_error
 from rai_missions.mission.mission import Mission
 
 Json = dict[str, Any]
@@ -129,6 +131,16 @@ def test_a_key_with_a_frame_takes_poses_of_that_frame_alone() -> None:
     )
     with pytest.raises(ValidationError, match="only a pose has a 'frame', this is of type 'list'"):
         Key.model_validate({"type": "list", "frame": "map"})
+
+
+@pytest.mark.parametrize("kind", [each for each in LIKE if each != "image"])
+def test_one_who_wrote_a_value_that_does_not_fit_reads_one_that_does(kind: TypeName) -> None:
+    made, of_field = Key(kind), Key("object", fields={"f": kind})
+    unfit = 5 if kind != "number" and kind != "integer" else "five"
+    for key, value in ((made, unfit), (of_field, {"f": unfit})):
+        example = re.sub(", in metres and radians|true or ", "", type_error(key, value, written=True))
+        fit = json.loads(re.sub("^.*(?: like| is) ", "", example))
+        assert type_error(made, fit) == "", example
 
 
 def test_an_item_that_does_not_fit_ends_its_each_instead_of_a_round_with_the_item_before() -> None:

@@ -314,7 +314,11 @@ IN_DOCK = "/states/dock/mission: in 'dock.json', "
             {},
             "/states/dock/with/tries: 'place' is of type 'pose', not 'integer'; share a key of that type",
         ),
-        ({"with": {"limit": "many"}}, {}, "/states/dock/with/limit: 'many' is not of type 'integer'"),
+        (
+            {"with": {"limit": "many"}},
+            {},
+            "/states/dock/with/limit: 'many' is not of type 'integer'; an integer is like 3",
+        ),
         (
             {"with": {"pose": {"x": 1, "y": 2}}},
             {},

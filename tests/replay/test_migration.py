@@ -299,7 +299,8 @@ REFUSED: Mapping[str, tuple[Mission, dict[str, Any], str]] = {
         changed((("blackboard", "place"), {"type": "integer"})), {},
         "/keys: the value of 'place' does not fit 'place': 'here' is not of type 'integer'; give another in 'values'"),
     "a value that does not fit": (
-        ERRAND, {"values": {"rounds": "two"}}, "/values/rounds: 'two' is not of type 'integer'"),
+        ERRAND, {"values": {"rounds": "two"}},
+        "/values/rounds: 'two' is not of type 'integer'; an integer is like 3"),
     "what the robot reports": (
         changed((("blackboard", "battery"), {"type": "number", "source": "robot", "optional": True})),
         {"values": {"battery": 1.0}},

@@ -29,8 +29,8 @@ def check(
 ) -> int:
     """Find every fault of a mission before it runs.
 
-    All faults are printed at once, each with its file and its place in it; a word that cannot be read hides none of
-    the rest.
+    All faults are printed at once, each with its file and its place in it, errors before warnings; a word that cannot
+    be read hides none of the rest.
 
     Args:
         mission: A .json file, or a .py file with a function mission().
@@ -65,7 +65,7 @@ def check(
         )
     elif robot:
         profile, lacking = _checked_profile(robot, checked.mission)
-    found = [*checked.findings, *lacking]
+    found = sorted([*checked.findings, *lacking], key=lambda each: each.finding.severity != "error")
     if json:
         print(dumps([{"file": file, **finding._asdict()} for file, finding in found]))
     else:

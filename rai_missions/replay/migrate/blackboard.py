@@ -71,6 +71,6 @@ def _refused(naming: Naming, old: str, new: str, entry: Stamped) -> list[Fault]:
 def _not_to_be(name: str, key: Key, value: object) -> list[Fault]:
     if key.source == "robot":
         return [Fault(f"/values/{name}", f"'{name}' is what the robot reports; leave it out, it is received again")]
-    if why := type_error(key, value):
+    if why := type_error(key, value, written=True):
         return [Fault(f"/values/{name}", why)]
     return []

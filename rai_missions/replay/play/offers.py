@@ -133,7 +133,7 @@ class OpenChoices:
         def inputs(now: Chart, given: Mapping[str, Any]) -> list[Input]:
             written = dict(key_values(keys, assembled(fields, given), now.at))
             for each, value in written.items():
-                if why := type_error(keys[each], value):
+                if why := type_error(keys[each], value, written=True):
                     raise UsageError(f"'{each}' is not written: {why}")
             return [Event(each, now.at, {"value": value}, "write") for each, value in written.items()]
 
