@@ -115,7 +115,6 @@ def documents() -> Iterator[Any]:
 @pytest.mark.parametrize("document", list(documents()))
 def test_what_a_document_shows_runs(document: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     shutil.copytree(ROOT / "missions", tmp_path / "missions")
-    (tmp_path / "out").mkdir()
     monkeypatch.chdir(tmp_path)
     if "docs/tutorial" in document.as_posix():  # a step is run in its folder
         shutil.copytree(ROOT / "docs/tutorial", tmp_path / "tutorial")

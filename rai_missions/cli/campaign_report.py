@@ -76,6 +76,7 @@ def write_report(store: Path | str, html: Path | str) -> tuple[Path, ...]:
         pictures = pictures_of(results, (each.cell.scene for each in wrong.shown))
         name = str(meta.get("name") or Path(store).stem)
         try:
+            page.parent.mkdir(parents=True, exist_ok=True)
             page.write_bytes(report_page(figures, comparisons, wrong, pictures, meta, name=name))
             listed.write_bytes(markdown(figures, comparisons, name=name))
             write_table(results, figures, table)

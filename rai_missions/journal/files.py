@@ -54,7 +54,13 @@ def make_way(path: Path) -> Path | None:
         UsageError: Another process writes it, or its log cannot be folded in.
         DefinitionError: It is no journal, or it was altered.
     """
-    return set_aside(path) if path.is_file() else None
+    if not path.is_file():
+        return None
+    try:
+        return set_aside(path)
+    except DefinitionError as error:
+        left = Fault("", "this file is left as it is, and no journal is written in its place; name another")
+        raise DefinitionError([*error.faults, left], error.source) from None
 
 
 def free_name(path: Path) -> Path:

@@ -126,6 +126,8 @@ class Lock:
         try:
             if not new and _identity(path) in self.held:
                 raise UsageError(f"{path} is being written by this process already; close that journal first")
+            if new:
+                path.parent.mkdir(parents=True, exist_ok=True)
             self.descriptor = os.open(path, os.O_RDWR | (os.O_CREAT | os.O_EXCL if new else 0), 0o644)
         except FileExistsError:
             if sort := irregular(path):

@@ -94,7 +94,7 @@ class Journal(Closable):
     def create(
         cls, path: Path | str, header: Header, *, redact: Redact | None = None, witness: Witness | None = None
     ) -> Self:
-        """A new journal with its row 0.
+        """A new journal with its row 0; its folder is made where there is none.
 
         Raises:
             UsageError: The file is there already, or none can be written there.

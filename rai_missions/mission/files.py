@@ -79,12 +79,15 @@ def dump(mission: Mission, path: str | os.PathLike[str] | None = None) -> str:
 def write_atomically(path: Path, data: bytes) -> None:
     """Write a file so that a reader finds the old one or the new one, never a part; its permissions stay.
 
+    Its folder is made where there is none.
+
     The system gives a new file its permissions as it is created, so that no thread has to change the process's mask.
 
     Raises:
         OSError: It cannot be written; nothing is left behind.
     """
     part = path.with_name(f".{path.name}.{secrets.token_hex(8)}")
+    part.parent.mkdir(parents=True, exist_ok=True)
     try:
         with part.open("xb") as file:
             if path.exists():

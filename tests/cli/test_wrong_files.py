@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import io
 import json
 import signal
 import sqlite3
@@ -68,6 +69,26 @@ def test_a_file_of_another_kind_is_refused_as_unusable(
         reported = capsys.readouterr().err
         assert status == 2 and reported and "Traceback" not in reported, (file, status, reported)
         assert {path: path.is_file() and path.read_bytes() for path in folder.iterdir()} == before
+
+
+@pytest.mark.parametrize(
+    "command",
+    [
+        "run m.json --journal FOLDER/a.journal",
+        "run m.json --record FOLDER/a.mcap",
+        "run m.json --picture FOLDER/a.dot",
+        "draw m.json -o FOLDER/a.md",
+        "draw m.json -o FOLDER/a.html",
+        "diff m.json m.json -o FOLDER/a.json",
+        "try m.json --terminal --journal FOLDER/a.journal",
+        "try m.json --terminal --as-test FOLDER/test_a.py",
+    ],
+)
+def test_what_a_command_writes_has_its_folder_made(command: str, folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("sys.stdin", io.StringIO("start\n"))
+    main([word.replace("FOLDER", "new/und Größe") for word in command.split()])
+    (written,) = (path for path in Path("new/und Größe").iterdir() if "a." in path.name)
+    assert written.stat().st_size
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])

@@ -17,7 +17,7 @@ from rai_missions.engine.step import Ask, Step
 from rai_missions.errors import ConnectorError, DefinitionError, MissionError, UsageError
 from rai_missions.event import Event
 from rai_missions.image import Image
-from rai_missions.journal import Confirmation, Header, Journal, Note, Record, StepRow, read, verify
+from rai_missions.journal import Confirmation, Header, Journal, Note, Record, StepRow, make_way, read, verify
 from rai_missions.journal.rows import GENESIS, chained
 from rai_missions.journal.sqlite import LONGEST_BYTES
 from tests.rigs.journals import anomalies, blackboard_writes, listing, shown, steps
@@ -126,12 +126,22 @@ def test_a_closed_journal_takes_no_row(path: Path) -> None:
         journal.note("late")
 
 
-@pytest.mark.parametrize("where", ["", "missing/run.journal", "file/run.journal"])
+@pytest.mark.parametrize("where", ["", "file/run.journal"])
 def test_a_journal_that_cannot_be_written_reports_where(tmp_path: Path, where: str) -> None:
     (tmp_path / "file").touch()
     with pytest.raises(UsageError, match=r"name another file"):
         Journal.create(tmp_path / where, HEADER)
     assert sorted(item.name for item in tmp_path.iterdir()) == ["file"]
+
+
+def test_what_is_no_journal_is_left_and_another_name_is_asked_for(tmp_path: Path) -> None:
+    path = tmp_path / "notes.txt"
+    path.write_text("my notes")
+    with pytest.raises(
+        DefinitionError, match="this file is left as it is, and no journal is written in its place; name"
+    ):
+        make_way(path)
+    assert path.read_text() == "my notes"
 
 
 def test_a_row_that_was_not_written_leaves_the_chain_whole(tmp_path: Path) -> None:

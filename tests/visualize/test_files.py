@@ -31,12 +31,13 @@ def test_an_unknown_ending_is_refused_with_those_there_are(tmp_path: Path) -> No
 
 
 def test_a_file_that_cannot_be_written_is_reported_and_leaves_nothing(tmp_path: Path) -> None:
-    with pytest.raises(UsageError, match=r"a.dot' cannot be written: No such file or directory"):
-        draw(tractor(), tmp_path / "nowhere" / "a.dot")
+    (tmp_path / "file").touch()
+    with pytest.raises(UsageError, match=r"a.dot' cannot be written: File exists"):
+        draw(tractor(), tmp_path / "file" / "a.dot")
     (tmp_path / "folder.dot").mkdir()
     with pytest.raises(UsageError, match="cannot be written"):
         draw(tractor(), tmp_path / "folder.dot")
-    assert [each.name for each in tmp_path.iterdir()] == ["folder.dot"]
+    assert {each.name for each in tmp_path.iterdir()} == {"file", "folder.dot"}
 
 
 def test_a_picture_that_cannot_be_drawn_leaves_the_old_one(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -97,6 +97,5 @@ class PlaySession:
             raise UsageError("a test needs the mission's file, and this mission has none; save a journal")
         text = written_test(self.play, self.files.source, to)
         with writing_at(to, "a test"):
-            to.parent.mkdir(parents=True, exist_ok=True)
             write_atomically(to, text.encode())
         return f"wrote {to}"

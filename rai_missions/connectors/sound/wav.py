@@ -89,12 +89,13 @@ def check_wav_name(path: Path | str) -> None:
 
 
 def write_wav(path: Path | str, samples: bytes) -> None:
-    """Write 16 kHz mono samples.
+    """Write 16 kHz mono samples; the folder is made where there is none.
 
     Raises:
         UsageError: They cannot be written there.
     """
     try:
+        Path(path).parent.mkdir(parents=True, exist_ok=True)
         with open(path, "wb") as raw, wave.open(raw, "wb") as file:
             file.setnchannels(1)
             file.setsampwidth(2)
