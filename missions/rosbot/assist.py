@@ -89,6 +89,7 @@ RESET = [Set(k.failures, 0), Set(k.waits, 0)]
 CHARGING = k.supply.is_in([1, 4])
 FOUND = (k.sighting.object == k.object) & (k.sighting.certainty >= 0.76)
 LOOKED = k.camera.fresh & (k.seen.looks >= 4)
+HAS_LOOKED = k.seen.looks >= 3
 
 
 def look_for(names: Any) -> Publish:
@@ -205,7 +206,9 @@ def at_place() -> Each:
                 exit=[look_for("")],
                 transitions=[
                     When(FOUND, to="found", do=[Set(k.report, from_=k.sighting.text)]),
-                    After(5, to="not_here"),
+                    After(5, when=HAS_LOOKED, to="not_here"),
+                    After(10, when=HAS_LOOKED, to="not_here"),
+                    After(10, to="blind"),
                 ],
             ),
             "not_here": Final("succeeded", about="not seen from here, and on to the next view"),
@@ -214,6 +217,7 @@ def at_place() -> Each:
             ),
         },
         transitions=[
+            On("succeeded", when=k.task != "find", to="out_of_reach"),
             On("succeeded", when=k.skipped > 0, to="not_reached"),
             On("succeeded", to="not_found"),
         ],
@@ -234,6 +238,7 @@ def ends() -> dict[str, Final]:
         "not_reached": Final(
             "failed", about="it could not get to every view, and did not see the object from the others"
         ),
+        "out_of_reach": Final("failed", about="it could not get to the place"),
         "blind": Final("failed", about="it got no picture, or no detections from it"),
         "refused": Final("failed", about="there is no such task or place, or no object to find"),
         "stranded": Final("failed", about="it is stuck somewhere and cannot come to its dock; a person must fetch it"),
@@ -261,7 +266,7 @@ def mission() -> Mission:
     low = (k.battery < 0.2) | ~k.battery.fresh
     return Mission(
         "rosbot_assist",
-        version="1.0.0",
+        version="1.1.0",
         about="Do one thing in the house for a person: go to a place, find an object and report where it is, look "
         "around and report what is there, wait, or come back to the dock.",
         keys=k,

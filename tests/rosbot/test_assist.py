@@ -61,8 +61,8 @@ def test_it_finds_what_is_there_reports_where_and_its_journal_shows_the_looks(pa
     [
         ({"camera": True, "objects": [{"kind": "bowl", "spot": "desk_south"}]}, "not_found"),
         ({"camera": True, "objects": ON_DESK, "detector": {"range_m": 0.5, "false_alarm": 0.3}}, "not_found"),
-        ({"camera": True, "objects": ON_DESK, "detector": {"down": [0, 1000]}}, "not_found"),
-        ({"camera": False, "objects": ON_DESK}, "not_found"),
+        ({"camera": True, "objects": ON_DESK, "detector": {"down": [0, 1000]}}, "blind"),
+        ({"camera": False, "objects": ON_DESK}, "blind"),
     ],
     ids=["another thing", "out of range, with false alarms", "the detector is down", "no camera"],
 )
@@ -82,7 +82,7 @@ def test_what_others_state_about_an_object_finds_nothing(patrol: Any) -> None:
 
     moments = {float(at): publish for at in range(1, 40)}
     one = patrol(moments, order("find", object="cup", place="study"), camera=False)
-    assert one.run().state == ("not_found",)
+    assert one.run().state == ("blind",)
 
 
 @pytest.mark.sim
@@ -138,8 +138,31 @@ def test_a_person_in_the_way_is_looked_at_waited_for_and_passed(patrol: Any) -> 
 def test_a_person_who_stays_makes_it_fail_honestly(patrol: Any) -> None:
     one = patrol(words=order("go", place="pantry"), objects=[], people=[{"at": "study_pantry"}], recoveries=0)
     result = one.run()
-    assert (result.outcome, result.state) == ("failed", ("not_reached",))
+    assert (result.outcome, result.state) == ("failed", ("out_of_reach",))
     assert one.answers == ["wait", "retry", "skip"]
+
+
+@pytest.mark.sim
+@pytest.mark.parametrize(
+    ("task", "state"), [("find", "not_reached"), ("look", "out_of_reach"), ("wait", "out_of_reach")]
+)
+def test_an_end_without_a_way_names_an_object_only_where_one_was_to_be_found(
+    patrol: Any, task: str, state: str
+) -> None:
+    one = patrol(words=order(task, place="pantry"), objects=[], blocked=["study_pantry"], recoveries=0)
+    assert one.run().state == (state,)
+
+
+@pytest.mark.sim
+@pytest.mark.parametrize(("down", "state"), [([0, 25], "found"), ([0, 1000], "blind")])
+def test_a_view_without_looks_is_not_one_from_which_the_object_is_missing(
+    patrol: Any, down: list[float], state: str
+) -> None:
+    """The detector is silent as the search begins: it is waited for, and without it no view counts as looked from."""
+    world = {"camera": True, "objects": ON_DESK, "detector": {"down": down}}
+    one = patrol(words=order("find", object="cup", place="study"), **world)
+    assert one.run().state == (state,)
+    assert "not_here" not in one.entered
 
 
 @pytest.mark.sim
