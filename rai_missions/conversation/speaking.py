@@ -9,6 +9,7 @@ from rai_missions.conversation.inputs import SpeechEnd, Utterance
 from rai_missions.conversation.outputs import NoteKind, Priority, Silence, Speech, Way
 from rai_missions.conversation.reports import MissionReport, Reports
 from rai_missions.conversation.talk import Talk
+from rai_missions.redaction import redacted
 
 __all__ = ("SpeechSide",)
 
@@ -45,8 +46,8 @@ class SpeechSide:
         self, text: str, *, to: str = "", reply_to: int = 0, priority: Priority = "answer", way: Way = "rules",
         report: MissionReport | None = None,
     ) -> Speech:  # fmt: skip
-        """Give out a text."""
-        speech = Speech("", text, priority, way, to=to, reply_to=reply_to)
+        """Give out a text, without secrets: what it is made of has many authors."""
+        speech = Speech("", redacted(text), priority, way, to=to, reply_to=reply_to)
         if report is not None:
             speech = speech._replace(report=report.identity, uncut=report.uncut, repeated=report.repeated)
         self._talk.add_robot(speech)

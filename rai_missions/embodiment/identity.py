@@ -16,6 +16,7 @@ from rai_missions.embodiment.readers.plain import decoded
 from rai_missions.embodiment.urdf import Body, read_body
 from rai_missions.errors import DefinitionError
 from rai_missions.image import Image
+from rai_missions.redaction import redacted
 
 __all__ = ("Identity",)
 
@@ -32,7 +33,7 @@ class Identity:
     """A robot as it knows itself."""
 
     description: str
-    """The text of `description.md`."""
+    """The text of `description.md`, without secrets."""
     images: tuple[Image, ...] = ()
     """Its pictures in the order of their names, one called `portrait` first."""
     body: Body | None = None
@@ -101,7 +102,7 @@ def _description(_name: str, data: bytes) -> str:
     text = decoded(data)
     if not text.strip():
         raise ValueError("is empty; write in it who the robot is")
-    return text
+    return redacted(text)
 
 
 def _portrait_first(name: str) -> tuple[bool, str]:

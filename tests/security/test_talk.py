@@ -7,6 +7,7 @@ from typing import Any
 
 import pytest
 
+from rai_missions.conversation import Dialogue, Settings, Speech, StatusView, Utterance
 from rai_missions.runtime.clock import WallClock
 from tests.agents.talk.scenes import RepliesModel, Talk
 from tests.rigs.runs import mission
@@ -35,3 +36,13 @@ def test_nothing_of_a_conversation_holds_a_secret_that_a_person_or_a_model_utter
     assert "You could try [hidden] or [hidden]." in talk.screen.texts()
     left = repr((talk.screen.lines, talk.book.data, talk.book.steps, talk.agent._dialogue.history))
     assert "[hidden]" in left and KNOWN not in left and SHAPED not in left
+
+
+def test_what_others_wrote_for_the_robot_is_spoken_without_secrets(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("STRANGERS_API_KEY", KNOWN)
+    view = StatusView(run="r1", mode="running", mission="tour", identity=f"I am {KNOWN}.", about=f"carry {KNOWN}")
+    dialogue = Dialogue(Settings(), view)
+    for text in ("who are you?", "what is your mission?"):
+        outputs = dialogue.on_utterance(Utterance(text, "operator", "terminal", "Anna", 1.0), view)
+        assert any("[hidden]" in each.text for each in outputs if isinstance(each, Speech)), outputs
+        assert KNOWN not in repr((outputs, dialogue.history))

@@ -65,7 +65,7 @@ class TalkModel:
         self._chat: Chat = ThreadChat(model) if isinstance(model, BaseChatModel) else model
         self._identity, self._tools = identity, tools
         self._sentences = QuestionThreads("sentence", MOST_AT_ONCE)
-        self._clean = Redaction().text
+        self._redaction = Redaction()
 
     def run(self) -> None:
         """Have the model get ready; returns at once."""
@@ -132,14 +132,15 @@ class TalkModel:
                 return {"failed": "answered nothing"}
             reading = _read(reply, mode, request)
             if not reading.calls:
-                return {"text": cut(self._clean(reading.text), MOST_TEXT), "order": reading.order}
+                order = self._redaction.json(reading.order)
+                return {"text": cut(reading.text, MOST_TEXT), "order": order}
             left -= len(reading.calls)
             if left < 0:
                 raise BudgetExceeded(f"asked for more than the {MOST_LOOKS} calls of tools that a sentence has")
             looks = []
             for call in reading.calls:
                 _check_open(pending)
-                looks.append(look_up(given, call, self._clean))
+                looks.append(look_up(given, call, self._redaction.text))
             messages = [*(look.message for look in looks), *(shown(looks) if images else [])]
         raise BudgetExceeded(f"the budget of {MOST_CALLS} calls is spent")
 

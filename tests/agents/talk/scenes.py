@@ -5,15 +5,16 @@ from __future__ import annotations
 
 import threading
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from langchain_core.language_models import BaseChatModel
 from langchain_core.messages import AIMessage, BaseMessage
 
 from rai_missions.agents.conversation import ConversationalAgent
-from rai_missions.agents.talk.doors import TalkLine, TextDoor
+from rai_missions.agents.talk.doors import TalkDoor, TalkLine, TextDoor
 from rai_missions.agents.talk.model import TalkModel
+from rai_missions.agents.talk.run_status import RobotWords
 from rai_missions.answerers.test_models import DoubleModel
 from rai_missions.conversation import Settings
 from rai_missions.engine.decision import Question
@@ -25,7 +26,7 @@ from tests.rigs.journals import MemoryJournal
 from tests.rigs.runs import Rig
 
 PATIENCE_S = 20.0
-SETTINGS = Settings()
+SETTINGS, NO_NAMES = Settings(), RobotWords()
 
 
 class Screen:
@@ -33,12 +34,15 @@ class Screen:
 
     def __init__(self) -> None:
         self.lines: dict[int, TalkLine] = {}
+        self.every: list[TalkLine] = []
+        """Each line as often as it was shown."""
         self.is_open = True
         self._changed = threading.Condition()
 
     def show(self, line: TalkLine) -> None:
         with self._changed:
             self.lines[line.number] = line
+            self.every.append(line)
             self._changed.notify_all()
 
     def of_robot(self) -> list[TalkLine]:
@@ -91,16 +95,17 @@ class Talk:
         *,
         model: Any = None,
         settings: Settings = SETTINGS,
+        doors: Sequence[TalkDoor] = (),
+        names: RobotWords = NO_NAMES,
         **words: Any,
     ) -> None:
         self.screen = Screen()
         door = TextDoor("terminal", self.screen.show, lambda: self.screen.is_open)
-        self.agent = ConversationalAgent(
-            settings, doors=[door], model=TalkModel(model) if isinstance(model, BaseChatModel) else model
-        )
+        model = TalkModel(model) if isinstance(model, BaseChatModel) else model
+        self.agent = ConversationalAgent(settings, doors=[door, *doors], model=model, robot=names)
         self.steps: list[Step] = []
         words.setdefault("answerers", {"operator": HeldOpen()})
-        self.book = Book()
+        self.book: Any = words.pop("journal", None) or Book()
         self.rig = Rig(given, journal=self.book, on_step=self._step, on_status=self.agent.changed, **words)  # type: ignore[arg-type]
         self.agent.attach(self.rig.runner, self.book)
         self.agent.run()
