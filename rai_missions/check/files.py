@@ -7,19 +7,20 @@ Rule: a word that cannot be read hides no fault elsewhere, and causes no finding
 from __future__ import annotations
 
 import os
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
 
 from rai_missions.check.finding import Finding, document_order, faults_of
-from rai_missions.check.rules import check, check_part
+from rai_missions.check.rules import check, check_part, holds_anyway
 from rai_missions.errors import DefinitionError, Fault, MissionError, unescaped
 from rai_missions.mission.files import load
-from rai_missions.mission.include import read_mission
+from rai_missions.mission.include import expanded, read_mission
 from rai_missions.mission.json_reader import read_json
 from rai_missions.mission.legible import LegiblePart, legible_part
 from rai_missions.mission.mission import Mission
 from rai_missions.mission.origins import origin
+from rai_missions.states import Include
 
 __all__ = ("CheckedFile", "FileFinding", "check_file", "errors_of", "load_whole")
 
@@ -111,7 +112,7 @@ def _with_rest(path: str, source: str, unread: list[Finding], named: Collection[
     if path.endswith(".json"):
         try:
             document = read_json(Path(path))
-            rest = _of_rest(document, unread, named)
+            rest = _of_rest(document, path, unread, named)
         except MissionError:
             rest = ()
     places = {each.place for each in unread}
@@ -121,14 +122,29 @@ def _with_rest(path: str, source: str, unread: list[Finding], named: Collection[
         yield FileFinding(source, each)
 
 
-def _of_rest(document: Any, unread: list[Finding], named: Collection[str] | None) -> tuple[Finding, ...]:
+def _of_rest(document: Any, path: str, unread: list[Finding], named: Collection[str] | None) -> tuple[Finding, ...]:
     if not isinstance(document, Mapping):
         return ()
     part = legible_part(document)
     if part is None:
         return ()
     if not part.unread:  # only what it includes cannot be read
-        steps = tuple(tuple(unescaped(word) for word in each.place.split("/")[1:]) for each in unread)
-        part = LegiblePart(part.mission, steps, part.names, has_states=True, has_targets=True)
+        part = LegiblePart(part.mission, _steps(unread), part.names, has_states=True, has_targets=True)
     hidden = (Finding.of(each) for each in part.faults)
-    return (*hidden, *check_part(part, document, named=named))
+    unfit: tuple[Finding, ...] = ()
+    try:
+        part = part._replace(mission=expanded(part.mission, Path(path)))
+    except DefinitionError as error:
+        unfit = tuple(Finding.of(each) for each in error.faults if each.place)
+    included = [each for each in unfit if holds_anyway(each, "state", part, document)]
+    # What a state reports that is an inclusion still is not known.
+    reporting = (
+        Finding(f"{place}/mission", "") for place, _, state in part.mission.walk() if isinstance(state, Include)
+    )
+    part = part._replace(unread=(*part.unread, *_steps(unfit), *_steps(reporting)))
+    return (*hidden, *included, *check_part(part, document, named=named))
+
+
+def _steps(findings: Iterable[Finding]) -> tuple[tuple[str, ...], ...]:
+    """The steps to the place of each finding."""
+    return tuple(tuple(unescaped(word) for word in each.place.split("/")[1:]) for each in findings)

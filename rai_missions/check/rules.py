@@ -23,7 +23,7 @@ from rai_missions.mission.garbage import few_collections
 from rai_missions.mission.legible import LegiblePart, is_entry, words_in
 from rai_missions.mission.mission import Mission
 
-__all__ = ("RULES", "CheckRule", "check", "check_part")
+__all__ = ("RULES", "CheckRule", "check", "check_part", "holds_anyway")
 
 
 class CheckRule(NamedTuple):
@@ -128,11 +128,18 @@ def check_part(
     """
     scopes = {rule.name: rule.scope for rule in RULES}
     found = (each for each in check(part.mission, named=named) if scopes[each.rule] != "mission")
-    return tuple(each for each in found if _holds_anyway(each, scopes[each.rule], part, document))
+    return tuple(each for each in found if holds_anyway(each, scopes[each.rule], part, document))
 
 
-def _holds_anyway(finding: Finding, scope: str, part: LegiblePart, document: Mapping[str, Any]) -> bool:
-    """Whether it would be found as well if the rest could be read."""
+def holds_anyway(finding: Finding, scope: str, part: LegiblePart, document: Mapping[str, Any]) -> bool:
+    """Whether it would be found as well if the rest could be read.
+
+    Args:
+        finding: What is wrong; one of no rule, such as an inclusion's, depends on names at its own place alone.
+        scope: As in `CheckRule`.
+        part: What could be read.
+        document: The JSON document of the whole.
+    """
     if part.hides(finding.place) or (scope in ("state", "structure") and part.touches(finding.place)):
         return False
     known = {
@@ -155,7 +162,7 @@ def _holds_anyway(finding: Finding, scope: str, part: LegiblePart, document: Map
     name: Any = here
     if is_entry(steps):
         name = steps[-1]
-    elif isinstance(around, Mapping) and not finding.rule.startswith("unknown-"):
+    elif isinstance(around, Mapping) and finding.rule and not finding.rule.startswith("unknown-"):
         name = around
     return not any(part.mentions(each) for each in words_in(name))
 

@@ -179,6 +179,55 @@ def test_a_finding_is_reported_in_the_file_that_is_to_be_mended(tmp_path: Path) 
     assert check(checked.mission)
 
 
+INNER = {
+    "format": 1, "name": "dock",
+    "blackboard": {"speed": {"type": "number", "source": "argument", "initial": 1},
+                   "docked": {"type": "boolean", "source": "robot"}},
+    "events": {"bumped": {}}, "initial": "driving",
+    "states": {
+        "driving": {"action": "dock", "goal": {"speed": {"from": "speed"}}, "timeout_s": 9,
+                    "achieved": {"key": "docked", "==": True},
+                    "transitions": [{"on": ["succeeded", "bumped"], "to": "ended"}]},
+        "ended": {"final": "aborted"},
+    },
+}  # fmt: skip
+OUTER = {
+    "format": 1, "name": "outer", "blackboard": {"there": {"type": "boolean", "source": "robot", "max_age_s": 1}},
+    "events": {"hit": {}}, "initial": "docking",
+    "states": {
+        "docking": {"mission": "dock.json", "with": {"speed": 2, "docked": {"from": "there"}, "bumped": "hit"},
+                    "transitions": [{"on": "aborted", "to": "over"}]},
+        "over": {"final": "aborted"},
+    },
+    "invariants": {"dry": {"key": "there", "==": True}},
+}  # fmt: skip
+UNFIT = {"speed": "fast", "spede": 1, "docked": {"from": "ther"}, "bumped": "hti"}
+"""What an inclusion may not be given."""
+
+
+@pytest.mark.parametrize("unfit", [None, *UNFIT])
+def test_a_fault_of_an_inclusion_is_found_whatever_else_cannot_be_read_and_none_is_invented(
+    unfit: str | None, tmp_path: Path
+) -> None:
+    (tmp_path / "dock.json").write_text(json.dumps(INNER))
+    path, wrong = tmp_path / "m.json", f"/states/docking/with/{unfit}"
+    for steps in places(OUTER):
+        document: Any = copy.deepcopy(OUTER)
+        if unfit is not None:
+            document["states"]["docking"]["with"][unfit] = UNFIT[unfit]
+        holder = document
+        for step in steps[:-1]:
+            holder = holder[step]
+        holder[steps[-1]] = [[1.5]]
+        if not (unread := unread_places(document)):
+            continue
+        path.write_text(json.dumps(document))
+        found = {each.finding.place for each in check_file(str(path)).findings}
+        assert found <= {*unread, wrong}, steps
+        names_it = {"there", "hit", "docking"} & {*map(str, steps)}
+        assert wrong in found or unfit is None or names_it or len(steps) == 1, steps
+
+
 def document_of(state: Any) -> dict[str, Any]:
     """A mission with wrong names, and a state that cannot be read."""
     return {
