@@ -172,14 +172,12 @@ class Lines:
             return
         described = describe(step)
         effects = zip(step.effects, described.effects, strict=True)
-        does = [trimmed(words, 100) for effect, words in effects if not self._is_vain(effect)]
+        does = [trimmed(words, 100) for effect, words in effects if not self._is_shown_below(step, effect)]
         writes = groupby(step.writes if step.event.kind != "write" else ())
         does += [f"{key} := {value_words(value, 40)}" for (key, value), _again in writes]
         parts = [described.way, *does]
         if step.ignored:
             parts = [f"ignored: {step.why}" if step.why else "ignored"]
-        if step.event.kind == "proposal" and not step.moves:
-            parts = []
         text, remarks = " · ".join(part for part in parts if part), described.remarks
         if text or remarks:
             self._warned = ()
@@ -255,6 +253,11 @@ class Lines:
             return
         again = f", attempt {question.attempt}" if question.attempt > 1 else ""
         self._print(f"{'':13}question {question.number} to {answerer_words(question.asked)}{again}", "question")
+
+    def _is_shown_below(self, step: Step, effect: Effect) -> bool:
+        """It is a question whose lines follow: the next attempt, or one that no one here can answer."""
+        is_next = step.event.kind == "proposal" and not step.moves and isinstance(effect, Ask)
+        return is_next or self._is_vain(effect)
 
     def _is_vain(self, effect: Effect) -> bool:
         """It asks one who cannot answer in this run, which the head of the run reports once."""

@@ -14,6 +14,7 @@ from rai_missions.cli.live_terminal import MOST_HELD, Screen
 from rai_missions.cli.progress import Lines
 from rai_missions.engine import Chart
 from rai_missions.engine.decision import Question
+from rai_missions.engine.trees import CompiledTrees
 from rai_missions.event import Event, Tick
 from rai_missions.mission.mission import Mission
 from rai_missions.runtime.result import Result
@@ -90,6 +91,24 @@ ASKED = Mission.model_validate(
         },
     }
 )  # fmt: skip
+
+
+def test_what_the_answer_to_a_tree_starts_is_shown_as_what_any_other_event_starts() -> None:
+    call = {"call": "horn", "timeout_s": 2}
+    tree = {"decision": {"question": "Now?", "options": {"yes": {}, "no": {}}, "fallback": "no", "deadline_s": 5,
+                         "ask": ["rules", "agent"]}, "then": {"yes": call, "no": {"wait_s": 1}}}  # fmt: skip
+    ends = {"transitions": [{"on": ["succeeded", "failed"], "to": "over"}]}
+    mission = Mission.model_validate(
+        {"name": "m", "initial": "a", "states": {"a": {"tree": tree, **ends}, "over": {"final": "aborted"}}}
+    )
+    out, chart = io.StringIO(), Chart(mission, CompiledTrees())
+    lines = Lines(mission, out)
+    chart.start(0.0)
+    for answer, by in (("perhaps", "rules"), ("yes", "agent")):
+        (question,) = chart.questions
+        lines.step(chart.propose(question.number, answer, by=by, at=1.0))
+    rows = [line for line in out.getvalue().splitlines() if " s  " in line]
+    assert [row.split("  ")[-1].strip() for row in rows if "answered" in row] == ["call horn (number 3)"]
 
 
 @pytest.mark.parametrize("kind", [Lines, Screen])
