@@ -100,6 +100,8 @@ def refused(missed: Mapping[str, SourceState], keys: Mapping[str, Key], ready_s:
     sentences = (
         [f"the robot has not reported within {ready_s:g} s: {', '.join(silent)}; is it running?"] if silent else []
     )
+    if any(name in keys for name in silent):
+        sentences.append('A key that the start need not wait for is "optional".')
     for name, state in missed.items():
         off = f"; {in_words(state.offset_s)}" if state.offset_s is not None else ""
         if state.misread:

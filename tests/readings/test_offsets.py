@@ -99,6 +99,7 @@ def test_a_key_of_which_nothing_came_is_first_among_the_reasons() -> None:
         rig.run()
     assert str(refused.value) == (
         "the robot has not reported within 2 s: there; is it running? "
+        'A key that the start need not wait for is "optional". '
         "battery was received and not understood: percentage is inf."
     )
 
