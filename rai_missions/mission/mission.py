@@ -196,6 +196,14 @@ class Mission(MissionModel):
         """The keys that the robot must have reported before the mission starts."""
         return tuple(name for name, key in self.blackboard.items() if key.source == "robot" and not key.optional)
 
+    def needed_arguments(self) -> tuple[str, ...]:
+        """The arguments without which a run is refused."""
+        return tuple(
+            name
+            for name, key in self.blackboard.items()
+            if key.source == "argument" and key.initial is None and not key.optional
+        )
+
     def lasting_keys(self) -> frozenset[str]:
         """The keys that are what they were at the start: arguments, and what has an `initial` and is never written."""
         written = {each.key for thing in self.everything() for each in thing.writes()}

@@ -27,6 +27,7 @@ def accepted(mission: Mission, arguments: Mapping[str, Any], *, whole: bool = Tr
     Raises:
         DefinitionError: One that it does not take, does not fit, or is missing.
     """
+    needed = mission.needed_arguments()
     takes = {name: key for name, key in mission.blackboard.items() if key.source == "argument"}
     faults = [
         Fault(
@@ -41,7 +42,7 @@ def accepted(mission: Mission, arguments: Mapping[str, Any], *, whole: bool = Tr
         if name in arguments and (why := type_error(key, arguments[name], written=example is None)):
             remedy = f"; on a command line, quote JSON: --set '{name}={example}'" if example is not None else ""
             faults.append(Fault(f"/blackboard/{name}", f"the argument does not fit: {why}{remedy}"))
-        if whole and name not in arguments and key.initial is None and not key.optional:
+        if whole and name not in arguments and name in needed:
             faults.append(
                 Fault(
                     f"/blackboard/{name}",

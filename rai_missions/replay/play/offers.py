@@ -105,13 +105,18 @@ class OpenChoices:
     def _start(self, chart: Chart) -> Iterator[PlayChoice]:
         if chart.mode != "ready":
             return
-        keys = {name: self._mission.blackboard[name] for name in chart.unheard}
-        if not keys:
+        keys = self._mission.blackboard
+        given = {name: keys[name] for name in self._mission.needed_arguments() if name not in chart.view.board}
+        facts = {name: keys[name] for name in chart.unheard}
+        if not given and not facts:
             yield _of(Event("start", kind="command"), "start", "the mission starts")._replace(is_awaited=True)
-            return
-        about = "a run waits for them before it starts"
-        words = f"the robot reports {', '.join(keys) if len(keys) < 4 else f'its {len(keys)} facts'}"
-        yield self._writing("readings", words, keys, chart)._replace(kind="start", about=about, is_awaited=True)
+        if given:
+            words, about = f"{', '.join(given)} given as arguments", "a run is refused without them"
+            yield self._writing("arguments", words, given, chart)._replace(kind="start", about=about, is_awaited=True)
+        if facts:
+            about = "a run waits for them before it starts"
+            words = f"the robot reports {', '.join(facts) if len(facts) < 4 else f'its {len(facts)} facts'}"
+            yield self._writing("readings", words, facts, chart)._replace(kind="start", about=about, is_awaited=True)
 
     def _keys(self, chart: Chart) -> Iterator[PlayChoice]:
         fresh = fading(chart)

@@ -17,13 +17,15 @@ from rai_missions.engine import Chart
 from rai_missions.engine.activities.action import GOAL_ENDS
 from rai_missions.engine.activities.call import REPLIES
 from rai_missions.engine.state import TABLE
-from rai_missions.errors import UsageError
+from rai_missions.errors import DefinitionError, UsageError
 from rai_missions.event import KINDS, Event, Tick
+from rai_missions.keys import Key
 from rai_missions.mission.files import load
 from rai_missions.mission.mission import Mission
 from rai_missions.replay.play import Play, PlayChoice
 from rai_missions.replay.play.choice import Passage
 from rai_missions.replay.play.offers import settled
+from rai_missions.runtime.arguments import accepted
 from rai_missions.states.state import HOLDERS
 from tests.engine.test_goals import mission as stacking
 from tests.strategies import EVENTS, missions
@@ -238,6 +240,23 @@ def started() -> Play:
 
 def names(play: Play) -> list[str]:
     return [choice.name for choice in play.choices()]
+
+
+def test_the_start_waits_for_the_arguments_without_which_a_run_is_refused() -> None:
+    mission = errand()
+    there = {name: Key("string", source="argument", **more) for name, more in {
+        "where": {}, "whence": {"initial": "home"}, "whom": {"optional": True}}.items()}  # fmt: skip
+    mission = mission.model_copy(update={"blackboard": {**mission.blackboard, **there}})
+    play = Play(mission)
+    play.do("readings")
+    assert "arguments" in names(play) and "start" not in names(play)
+    with pytest.raises(DefinitionError, match="needs the argument 'where'"):
+        accepted(mission, {})
+    play.do("arguments", {"where": "kitchen"})
+    assert "arguments" not in names(play)
+    play.do("start")
+    assert play.chart.view.board["where"].value == "kitchen"
+    assert accepted(mission, {"where": "kitchen"})
 
 
 def test_the_start_waits_for_the_robots_facts() -> None:
