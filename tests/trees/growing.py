@@ -170,6 +170,18 @@ def lasting(inner: st.SearchStrategy[Any]) -> st.SearchStrategy[Any]:
 
 WATCHED = {"selector": "success_is_failure", "sequence": "failure_is_success"}
 lasting_trees = lasting(rich_trees)
+
+
+def guarded(inner: st.SearchStrategy[Any]) -> st.SearchStrategy[Any]:
+    """Branches that a guard leads: a sequence that it opens, or a selector that it spares."""
+    return st.builds(
+        lambda word, key, given: {word: [{"check": is_true(key)}, *given]},
+        st.sampled_from(["sequence", "selector"]), st.sampled_from(FACTS), st.lists(inner, max_size=2),
+    )  # fmt: skip
+
+
+checks = st.sampled_from(FACTS).map(lambda key: {"check": is_true(key)})
+guarded_trees = lasting(guarded(st.one_of(checks, leaves, guarded(leaves))))
 flips = st.tuples(
     st.sampled_from(FACTS),
     st.sampled_from([True, False, None]),

@@ -21,6 +21,7 @@ from tests.trees.growing import (
     FACTS,
     Moment,
     flipping_lives,
+    guarded_trees,
     lasting,
     lasting_trees,
     long_lives,
@@ -101,6 +102,12 @@ def test_so_is_one_that_runs_on_while_one_fact_after_the_other_changes(tree: Any
 @often
 @given(lasting_trees, flipping_lives, st.integers(1, 3))
 def test_so_is_one_of_which_it_is_not_known_what_has_changed(tree: Any, life: list[Moment], unknown: int) -> None:
+    as_py_trees(tree, life, unknown=unknown)
+
+
+@often
+@given(guarded_trees, long_lives, st.integers(0, 3))
+def test_so_is_one_whose_branches_have_guards(tree: Any, life: list[Moment], unknown: int) -> None:
     as_py_trees(tree, life, unknown=unknown)
 
 

@@ -32,12 +32,17 @@ class CompiledComposite(CompiledNode):
         memory: It continues at the child that runs.
     """
 
-    __slots__ = ("current", "memory_", "top")
+    __slots__ = ("current", "lead", "memory_", "top")
     doubts_later = True
 
     def __init__(self, children: Sequence[Any], *, memory: bool = False) -> None:
         super().__init__(children)
         self.memory_ = memory
+        self.lead = children[0].quick if children else None
+        """The guard of its first child, if that is a check whose tick a composite makes by itself.
+
+        Where it has ended the last visit and comes to the same, this visit changes nothing.
+        """
         self.current = -1
         """The number of the current child; -1 for none."""
         self.top = -1
@@ -122,6 +127,12 @@ class CompiledComposite(CompiledNode):
             number += 1
         return number - 1
 
+    def _end_again(self) -> Status:
+        """End as the last tick did, at the first child; gives the status."""
+        self.idle = self.children[0].idle = True
+        self.todo = 0
+        return self.status
+
     def doubt(self) -> None:
         """See `CompiledNode.doubt`; the children are put in doubt where they are visited."""
         self.idle = False
@@ -154,6 +165,9 @@ class CompiledSequence(CompiledComposite):
     __slots__ = ()
 
     def tick(self, now: Tick) -> Status:
+        lead = self.lead
+        if lead is not None and self.status is FAILURE and self.top == 0 and lead(now.sight) is not True:
+            return self._end_again()
         begins, memory, children = self.status is not RUNNING, self.memory_, self.children
         first = self.current if memory and not begins else 0
         number = first
@@ -187,6 +201,9 @@ class CompiledSelector(CompiledComposite):
     renews = False
 
     def tick(self, now: Tick) -> Status:
+        lead = self.lead
+        if lead is not None and self.status is SUCCESS and self.top == 0 and lead(now.sight) is True:
+            return self._end_again()
         begins, memory, last = self.status is not RUNNING, self.memory_, self.current
         children, first = self.children, 0
         if memory and not begins:
