@@ -66,7 +66,7 @@ def faults_of(error: ValidationError, model: type[Any], data: Any, known: Iterab
     for item in found[:MOST]:
         if item["type"] == "too_short" and len(item["input"]) >= item["ctx"]["min_length"]:
             continue  # its items are refused one by one
-        steps, rest = _steps(item["loc"], data)
+        steps, rest = _steps((*item["loc"], *item.get("ctx", {}).get("at", ())), data)
         place = pointer(steps)
         # The branches of a union are no places: the fault of the first of them is enough.
         of_union = rest and item["type"] != "missing"
@@ -222,6 +222,7 @@ BOUNDED: Mapping[str, Callable[[Any, Any], str]] = {
     "greater_than_equal": lambda given, ctx: f"{shown(given)} is too small; it must be {ctx['ge']:g} or more",
     "less_than": lambda given, ctx: f"{shown(given)} is too large; it must be less than {ctx['lt']:g}",
     "less_than_equal": lambda given, ctx: f"{shown(given)} is too large; it must be {ctx['le']:g} or less",
+    "string_too_short": lambda given, ctx: f"{shown(given)} is too short; it has {ctx['min_length']} letter or more",
     "too_short": lambda given, ctx: f"{ctx['actual_length']} given, and at least {ctx['min_length']} is needed",
     "too_long": lambda given, ctx: f"{ctx['actual_length']} given, and there may be {ctx['max_length']} at the most",
 }

@@ -117,27 +117,31 @@ class CampaignFile(MissionModel):
 
     @model_validator(mode="after")
     def _names_what_there_is(self) -> CampaignFile:
-        for name in self.embodiments:
+        for at, name in enumerate(self.embodiments):
             if name not in EMBODIMENTS:
-                raise fault("embodiment", f"no embodiment {shown(name)}{suggestion(name, EMBODIMENTS)}")
+                why = f"no embodiment {shown(name)}{suggestion(name, EMBODIMENTS)}"
+                raise fault("embodiment", why, at=("embodiments", at))
         for field in ("models", "embodiments", "orders"):
             if twice := _repeated(getattr(self, field)):
-                raise fault(field, f"'{field}' names {shown(twice)} more than once; keep one")
+                raise fault(field, f"'{field}' names {shown(twice)} more than once; keep one", at=(field,))
         for word, table in ((word, getattr(self, word)) for word in ABOUT_MODELS):
             if unknown := next((name for name in table if name not in self.models), None):
                 raise fault(
                     word,
                     f"'{word}' is about {shown(unknown)}, which 'models' has not{suggestion(unknown, self.models)}",
+                    at=(word, unknown),
                 )
         providers = {name.partition(":")[0] for name in self.models}
         if unknown := next((name for name in self.rates if name not in providers), None):
             near = suggestion(unknown, providers)
-            raise fault("rates", f"'rates' is about {shown(unknown)}, of which 'models' has none{near}")
+            why = f"'rates' is about {shown(unknown)}, of which 'models' has none{near}"
+            raise fault("rates", why, at=("rates", unknown))
         if self.budget.money is not None and (unpriced := next(self._unpriced(), None)):
             raise fault(
                 "prices",
                 f"'budget' bounds money, and 'prices' has no price of {shown(unpriced)}, which would count as free; "
                 "add it, or {} where it costs nothing",
+                at=("prices",),
             )
         return self
 

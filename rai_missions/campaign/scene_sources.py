@@ -58,7 +58,9 @@ class ScenesEntry(MissionModel):
             )
             raise fault("scenes", sentence)
         if self.count is not None and self.options:
-            raise fault("options", "the generator draws each scene's options; drop 'options' or drop 'count'")
+            raise fault(
+                "options", "the generator draws each scene's options; drop 'options' or drop 'count'", at=("options",)
+            )
         names = [each.scene for each in self._written()]
         if len(set(names)) < len(names):
             twice = next(name for name in names if names.count(name) > 1)

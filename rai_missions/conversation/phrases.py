@@ -36,11 +36,28 @@ def _compiled(phrase: str, parts: Mapping[str, str]) -> str:
             made.append(f"(?:{_compiled(parts[atom.group(2)], parts)})")
         else:
             made.append(_SIGNS.get(text) or f"{re.escape(text)} ")
-    try:
-        re.compile("".join(made))
-    except re.error as error:
-        raise UsageError(f"the phrase '{phrase}' is not closed: {error}") from None
+    if why := _malformed(phrase):
+        raise UsageError(f"the phrase '{phrase}' {why}")
     return "".join(made)
+
+
+PAIRS = {"(": ")", "[": "]", "{": "}", "<": ">"}
+
+
+def _malformed(phrase: str) -> str:
+    """What of a phrase cannot be read; empty where all can."""
+    opened = list[str]()
+    for sign in phrase:
+        if sign in PAIRS:
+            opened.append(sign)
+        elif sign in PAIRS.values() and (not opened or PAIRS[opened.pop()] != sign):
+            return f"is not closed: '{sign}' closes what is not open there"
+    if opened:
+        return f"is not closed: '{opened[-1]}' lacks its '{PAIRS[opened[-1]]}'"
+    if unread := re.search(r"[{<](?!\w+[}>])[^}>]*[}>]", phrase):
+        return f"has '{unread[0]}', which is no name; it is one word of letters, digits and '_', as in {{place}}"
+    slots = re.findall(r"\{(\w+)\}", phrase)
+    return next((f"has {{{each}}} twice; keep one" for each in slots if slots.count(each) > 1), "")
 
 
 LEFT_OUT = re.compile(r"\[[^()\[\]]*\]|<\w+>|\$")

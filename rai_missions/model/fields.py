@@ -24,9 +24,15 @@ NAME = r"^[a-z][a-z0-9_]*(/[a-z][a-z0-9_]*)*$"
 PATH_PATTERN = r"^[a-z][a-z0-9_]*(/[a-z][a-z0-9_]*)*(\.[A-Za-z_][A-Za-z0-9_]*)*$"
 
 
-def fault(kind: str, sentence: str) -> PydanticCustomError:
-    """A fault of the author, as pydantic wants it raised in a validator; the sentence reaches the author as it is."""
-    return PydanticCustomError(kind, "{sentence}", {"sentence": sentence})
+def fault(kind: str, sentence: str, *, at: tuple[str | int, ...] = ()) -> PydanticCustomError:
+    """A fault of the author, as pydantic wants it raised in a validator; the sentence reaches the author as it is.
+
+    Args:
+        kind: What pydantic calls it.
+        sentence: What is wrong, and what would be right.
+        at: The steps to its place, from what the validator is given.
+    """
+    return PydanticCustomError(kind, "{sentence}", {"sentence": sentence, "at": at})
 
 
 def _key_text(value: Any) -> Any:
@@ -57,6 +63,8 @@ one_or_many = (BeforeValidator(_tuple), PlainSerializer(_shorter, return_type=An
 """A word or a list of words in JSON, always a tuple here."""
 
 Text = Annotated[str, Strict()]
+Word = Annotated[Text, Field(min_length=1)]
+"""A text that is not empty, as the name of a topic."""
 Name = Annotated[str, Strict(), Field(pattern=NAME), BeforeValidator(_key_text)]
 """Lower case, digits and underscores; `/` only in what an inclusion brought."""
 Path = Annotated[str, PATH, Strict(), Field(pattern=PATH_PATTERN), BeforeValidator(_key_text)]

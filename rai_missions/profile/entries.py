@@ -13,7 +13,7 @@ from pydantic import BeforeValidator, Field, PlainSerializer, model_validator
 
 from rai_missions.errors import ConnectorError
 from rai_missions.guards.guard import Guard
-from rai_missions.model import LISTED, AnyOf, Bool, Json, MissionModel, Name, Seconds, Text, fault
+from rai_missions.model import LISTED, AnyOf, Bool, Json, MissionModel, Name, Seconds, Text, Word, fault
 from rai_missions.plain_data import apart
 from rai_missions.profile.convert import at_path, plain, pose_message
 from rai_missions.profile.sources import truth_of
@@ -32,7 +32,7 @@ class ServiceEntry(MissionModel):
 
     positional: ClassVar = ("service",)
 
-    service: Text
+    service: Word
     type: Text = TRIGGER
     request: dict[Text, Json] = Field(default_factory=dict)
     """What it is asked with, next to and below what the mission gives; or a template with `{"from": field}`."""
@@ -80,7 +80,7 @@ OneService = Annotated[
 class ActionEntry(MissionModel):
     """An action with a server (`action`, `type`), or one composed of services and guards (`start`, `cancel`, …)."""
 
-    action: Text | None = None
+    action: Word | None = None
     type: Text = ""
     goal: dict[Text, Json] = Field(default_factory=dict)
     """What the goal has next to and below what the mission gives; or a template with `{"from": field}`."""
@@ -143,8 +143,8 @@ class TopicEntry(MissionModel):
 
     positional: ClassVar = ("topic", "type")
 
-    topic: Text
-    type: Text
+    topic: Word
+    type: Word
     message: dict[Text, Json] = Field(default_factory=dict)
     """What a message has next to and below what the mission gives; or a template with `{"from": field}`."""
     repeat: Bool = False
@@ -160,8 +160,8 @@ class AliveEntry(MissionModel):
 
     positional: ClassVar = ("topic",)
 
-    topic: Text
-    type: Text = "std_msgs/msg/Empty"
+    topic: Word
+    type: Word = "std_msgs/msg/Empty"
     every_s: Seconds = Field(default=0.1, gt=0)
     """Seconds between two messages; well below the lease of anyone who listens."""
 

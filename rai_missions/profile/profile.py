@@ -100,13 +100,14 @@ class Robot(MissionModel):
     @classmethod
     def _knows_its_controllers(cls, control: dict[str, ServiceEntry]) -> dict[str, ServiceEntry]:
         for holder in (each for each in control if each not in HOLDERS):
-            raise fault("control", f"no one called '{holder}' can hold control{suggestion(holder, HOLDERS)}")
+            why = f"no one called '{holder}' can hold control{suggestion(holder, HOLDERS)}"
+            raise fault("control", why, at=(holder,))
         return control
 
     @model_validator(mode="after")
     def _has_a_connector(self) -> Self:
         if not isinstance(self.connector.get("kind"), str):
-            raise fault("connector", 'a connector has a \'kind\': "local", "ros2", …')
+            raise fault("connector", 'a connector has a \'kind\': "local", "ros2", …', at=("connector",))
         return self
 
     @model_validator(mode="after")
@@ -114,7 +115,8 @@ class Robot(MissionModel):
         for name, event in self.events.items():
             if event.during is not None and event.during not in self.actions:
                 near = suggestion(event.during, self.actions)
-                raise fault("events", f"'{name}' is received during '{event.during}', which is no action here{near}")
+                why = f"'{name}' is received during '{event.during}', which is no action here{near}"
+                raise fault("events", why, at=("events", name, "during"))
         return self
 
     def written(self) -> dict[str, Any]:

@@ -16,7 +16,7 @@ from rai_missions.errors import ConnectorError
 from rai_missions.guards.guard import Guard, Site, Truth, View
 from rai_missions.image import Image
 from rai_missions.keys import Key, Stamped
-from rai_missions.model import AnyOf, Bool, Json, MissionModel, Name, Seconds, Text, fault
+from rai_missions.model import AnyOf, Bool, Json, MissionModel, Name, Seconds, Text, Word, fault
 from rai_missions.profile.convert import at_path, image_of, json_of, plain, pose_of
 from rai_missions.redaction import cut_repr
 
@@ -48,8 +48,8 @@ WORDS_OF_GUARDS = {word: Key(type="object") for word in ("event", "answer")}
 class SourceFields(MissionModel):
     """A topic that is listened to, or a service that is asked again and again."""
 
-    topic: Text | None = None
-    service: Text | None = None
+    topic: Word | None = None
+    service: Word | None = None
     type: Text = ""
     """The message's or service's type, `std_msgs/msg/String`."""
     every_s: Seconds | None = Field(default=None, gt=0)

@@ -454,37 +454,37 @@ def test_check_reports_a_connector_a_world_or_an_option_that_there_is_not(
 
 
 @pytest.mark.parametrize(
-    ("kind", "battery", "faults"),
+    ("kind", "battery", "alive", "faults"),
     [
         pytest.param(
-            "ros2", "/Fahrwerk/Füllstand",
+            "ros2", "/Fahrwerk/Füllstand", "alive/",
             {
                 "/blackboard/battery": "no name in ROS from 'üllstand' on: topic name must not contain characters",
                 "/services/horn": "no name in ROS from '/' on: topic name must not end with a forward slash",
                 "/control/operator": "no name in ROS from '2nd/agent' on: topic name token must not start with",
-                "/alive": "no name in ROS: topic name must not be empty string",
+                "/alive": "no name in ROS from '/' on: topic name must not end with a forward slash",
             },
             marks=on_ros,
         ),
         (
-            "mqtt", "/+/battery",
+            "mqtt", "/+/battery", "#/",
             {
                 "/blackboard/battery": "'/+/battery' is no name in MQTT: '+' and '#' mean many topics",
                 "/actions/drive": "MQTT carries no actions, and so not /drive; compose it of services",
-                "/alive": "a name of MQTT has at least one character",
+                "/alive": "'#/' is no name in MQTT: '+' and '#' mean many topics",
             },
         ),
     ],
 )  # fmt: skip
 def test_check_and_run_report_all_names_that_the_middleware_does_not_take(
-    kind: str, battery: str, faults: dict[str, str], folder: Path, capsys: pytest.CaptureFixture[str]
+    kind: str, battery: str, alive: str, faults: dict[str, str], folder: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     profile = {
         "format": 1, "name": "robot", "connector": {"kind": kind},
         "blackboard": {"battery": {"topic": battery, "type": "std_msgs/msg/Float64"}},
         "actions": {"drive": {"action": "/drive", "type": "test_msgs/action/Fibonacci"}},
         "services": {"horn": {"service": "horn/"}},
-        "control": {"operator": "/2nd/{by}"}, "alive": {"topic": ""},
+        "control": {"operator": "/2nd/{by}"}, "alive": {"topic": alive},
     }  # fmt: skip
     mission = {**LAMP, "blackboard": {"battery": {"type": "number", "source": "robot"}}, "events": {}}
     for name, content in (("robot.json", profile), ("lamp.json", mission)):

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import json
+import re
 import time
 from pathlib import Path
 
@@ -81,8 +82,17 @@ def test_no_text_breaks_the_grammar_or_keeps_it_long(text: str) -> None:
 
 
 def test_a_faulty_phrase_is_refused_with_its_text() -> None:
-    with pytest.raises(UsageError, match=r"the phrase '\(stop' is not closed"):
-        Phrases(["(stop"], {})
+    for phrase, why in {
+        "(stop": "is not closed: '(' lacks its ')'",
+        "stop (now]": "is not closed: ']' closes what is not open there",
+        "stop]": "is not closed: ']' closes what is not open there",
+        "find [the {object]": "is not closed: ']' closes what is not open there",
+        "find {object": "is not closed: '{' lacks its '}'",
+        "find {my object}": "has '{my object}', which is no name; it is one word of letters, digits",
+        "find {object} or {object}": "has {object} twice; keep one",
+    }.items():
+        with pytest.raises(UsageError, match=re.escape(f"the phrase '{phrase}' {why}")):
+            Phrases([phrase], {})
     with pytest.raises(UsageError, match="the phrase 'stop <it>' names no part: '<it>'; there is: robot"):
         Phrases(["stop <it>"], {"robot": "it"})
 

@@ -80,7 +80,12 @@ def test_a_file_that_is_not_there_is_the_callers_affair(tmp_path: Path) -> None:
     ("change", "message"),
     [
         ({"format": 2}, "/format: no such choice: 2; it is 1"),
-        ({"connector": {"world": "orchard"}}, "a connector has a 'kind'"),
+        ({"connector": {"world": "orchard"}}, "/connector: a connector has a 'kind'"),
+        ({"control": {"autonmy": {"service": "/x"}}}, "/control/autonmy: no one called 'autonmy' can hold control"),
+        ({"events/anomaly/during": "drive"}, "/events/anomaly/during: 'anomaly' is received during 'drive', which is"),
+        ({"blackboard/battery/topic": ""}, "/blackboard/battery/topic: '' is too short; it has 1 letter or more"),
+        ({"actions/drive_alleys/start": ""}, "/actions/drive_alleys/start: '' is too short"),
+        ({"services/horn/service": ""}, "/services/horn/service: '' is too short"),
         (
             {"blackboard/battery/topic": None},
             "/blackboard/battery: a source is a 'topic' or a 'service', this is neither",

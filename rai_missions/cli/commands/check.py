@@ -76,7 +76,7 @@ def check(
 
 
 def _checked_profile(path: str, mission: Mission | None) -> tuple[str, tuple[FileFinding, ...]]:
-    """A profile's name, empty where it was not checked, and what is wrong with it or lacks in it."""
+    """A profile's name, that of its file where it has none, and what is wrong with it or lacks in it."""
     from rai_missions.agents.talk.settings import conversation_faults
     from rai_missions.check import FileFinding, Finding
     from rai_missions.errors import DefinitionError
@@ -85,10 +85,10 @@ def _checked_profile(path: str, mission: Mission | None) -> tuple[str, tuple[Fil
     try:
         profile = load_profile(path)
     except DefinitionError as error:
-        return "", tuple(FileFinding(error.source or path, Finding.of(each)) for each in error.faults)
+        return path, tuple(FileFinding(error.source or path, Finding.of(each)) for each in error.faults)
     names = missing(mission, profile) if mission is not None else ()
     lacking = (*_connector_faults(profile), *names, *conversation_faults(profile, mission))
-    return profile.name, tuple(FileFinding(path, Finding.of(each)) for each in lacking)
+    return profile.name or path, tuple(FileFinding(path, Finding.of(each)) for each in lacking)
 
 
 def _connector_faults(robot: Robot) -> Iterator[Fault]:
