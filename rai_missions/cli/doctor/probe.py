@@ -77,8 +77,13 @@ def python_robot(file: str) -> dict[str, list[str]]:
     program = read_program(file)
     offered = getattr(program.module, "robot", None)
     robot = offered if callable(offered) and not isinstance(offered, PythonRobot) else program.robot()
-    sorts = ("facts", "services", "actions", "topics")
-    return {sort: list(getattr(robot, sort)) for sort in sorts} if isinstance(robot, PythonRobot) else {}
+    if not isinstance(robot, PythonRobot):
+        return {}
+    sorts = {
+        "facts": robot.fact_functions, "services": robot.service_functions, "actions": robot.action_functions,
+        "topics": robot.topic_functions,
+    }  # fmt: skip
+    return {sort: list(functions) for sort, functions in sorts.items()}
 
 
 def answerer(wanted: list[str]) -> None:

@@ -70,7 +70,7 @@ def loads(program: Path) -> MachineFinding:
     found = tried("python_robot", str(program), os.environ)
     if found.fault:
         return MachineFinding("missing", f"the robot {program} does not load", found.fault)
-    offers = ", ".join(f"{sort} {', '.join(names) or 'none'}" for sort, names in found.value.items())
+    offers = "; ".join(f"{sort} {', '.join(names) or 'none'}" for sort, names in found.value.items())
     return MachineFinding("ok", f"the robot {program} loads: {offers or 'it is made by robot(), once a run'}")
 
 

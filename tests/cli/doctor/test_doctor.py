@@ -16,7 +16,7 @@ from packaging.requirements import Requirement
 from rai_missions.cli.doctor import MachineFinding
 from rai_missions.cli.doctor.finding import tried
 from rai_missions.cli.doctor.machine import EXTRAS
-from rai_missions.cli.doctor.robot import reach
+from rai_missions.cli.doctor.robot import loads, reach
 from rai_missions.cli.doctor.ros import ros
 from rai_missions.cli.main import main
 from rai_missions.errors import install_command
@@ -263,6 +263,31 @@ def test_a_profile_at_fault_is_reported_on_stderr(tmp_path: Path, capsys: pytest
     (tmp_path / "robot.json").write_text('{"format": 1}')
     assert main(["doctor", "--robot", str(tmp_path / "robot.json")]) == 2
     assert "name" in capsys.readouterr().err
+
+
+PYTHON_ROBOT = """
+from rai_missions import PythonRobot
+robot = PythonRobot("turtle")
+robot.fact("x", every_s=1)(lambda: 1.0)
+robot.fact("docked")
+robot.action("drive")(lambda goal, run: None)
+robot.service("horn")(lambda request: None)
+"""
+
+
+@pytest.mark.parametrize(
+    ("source", "status", "words"),
+    [
+        (PYTHON_ROBOT, "ok", "loads: facts x, docked; services horn; actions drive; topics none"),
+        (PYTHON_ROBOT + "made = robot\ndef robot(): return made", "ok", "loads: it is made by robot(), once a run"),
+        ("robot = 5", "missing", "does not load"),
+        ("import nowhere", "missing", "does not load"),
+    ],
+)
+def test_what_a_robot_in_python_offers_is_named(tmp_path: Path, source: str, status: str, words: str) -> None:
+    (tmp_path / "my_robot.py").write_text(source)
+    found = loads(tmp_path / "my_robot.py")
+    assert (found.status, words in found.what) == (status, True), found
 
 
 @pytest.mark.parametrize(
