@@ -12,6 +12,7 @@ from typing import Any
 
 from rai_missions.campaign.records import BEST_FIRST, OptionVerdict
 from rai_missions.campaign.scenes import CampaignScene
+from rai_missions.errors import UsageError
 from rai_missions.worlds.orchard.trial import Trial, try_options
 
 __all__ = ("Label", "best_options", "label", "verdict_of")
@@ -32,7 +33,13 @@ class Label:
 
 
 def label(scene: CampaignScene) -> dict[str, Label]:
-    """Roll out each option of a scene: option → its label; about 1.5 s of CPU a scene."""
+    """Roll out each option of a scene: option → its label; about 1.5 s of CPU a scene.
+
+    Raises:
+        UsageError: Nothing tries options in its world.
+    """
+    if scene.world not in TRIALS:
+        raise UsageError(f"nothing tries options in the world '{scene.world}', but in: {', '.join(TRIALS)}")
     trials = TRIALS[scene.world](scene.spec["options"])
     return {option: Label(verdict_of(trial), asdict(trial)) for option, trial in trials.items()}
 

@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 from rai_missions.campaign.labels import Label, best_options, label, verdict_of
 from rai_missions.campaign.records import OptionVerdict
 from rai_missions.campaign.scenes import scene
+from rai_missions.errors import UsageError
 from rai_missions.worlds.orchard.trial import Trial
 
 NOTHING = Trial(False, "", "", 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
@@ -33,6 +34,11 @@ def test_the_best_are_those_that_none_betters(verdicts: dict[str, OptionVerdict]
     best = best_options({option: Label(verdict, {}) for option, verdict in verdicts.items()})
     ranks = {option: VERDICTS.index(verdict) for option, verdict in verdicts.items()}
     assert best == {one for one in ranks if not any(ranks[other] < ranks[one] for other in ranks)}
+
+
+def test_a_world_in_which_nothing_tries_options_is_named() -> None:
+    with pytest.raises(UsageError, match="nothing tries options in the world 'house', but in: orchard"):
+        label(scene("house", 3))
 
 
 @pytest.mark.long

@@ -259,6 +259,10 @@ def test_a_scene_is_read_from_a_file_and_options_go_first(tmp_path: Path) -> Non
         ({"objects": [{"kind": "cup", "colour": "pink"}]}, "no colour 'pink'"),
         ({"objects": [{"kind": "cup", "colr": "red"}]}, "no field 'colr'; did you mean 'colour'?"),
         ({"objects": [{"kind": "cup", "at": [1, 2]}]}, "[1, 2] is no place; give x, y and the height"),
+        (
+            {"objects": [{"kind": "cup", "at": [1, 2, 0], "spot": "table_north"}]},
+            "a cup is on a 'spot' or 'at' a place; keep one",
+        ),
         ({"objects": [{"kind": "cup", "at": [50, 2, 0]}]}, "[50, 2, 0] is outside of the house"),
         ({"objects": [{"kind": "cup", "spot": "sofa_south"}, {"kind": "book", "spot": "sofa_south"}]}, "a spot holds"),
         ({"objects": ["ball"] * 5}, "no spot is left for another ball"),

@@ -90,7 +90,9 @@ def test_what_does_not_exist_is_refused() -> None:
         ({"kind": "hose", "variant": "full"}, "hose has no variant 'full'"),
         ({"kind": "log", "hides": "cat"}, "log hides nothing"),
         ({"kind": "log", "attended": True}, "no one carries away a log"),
-        ({"kind": "branch", "size": 9.0}, "size: 0.2 to 3, not 9.0"),
+        ({"kind": "branch", "size": 9.0}, "obstacles: size takes a number from 0.2 to 3, not 9.0"),
+        ({"kind": "ladder", "turn_deg": "0"}, "obstacles: turn_deg takes a number from -360 to 360, not '0'"),
+        ({"kind": "ladder", "along": 1.5}, "obstacles: along takes a number from 0 to 1, not 1.5"),
         ({"kind": "tall_grass", "hides": "dragon"}, "no kind 'dragon'"),
     ):
         with pytest.raises(UsageError, match=why):

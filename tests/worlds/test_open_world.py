@@ -25,6 +25,7 @@ def test_an_unknown_world_names_those_that_exist() -> None:
         ({"obstacles": ["cow"]}, "obstacles: no kind 'cow'; there are: branch, log, crate"),
         ({"obstacles": [{"kind": "log", "colour": 3}]}, "obstacles: no field 'colour'; there is: across_m, alley"),
         ({"obstacles": ["log", "log"], "alleys": 1}, "obstacles: 2 obstacles for 1 alleys"),
+        ({"stop_at_m": -3, "alleys": 1}, "stop_at_m takes a number from 0 to 100, not -3"),
         ({"alleys": 0}, "alleys: an orchard has 1 to 30 alleys, not 0"),
         ({"length_m": 5}, "length_m: an alley is 12 to 200 m long, not 5"),
         ({"detector": {"blur": 1}, "alleys": 1}, "detector: no option 'blur'; there is: confuse, false_alarm"),

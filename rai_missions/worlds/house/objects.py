@@ -66,6 +66,8 @@ def _fields(given: str | Mapping[str, Any]) -> dict[str, Any]:
         if (field == "kind" or field in one) and one.get(field) not in known:
             raise UsageError(f"objects: no {field} {one.get(field)!r}{suggestion(str(one.get(field)), known)}")
     if "at" in one:
+        if "spot" in one:
+            raise UsageError(f"objects: a {one['kind']} is on a 'spot' or 'at' a place; keep one")
         _check_place(one["at"])
     return one
 

@@ -18,6 +18,7 @@ from rai_missions.connectors.connector import Answer, Connector
 from rai_missions.errors import UsageError
 from rai_missions.worlds import messages
 from rai_missions.worlds.battery import Battery
+from rai_missions.worlds.options import check_number
 from rai_missions.worlds.orchard import interface, scene, textures
 from rai_missions.worlds.orchard.actions import Cross, NavigateToPose
 from rai_missions.worlds.orchard.alley_counter import AlleyCounter
@@ -93,6 +94,7 @@ class Orchard(Simulation):
         robot: str = "tractor1",
         start_s: float = 0.0,
     ) -> None:
+        check_number("stop_at_m", stop_at_m, 0, 100)
         self.layout = Layout(alleys, length_m)
         self.obstacles = place(seed, self.layout, obstacles)
         super().__init__(
