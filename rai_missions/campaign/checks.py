@@ -89,8 +89,11 @@ def faults_at_work(file: CampaignFile, subject: CampaignSubject) -> Iterator[Fau
 
 def _of_scenes(file: CampaignFile) -> Iterator[Fault]:
     scenes = file.scenes
-    built = [(f"/scenes/given/{number}/options", each.options) for number, each in enumerate(scenes.given)]
-    for place, options in built or [("/scenes/options", {})]:
+    built: list[tuple[str, Mapping[str, Any]]] = [
+        (f"/scenes/given/{number}/options", {"seed": each.seed, **each.options})
+        for number, each in enumerate(scenes.given)
+    ]
+    for place, options in built or [("/scenes/options", {"seed": min(scenes.seeds, default=0)})]:
         try:
             check_local({**scenes.options, **options, "world": scenes.world})
         except UsageError as error:

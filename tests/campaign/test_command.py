@@ -33,6 +33,7 @@ def test_check_counts_the_cells(tmp_path: Path, capsys: pytest.CaptureFixture[st
      "/scenes/given/0/options: the world 'orchard' has no option 'aleys'"),
     ({"given": [{"scene": "a", "kind": "even", "seed": 1, "options": {"detector": {"mis": 0.5}}}]},
      "/scenes/given/0/options: detector: no option 'mis'"),
+    ({"world": "house", "seeds": [3, -1]}, "/scenes/options: the world 'house' cannot be opened with seed=-1"),
     ({"seeds": [1], "options": {"conditions": {"fgo": 0.5}}}, "/scenes/options: conditions: no option 'fgo'"),
 ])  # fmt: skip
 def test_check_reports_what_no_world_takes(

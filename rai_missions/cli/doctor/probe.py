@@ -79,7 +79,7 @@ def python_robot(file: str) -> dict[str, list[str]]:
     robot = offered if callable(offered) and not isinstance(offered, PythonRobot) else program.robot()
     if not isinstance(robot, PythonRobot):
         return {}
-    sorts = {
+    sorts: Mapping[str, Mapping[str, object]] = {
         "facts": robot.fact_functions, "services": robot.service_functions, "actions": robot.action_functions,
         "topics": robot.topic_functions,
     }  # fmt: skip
