@@ -286,7 +286,11 @@ def test_a_flood_of_names_is_cut() -> None:
         ('{"camra": "/c"}', "no field 'camra'; did you mean 'camera'?"),
         ('{"mount": {"hight": 1}}', "mount takes x, height, pitch"),
         ("[]", "give an object with the fields camera"),
-        ("{", "Expecting property name"),
+        ("{", "is no JSON: Expecting property name"),
+        ('{"detector": 5}', "detector takes text, not 5"),
+        ('{"range_m": "far"}', "range_m takes a number, not 'far'"),
+        ('{"range_m": true}', "range_m takes a number, not true"),
+        ('{"rooms": ["hall"]}', 'rooms takes an object, not ["hall"]'),
     ],
 )
 def test_a_configuration_that_is_wrong_is_reported(tmp_path: Any, content: str, why: str) -> None:

@@ -3,6 +3,9 @@
 
 from __future__ import annotations
 
+import signal
+import subprocess
+import sys
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -19,6 +22,19 @@ pytestmark = on_ros
 @pytest.fixture
 def graph(tmp_path: Path) -> Iterator[Graph]:
     yield from graph_in(tmp_path, Graph)
+
+
+def test_the_object_finder_is_a_process_that_is_ready_and_ends_on_a_signal(graph: Graph) -> None:
+    words = [sys.executable, "-m", "rai_missions.worlds.perception"]
+    finder = subprocess.Popen(words, env=graph.environment, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+    try:
+        assert finder.stdout is not None
+        assert finder.stdout.readline() == "ready: /look_for starts it, /seen has what it sees\n"
+        finder.send_signal(signal.SIGINT)
+        assert finder.wait(30.0) == 0
+    finally:
+        finder.kill()
+        finder.communicate()
 
 
 @pytest.mark.long

@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from rai_missions.errors import ConnectorError, UsageError
+from rai_missions.redaction import shown
 from rai_missions.worlds.options import check_names
 from rai_missions.worlds.perception.finder import FinderConfig, ObjectFinder
 from rai_missions.worlds.perception.projection import Mount
@@ -21,20 +22,31 @@ from rai_missions.worlds.perception.projection import Mount
 __all__ = ("main", "read_config")
 
 
+WORDS: Mapping[Any, str] = {str: "text", (int, float): "a number", Mapping: "an object"}
+SORTS: Mapping[type, Any] = {str: str, float: (int, float), dict: Mapping, Mount: Mapping}
+"""Type of a field → what JSON has for it."""
+
+
 def read_config(path: str) -> FinderConfig:
     """The names on a robot, from a file with an object of `FinderConfig`'s fields.
 
     Raises:
-        UsageError: It cannot be read, or has a field that does not exist.
+        UsageError: It cannot be read, has a field that does not exist, or a value of another type.
     """
     try:
         given = json.loads(Path(path).read_text(encoding="utf-8"))
-    except (OSError, ValueError) as fault:
-        raise UsageError(f"{path}: {fault}") from fault
+    except OSError as fault:
+        raise UsageError(f"{path} cannot be read: {fault.strerror}; name a file of JSON") from fault
+    except ValueError as fault:
+        raise UsageError(f"{path} is no JSON: {fault}") from fault
     known = [each.name for each in fields(FinderConfig)]
     if not isinstance(given, Mapping):
         raise UsageError(f"{path}: give an object with the fields {', '.join(known)}")
     check_names(path, given, known)
+    plain = FinderConfig()
+    for name, value in given.items():
+        if not isinstance(value, sorts := SORTS[type(getattr(plain, name))]) or isinstance(value, bool):
+            raise UsageError(f"{path}: {name} takes {WORDS[sorts]}, not {shown(value)}")
     mount = given.get("mount", {})
     try:
         return FinderConfig(**{**given, "mount": Mount(**mount)})
@@ -62,14 +74,16 @@ def _run(config: FinderConfig) -> int:
     ended = threading.Event()
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, lambda *_: ended.set())
-    closes = ObjectFinder(config).open(connector)
     connector.start()
-    sys.stdout.write(f"ready: {config.look_for} starts it, {config.seen} has what it sees\n")
-    sys.stdout.flush()
-    ended.wait()
-    for close in closes:
-        close()
-    connector.stop()
+    try:
+        closes = ObjectFinder(config).open(connector)
+        sys.stdout.write(f"ready: {config.look_for} starts it, {config.seen} has what it sees\n")
+        sys.stdout.flush()
+        ended.wait()
+        for close in closes:
+            close()
+    finally:
+        connector.stop()
     return 0
 
 
