@@ -65,7 +65,7 @@ def _config(given: GateOptions) -> GateWords:
     commands = [command_topic(each) for each in given.command] or None
     options = {"commands": commands, "safe": given.safe, "name": given.name}
     words = {name: value for name, value in options.items() if value is not None}
-    read = read_gate(given.file, **words) if given.file else gate_words(words)
+    read = read_gate(given.file, **words) if given.file else gate_words(words, "rai-missions gate")
     return gate_words({**read.written(), "leases": {**read.leases, **leases_of(given.lease)}}, "--lease")
 
 

@@ -7,11 +7,12 @@ sends.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, Literal, Self
 
-from pydantic import Field, field_validator, model_validator
+from pydantic import AfterValidator, Field, field_validator, model_validator
 
 from rai_missions.errors import DefinitionError, Fault, UsageError, suggestion
 from rai_missions.gate.state import COMMANDERS, GateRules
@@ -26,7 +27,22 @@ ZERO_STOPS = ("geometry_msgs/msg/Twist", "geometry_msgs/msg/TwistStamped")
 """Types of which a message of zeros stops the robot."""
 LEASES: Mapping[str, float] = {"agent": 0.5}
 SHORTEST_LEASE_S = 0.01
-Topic = Annotated[Text, Field(pattern=r"^(/[A-Za-z_][A-Za-z0-9_]*)+$")]
+TOPIC = r"^(/[A-Za-z_][A-Za-z0-9_]*)+$"
+
+
+def _topic(given: str) -> str:
+    """A topic's name, from the root on.
+
+    Raises:
+        PydanticCustomError: It is none.
+    """
+    if not re.fullmatch(TOPIC, given):
+        whole = f"/{given}" if re.fullmatch(TOPIC, f"/{given}") else "/robot/cmd_vel"
+        raise fault("topic", f"{shown(given)} is no topic's name from the root on; write it like '{whole}'")
+    return given
+
+
+Topic = Annotated[Text, AfterValidator(_topic), Field(json_schema_extra={"pattern": TOPIC})]
 
 
 class CommandTopic(MissionModel):

@@ -51,7 +51,11 @@ def test_the_shortest_lease_is_one() -> None:
         ({"commands": []}, "a gate without command topics guards nothing; give at least one"),
         ({"commands": [{"topic": "/a", "type": "x"}] * 2}, "'/a' is here twice; drop one"),
         ({"commands": [{"topic": "/a", "type": "x", "stop": 3}]}, "3 is no message; give its fields, or {} for zeros"),
-        ({"commands": [{"topic": "cmd_vel", "type": "x"}]}, "/commands/0/topic"),
+        (
+            {"commands": [{"topic": "cmd_vel", "type": "x"}]},
+            "/commands/0/topic: 'cmd_vel' is no topic's name from the root on; write it like '/cmd_vel'",
+        ),
+        ({"name": "my gate"}, "/name: 'my gate' is no topic's name from the root on; write it like '/robot/cmd_vel'"),
         ({"safe": "operator"}, "/safe: no such choice: 'operator'"),
         ({"saef": "nobody"}, "/saef"),
     ],
