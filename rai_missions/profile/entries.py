@@ -144,7 +144,7 @@ class TopicEntry(MissionModel):
     positional: ClassVar = ("topic", "type")
 
     topic: Word
-    type: Word
+    type: Text
     message: dict[Text, Json] = Field(default_factory=dict)
     """What a message has next to and below what the mission gives; or a template with `{"from": field}`."""
     repeat: Bool = False
@@ -161,7 +161,7 @@ class AliveEntry(MissionModel):
     positional: ClassVar = ("topic",)
 
     topic: Word
-    type: Word = "std_msgs/msg/Empty"
+    type: Text = "std_msgs/msg/Empty"
     every_s: Seconds = Field(default=0.1, gt=0)
     """Seconds between two messages; well below the lease of anyone who listens."""
 
