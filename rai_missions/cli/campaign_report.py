@@ -28,15 +28,13 @@ def report_files(html: Path | str) -> tuple[Path, ...]:
     """The page of a report and its neighbours, where they may be written: they replace an earlier report alone.
 
     Raises:
-        UsageError: The page has another ending or no folder, or a file that is no report would be replaced.
+        UsageError: The page has another ending, or a file that is no report would be replaced.
     """
     page = Path(html)
     if page.suffix != ".html":
         raise UsageError(
             f"a report is an HTML file with .md and .csv next to it, not {shown(page.name)}; name it .html"
         )
-    if not page.parent.is_dir():
-        raise UsageError(f"the report cannot be written at {page}: there is no folder {page.parent}; name another file")
     files = tuple(page.with_suffix(ending) for ending in BEGINNINGS)
     for file in files:
         if sort := irregular(file) or ("" if _is_ours(file) else "no report"):

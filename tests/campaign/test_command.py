@@ -128,7 +128,6 @@ def test_label_reports_what_stopped_it(tmp_path: Path, capsys: pytest.CaptureFix
     (["run", "CAMPAIGN", "--model", "openai:gpt", "--jobs", "1"], "OPENAI_API_KEY"),
     (["run", "CAMPAIGN", "--seconds", "0"], "--seconds is the wall time of the run, above 0, not 0"),
     (["run", "CAMPAIGN", "--report", "notes.txt", "--jobs", "1"], "not 'notes.txt'; name it .html"),
-    (["run", "CAMPAIGN", "--report", "no/such.html", "--jobs", "1"], "there is no folder no; name another file"),
     (["run", "CAMPAIGN", "--replay-answers", "nowhere.db", "--jobs", "1"], "no results at"),
 ])  # fmt: skip
 def test_a_wrong_use_is_named(

@@ -349,8 +349,10 @@ def test_an_empty_store_has_a_report(tmp_path: Path) -> None:
 
 
 def test_what_cannot_be_written_is_refused_with_its_place(results: Path, tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("")
     with pytest.raises(UsageError, match="name another file"):
-        write_report(results, tmp_path / "no" / "such.html")
+        write_report(results, tmp_path / "file" / "such.html")
+    assert all(file.is_file() for file in write_report(results, tmp_path / "made" / "such.html"))
     with pytest.raises(UsageError, match=r"name it \.html"):
         write_report(results, tmp_path / "report.md")
     (tmp_path / "notes.txt").write_text("my notes")
