@@ -11,7 +11,8 @@ from collections.abc import Mapping, Sequence
 
 from rai_missions.agents.agent import AgentHealth
 from rai_missions.connectors.process.life import end_session
-from rai_missions.redaction import cut
+from rai_missions.errors import UsageError
+from rai_missions.redaction import cut, shown
 
 __all__ = ("ProcessAgent",)
 
@@ -25,11 +26,17 @@ class ProcessAgent:
         command: The program and its arguments; no shell reads them.
         stop_s: How long it may take to end.
         environment: Its variables; this process's own where left out.
+
+    Raises:
+        UsageError: The command is no list of words.
     """
 
     def __init__(
         self, command: Sequence[str], *, stop_s: float = 1.5, environment: Mapping[str, str] | None = None
     ) -> None:
+        if isinstance(command, str) or not command:
+            words = command.split() if isinstance(command, str) and command.strip() else ["sleep", "600"]
+            raise UsageError(f"a program is a list of its words, such as {words}, not {shown(command)}")
         self._command, self._stop_s, self._environment = tuple(command), stop_s, environment
         self._process: subprocess.Popen[str] | None = None
         self._lines: deque[str] = deque(maxlen=MOST_LINES)

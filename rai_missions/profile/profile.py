@@ -18,6 +18,7 @@ from rai_missions.model import LISTED, AnyOf, Format, Json, MissionModel, Name, 
 from rai_missions.profile.conversation import ConversationPolicy
 from rai_missions.profile.entries import ActionEntry, AliveEntry, OneService, ServiceEntry, TopicEntry
 from rai_missions.profile.sources import EventSource, Source
+from rai_missions.redaction import shown
 from rai_missions.states.state import HOLDERS
 
 __all__ = ("Endpoint", "Place", "Robot", "Rule", "ToolPolicy", "endpoints", "service_places", "terms")
@@ -51,10 +52,14 @@ class ToolPolicy(MissionModel):
     """What is not touched, nor anything below it."""
 
     @model_validator(mode="after")
-    def _has_no_empty_pattern(self) -> Self:
+    def _has_patterns_of_whole_names(self) -> Self:
         for word in ("read", "write", "never"):
-            if "" in getattr(self, word):
-                raise fault(word, f"an empty pattern in '{word}' is no name; drop it")
+            for at, pattern in enumerate(getattr(self, word)):
+                if not pattern:
+                    raise fault(word, f"an empty pattern in '{word}' is no name; drop it", at=(word, at))
+                if not pattern.startswith(("/", "*", "?")):
+                    why = f"{shown(pattern)} fits no name, since each begins with a slash; write {shown('/' + pattern)}"
+                    raise fault(word, why, at=(word, at))
         return self
 
 

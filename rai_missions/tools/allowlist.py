@@ -30,7 +30,7 @@ class Allowlist:
     """The names that tools may use, as patterns: `*` represents any characters, the slash too; `?` for one.
 
     Raises:
-        UsageError: A pattern is no text, or is empty.
+        UsageError: A pattern is no text, is empty, or fits no name, since each begins with a slash.
     """
 
     read: tuple[str, ...] = ("*",)
@@ -47,6 +47,9 @@ class Allowlist:
                 raise UsageError(
                     f"'{word}' is a list of patterns such as ['/tractor1/*'], not {cut_repr(patterns, 80)}"
                 )
+            if odd := next((each for each in patterns if not each.startswith(("/", "*", "?"))), ""):
+                whole = cut_repr(f"/{odd}", 80)
+                raise UsageError(f"'{word}': {cut_repr(odd, 80)} fits no name; each begins with a slash, as in {whole}")
             object.__setattr__(self, word, patterns)
 
     def allows(self, name: str, deed: Deed) -> bool:

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -140,6 +141,12 @@ def test_nothing_is_left_of_a_program_that_is_killed(tmp_path: Path) -> None:
     assert agent.health.state == "stopped"
     with pytest.raises(ProcessLookupError):
         os.killpg(session, 0)
+
+
+@pytest.mark.parametrize(("command", "words"), [("sleep 5", "['sleep', '5']"), ("", "['sleep', '600']"), ([], "[")])
+def test_a_command_that_is_no_list_of_words_is_refused(command: Any, words: str) -> None:
+    with pytest.raises(UsageError, match=re.escape(f"a program is a list of its words, such as {words}")):
+        ProcessAgent(command)
 
 
 def test_a_program_that_is_not_there_is_named() -> None:

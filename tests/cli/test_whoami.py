@@ -68,6 +68,12 @@ def test_a_build_names_all_that_a_run_with_this_identity_refuses(
     assert all(any(place in line for line in lines) for place in places for lines in (refused, named))
 
 
+@pytest.mark.parametrize("count", ["0", "-1", "21"])
+def test_a_count_beyond_its_bounds_is_refused(folder: str, count: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["whoami", "ask", folder, "Which tyres?", "--count", count]) == 2
+    assert f"--count is how many passages are given, 1 to 20, not {count}" in capsys.readouterr().err
+
+
 @pytest.mark.parametrize("words", [["ask", "."], ["ask", ".", " "], ["build", ".", "Why?"]])
 def test_a_question_is_for_ask(folder: str, words: list[str], capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["whoami", *words]) == 2

@@ -217,6 +217,11 @@ def test_a_damaged_index_is_built_again(folder: Path, tmp_path: Path, length: in
     assert Library(folder, index, embedder=LetterVectors()).recall("tyres").is_answered
 
 
+def test_a_folder_where_the_index_should_be_is_named(folder: Path) -> None:
+    with pytest.raises(UsageError, match="identity: that is a folder; name a file with --index FILE"):
+        Library(folder, folder, embedder=LetterVectors()).build()
+
+
 def test_a_file_that_is_no_index_is_refused_and_stays_as_it_was(folder: Path, tmp_path: Path) -> None:
     file = tmp_path / "x"
     with closing(sqlite3.connect(tmp_path / "database")) as connection:

@@ -31,7 +31,10 @@ def test_a_profile_states_what_tools_may_touch_and_nothing_of_it_is_left_empty()
     plain = parse_profile(json.dumps(altered(PROFILE, {"tools": {}}))).tools
     assert plain is not None and (plain.read, plain.write, plain.never) == (("*",), (), ())
     assert parse_profile(json.dumps(altered(PROFILE, {"tools": None}))).tools is None
-    assert refused({"tools": {"write": [""]}}) == ["/tools: an empty pattern in 'write' is no name; drop it"]
+    assert refused({"tools": {"write": [""]}}) == ["/tools/write/0: an empty pattern in 'write' is no name; drop it"]
+    assert refused({"tools": {"never": ["*/e_stop", "cmd_vel"]}}) == [
+        "/tools/never/1: 'cmd_vel' fits no name, since each begins with a slash; write '/cmd_vel'"
+    ]
     assert refused({"tools": {"wrote": []}})[0].startswith("/tools/wrote: ")
 
 

@@ -186,6 +186,8 @@ def test_a_refusal_reports_what_is_allowed() -> None:
 def test_patterns_are_a_list_of_texts(given_: Any) -> None:
     with pytest.raises(UsageError, match="'never' is a list of patterns"):
         Allowlist(never=given_)
+    with pytest.raises(UsageError, match="'never': 'cmd_vel' fits no name; each begins with a slash, as in '/cmd_vel'"):
+        Allowlist(never=("*/e_stop", "cmd_vel"))
 
 
 def test_the_mode_of_a_connector_that_has_none_is_reported() -> None:

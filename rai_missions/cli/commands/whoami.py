@@ -46,10 +46,13 @@ def whoami(
     from pathlib import Path
 
     from rai_missions.embodiment import Library
+    from rai_missions.embodiment.library import MOST
     from rai_missions.errors import UsageError
 
     if (subcommand == "ask") != bool(question.strip()):
         raise UsageError("a QUESTION is for ask, and ask needs one: rai-missions whoami ask FOLDER QUESTION")
+    if not 1 <= count <= MOST:
+        raise UsageError(f"--count is how many passages are given, 1 to {MOST}, not {count}")
     library = Library(Path(folder), Path(index) if index is not None else None)
     if subcommand == "build":
         return _build(library)

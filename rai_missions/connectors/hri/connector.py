@@ -68,7 +68,10 @@ class HRIConnector:
 
         Raises:
             ConnectorError: The connector cannot carry it.
+            UsageError: It is no `HRIMessage`.
         """
+        if not isinstance(message, HRIMessage):
+            raise UsageError(f"{shown(message)} is no message; write HRIMessage({shown(message)})")
         is_part = message.seq_no > 0 or not message.seq_end
         for part in (message,) if is_part else parts_of(message, uuid.uuid4().hex):
             self.connector.publish(topic, TYPE, message_to_data(part, self._pixels))

@@ -162,6 +162,8 @@ def write_index(
     """
     made = ""
     try:
+        if sort := irregular(path):
+            raise UsageError(f"the index cannot be written to {path}: that is {sort}; name a file with --index FILE")
         if not _is_ours(path):
             raise UsageError(
                 f"{path} is no index, and stays as it is; name another place with --index FILE, or delete it"

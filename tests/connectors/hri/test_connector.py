@@ -4,6 +4,8 @@
 from __future__ import annotations
 
 import logging
+import re
+from typing import Any
 
 import pytest
 
@@ -108,6 +110,12 @@ def test_a_listener_that_fails_keeps_no_message_from_the_next(hri: HRIConnector)
 def test_a_word_that_no_speaker_knows_is_not_sent(hri: HRIConnector) -> None:
     with pytest.raises(UsageError, match="'rewind' is no word for the speaker; there is: play, pause, tog_play, stop"):
         hri.send_voice_command("rewind")
+
+
+def test_what_is_no_message_is_not_sent(hri: HRIConnector) -> None:
+    text: Any = "Where are you?"
+    with pytest.raises(UsageError, match=re.escape("is no message; write HRIMessage('Where are you?')")):
+        hri.send(text, TO_HUMAN)
 
 
 def test_over_a_connector_that_repeats_and_swaps_a_message_comes_once(clock: Clock) -> None:
