@@ -44,7 +44,7 @@ def speak(
     if not (parts := sentences(text)):
         raise UsageError("there is nothing to speak: the text is empty")
     name, options = split_options(voice)
-    process = SpeechProcess("voice", name, options, within_s=30.0)
+    process = SpeechProcess("voice", name, options, within_s=30.0, on_fault=lambda _: None)  # the reply has it
     process.open()
     sound = bytearray()
     try:
