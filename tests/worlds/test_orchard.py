@@ -5,12 +5,15 @@ from __future__ import annotations
 
 import hashlib
 import random
+from contextlib import closing
 from typing import Any
 
+import numpy as np
 import pytest
 
 from rai_missions.worlds import open_world
 from rai_missions.worlds.contract import check_world
+from rai_missions.worlds.orchard.kinds import KINDS
 from rai_missions.worlds.orchard.layout import Layout
 from rai_missions.worlds.orchard.obstacles import place
 
@@ -99,3 +102,17 @@ def test_two_tractors_go_by_two_names(rig: Any) -> None:
     orchard = rig(alleys=1, obstacles=[], camera=False, robot="tractor2")
     orchard.rest(0.1)
     assert orchard.last == {}
+
+
+@pytest.mark.sim
+@pytest.mark.parametrize("kind", [name for name, kind in KINDS.items() if kind.moved_by == "forces"])
+def test_what_lies_in_an_alley_stays_there(kind: str) -> None:
+    """Also a fallen tree whose crown reaches in among the trunks of a row."""
+    for turn_deg in (80.0, 107.0, 250.0):
+        obstacles = [{"kind": kind, "along": along, "turn_deg": turn_deg} for along in (0.5, 0.53, 0.55, 0.6)]
+        with closing(open_world("orchard", alleys=len(obstacles), obstacles=obstacles, camera=False)) as world:
+            bodies = [world.model.body(f"obstacle_{number}").id for number in range(len(obstacles))]
+            begun = world.data.xpos[bodies].copy()
+            while world.at < 2.0:
+                world.step()
+            assert np.linalg.norm(world.data.xpos[bodies] - begun, axis=1).max() < 0.1

@@ -25,6 +25,7 @@ __all__ = ("TIMESTEP_S", "build")
 
 TIMESTEP_S = 0.005
 CROWNS, TRUNKS = 5, 3
+OBSTACLE_GROUP, TRUNK_GROUP = 3, 4
 TREE_GHOST = 'contype="0" conaffinity="0"'
 
 
@@ -60,7 +61,26 @@ def build(
  {tractor.body(*layout.home)}
 </worldbody>
 <contact>{tractor.CONTACT}</contact><actuator>{tractor.ACTUATORS}</actuator></mujoco>"""
-    return mujoco.MjModel.from_xml_string(xml, _assets())
+    model = mujoco.MjModel.from_xml_string(xml, _assets())
+    excluded = _grown_together(model)
+    if excluded:
+        model = mujoco.MjModel.from_xml_string(xml.replace("</contact>", f"{excluded}</contact>"), _assets())
+    return model
+
+
+def _grown_together(model: Any) -> str:
+    """What lies across a trunk from the beginning, as a fallen crown does, and is not to touch it.
+
+    A force that grows with the depth would throw it out of its alley.
+    """
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    pairs = {
+        tuple(model.body(model.geom_bodyid[geom]).name for geom in (one.geom1, one.geom2))
+        for one in data.contact
+        if one.dist < 0 and {*model.geom_group[[one.geom1, one.geom2]]} == {OBSTACLE_GROUP, TRUNK_GROUP}
+    }
+    return "".join(f'<exclude body1="{first}" body2="{second}"/>' for first, second in sorted(pairs))
 
 
 def _obstacle(number: int, obstacle: Obstacle, layout: Layout) -> str:
@@ -112,14 +132,14 @@ def _assets() -> dict[str, bytes]:
 def _trees(layout: Layout) -> str:
     rng = np.random.default_rng(5)
     out = []
-    for x, y in layout.trees():
+    for number, (x, y) in enumerate(layout.trees()):
         turn, lean, high = rng.uniform(0, 360), rng.normal(size=2) * 0.06, rng.uniform(2.1, 2.4)
         crown, trunk = rng.integers(CROWNS), rng.integers(TRUNKS)
         out.append(
-            f'<body pos="{x + lean[0]:.3f} {y + lean[1]:.3f} 0" euler="0 0 {turn:.0f}">'
+            f'<body name="tree_{number}" pos="{x + lean[0]:.3f} {y + lean[1]:.3f} 0" euler="0 0 {turn:.0f}">'
             f'<geom type="mesh" mesh="trunk{trunk}" material="bark" {TREE_GHOST} group="0"/>'
             f'<geom type="mesh" mesh="crown{crown}" material="leaf" pos="0 0 {high:.2f}" {TREE_GHOST} group="1"/>'
-            f'<geom type="cylinder" pos="0 0 .8" size=".14 .8" group="4"/></body>'
+            f'<geom type="cylinder" pos="0 0 .8" size=".14 .8" group="{TRUNK_GROUP}"/></body>'
         )
     return "".join(out)
 
