@@ -56,10 +56,14 @@ class Cursor:
         return " ".join(symbol.text for symbol in self.symbols[since : self.at])
 
 
-def noun_phrases(cursor: Cursor) -> tuple[Phrase, ...]:
+def noun_phrases(cursor: Cursor, among: frozenset[str] = frozenset()) -> tuple[Phrase, ...]:
     """A list of phrases, such as `red, blue and the yellow cube`; empty where none begins here.
 
     A colour alone before a noun in the list has the noun's types.
+
+    Args:
+        cursor: At the first of them.
+        among: The list ends ahead of a phrase that names none of these types; empty: any.
     """
     found = list[Phrase]()
     while True:
@@ -67,7 +71,7 @@ def noun_phrases(cursor: Cursor) -> tuple[Phrase, ...]:
         if found and not cursor.skip(*LISTED):
             break
         phrase = noun_phrase(cursor)
-        if phrase is None:
+        if phrase is None or (among and phrase.types and among.isdisjoint(phrase.types)):
             cursor.back_to(before)
             break
         found.append(phrase)
@@ -209,7 +213,7 @@ def _counts(cursor: Cursor) -> bool:
 
 
 def with_limits(cursor: Cursor, phrase: Phrase) -> Phrase:
-    """The phrase with what is excepted here: `… except the corn`, `… that is not a cube`."""
+    """The phrase with what is excepted here: `… except the corn`, `…, but not the red one`, `… that is not a cube`."""
     comma = int(cursor.kind() == ",")
     if cursor.kind(comma) == "not_a" and cursor.kind(comma + 1) == "colour":
         cursor.skip(",")
@@ -217,11 +221,17 @@ def with_limits(cursor: Cursor, phrase: Phrase) -> Phrase:
     if cursor.kind(comma) == "not_a" and cursor.kind(comma + 1) == "noun":
         cursor.skip(",")
         return replace(phrase, not_types=_excluded(cursor))
-    if cursor.kind() == "except" and (phrase.is_many or phrase.is_all) and not phrase.without:
+    if cursor.kind(comma) == "except" and (phrase.is_many or phrase.is_all) and not phrase.without:
         place = cursor.at
+        cursor.skip(",")
+        if comma and cursor.value() == "but":  # `…, but the red one` may begin another wish
+            cursor.back_to(place)
+            return phrase
         cursor.take()
-        without = noun_phrases(cursor)
+        without = noun_phrases(cursor, phrase.types)
         if without and not any(each.without for each in without):
+            if comma and cursor.kind() == "," and cursor.kind(1) in ("relation", "put"):
+                cursor.take()
             return replace(phrase, without=without)
         cursor.back_to(place)
     return phrase

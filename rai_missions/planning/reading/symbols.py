@@ -7,7 +7,7 @@ Rule: every word becomes a symbol, also one that is not known; the grammar must 
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
 
 from rai_missions.planning.reading.lexicon import Vocabulary
@@ -78,7 +78,30 @@ def symbols(request: str, lexicon: Vocabulary) -> list[Symbol]:
         count, symbol = _symbol(words, at, lexicon)
         found.append(symbol)
         at += count
-    return _without_contrast(_clearing(_without_noise(list(_asking(found, lexicon.data)))), lexicon.data["contrast"])
+    found = _without_noise(_with_other_wishes(list(_asking(found, lexicon.data))))
+    return _without_contrast(_clearing(found), lexicon.data["contrast"])
+
+
+def _with_other_wishes(found: list[Symbol]) -> list[Symbol]:
+    """With what is no exception, but how another thing is wanted, as a negation: `the cubes …, but the red one first`.
+
+    Words that may close any wish are none of that: `everything but the apple, please`.
+    """
+    for at, symbol in enumerate(found):
+        if symbol.kind == "except":
+            named = _past(found, at + 1, NAMING)
+            end = _past(found, named, ("noise",))
+            is_closed = end == len(found) or found[end].kind in ENDS
+            is_too = _past(found, end, ("too",)) > end
+            is_how = is_too or any(each.value != "closing" for each in found[named:end])
+            if named == at + 1 < end or (is_closed and is_how):
+                found[at] = symbol._replace(kind="no")
+    return found
+
+
+def _past(found: Sequence[Symbol], at: int, kinds: Collection[str]) -> int:
+    """The place past all symbols of some kinds from here."""
+    return next((place for place in range(at, len(found)) if found[place].kind not in kinds), len(found))
 
 
 def _clearing(found: list[Symbol]) -> list[Symbol]:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A wish in another form is the wish: a verb in two parts, a correction, what nothing is to lie on, and a tower."""
+"""A wish in another form is the wish: a verb in two parts, a correction, an exception, what nothing is to lie on."""
 
 from __future__ import annotations
 
@@ -45,6 +45,19 @@ SAME: Mapping[str, tuple[Scene, tuple[str, ...]]] = {
     "put the cubes in the tray, put the apple in the bin": (FLAT, (
         "tidy by kind: cubes in the tray, the apple in the bin", "clear the cubes away into the tray, apple in the bin",
         "all cubes in the tray, any order you like, and the apple in the bin")),
+    "put the blue cube and the green cube in the tray": (FLAT, (
+        "put the cubes except the red one in the tray", "put the cubes, except the red one, in the tray",
+        "put all cubes in the tray, but not the red one", "put the cubes in the tray, except for the red one, please",
+        "the cubes, excluding the red one, should go in the tray",
+        "leg die Würfel aufs Tablett, aber nicht den roten", "alle Würfel, außer dem roten, aufs Tablett")),
+    "put the blue cube, the green cube and the apple in the tray": (FLAT, (
+        "put the cubes except the red one and the apple in the tray",
+        "put the cubes, but not the red one, and the apple in the tray",
+        "leg die Würfel außer dem roten und den Apfel aufs Tablett")),
+    "put the blue cube and the green cube in the tray and the apple in the bin": (FLAT, (
+        "put the cubes in the tray, except the red one, and the apple in the bin",)),
+    "put the cubes and the carrot in the tray": (FLAT, (
+        "put everything in the tray but the apple, please", "everything but the apple in the tray now")),
 }  # fmt: skip
 """A plain wish → the scene, and other forms of it."""
 ASKED: Mapping[str, Scene] = {
@@ -55,6 +68,11 @@ ASKED: Mapping[str, Scene] = {
     "can the red cube be on the blue cube?": FLAT, "put the green cube on the tower": FLAT,
     "put the red cube on the blue one, I mean the green cube": FLAT,
     "put the red cube on the blue cube, sorry, the green cube": FLAT,
+    "put the cubes in the tray but the red one first": FLAT, "put the cubes in the tray but the red one too": FLAT,
+    "put the cubes in the tray, but the red one": FLAT, "put the cubes in the tray, but the red one carefully": FLAT,
+    "put everything in the tray but please the apple": FLAT, "put the cubes but the apple in the tray": FLAT,
+    "put everything in the bin but the cubes on the tray": FLAT,
+    "leg die Würfel aufs Tablett, aber nicht den roten zuerst": FLAT,
 }  # fmt: skip
 """What asks, reports, or is open to two readings."""
 
