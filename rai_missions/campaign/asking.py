@@ -11,7 +11,7 @@ import json
 import threading
 import time
 from collections.abc import Callable, Mapping
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from rai_missions.campaign.budget import CallPace
 from rai_missions.campaign.cells import Cell, ordered
@@ -22,13 +22,13 @@ from rai_missions.campaign.questions import AskedScene
 from rai_missions.campaign.records import CellRecord, QuestionRecord, graded, is_tried
 from rai_missions.engine.decision import Evidence, Question, Verdict
 from rai_missions.event import Event
-from rai_missions.redaction import cut
+from rai_missions.redaction import Redaction, cut
 
-__all__ = ("AskSettings", "question_record", "shown_question")
+__all__ = ("AskSettings", "question_record", "raw_text", "shown_question")
 
 MILLION = 1_000_000
 LONGEST = 20_000
-"""Characters of a raw answer that are kept."""
+"""Characters of a raw answer that are kept, and of a text of one."""
 FREE = PriceEntry()
 GONE = "Absent"
 """The type by which a model that cannot be opened is known: asking it again would open it no better."""
@@ -167,18 +167,38 @@ class Usage(NamedTuple):
 def _record(key: str, cell: Cell, reply: CellReply, asked: AskedScene) -> CellRecord:
     """The answer, judged by the mission."""
     answer = reply.answer
-    record = CellRecord(key, *cell, status="failed", raw=cut(json.dumps(reply._asdict(), default=str), LONGEST))
+    record = CellRecord(key, *cell, status="failed", raw=raw_text(reply))
     option = answer.get("option")
     if isinstance(option, str):
         verdict = _judged(asked, reply)
         why = answer.get("why", "")
         return record._replace(
             status="answered", option=cut(option, 100), permitted=int(verdict.accepted),
-            reason=cut(why, LONGEST) if isinstance(why, str) else "", error="" if verdict.accepted else verdict.why,
+            reason=cut(why, LONGEST) if isinstance(why, str) else "",
+            error="" if verdict.accepted else cut(verdict.why, LONGEST),
         )  # fmt: skip
     error = str(answer.get("absent", answer.get("failed", "no answer")))
     failed = bool(reply.raised) or "absent" in answer
     return record._replace(status="failed" if failed else "no_answer", error=cut(error, LONGEST))
+
+
+def raw_text(reply: CellReply) -> str:
+    """What came back, as JSON that is read again: without secrets, and of long texts the beginning alone."""
+    given = Redaction().json(json.loads(json.dumps(reply._asdict(), default=str)))
+    written, longest = json.dumps(given), LONGEST
+    while len(written) > LONGEST and longest:
+        longest //= 2
+        written = json.dumps(_shortened(given, longest))
+    return written if len(written) <= LONGEST else json.dumps(CellReply({"failed": "the answer is too long"})._asdict())
+
+
+def _shortened(value: Any, longest: int) -> Any:
+    """Plain data whose texts have so many characters at the most."""
+    if isinstance(value, str):
+        return cut(value, longest)
+    if isinstance(value, dict):
+        return {name: _shortened(item, longest) for name, item in value.items()}
+    return [_shortened(item, longest) for item in value] if isinstance(value, list) else value
 
 
 def _judged(asked: AskedScene, reply: CellReply) -> Verdict:

@@ -9,6 +9,8 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 from langchain_core.language_models import BaseChatModel
 from langchain_core.messages import AIMessage
 
@@ -17,12 +19,12 @@ from rai_missions.agents.run_config import RunConfig
 from rai_missions.answerers.model.chat import ThreadChat
 from rai_missions.answerers.script import ScriptAnswerer
 from rai_missions.answerers.test_models import RaisingModel, ScriptedModel, WordyModel
-from rai_missions.campaign.asking import AskSettings
+from rai_missions.campaign.asking import LONGEST, AskSettings, raw_text
 from rai_missions.campaign.cells import Cell
 from rai_missions.campaign.embodiments import RobotView
 from rai_missions.campaign.file import RolloutEntry
 from rai_missions.campaign.load import LoadedCampaign, load_campaign
-from rai_missions.campaign.models import CampaignModels
+from rai_missions.campaign.models import CampaignModels, CellReply
 from rai_missions.campaign.questions import AskedScene, CampaignSubject, NoQuestion, ask_in, in_scene
 from rai_missions.campaign.records import CellRecord, SceneRecord
 from tests.campaign.choosing import campaign_data, write_campaign
@@ -158,3 +160,23 @@ def test_the_question_of_a_scene_is_the_question_of_a_run(tractor: CampaignSubje
 def test_a_scene_in_which_nothing_is_asked_is_reported(tractor: CampaignSubject) -> None:
     with pytest.raises(NoQuestion, match="'assessing' asked nothing: the run ended"):
         ask_in(orchard("branch"), tractor, longest_s=2.0)
+
+
+PEM = "-----BEGIN RSA PRIVATE KEY-----"
+"""With no end a text is secret from there on."""
+WORDS = st.text(max_size=30) | st.sampled_from(["canary-key-4b1d", PEM, '"', "\\", "sk-proj-Qk3mQ9vT7wXyB2nC5dF8hJ"])
+TEXTS = st.builds(
+    lambda words, times: " ".join(words) * times, st.lists(WORDS, max_size=5), st.sampled_from([1, 2_000])
+)
+
+
+@given(TEXTS, st.lists(TEXTS, max_size=3))
+@settings(deadline=None, max_examples=20)
+def test_an_answer_that_is_stored_is_read_again_whatever_a_model_wrote(why: str, texts: list[str]) -> None:
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("STRANGERS_API_KEY", "canary-key-4b1d")
+        raw = raw_text(CellReply({"option": "left", "parameters": {"far_m": 3}, "why": why}, texts=tuple(texts)))
+        read = CellReply(**json.loads(raw))
+    assert len(raw) <= LONGEST and "canary" not in raw and "Qk3mQ9" not in raw
+    assert (read.answer["option"], read.answer["parameters"]) == ("left", {"far_m": 3})
+    assert len(read.texts) == len(texts)
