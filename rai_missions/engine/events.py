@@ -11,7 +11,7 @@ from collections.abc import Callable, Mapping
 from rai_missions.engine.blackboard import known, note_news
 from rai_missions.engine.commands import receive_command
 from rai_missions.engine.handover import receive_control
-from rai_missions.engine.hold import is_for_held, keep, wait_out_pause
+from rai_missions.engine.hold import is_awaited, is_for_held, keep, wait_out_pause
 from rai_missions.engine.macrostep import check_stopped, complete, react
 from rai_missions.engine.program import Program
 from rai_missions.engine.reports import WATCHED, receive_answer, receive_report, watch_goal
@@ -80,13 +80,23 @@ def _receive_event(program: Program, state: RunState, event: Event) -> None:
 
 
 def _receive_answer(program: Program, state: RunState, event: Event) -> None:
-    """A proposal, or the end of a behaviour."""
-    if state.mode == "paused":
+    """A proposal, or the end of a behaviour; what has to wait for its question is the first answer to it alone."""
+    number, is_held = event.number, is_for_held(program, state, event.number)
+    if event.kind == "proposal" and (state.mode == "paused" or is_held) and _is_answered(state, number):
+        refuse(state, "stale", f"stale: question {number} has an answer, which waits")
+    elif event.kind == "proposal" and state.mode == "paused" and not is_awaited(program, state, number):
+        refuse(state, "stale", f"stale: question {number} is no longer asked")
+    elif state.mode == "paused":
         wait_out_pause(program, state, event)
-    elif is_for_held(program, state, event.number):
+    elif is_held:
         keep(program, state, event)
     elif not receive_answer(program, state, event) and event.kind == "proposal":
         refuse(state, "stale", f"stale: question {event.number} is no longer asked")
+
+
+def _is_answered(state: RunState, number: int) -> bool:
+    """Whether an answer to a question waits for the end of a pause, or for the hand-back."""
+    return any(each.kind == "proposal" and each.number == number for each in (*state.queue, *state.kept))
 
 
 def _receive_early(program: Program, state: RunState, event: Event) -> None:

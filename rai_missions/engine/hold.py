@@ -19,8 +19,8 @@ from rai_missions.states.state import Holder
 
 __all__ = (
     "awake", "drop_reports", "event_of", "free", "give_time_back", "held_by", "held_controls",
-    "holder_of", "is_for_held", "is_held", "keep", "keep_trigger", "live", "run_at", "shift", "trigger_of",
-    "wait_out_pause",
+    "holder_of", "is_awaited", "is_for_held", "is_held", "keep", "keep_trigger", "live", "run_at", "shift",
+    "trigger_of", "wait_out_pause",
 )  # fmt: skip
 
 Plan = tuple[tuple[CompiledTransition, ...], ...]
@@ -85,6 +85,11 @@ def awake(program: Program, state: RunState) -> Iterator[tuple[str, Machine, Any
         return live(program, state)
     nodes = program.graph.nodes
     return (each for each in live(program, state) if not is_held(state, nodes[each[0]]))
+
+
+def is_awaited(program: Program, state: RunState, number: int) -> bool:
+    """Whether what runs waits for what comes under this number."""
+    return any(number in machine.awaits(activity) for _, machine, activity in live(program, state))
 
 
 def is_for_held(program: Program, state: RunState, number: int) -> bool:

@@ -33,7 +33,7 @@ from tests.laws.test_cut_short import plain
 from tests.laws.test_cut_short import profile as profile_of
 from tests.replay.mortal import Fate, Mortal, MortalClock
 from tests.rigs.journals import MemoryJournal, assert_whole
-from tests.rigs.turns import Turns
+from tests.rigs.turns import Turns, sooner_ended
 
 Json = dict[str, Any]
 NAMES = ("one", "two")
@@ -234,35 +234,34 @@ def _raise() -> None:
 
 
 def done(step: Step) -> Any:
-    """A step, but for the name of its request."""
+    """What a step did."""
+    return plain(without_request(step))
+
+
+def without_request(step: Step) -> Step:
+    """A step, but for the name of its request, which differs between any two runs."""
     data = {name: value for name, value in step.event.data.items() if name != "request"}
-    return plain(step._replace(event=step.event._replace(data=data)))
+    return step._replace(event=step.event._replace(data=data))
 
 
-class Land:
+class Surroundings:
     """A robot in one process: its facts, and its servers.
 
     Args:
-        seed: Of what it reports, and of the runs.
-        names: The runs that live in it.
-        folder: For journals.
+        turns: When things happen.
+        seed: Of what it reports, and of how its goals end.
     """
 
-    def __init__(self, seed: int, names: tuple[str, ...], folder: Path) -> None:
-        self.turns = turns = Turns()
+    def __init__(self, turns: Turns, seed: int) -> None:
+        self._turns = turns
         self.connector = LocalConnector(now=turns.now)
         self.connector.start()
         for action in ("drive", "turn", "composed"):
             self.connector.offer(f"/{action}", "x/action/X", Server(turns, f"{seed} {action}"))
-        services = ("horn", "drive", "drive_stop", "turn_stop", "composed", "composed_stop",
-                    *(f"to_{who}" for who in ("agent", "autonomy", "operator", "nobody")))  # fmt: skip
-        for service in services:
+        controls = (f"to_{who}" for who in ("agent", "autonomy", "operator", "nobody"))
+        for service in ("horn", "drive", "drive_stop", "turn_stop", "composed", "composed_stop", *controls):
             self.connector.serve(f"/{service}", TRIGGER, lambda _: {"success": True, "message": ""})
         self._play(random.Random(seed))
-        self.lives = [Lives(name, seed, self, folder) for name in names]
-        turns.play(OVER_S)
-        for life in self.lives:
-            life.end()
 
     def _play(self, rng: random.Random) -> None:
         facts: Json = {name: key for name, key in KEYS.items() if key.get("source") == "robot"}
@@ -270,15 +269,33 @@ class Land:
         for _ in range(rng.randint(4, 30)):
             at += rng.choice([0.0, 0.25, 0.5, 1.0])
             name = rng.choice(sorted(facts))
-            value: Any = {
-                "boolean": rng.random() < 0.6, "integer": rng.randint(0, 3), "pose": {"x": 0.1, "y": 0.0},
-            }.get(facts[name]["type"], {})  # fmt: skip
-            self.turns.call_at(at, lambda name=name, value=value: self._report(name, value))
+            values: Json = {"boolean": rng.random() < 0.6, "integer": rng.randint(0, 3), "pose": {"x": 0.1, "y": 0.0}}
+            value = values.get(facts[name]["type"], {})
+            self._turns.call_at(at, lambda name=name, value=value: self._report(name, value))
 
     def _report(self, name: str, value: Any) -> None:
         self.connector.publish(f"/{name}", STRING, {"data": json.dumps({"is": value})})
 
 
+class Land:
+    """Runs on one robot.
+
+    Args:
+        seed: Of the robot and of the runs.
+        names: The runs.
+        folder: For journals.
+    """
+
+    def __init__(self, seed: int, names: tuple[str, ...], folder: Path) -> None:
+        self.turns = Turns()
+        self.connector = Surroundings(self.turns, seed).connector
+        self.lives = [Lives(name, seed, self, folder) for name in names]
+        self.turns.play(OVER_S)
+        for life in self.lives:
+            life.end()
+
+
+@sooner_ended()
 def agree(seed: int, folder: Path) -> Counter[str]:
     """Let two runs live next to each other, and each alone; it must come to the same. Gives how they died."""
     for name in ("both", *NAMES):

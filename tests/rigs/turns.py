@@ -10,16 +10,29 @@ import heapq
 import itertools
 import math
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 
+import pytest
+
+from rai_missions.engine import macrostep, timing
 from rai_missions.runtime.clock import Clock
 from rai_missions.runtime.mailbox import Mailbox
 
-__all__ = ("Seat", "Turns")
+__all__ = ("Seat", "Turns", "sooner_ended")
 
 PATIENCE_S = 30.0
 MOST_AT_ONCE, RESTS_S = 100, 0.25
 """So many events that a run may take in one instant, and for how long it rests then."""
+
+
+@contextmanager
+def sooner_ended() -> Iterator[None]:
+    """What goes round for ever is found sooner."""
+    with pytest.MonkeyPatch.context() as limits:
+        for module in (macrostep, timing):
+            limits.setattr(module, "MOST_MICROSTEPS", 100)
+        yield
 
 
 class Seat:

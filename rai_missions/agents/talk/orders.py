@@ -21,18 +21,35 @@ __all__ = ("LASTING", "OnOrderEnd", "RunOrders")
 
 OnOrderEnd = Callable[[str], None]
 """Receives once, from any thread, why an order was not carried out; empty where it was."""
+CLOSED = "its question is no longer asked"
 LASTING = frozenset({"stop", "cancel"})
 """Orders that are carried out however late the run takes them."""
 
 
 class GivenOrder(NamedTuple):
-    """An order that the run has yet to take."""
+    """An order that the run has yet to take, or an answer that it has yet to judge."""
 
     order: Order
     on_end: OnOrderEnd
+    kept: dict[int, GivenOrder]
+    """Question → the answer that waits for the end of a pause, or for the hand-back."""
 
     def take(self, step: Step) -> None:
-        self.on_end(refusal_text(step))
+        if step.kept and step.event.kind == "proposal" and step.verdict is None:
+            self.kept[self.order.question] = self
+        else:
+            self.on_end(refusal_text(step))
+
+    def judge(self, step: Step, *, is_open: bool) -> bool:
+        """Look whether a step has judged it, once it was kept; its question may have been closed without that."""
+        question = self.order.question
+        verdict = next((each for each in step.verdicts if each.number == question and each.kind != "fallback"), None)
+        if verdict is None and is_open:
+            return False
+        words = "" if verdict is None or verdict.note is None else step.notes[verdict.note]
+        is_accepted = verdict is not None and verdict.accepted
+        self.on_end("" if is_accepted else words or CLOSED)
+        return True
 
     def drop(self, waited_s: float) -> None:
         self.on_end(f"the run did not get to it within {GOOD_FOR_S:g} s, and it was dropped")
@@ -51,13 +68,14 @@ class RunOrders:
     def __init__(self, runner: Runner) -> None:
         self._runner = runner
         self._requests: RunRequests[GivenOrder] = RunRequests(runner)
+        self._kept: dict[int, GivenOrder] = {}
 
     def perform(self, order: Order, on_end: OnOrderEnd) -> None:
         """Carry out an order; never waits."""
         if order.name == "start":
             on_end(self._runner.start(order.arguments))
             return
-        request = self._requests.add(GivenOrder(order, on_end), lasts=order.name in LASTING)
+        request = self._requests.add(GivenOrder(order, on_end, self._kept), lasts=order.name in LASTING)
         if not request:
             return
         event = self._event(order, request)
@@ -67,12 +85,22 @@ class RunOrders:
             self._runner.post(event)
 
     def step(self, step: Step) -> None:
-        """Report what became of the order that a step took; on the run's thread."""
+        """Report what became of the order that a step took, and of an answer that was kept; on the run's thread."""
+        if self._kept:
+            self._judge_kept(step)
         self._requests.step(step)
 
+    def _judge_kept(self, step: Step) -> None:
+        open_now = {each.number for each in self._runner.view.questions}
+        for number, each in tuple(self._kept.items()):
+            if each.judge(step, is_open=number in open_now):
+                del self._kept[number]
+
     def close(self) -> None:
-        """The run is over: what it has not taken is not carried out."""
+        """The run is over: what it has not taken, or judged, is not carried out."""
         self._requests.close()
+        while self._kept:
+            self._kept.popitem()[1].end()
 
     def _event(self, order: Order, request: str) -> Event:
         at = self._runner.view.now()

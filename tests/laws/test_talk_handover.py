@@ -1,0 +1,239 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A person orders, answers, asks and stops while control changes hands: only what was ordered happens, and it is so."""
+
+from __future__ import annotations
+
+import json
+import random
+from collections import Counter
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import pytest
+
+from rai_missions.agents.conversation import ConversationalAgent
+from rai_missions.agents.talk.doors import TalkLine, TextDoor
+from rai_missions.agents.talk.orders import RunOrders
+from rai_missions.conversation import Order, Settings
+from rai_missions.engine import Chart
+from rai_missions.engine.step import Ask, Handover, Step
+from rai_missions.event import Event, Tick
+from rai_missions.journal import Header, Journal
+from rai_missions.mission.files import dump
+from rai_missions.mission.mission import Mission
+from rai_missions.profile import dump_profile
+from rai_missions.runtime.clock import Clock
+from rai_missions.runtime.run_options import NewRun, RunObserver
+from rai_missions.runtime.runner import Runner
+from tests.agents.talk.scenes import HeldOpen
+from tests.laws.drawn import EVENTS, document
+from tests.laws.test_cut_short import plain
+from tests.laws.test_side_by_side import NAMED, Surroundings, Thinker, robot, without_request
+from tests.rigs.journals import assert_whole
+from tests.rigs.turns import Turns, sooner_ended
+
+Json = dict[str, Any]
+OVER_S, CANCELED_S, KILLED_S = 60.0, 20.0, 30.0
+SENTENCES = (
+    *("answer left", "left", "right", "wait here", "1", "option 2", "yes", "yes", "no"),
+    *("pause", "resume", "continue", "stop", "cancel the mission", "start drawn"),
+    *("what are you doing?", "who has control?", "why did you stop?", "what was asked?", "hello there"),
+)
+HANDS = ("operator", "operator", "agent", "agent", "autonomy", "nobody")
+
+
+class Given(NamedTuple):
+    """An order that the dialogue gave out, and what was reported of it."""
+
+    place: int
+    """In which of the sentences."""
+    order: Order
+    ends: list[str]
+    steps: list[Step]
+    """The step that took it."""
+
+
+def asking(rng: random.Random) -> Mission:
+    """A drawn mission that needs control, lasts, and asks a person."""
+    while True:
+        text = json.dumps(document(rng))
+        if '"decision"' not in text or '"control"' not in text:
+            continue
+        ask = rng.choice(['["operator", "rules"]', '["operator"]'])
+        mission = Mission.model_validate_json(text.replace('["agent", "rules"]', ask))
+        chart = Chart(mission, named=NAMED)
+        steps = [chart.start(0.0)]
+        for at in (0.0, 0.0, 1.0, 1.0, 2.0, 3.0):
+            wanted = [each.to for each in steps[-1].effects if isinstance(each, Handover)]
+            steps.append(chart.send(Event(wanted[0], at, {"by": "mission"}, "control") if wanted else Tick(at)))
+        if chart.outcome is None and any(isinstance(each, Ask) for step in steps for each in step.effects):
+            return mission
+
+
+class Held:
+    """A run in which control changes hands, with a conversation about it or with orders alone.
+
+    Args:
+        seed: Of the mission and of all that happens.
+        path: Of its journal.
+        orders: Those of a conversation, which are given directly instead; None: it is talked.
+    """
+
+    def __init__(self, seed: int, path: Path, orders: list[Given] | None = None) -> None:
+        self.turns = turns = Turns()
+        self._place, self._orders = 0, orders or []
+        self.steps: list[Step] = []
+        self.given: list[Given] = []
+        self._taking: list[Step] = []
+        self.lines: list[TalkLine] = []
+        rng = random.Random(seed)
+        mission = asking(rng)
+        self.robot = robot(rng, mission)
+        land = Surroundings(turns, seed)
+        journal = Journal.create(path, Header(dump(mission), dump_profile(self.robot), run="held"))
+
+        def make(clock: Clock) -> Callable[[], object]:
+            self.runner = Runner(
+                mission, robot=self.robot, connector=land.connector, clock=clock, journal=journal,
+                answerers={"operator": HeldOpen(), "rules": Thinker(turns, "rules"), "agent": Thinker(turns, "agent")},
+                begin=NewRun(named=NAMED, run="held"), observer=RunObserver(self._step, self._changed),
+            )  # fmt: skip
+            return self.runner.run
+
+        turns.begin(make)
+        self._schedule(rng)
+        with pytest.MonkeyPatch.context() as patch:
+            self._perform = RunOrders.perform
+            patch.setattr(RunOrders, "perform", lambda *given: self._note(*given))
+            self.orders, self.agent = RunOrders(self.runner), self._talk() if orders is None else None
+            turns.play(OVER_S)
+            if self.agent is not None:
+                self.agent.conclude(5.0)
+                self.agent.stop()
+            self.orders.close()
+        journal.close()
+
+    def _talk(self) -> ConversationalAgent:
+        agent = ConversationalAgent(SETTINGS, doors=[TextDoor("terminal", self._show)], now=self.turns.now)
+        agent.attach(self.runner)
+        agent.run()
+        return agent
+
+    def _show(self, line: TalkLine) -> None:
+        self.lines.append(line)
+
+    def _step(self, step: Step) -> None:
+        self.steps.append(step)
+        self._taking = [step]
+        (self.orders if self.agent is None else self.agent).step(step)
+        self._taking = []
+
+    def _changed(self, status: Any) -> None:
+        if self.agent is not None:
+            self.agent.changed(status)
+
+    def _note(self, orders: RunOrders, order: Order, on_end: Callable[[str], None]) -> None:
+        """An order goes to the run, and what is reported of it is noted."""
+        given = Given(self._place, order, [], [])
+        self.given.append(given)
+
+        def ended(refused: str) -> None:
+            given.ends.append(refused)
+            given.steps.extend(self._taking)
+            on_end(refused)
+
+        self._perform(orders, order, ended)
+
+    def _schedule(self, rng: random.Random) -> None:
+        turns, at = self.turns, 0.0
+        for number in range(1, rng.randint(7, 25)):
+            # Each at instants of its own: either order of a timer and what comes in its instant is right.
+            at += rng.choice([0.0, 0.25, 0.25, 0.5, 1.0]) + number / 1024
+            kind, name, k = rng.choice(["talk"] * 4 + ["hands"] * 2 + ["event"]), rng.choice(EVENTS), rng.randint(0, 2)
+            text, to = rng.choice(SENTENCES), rng.choice(HANDS)
+            if kind == "talk":
+                turns.call_at(at, lambda text=text: self._utter(text))
+            elif kind == "hands":
+                turns.call_at(at, lambda to=to: self.runner.control(to, by="operator Eve"))
+            else:
+                turns.call_at(at, lambda name=name, k=k: self.runner.post(Event(name, turns.at, {"k": k})))
+        turns.call_at(CANCELED_S, lambda: self.runner.cancel())
+        turns.call_at(KILLED_S, lambda: self.runner.kill())
+
+    def _utter(self, text: str) -> None:
+        self._place += 1
+        if self.agent is not None:
+            self.agent.receive(text, role="operator", channel="terminal", author="Anna")
+            self.agent.wait_answered(20.0)
+        for each in self._orders:
+            if each.place == self._place:
+                self.orders.perform(each.order, lambda refused: None)
+
+
+SETTINGS = Settings(requests="refuse")
+
+
+def course(steps: list[Step]) -> dict[str, Any]:
+    """What happened in a run, whether the time that an event brings passed in its step or in one before."""
+    found: dict[str, Any] = {"events": [], "moves": [], "effects": [], "writes": [], "verdicts": []}
+    for step in map(without_request, steps):
+        if step.event.kind != "tick":
+            found["events"].append((step.event, step.refusal, step.kept, step.outcome, step.mode, step.holder))
+        for name in ("moves", "effects", "writes", "verdicts"):
+            found[name] += [(step.at, each) for each in getattr(step, name)]
+    return {name: [plain(each) for each in value] for name, value in found.items()}
+
+
+ACCEPTED = {
+    "pause": ("paused",),
+    "stop": ("paused", "aborted"),
+    "cancel": ("canceling", "canceled"),
+    "resume": ("running",),
+}
+"""What a run is once it has taken an order."""
+
+
+def is_true(given: Given) -> bool:
+    """Whether what was reported of an order is what the run did in the step that took it, or judged it."""
+    (refused,) = given.ends
+    if not given.steps:
+        return bool(refused)
+    (step,) = given.steps
+    order = given.order
+    if order.name != "answer":
+        return bool(refused) if step.refusal else not refused and (step.outcome or step.mode) in ACCEPTED[order.name]
+    accepted = [each for each in step.verdicts if each.number == order.question and each.accepted]
+    return bool(accepted) is not bool(refused) and all(each.option == order.option for each in accepted)
+
+
+@sooner_ended()
+def agree(seed: int, folder: Path) -> Counter[str]:
+    """Talk about a run, and order the same without talk; gives what was ordered and how that ended."""
+    talked = Held(seed, folder / "talked.journal")
+    silent = Held(seed, folder / "silent.journal", talked.given)
+    assert course(talked.steps) == course(silent.steps), seed
+    assert_whole(folder / "talked.journal")
+    found = Counter[str]()
+    for each in talked.given:
+        assert len(each.ends) == 1 and is_true(each), (seed, each)
+        number = each.order.question if each.order.name == "answer" else None
+        is_kept = any(step.kept and step.event.number == number for step in talked.steps)
+        found[f"{each.order.name}{is_kept * ' kept'} {'refused' if each.ends[0] else 'done'}"] += 1
+    return found
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_only_what_a_person_ordered_happens_and_is_reported_as_it_is(seed: int, tmp_path: Path) -> None:
+    agree(seed, tmp_path)
+
+
+@pytest.mark.drill
+@pytest.mark.timeout(7200)
+def test_only_what_a_person_ordered_happens_in_a_thousand_runs(tmp_path: Path) -> None:
+    found = Counter[str]()
+    for seed in range(1_000):
+        folder = tmp_path / str(seed)
+        folder.mkdir()
+        found += agree(seed, folder)
+    assert min(found[f"answer kept {end}"] for end in ("done", "refused")) > 10, found
