@@ -3,8 +3,11 @@
 
 from __future__ import annotations
 
+import shutil
+import sqlite3
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import closing
 from pathlib import Path
 from typing import Any, get_args
 
@@ -30,13 +33,13 @@ from rai_missions.errors import ConnectorError
 from rai_missions.event import Event
 from rai_missions.image import Image
 from rai_missions.journal import Record, read, verify
-from rai_missions.journal.rows import JournalRow, Raw
+from rai_missions.journal.rows import JournalRow, Raw, StepRow
 from rai_missions.replay.replay import Replay, replay
 from rai_missions.states.state import HOLDERS
 
 __all__ = (
-    "MemoryJournal", "anomalies", "assert_whole", "blackboard_writes", "listing", "raw_rows_of", "rows_of", "shown",
-    "steps", "steps_of", "values",
+    "MemoryJournal", "anomalies", "assert_whole", "blackboard_writes", "cut_after_each", "listing",
+    "raw_rows_of", "rows_of", "shown", "steps", "steps_of", "values",
 )  # fmt: skip
 
 PATIENCE_S = 30.0
@@ -68,6 +71,17 @@ def raw_rows_of(path: Path) -> list[Raw]:
     """All rows of a journal's file, as they are stored; no hash is checked."""
     with Record(path) as record:
         return list(record.raw())
+
+
+def cut_after_each(path: Path) -> Iterator[tuple[Step, Path]]:
+    """Each step of a journal's file, the last first, with the file of a process that was killed right after its row."""
+    cut = path.with_name(f"cut-{path.name}")
+    shutil.copy(path, cut)
+    for row in reversed(rows_of(path)):
+        with closing(sqlite3.connect(cut)) as database, database:
+            database.execute("DELETE FROM rows WHERE number > ?", (row.row,))
+        if isinstance(row, StepRow):
+            yield row.step, cut
 
 
 def assert_whole(path: Path) -> Replay:
