@@ -66,6 +66,7 @@ class Grammar:
         self._corrections = Corrections(language, self._phrases)
         self._own_questions = [(language.own_phrases([each]), path) for each, path in questions.items()]
         words = frozenset(word for each, _ in self._own_questions for word in each.words)
+        self._persons = frozenset(language.data["pronouns"]) - frozenset(language.data["articles"])
         self._vocabulary = language.vocabulary() | self._phrases.words | words
 
     def senses(self, text: str, view: StatusView, draft: Draft | None = None) -> tuple[Sense, ...]:
@@ -83,7 +84,7 @@ class Grammar:
         several = corrected or (self._several(words, view, whole) if is_open else ())
         parts = self.language.normaliser.parts(text) if is_open and not several else []
         edges = self._edges(text, view) if is_open else []
-        if is_open and STOP not in several and (self._stops_at_an_edge(edges) or self._warns(text, edges, view)):
+        if is_open and STOP not in several and self._is_cried(text, words, edges, view):
             return (STOP,)
         if len(parts) < 2:
             found = several or whole
@@ -94,9 +95,31 @@ class Grammar:
     def _is_within(self, sense: Sense, parts: Sequence[str]) -> bool:
         """Whether each text that a sense has is in one sentence: not the thing of `Find the cup. I am here`."""
         texts = [" ".join(self.language.normaliser.words(part)) for part in parts]
+        return all(any(value in text for text in texts) for value in (*self.open_texts(sense), sense.thing))
+
+    def open_texts(self, sense: Sense) -> list[str]:
+        """The texts that a start has from the sentence for arguments that take any words."""
         values = (sense.arguments.get(name) for name in sense.named if not self._phrases.choices(name))
-        open_texts = (value for value in (*values, sense.thing) if isinstance(value, str))
-        return all(any(value in text for text in texts) for value in open_texts)
+        return [value for value in values if isinstance(value, str)]
+
+    def is_complete(self, sense: Sense, rest: Sequence[str]) -> bool:
+        """Whether words behind a start cannot belong to its values: it has none, or only such as a list has."""
+        return not rest or all(
+            self._phrases.choices(name) or isinstance(sense.arguments[name], str) for name in sense.named
+        )
+
+    def begins_a_start(self, words: Sequence[str]) -> bool:
+        """Whether the words begin with a phrase of the robot's own that starts a mission."""
+        return self._phrases.begin(words)
+
+    def start_in(self, words: Sequence[str], view: StatusView) -> Sense | None:
+        """The start that the words are by a phrase of the robot's own; None where there is none, or several."""
+        found = list(self._phrases.senses(words, view.missions))
+        return found[0] if len(found) == 1 and found[0].kind == "order" else None
+
+    def knows(self, word: str) -> bool:
+        """Whether a word is in a phrase of the language or of the robot."""
+        return word in self._vocabulary
 
     def _pause_at_first(self, text: str, edges: Sequence[list[str]]) -> tuple[Sense, ...]:
         """A pause as the first clause of other talk: `wait, I am coming`; none where something is asked."""
@@ -106,9 +129,11 @@ class Grammar:
         is_pause = any(map(self.language.orders["pause"].fits, edges[:1]))
         return (Sense("order", "pause"),) if is_pause and not is_asked else ()
 
-    def _stops_at_an_edge(self, edges: Sequence[list[str]]) -> bool:
-        """Whether its first or last clause is a stop: `stop, there is a child`; the last one after no condition."""
-        return any(map(self.language.orders["stop"].fits, edges))
+    def _is_cried(self, text: str, words: list[str], edges: Sequence[list[str]], view: StatusView) -> bool:
+        """Whether a stop is in it, or a warning: `stop, there is a child`; `stop stop you hit the cat`."""
+        stop, first = self.language.orders["stop"], words[:1]
+        is_again = words[1:2] == first and stop.fits(first)
+        return is_again or any(map(stop.fits, edges)) or self._warns(text, edges, view)
 
     def _warns(self, text: str, edges: Sequence[list[str]], view: StatusView) -> bool:
         """Whether it is a warning, `watch out, the dog!`, and does not announce what the person wants to express."""
@@ -214,6 +239,7 @@ class Grammar:
         yield normaliser.bare(words, called, is_tail_first=True)
         yield from self._ungreeted(words)
         yield from self._polite(words, called)
+        yield from self._infinitive(words)
         yield from normaliser.openings(words, called)
 
     def _polite(self, words: list[str], called: Sequence[str]) -> Iterator[list[str]]:
@@ -221,6 +247,12 @@ class Grammar:
         for opening in self.language.normaliser.openings(words, called):
             for slots in self.language.polite.match(opening):
                 yield self.language.imperative(self.language.normaliser.bare(slots["order"].split(), called))
+
+    def _infinitive(self, words: list[str]) -> Iterator[list[str]]:
+        """The order that ends with an infinitive, in languages that have such: `in die Küche fahren`; no statement."""
+        data, bare = self.language.data, self.language.normaliser.spoken(words)
+        if data["infinitive_orders"] and bare[-1:] != bare[:1] and not self._persons & set(bare):
+            yield self.language.imperative(bare)
 
     def _indirect(self, words: list[str], view: StatusView, depth: int = MOST_NESTED) -> tuple[Sense, ...]:
         """The question inside another or with a tag: `where are you` of `I wonder where you are, roughly`.
@@ -305,8 +337,15 @@ class Grammar:
         found = found or self._corrected(words, view, draft)
         if not found and text_option(view.questions) is None:
             found = list(self._phrases.valued(words, view.missions))
-        found = found or list(self._questions(words, view))
+        if not found or words[0] in self.language.data["asking"]:
+            found = self._asked_or_ordered(list(self._questions(words, view)), found)
         return tuple({sense.identity: sense for sense in found}.values())
+
+    def _asked_or_ordered(self, asked: list[Sense], found: list[Sense]) -> list[Sense]:
+        """A question alone, where nothing else fits; with the order to look for its thing: `where is my cup`."""
+        if not found or _is_fault(found):
+            return asked or found
+        return [*(each for each in asked if each.thing), *found]
 
     # -- corrections ---------------------------------------------------------------------------------------------------
 

@@ -18,7 +18,7 @@ LEAST_WORDS = 2
 
 
 class Mood(NamedTuple):
-    """The kind of a sentence, and of a statement what it is about."""
+    """The kind of a sentence, and what it is about: the subject of a statement, or all words of a question."""
 
     kind: MoodKind
     subject: tuple[str, ...] = ()
@@ -28,7 +28,7 @@ def mood_of(text: str, language: Language) -> Mood:
     """The mood of a sentence, by its first word, its sign at the end, and the place of its verb."""
     words = language.normaliser.bare(language.normaliser.words(text))
     if text.rstrip().endswith("?") or (words and words[0] in language.data["asking"]):
-        return Mood("question")
+        return Mood("question", tuple(words))
     if len(words) < LEAST_WORDS or language.wish.fits(words):
         return Mood("other")
     found = next(language.statement.match(words), None)

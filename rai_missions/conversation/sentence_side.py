@@ -107,6 +107,7 @@ class SentenceSide:
         if self._is_late(utterance, senses):
             self._speaking.speak(self._talk.answers.closed(self._talk.view), to=utterance.channel, reply_to=number)
             return "handled"
+        senses = self._answerable(senses)
         if all(sense.kind == "fault" for sense in senses):
             senses = self._suggested(utterance, senses) or senses
         if not senses:
@@ -168,6 +169,15 @@ class SentenceSide:
         if sense is None or any(not each.lacks or set(each.lacks) - sense.arguments.keys() for each in faults):
             return ()
         return (sense,) if sense.kind != "order" or self._is_possible(sense, utterance) else ()
+
+    def _answerable(self, senses: Sequence[Sense]) -> tuple[Sense, ...]:
+        """The question, where a fact answers it; else the order that it is, too, to be read back: `where is my cup`."""
+        orders = [sense._replace(is_partial=True) for sense in senses if sense.kind == "order"]
+        asked = [sense for sense in senses if sense.kind == "question"]
+        if not asked or not orders:
+            return tuple(senses)
+        is_known = any(self._talk.answers.knows(sense, self._talk.view) for sense in asked)
+        return tuple(asked if is_known else orders)
 
     def _is_possible(self, sense: Sense, utterance: Utterance) -> bool:
         """Whether it is an order that the speaker's role may give, and that is possible now or after this run."""

@@ -96,6 +96,10 @@ class StartPhrases:
         starting = (each.given.phrase for each in own if any(each.keys <= names for names in keys))
         return tuple(dict.fromkeys(example_of(phrase) for phrase in starting))
 
+    def begin(self, words: Sequence[str]) -> bool:
+        """Whether the words begin with one of the phrases, but for those that a value alone fits."""
+        return any(each.phrases.begin(words) for each in self._each if not each.is_value)
+
     def senses(self, words: Sequence[str], missions: Sequence[MissionView]) -> Iterator[Sense]:
         """The starts that the words are; of several phrases that fit, one without values, else the one with most."""
         return self._fitting(words, missions, [each for each in self._each if not each.is_value])
@@ -129,7 +133,8 @@ class StartPhrases:
     def _may_be_thing(self, words: Sequence[str]) -> bool:
         """Whether words may name something: not `out what the time is`, of `find out what the time is`."""
         excluded = self._language.data["no_thing"]
-        return words[0] not in excluded["first"] and not set(words) & set(excluded["any"])
+        is_article = len(words) > 1 and words[0] in self._language.data["articles"]
+        return words[is_article] not in excluded["first"] and not set(words) & set(excluded["any"])
 
     def _start(
         self, mission: MissionView, slots: Mapping[str, str], given: Mapping[str, Any], keys: Mapping[str, KeyView]
@@ -183,9 +188,10 @@ class StartPhrases:
         return self._names.get(argument, {})
 
     def _meant(self, words: Sequence[str], key: KeyView) -> list[Any]:
-        """The values of an argument that are called so."""
-        given = " ".join(words)
-        return [value for name, value in self.choices(key.name).items() if given in (name.lower(), self._called(name))]
+        """The values of an argument that are called so; `livingroom` is one of two words."""
+        given = "".join(words)
+        called = ((value, {name.lower(), self._called(name)}) for name, value in self.choices(key.name).items())
+        return [value for value, names in called if given in {name.replace(" ", "") for name in names}]
 
     def argument(self, words: Sequence[str], key: KeyView, language: Language) -> Any:
         """The value of an argument that is named: by its words, or as the mission has it.
@@ -196,6 +202,14 @@ class StartPhrases:
         meant = self._meant(words, key)
         return meant[0] if meant else key_value(words, key, language)
 
+    def _is_pronoun(self, words: Sequence[str]) -> bool:
+        """Whether words are in place of a thing that is named elsewhere: `it`, `it first`."""
+        data = self._language.data
+        first = next(iter(words), "")
+        return " ".join(words) in data["pronouns"] or (
+            first in data["thing_pronouns"] and first not in data["articles"]
+        )
+
     def value(self, words: Sequence[str], key: KeyView) -> Any:
         """The value that words are for a key, without the article before them.
 
@@ -205,7 +219,8 @@ class StartPhrases:
         articles = self._language.data["articles"]
         given = " ".join(words)
         is_article = bool(words) and all(word in articles for word in words)
-        if key.type == "string" and (is_article or given in self._language.data["pronouns"]):
+        if key.type == "string" and (is_article or self._is_pronoun(words)):
+            given = given if is_article or given in self._language.data["pronouns"] else words[0]
             raise BadValue(self._language.text("pronoun", given=given, name=spoken_name(key, self._language)), key.name)
         bare = list(words[1:] if len(words) > 1 and words[0] in articles else words)
         if key.name not in self._names:

@@ -54,6 +54,8 @@ SPEED = ("speed",)
 """The name of the key that reports how fast a robot is."""
 ALWAYS = ("hello", "thanks", "bye", "sorry", "rude")
 """Questions, or what is none, whose answer is always the same: the text of that name."""
+LONGEST_NAME = 3
+"""Words of the longest name of a fact that is looked for in a question that no rule reads."""
 MOST_CAUSES = 2
 """Lines of what came last, where it is asked why a mission stopped that runs."""
 MOST_DECIDED = 2
@@ -441,7 +443,7 @@ class StateAnswers:
         return template.format(ago=duration(view.at - happening.at, self.language), name=name, about=about, by=by)
 
     def unread(self, text: str, view: StatusView, *, is_first: bool) -> str:
-        """The answer to a sentence that no rule reads; to a statement, with what the robot reports of its subject.
+        """The answer to a sentence that no rule reads, with what the robot reports of that which it is about.
 
         Args:
             text: The sentence.
@@ -450,10 +452,20 @@ class StateAnswers:
         """
         mood = mood_of(text, self.language)
         parts = [self.language.text({"question": "unknown", "statement": "statement", "other": "unread"}[mood.kind])]
-        facts = self._reported(mood.subject, view)
-        parts += [self.language.text("reported", facts=facts)] if facts else []
+        if mood.kind == "question":
+            parts += [self._about_question(mood.subject, view)]
+        elif facts := self._reported(mood.subject, view):
+            parts += [self.language.text("reported", facts=facts)]
         parts += [self.language.text("unknown_more")] if is_first else []
-        return " ".join(parts)
+        return " ".join(filter(None, parts))
+
+    def _about_question(self, words: Sequence[str], view: StatusView) -> str:
+        """The fact that a question names, or the robot's own state, where the question is put to it; else nothing."""
+        for size in range(LONGEST_NAME, 0, -1):
+            for at in range(len(words) - size + 1):
+                if path := key_named(words[at : at + size], view, self.language, strict=True):
+                    return key_sentence(path, view.keys, self.language)
+        return self.status(view) if set(words) & set(self.language.data["addressing"]) else ""
 
     def _reported(self, subject: Sequence[str], view: StatusView) -> str:
         """What the robot reports of the subject of a statement: a key, its own state, or the facts that name it."""

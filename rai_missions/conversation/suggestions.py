@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Suggestions: the order or question in one clause of a sentence that means nothing as a whole.
 
-"I am hungry, go to the kitchen" has an order in it, and "my cup is gone, find it" one whose thing was named before.
+"I am hungry, go to the kitchen" has an order in it, and "my cup is gone, find it" one whose thing was named before. A
+clause without a comma, "that is it for today go back to your dock", has one where it addresses the robot.
 Rule: an order that is suggested is read back, whatever it is; other talk never becomes an order by it.
 """
 
@@ -38,8 +39,13 @@ class Suggestions:
         data = self._language.data
         self._conditions, self._pronouns = frozenset(data["conditions"]), frozenset(data["thing_pronouns"])
         self._articles, self._ends = frozenset(data["articles"]), frozenset(data["thing_ends"])
+        self._determiners = self._articles | frozenset(data["owners"])
         self._openings = frozenset(data["lead"])
         self._joints, self._addressed = frozenset(data["clause_joints"]), frozenset(data["addressed"])
+        self._addressing, self._no_order_after = frozenset(data["addressing"]), frozenset(data["no_order_after"])
+        self._negations = frozenset(data["claims"]["negations"])
+        self._requesting = frozenset(data["requesting"])
+        self._asking = frozenset(data["asking"]) - self._requesting
 
     def suggested(self, text: str, view: StatusView) -> Sense | None:
         """The one order in it, or else its first question, or what an order in it lacks; None with a condition.
@@ -53,10 +59,11 @@ class Suggestions:
             return None
         orders, others = dict[str, Sense](), list[Sense]()
         for at, words in enumerate(clauses):
-            senses = self._grammar.sentence(words, view) or self._bidden(words, text, view)
+            senses = self._clause(words, view) or self._bidden(words, text, view)
             if any(sense.kind in REPLIES or sense == STOP for sense in senses):
                 return None
-            order = _order(senses) or _order(self._resolved(words, clauses[:at], senses, view))
+            order = _order(senses) or self._resolved(words, clauses[:at], senses, view)
+            order = order or self._inside(words, clauses, view, is_question=text.rstrip().endswith("?"))
             if order is not None:
                 orders[order.identity] = order._replace(is_partial=True)
             elif senses and senses[0].kind in ("question", "fault") and senses[0].name not in ALWAYS:
@@ -78,6 +85,11 @@ class Suggestions:
             if part and " ".join(part) not in self._openings:
                 yield part
 
+    def _clause(self, words: list[str], view: StatusView) -> tuple[Sense, ...]:
+        """What a clause means; nothing where it is one word that has to be mended: no launch of `since lunch`."""
+        is_word = len(words) > 1 or self._grammar.knows(words[0])
+        return self._grammar.sentence(words, view) if is_word else ()
+
     def _bidden(self, words: list[str], text: str, view: StatusView) -> tuple[Sense, ...]:
         """What a clause orders that begins with whom it bids: `you go home`; nothing in a question."""
         first, *rest = self._language.normaliser.spoken(words) or [""]
@@ -86,24 +98,95 @@ class Suggestions:
 
     def _resolved(
         self, words: list[str], before: Sequence[list[str]], senses: Sequence[Sense], view: StatusView
-    ) -> tuple[Sense, ...]:
-        """A clause that lacks a value and has a pronoun, with the thing that was named last in its place."""
+    ) -> Sense | None:
+        """The order of a clause that lacks a value and has a pronoun, with the thing that was named last in its place.
+
+        One that a fact has a word of comes before the others: the cup of `I put my cup down this morning. Find it!`
+        """
         places = [at for at, word in enumerate(words) if word in self._pronouns]
-        if len(places) != 1 or not any(sense.lacks for sense in senses):
-            return ()
+        if len(places) != 1:
+            return None
         (at,) = places
-        things = (thing for clause in reversed(before) for thing in self._things(clause))
-        read = (self._grammar.sentence([*words[:at], *thing, *words[at + 1 :]], view) for thing in things)
-        return next((found for found in read if _order(found) is not None), ())
+        if not any(sense.lacks for sense in senses or self._grammar.sentence(words[: at + 1], view)):
+            return None
+        named, known = self._things_of(before), self._words_of_facts(view)
+        rests = (words[at + 1 :], []) if len(words) - at <= LONGEST_THING else (words[at + 1 :],)
+        for thing in sorted(named, key=lambda thing: not known & set(thing)):
+            for rest in rests:
+                order = _order(self._grammar.sentence([*words[:at], *thing, *rest], view))
+                if order is not None and " ".join(thing) in self._grammar.open_texts(order):
+                    return order
+        return None
+
+    def _inside(
+        self, words: list[str], clauses: Sequence[list[str]], view: StatusView, *, is_question: bool
+    ) -> Sense | None:
+        """The one start within a clause that has more words; None with a negation or in a question.
+
+        Args:
+            words: Of the clause.
+            clauses: All of the sentence: one of them must address the robot, or the order must come first.
+            view: The run.
+            is_question: One that begins with no request asks for nothing to be done.
+        """
+        is_request = bool(self._requesting & set(words))
+        if self._negations & set(words) or words[0] in self._asking or (is_question and not is_request):
+            return None
+        is_addressed = any(self._addressing & set(clause) for clause in clauses)
+        found, at = dict[str, Sense](), 0
+        while at < len(words):
+            may_begin = at == 0 or (is_addressed and words[at - 1] not in self._no_order_after)
+            sense, size = self._longest(words[at:], view) if may_begin else (None, 0)
+            if sense is not None:
+                found[sense.identity] = sense
+            at += size or 1
+        return next(iter(found.values())) if len(found) == 1 else None
+
+    def _longest(self, words: list[str], view: StatusView) -> tuple[Sense | None, int]:
+        """The longest start that the words begin with, and how many words it has; None and 0 where there is none."""
+        for size in range(len(words), 1, -1) if self._grammar.begins_a_start(words) else ():
+            sense = self._grammar.start_in(words[:size], view)
+            if sense is None and size == len(words):
+                sense = _order([each for each in self._grammar.sentence(words, view) if each.name == "start"])
+            if sense is not None and self._is_whole(sense, words[size:]):
+                return sense, size
+        return None, 0
+
+    def _is_whole(self, sense: Sense, rest: list[str]) -> bool:
+        """Whether a start has all words of its values, its texts name things, and no condition is behind it."""
+        texts = [
+            [word for word in text.split() if word not in self._articles] for text in self._grammar.open_texts(sense)
+        ]
+        are_things = all(0 < len(words) <= LONGEST_THING and not self._ends & set(words) for words in texts)
+        is_conditional = bool(rest) and rest[0] in self._conditions
+        return are_things and not is_conditional and self._grammar.is_complete(sense, rest)
+
+    def _things_of(self, clauses: Sequence[list[str]]) -> list[list[str]]:
+        """The names of things in clauses, the last first."""
+        return [thing for clause in reversed(clauses) for thing in self._things(clause)]
+
+    def _words_of_facts(self, view: StatusView) -> frozenset[str]:
+        """The words of all texts that the run has: what one of them names is a thing rather than a time or a person."""
+        values = (key.value for key in view.keys.values())
+        texts = (text for value in values for text in (value if isinstance(value, list | tuple) else [value]))
+        return (
+            frozenset(word for text in texts if isinstance(text, str) for word in self._language.normaliser.words(text))
+            - self._articles
+        )
 
     def _things(self, words: list[str]) -> Iterator[list[str]]:
-        """The names of things, the last first: each article with the words behind it, up to one that names nothing."""
+        """The names of things, the last first: each article with the words behind it, up to one that names nothing.
+
+        A clause of a word or two that the grammar has not is such a name itself: `lamp? find it`.
+        """
         for at in range(len(words) - 1, -1, -1):
-            if words[at] in self._articles:
+            if words[at] in self._determiners:
                 rest = words[at + 1 : at + 1 + LONGEST_THING]
                 size = next((place for place, word in enumerate(rest) if word in self._ends), len(rest))
-                if size:
-                    yield words[at : at + 1 + size]
+                if size and rest[size - 1] not in self._pronouns:
+                    yield rest[:size]
+        if len(words) < LONGEST_THING and not any(map(self._grammar.knows, words)):
+            yield words
 
 
 def _order(senses: Sequence[Sense]) -> Sense | None:

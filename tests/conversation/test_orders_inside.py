@@ -1,0 +1,176 @@
+# SPDX-License-Identifier: Apache-2.0
+"""An order in a clause without a comma is read back where it addresses the robot; so is a question no fact answers."""
+
+from __future__ import annotations
+
+from itertools import product
+
+import pytest
+
+from rai_missions.conversation import (
+    Dialogue,
+    KeyView,
+    MissionView,
+    Order,
+    Settings,
+    Speech,
+    StatusView,
+    TalkNote,
+    Utterance,
+)
+from rai_missions.conversation.language import language, languages
+from rai_missions.conversation.start_phrases import StartPhrase
+
+TEXTS, WAIT_S = ("task", "object", "place"), KeyView("wait_s", "integer", "argument", minimum=1, maximum=3600)
+ARGUMENTS = (*(KeyView(name, "string", "argument") for name in TEXTS), WAIT_S)
+REPORT = KeyView("report", "string", "robot", value="cup in the kitchen", age_s=0.1)
+BATTERY = KeyView("battery", "number", "robot", value=0.7, age_s=0.1)
+VIEW = StatusView(
+    mode="running", mission="assist", robot="rob", missions=(MissionView("assist", "", ARGUMENTS),),
+    keys={"report": REPORT, "battery": BATTERY},
+)  # fmt: skip
+PHRASES = {
+    "en": {
+        "(find|look for) {object}": {"task": "find"}, "go to {place}": {"task": "go"}, "go back to the dock": {},
+        "wait {wait_s}": {"task": "wait"}, "where is {object}": {"task": "find"},
+    },
+    "de": {
+        "(finde|suche) {object}": {"task": "find"}, "(gehe|fahre) in {place}": {"task": "go"}, "fahre heim": {},
+        "warte {wait_s}": {"task": "wait"}, "wo ist {object}": {"task": "find"},
+    },
+}  # fmt: skip
+PLACES = {
+    "en": {"kitchen": "kitchen", "living room": "living"}, "de": {"küche": "kitchen", "hintere diele": "living"},
+}  # fmt: skip
+AHEAD = {
+    "en": ("ok that is it for today", "dinner is nearly ready so robot", "I am home early today you may"),
+    "de": ("gut das war es für heute", "das essen ist gleich fertig also roboter", "ich bin heute früh daheim"),
+}
+BEHIND = {"en": ("", "your battery is nearly empty", "you have time"), "de": ("", "dein akku ist fast leer")}
+ORDERS = {
+    "en": {"please go to the kitchen": {"task": "go", "place": "kitchen"}},
+    "de": {"bitte fahr in die Küche": {"task": "go", "place": "kitchen"}},
+}
+OTHERS = {
+    "en": (
+        "I always go to the kitchen for your coffee", "the cat does not go to the kitchen please",
+        "did you go to the kitchen already or not please", "you and I go to the kitchen before we eat your cake",
+        "they go to the kitchen when you ask", "your sister wants to go to the kitchen later",
+    ),
+    "de": (
+        "ich gehe in die Küche und du schläfst", "die Katze soll nicht mehr bitte gehe in die Küche",
+        "wo warst du gehe ich in die Küche", "oma und ich gehe in die Küche wenn du kochst",
+    ),
+}  # fmt: skip
+
+
+def replies(text: str, code: str, view: StatusView = VIEW) -> tuple[object, ...]:
+    """What a dialogue makes of a typed sentence."""
+    phrases = tuple(StartPhrase(phrase, given) for phrase, given in PHRASES[code].items())
+    settings = Settings(language=code, phrases=phrases, names={"place": PLACES[code]})
+    return Dialogue(settings, view).on_utterance(Utterance(text, "operator", "terminal"), view)
+
+
+def read_back(outputs: tuple[object, ...]) -> list[object]:
+    """The arguments of each order that is read back, and each order that is given out."""
+    noted = [each.data["order"] for each in outputs if isinstance(each, TalkNote) and each.kind == "read_back"]
+    return [each.get("arguments", {}) for each in noted] + [each for each in outputs if isinstance(each, Order)]
+
+
+def spoken(outputs: tuple[object, ...]) -> str:
+    """All that is spoken."""
+    return " ".join(each.text for each in outputs if isinstance(each, Speech))
+
+
+@pytest.mark.parametrize("code", languages())
+def test_an_order_without_a_comma_before_it_is_read_back_and_not_given_out(code: str) -> None:
+    wrong = dict[str, object]()
+    for ahead, behind, (order, arguments) in product(AHEAD[code], BEHIND[code], ORDERS[code].items()):
+        text = " ".join(filter(None, (ahead, order, behind)))
+        if (found := read_back(replies(text, code))) != [arguments]:
+            wrong[text] = found
+    assert wrong == {}
+
+
+@pytest.mark.parametrize("code", languages())
+def test_what_is_stated_asked_negated_or_has_a_condition_is_no_order(code: str) -> None:
+    assert {text: found for text in OTHERS[code] if (found := read_back(replies(text, code)))} == {}
+
+
+@pytest.mark.parametrize(
+    ("code", "text"),
+    [
+        ("en", "ok robot wait a thousand hours"),
+        ("en", "please wait 5 minutes or 6 for your friend"),
+        ("de", "gut du warte tausend Stunden"),
+    ],
+)
+def test_a_number_is_never_cut_short(code: str, text: str) -> None:
+    assert read_back(replies(text, code)) == []
+
+
+@pytest.mark.parametrize(
+    ("code", "text", "thing"),
+    [
+        ("en", "I put my cup down this morning, dear. Find it!", "cup"),
+        ("en", "My ball is gone, find it first", "ball"), ("en", "lamp? find it", "lamp"),
+        ("en", "the twins lost their ball. Find it!", "ball"),
+        ("de", "Mein Ball ist weg, such ihn schnell", "ball"), ("de", "Lampe? Such die", "lampe"),
+    ],
+)  # fmt: skip
+def test_a_pronoun_is_a_thing_that_a_fact_names_or_else_the_last(code: str, text: str, thing: str) -> None:
+    assert read_back(replies(text, code)) == [{"task": "find", "object": thing}]
+
+
+@pytest.mark.parametrize("text", ["find it anyway", "find it first please", "look for them now"])
+def test_a_pronoun_with_more_words_is_no_thing(text: str) -> None:
+    found = replies(text, "en")
+    assert read_back(found) == [] and text.split()[-1] not in spoken(found)
+
+
+@pytest.mark.parametrize(("code", "asked"), [("en", "where is my {thing}?"), ("de", "Wo ist mein {thing}?")])
+def test_a_question_that_no_fact_answers_is_the_order_to_look_and_is_read_back(code: str, asked: str) -> None:
+    assert read_back(replies(asked.format(thing="ball"), code)) == [{"task": "find", "object": "ball"}]
+    known = replies(asked.format(thing="cup"), code)
+    assert read_back(known) == [] and REPORT.value in spoken(known)
+
+
+def test_where_the_robot_is_remains_a_question() -> None:
+    phrases = tuple(StartPhrase(phrase, given) for phrase, given in PHRASES["en"].items())
+    bare = Dialogue(Settings(), VIEW).on_utterance(Utterance("where are you?", "operator", "terminal"), VIEW)
+    own = Dialogue(Settings(phrases=phrases), VIEW).on_utterance(
+        Utterance("where are you?", "operator", "terminal"), VIEW
+    )
+    assert spoken(own) == spoken(bare) != ""
+
+
+@pytest.mark.parametrize(
+    ("code", "text"),
+    [
+        ("en", "stop stop you are going to hit the cat"),
+        ("en", "halt halt halt there is a child"),
+        ("de", "stopp stopp da ist die Katze"),
+    ],
+)
+def test_a_stop_that_is_cried_again_needs_no_comma(code: str, text: str) -> None:
+    assert [each.name for each in replies(text, code) if isinstance(each, Order)] == ["stop"]
+
+
+@pytest.mark.parametrize(("code", "text"), [("en", "go to the livingroom"), ("de", "fahr in die hinterediele")])
+def test_a_value_of_two_words_may_be_written_as_one(code: str, text: str) -> None:
+    started = [each.arguments for each in replies(text, code) if isinstance(each, Order)]
+    assert [*started, *read_back(replies(text, code))][0] == {"task": "go", "place": "living"}
+
+
+@pytest.mark.parametrize(
+    ("code", "text"), [("en", "is your battery enough for another round"), ("de", "wie lange reicht die battery noch")]
+)
+def test_a_question_that_no_rule_reads_gets_the_fact_that_it_names(code: str, text: str) -> None:
+    assert "0.7" in spoken(replies(text, code)).replace(",", ".")
+
+
+@pytest.mark.parametrize("code", languages())
+def test_an_infinitive_at_the_end_is_an_order_where_the_language_has_such(code: str) -> None:
+    text = {"en": "to the kitchen going", "de": "Bitte in die Küche fahren."}[code]
+    found = read_back(replies(text, code))
+    assert bool(found) == language(code).data["infinitive_orders"]
