@@ -7,7 +7,7 @@ Rule: no sentence of pydantic's reaches an author.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from typing import Annotated, Any, Protocol, Self, TypeVar, get_args, get_origin
 
 from pydantic import BaseModel, ValidationError
@@ -63,7 +63,7 @@ def faults_of(error: ValidationError, model: type[Any], data: Any, known: Iterab
     """
     reported: set[tuple[str, str]] = set()
     found = error.errors(include_url=False)
-    for item in found[:MOST]:
+    for item in _whole_lists(found[:MOST]):
         if item["type"] == "too_short" and len(item["input"]) >= item["ctx"]["min_length"]:
             continue  # its items are refused one by one
         steps, rest = _steps((*item["loc"], *item.get("ctx", {}).get("at", ())), data)
@@ -77,6 +77,20 @@ def faults_of(error: ValidationError, model: type[Any], data: Any, known: Iterab
         yield Fault(place, _sentence(item, _model_at(model, data, steps), known if len(steps) == 1 else ()))
     if len(found) > MOST:
         yield Fault("", f"and {len(found) - MOST} more faults; mend these first")
+
+
+def _whole_lists(found: Sequence[Any]) -> Iterator[Any]:
+    """Faults, with one for each list in which items are missing: in a list of a fixed length each is one of its own."""
+    needed = {item["loc"][:-1]: item["loc"][-1] + 1 for item in found if _is_item_missing(item)}
+    for item in found:
+        if not _is_item_missing(item):
+            yield item
+        elif (length := needed.pop(item["loc"][:-1], None)) is not None:
+            yield {**item, "type": "too_short", "ctx": {"actual_length": len(item["input"]), "min_length": length}}
+
+
+def _is_item_missing(item: Any) -> bool:
+    return item["type"] == "missing" and isinstance(item["loc"][-1], int)
 
 
 def place_of(loc: tuple[str | int, ...], data: Any) -> list[str | int]:
@@ -223,8 +237,8 @@ BOUNDED: Mapping[str, Callable[[Any, Any], str]] = {
     "less_than": lambda given, ctx: f"{shown(given)} is too large; it must be less than {ctx['lt']:g}",
     "less_than_equal": lambda given, ctx: f"{shown(given)} is too large; it must be {ctx['le']:g} or less",
     "string_too_short": lambda given, ctx: f"{shown(given)} is too short; it has {ctx['min_length']} letter or more",
-    "too_short": lambda given, ctx: f"{ctx['actual_length']} given, and at least {ctx['min_length']} is needed",
-    "too_long": lambda given, ctx: f"{ctx['actual_length']} given, and there may be {ctx['max_length']} at the most",
+    "too_short": lambda given, ctx: f"{ctx['actual_length']} given; write {ctx['min_length']} or more",
+    "too_long": lambda given, ctx: f"{ctx['actual_length']} given; write {ctx['max_length']} at the most",
 }
 
 

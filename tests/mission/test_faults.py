@@ -77,9 +77,21 @@ TRANSITION, ENTRY = "/states/a/transitions/0", "/states/a/entry/0"
         (SMALL | {"name": 5}, "/name: 5 is not text; write a word in quotes"),
         (SMALL | {"initial": "aB"}, f"/initial: 'aB' {NAME}; did you mean 'a_b'?"),
         (SMALL | {"initial": ["a", 1]}, "/initial/1: 1 is not text; write a word in quotes"),
-        (SMALL | {"initial": []}, "/initial: 0 given, and at least 1 is needed"),
+        (SMALL | {"initial": []}, "/initial: 0 given; write 1 or more"),
         (SMALL | {"states": []}, "/states: [] is not an object; write {…}"),
-        (SMALL | {"states": {}}, "/states: 0 given, and at least 1 is needed"),
+        (SMALL | {"states": {}}, "/states: 0 given; write 1 or more"),
+        (
+            state(transitions=[{"when": {"near": [], "within_m": 1}}]),
+            TRANSITION + "/when/near: 0 given; write 2 or more",
+        ),
+        (
+            state(transitions=[{"when": {"near": ["k"], "within_m": 1}}]),
+            TRANSITION + "/when/near: 1 given; write 2 or more",
+        ),
+        (
+            state(transitions=[{"when": {"near": ["k", "k", "k"], "within_m": 1}}]),
+            TRANSITION + "/when/near: 3 given; write 2 at the most",
+        ),
         (SMALL | {"states": {"a": 1}}, "/states/a: a state is an object, not 1; write {…}"),
         (SMALL | {"states": {"A-1": {}}}, f"/states/A-1: 'A-1' {NAME}; did you mean 'a_1'?"),
         (SMALL | {"blackboard": {"a/B": {"type": "number"}}}, f"/blackboard/a~1B: 'a/B' {NAME}; did you mean 'a/b'?"),
