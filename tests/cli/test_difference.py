@@ -94,6 +94,18 @@ def test_what_cannot_be_compared_exits_with_2_and_reports_why(
     assert message in capsys.readouterr().err
 
 
+def test_a_form_that_there_is_not_is_refused_before_anything_is_compared(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    write(tmp_path / "dock.json", DOCK)
+    write(tmp_path / "later.json", {**DOCK, "version": "2"})
+    mission, later, good = (str(tmp_path / name) for name in ("dock.json", "later.json", "a.md"))
+    assert main(["diff", mission, later, "-o", good, "-o", "a.txt"]) == 2
+    printed = capsys.readouterr()
+    assert "'a.txt' does not end in a form of picture; the endings are .html" in printed.err
+    assert not printed.out and not Path(good).exists()
+
+
 def test_a_revision_that_looks_like_an_option_is_none(repository: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["diff", "--git=--output=x", "mission.json"]) == 2
     assert "there is no revision '--output=x'" in capsys.readouterr().err

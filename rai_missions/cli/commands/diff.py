@@ -55,12 +55,14 @@ def diff(
     """
     from rai_missions.check import load_whole
     from rai_missions.cli.inputs import distinct, warn
-    from visualize import difference, draw_difference
+    from visualize import check_ending, difference, draw_difference
+    from visualize.files import COMPARED
     from visualize.mermaid import oversize
 
     for path in output:
         for word, mission in (("OLD", old), ("NEW", new)):
             distinct({word: mission, "--output": path})
+        check_ending(path, COMPARED)
     with _before(old, new, git, no_python=no_python, python=python) as before:
         found = difference(before, load_whole(new or old, python=not no_python))
     for line in found.lines():

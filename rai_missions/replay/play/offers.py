@@ -111,7 +111,8 @@ class OpenChoices:
         if not given and not facts:
             yield _of(Event("start", kind="command"), "start", "the mission starts")._replace(is_awaited=True)
         if given:
-            words, about = f"{', '.join(given)} given as arguments", "a run is refused without them"
+            named = f"argument {next(iter(given))} is" if len(given) == 1 else f"arguments {', '.join(given)} are"
+            words, about = f"the {named} given", "a run is refused without"
             yield self._writing("arguments", words, given, chart)._replace(kind="start", about=about, is_awaited=True)
         if facts:
             about = "a run waits for them before it starts"
