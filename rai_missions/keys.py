@@ -188,7 +188,8 @@ def type_error(key: Key, value: Any, *, written: bool = False) -> str:
 
 def _not_of(kind: TypeName, value: Any, *, written: bool) -> str:
     like = f"; {LIKE[kind]}" if written or kind == "pose" else ""
-    return f"{clipped(repr(value), 80)} is not of type '{kind}'{like}"
+    given = shown(value, 80, by=clipped) if written else clipped(repr(value), 80)
+    return f"{given} is not of type '{kind}'{like}"
 
 
 def stale_at(key: Key | None, entry: Stamped) -> float:

@@ -142,14 +142,16 @@ def read_pairs(option: str, pairs: Sequence[str], texts: Container[str] = ()) ->
         texts: The keys whose values are text, whatever they look like.
 
     Raises:
-        UsageError: One has no `=`.
+        UsageError: One has no `=` or no key, or a key is given twice.
         DefinitionError: A value is JSON beyond the limits of a file: a number that has no value here, too deep.
     """
     values: dict[str, Any] = {}
     for pair in pairs:
         name, sign, text = pair.partition("=")
-        if not sign:
+        if not sign or not name:
             raise UsageError(f"{option} {pair}: write KEY=VALUE")
+        if name in values:
+            raise UsageError(f"{option} {name} is given twice; give one value")
         values[name] = text if name in texts else _value(f"{option} {name}", text)
     return values
 

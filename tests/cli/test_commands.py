@@ -17,10 +17,25 @@ from typing import Any
 import pytest
 
 from rai_missions.cli.commands.run import run
+from rai_missions.cli.inputs import read_pairs
 from rai_missions.cli.main import main
+from rai_missions.errors import UsageError
 from rai_missions.mission.files import load
 from tests.rigs.lamp import LAMP, lamp_folder
 from tests.ros2 import on_ros
+
+
+@pytest.mark.parametrize(
+    ("pairs", "why"),
+    [
+        (["speed"], "--set speed: write KEY=VALUE"),
+        (["=3"], "--set =3: write KEY=VALUE"),
+        (["speed=1", "place=a", "speed=2"], "--set speed is given twice; give one value"),
+    ],
+)
+def test_a_pair_of_which_no_one_value_of_a_key_follows_is_refused(pairs: list[str], why: str) -> None:
+    with pytest.raises(UsageError, match=why):
+        read_pairs("--set", pairs)
 
 
 @pytest.fixture

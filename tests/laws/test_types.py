@@ -143,6 +143,11 @@ def test_one_who_wrote_a_value_that_does_not_fit_reads_one_that_does(kind: TypeN
         assert type_error(made, fit) == "", example
 
 
+def test_one_who_wrote_a_value_reads_it_as_it_was_written() -> None:
+    assert type_error(Key("number"), None, written=True).startswith("null is not of type 'number'")
+    assert type_error(Key("number"), True, written=True).startswith("true is not of type 'number'")
+
+
 def test_an_item_that_does_not_fit_ends_its_each_instead_of_a_round_with_the_item_before() -> None:
     made = Chart(mission_of("each", "integer", 1), CompiledTrees())
     step = through("each", made, "seven")[0]
