@@ -35,6 +35,7 @@ from rai_missions.event import Event
 from rai_missions.guards.guard import View
 from rai_missions.keys import Stamped
 from rai_missions.mission.mission import Mission
+from rai_missions.redaction import clipped, shown
 from rai_missions.states.final import FinalOutcome
 from rai_missions.states.state import Holder
 
@@ -55,13 +56,17 @@ class Chart:
         surroundings: What a proof leaves open, and where it watches.
 
     Raises:
-        UsageError: The mission names a predicate that was not given.
+        UsageError: The mission names a predicate that was not given, or is none.
     """
 
     def __init__(
         self, mission: Mission, ticker: Trees | None = None, *, terms: RobotFacts | None = None,
         named: Named | None = None, surroundings: Surroundings | None = None,
     ) -> None:  # fmt: skip
+        if not isinstance(mission, Mission):
+            raise UsageError(
+                f"a chart takes a Mission, not {shown(mission, by=clipped)}; load(FILE) makes one of a file"
+            )
         self.program = compiled(mission, ticker, facts=terms, named=named, surroundings=surroundings)
         self.state = fresh(self.program)
 
@@ -140,13 +145,18 @@ class Chart:
         activities and ends takes the short way.
 
         Raises:
-            UsageError: Its time is not a finite number of seconds.
+            UsageError: Its time is not a finite number of seconds, or it is no event.
         """
         state = self.state
-        name, at, data, kind, _ = event
+        try:
+            name, at, data, kind, _ = event
+        except (TypeError, ValueError):
+            raise _no_event(event) from None
         if not state.quick or kind != "event" or not -inf < at < state.wake:
             if kind == "write" and state.quick and -inf < at < state.wake:
                 return short_way.reading(self.program, state, event)
+            if not isinstance(event, Event):
+                raise _no_event(event)
             return make_step(self.program, state, event)
         direct = state.config.direct.get(name)
         if direct is None:
@@ -383,3 +393,8 @@ class ChartBranch(Chart):
 
     def __init__(self, chart: Chart) -> None:
         self.program, self.state = chart.program, copied(chart.state)
+
+
+def _no_event(given: object) -> UsageError:
+    """What is sent is an event, with its time."""
+    return UsageError(f"a chart is sent an Event, not {shown(given, by=clipped)}; write Event('go', at=3.2)")

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import math
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -29,6 +30,22 @@ def test_an_event_at_no_time_is_refused_and_changes_nothing(at: float) -> None:
     with pytest.raises(UsageError, match="finite"):
         made.send(Event("x", at))
     assert (made.at, made.active) == (0.0, {"a"})
+
+
+@pytest.mark.parametrize("given", ["go", "drive", 5, None, ("go", 1.0), {"name": "go"}, list("abcde")])
+def test_what_is_no_event_is_refused_and_changes_nothing(given: Any) -> None:
+    made = chart({"a": {"transitions": [transition("x", "b")]}, "b": {}})
+    for each in (made, Chart(mission(DRIVE))):
+        before = each.snapshot()
+        with pytest.raises(UsageError, match=r"a chart is sent an Event, not .*; write Event\('go', at=3.2\)"):
+            each.send(given)
+        assert each.snapshot() == before
+
+
+@pytest.mark.parametrize("given", ["mission.json", Path("mission.json"), {"name": "m"}, None])
+def test_what_is_no_mission_makes_no_chart(given: Any) -> None:
+    with pytest.raises(UsageError, match=r"a chart takes a Mission, not .*; load\(FILE\) makes one of a file"):
+        Chart(given)
 
 
 def test_an_event_of_no_kind_is_refused_with_the_nearest() -> None:
