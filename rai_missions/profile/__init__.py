@@ -9,6 +9,7 @@ from rai_missions.profile.convert import plain
 from rai_missions.profile.coverage import actions_of, commanded_names, missing
 from rai_missions.profile.entries import ActionEntry, ServiceEntry, TopicEntry
 from rai_missions.profile.files import dump_profile, identity_folder, is_program, load_profile, parse_profile
+from rai_missions.profile.legible import legible_profile, missing_anyway
 from rai_missions.profile.message_fields import absent_field, unknown_fields, why_unreadable
 from rai_missions.profile.message_types import lacking
 from rai_missions.profile.profile import Robot, Rule, terms
@@ -38,9 +39,11 @@ __all__ = (
     "identity_folder",
     "is_program",
     "lacking",
+    "legible_profile",
     "load_profile",
     "misnamed",
     "missing",
+    "missing_anyway",
     "parse_profile",
     "plain",
     "profile_of",

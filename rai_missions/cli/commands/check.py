@@ -85,10 +85,32 @@ def _checked_profile(path: str, mission: Mission | None) -> tuple[str, tuple[Fil
     try:
         profile = load_profile(path)
     except DefinitionError as error:
-        return path, tuple(FileFinding(error.source or path, Finding.of(each)) for each in error.faults)
+        faults = (*error.faults, *_of_rest(path, mission))
+        return path, tuple(FileFinding(error.source or path, Finding.of(each)) for each in faults)
     names = missing(mission, profile) if mission is not None else ()
     lacking = (*_connector_faults(profile), *names, *conversation_faults(profile, mission))
     return profile.name or path, tuple(FileFinding(path, Finding.of(each)) for each in lacking)
+
+
+def _of_rest(path: str, mission: Mission | None) -> Iterator[Fault]:
+    """What is wrong with a profile of which some entries cannot be read, whatever those turn out to be."""
+    from pathlib import Path
+
+    from rai_missions.errors import DefinitionError
+    from rai_missions.mission.json_reader import read_json
+    from rai_missions.profile import legible_profile, missing_anyway
+
+    try:
+        document = read_json(Path(path))
+    except DefinitionError:
+        return
+    robot = legible_profile(document)
+    if robot is None:
+        return
+    if robot.connector == document.get("connector"):
+        yield from (each for each in _connector_faults(robot) if each.place.startswith("/connector"))
+    if mission is not None:
+        yield from missing_anyway(mission, robot, document)
 
 
 def _connector_faults(robot: Robot) -> Iterator[Fault]:

@@ -1,0 +1,64 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What can be read of a profile of which some entries cannot, so that what it lacks is found as well."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from pydantic import ValidationError
+
+from rai_missions.errors import Fault, unescaped
+from rai_missions.mission.mission import Mission
+from rai_missions.profile.coverage import missing
+from rai_missions.profile.profile import Robot
+from rai_missions.validation_errors import faults_of
+
+__all__ = ("legible_profile", "missing_anyway")
+
+ROUNDS = 10
+"""A profile that is not read after entries were left out so many times is left."""
+SECTIONS = frozenset({"blackboard", "events", "actions", "services", "topics", "rules", "control"})
+"""The words whose value has entries by names."""
+
+WITH_THE_REST = ("connector", "events")
+"""The words that are held against the rest of a profile; what is wrong there has no place of its own."""
+
+
+def legible_profile(data: Any) -> Robot | None:
+    """A profile without the entries that cannot be read; None where too little is left.
+
+    Args:
+        data: The JSON document.
+    """
+    if not isinstance(data, Mapping):
+        return None
+    rest = {word: dict(item) if isinstance(item, Mapping) else item for word, item in data.items()}
+    for _ in range(ROUNDS):
+        rest.setdefault("name", "unread")
+        try:
+            return Robot.model_validate(rest)
+        except ValidationError as error:
+            for fault in faults_of(error, Robot, rest):
+                section, *inside = (unescaped(word) for word in fault.place.split("/")[1:] or [""])
+                if inside and section in SECTIONS:
+                    rest[section].pop(inside[0], None)
+                    continue
+                for word in (section,) if section else WITH_THE_REST:
+                    rest.pop(word, None)
+    return None
+
+
+def missing_anyway(mission: Mission, robot: Robot, data: Mapping[str, Any]) -> Iterator[Fault]:
+    """What a profile lacks for a mission, whatever its unreadable entries turn out to be.
+
+    Args:
+        mission: The mission.
+        robot: What could be read of the profile.
+        data: The JSON document of the whole.
+    """
+    for fault in missing(mission, robot):
+        section, *inside = (unescaped(word) for word in fault.place.split("/")[1:])
+        written = data.get(section, {})
+        if len(inside) == 1 and isinstance(written, Mapping) and inside[0] not in written:
+            yield fault

@@ -1,0 +1,77 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A profile of which some entries cannot be read: what it lacks is found, and nothing that it has."""
+
+from __future__ import annotations
+
+import copy
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from rai_missions.cli.main import main
+from rai_missions.errors import DefinitionError
+from rai_missions.mission.files import load
+from rai_missions.profile import legible_profile, missing_anyway, parse_profile
+
+TRACTOR = Path(__file__).parents[2] / "missions" / "tractor"
+PROFILE: dict[str, Any] = json.loads((TRACTOR / "robot.sim.json").read_text())
+MISSION = load(TRACTOR / "mission.json")
+ENTRIES = [(word, name) for word, item in PROFILE.items() if isinstance(item, dict) for name in item]
+LOST = ("actions", "cross")
+"""An entry that the mission needs."""
+
+
+def is_unread(document: dict[str, Any]) -> bool:
+    try:
+        parse_profile(json.dumps(document))
+    except DefinitionError:
+        return True
+    return False
+
+
+@pytest.mark.parametrize("entry", [None, *ENTRIES])
+def test_an_entry_that_cannot_be_read_hides_nothing_that_lacks_and_invents_nothing(
+    entry: tuple[str, str] | None,
+) -> None:
+    whole = copy.deepcopy(PROFILE)
+    section, name = entry or ("blackboard", "unread")
+    whole[section][name] = [[1.5]]
+    if not is_unread(whole):
+        return
+    found = legible_profile(whole)
+    assert found is not None
+    assert [*missing_anyway(MISSION, found, whole)] == []
+    if entry != LOST:
+        del whole[LOST[0]][LOST[1]]
+        found = legible_profile(whole)
+        assert found is not None
+        assert [each.place for each in missing_anyway(MISSION, found, whole)] == ["/actions/cross"]
+
+
+def test_check_reports_what_a_profile_lacks_next_to_what_cannot_be_read(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    document = copy.deepcopy(PROFILE)
+    document["connector"]["kind"] = "locl"
+    document["blackboard"]["battery"]["topc"] = "/battery"
+    del document["actions"]["cross"]
+    document.pop("identity", None)
+    path = tmp_path / "robot.json"
+    path.write_text(json.dumps(document))
+    assert main(["check", str(TRACTOR / "mission.json"), "--robot", str(path)]) == 2
+    printed = capsys.readouterr().err
+    for sentence in (
+        "/blackboard/battery/topc: a source has no 'topc'; did you mean 'topic'?",
+        "/connector/kind: no connector of kind 'locl'; did you mean 'local'?",
+        "/actions/cross: missing; the mission uses it at /states/crossing/action",
+        "mission and profile: 3 errors",
+    ):
+        assert sentence in printed
+
+
+@pytest.mark.parametrize("data", [[], "text", None, {"format": 7, "name": 3, "blackboard": 5, "connector": []}])
+def test_of_what_is_hardly_a_profile_as_much_is_read_as_there_is(data: Any) -> None:
+    found = legible_profile(data)
+    assert (found is None) == (not isinstance(data, dict))
