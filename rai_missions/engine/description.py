@@ -10,7 +10,7 @@ from collections.abc import Collection, Sequence
 from typing import Any, NamedTuple
 
 from rai_missions.engine.decision import Verdict
-from rai_missions.engine.step import UNTAKEN, Step, control_note
+from rai_missions.engine.step import Step, control_note
 from rai_missions.event import Event, is_e_stop
 from rai_missions.plain_data import plain
 from rai_missions.states import answerer_words
@@ -46,18 +46,13 @@ class Description(NamedTuple):
 def describe(step: Step) -> Description:
     """A step in words."""
     resting = resting_words(step)
-    remarks = tuple(map(_note_words, step.remarks))
+    remarks = tuple(SHOWN.get(each, each) for each in step.remarks)
     verdicts = tuple(_verdict_words(each, step.notes[each.note]) for each in step.verdicts if each.note is not None)
     return Description(
         event_words(step.event), way_words(step.exited, step.entered),
         tuple(effect.describe() for effect in step.effects), verdicts, (*remarks, *resting),
-        f"{step.outcome}: {step.why}" if step.outcome else step.why, (*map(_note_words, step.notes), *resting),
+        f"{step.outcome}: {step.why}" if step.outcome else step.why, (*step.notes, *resting),
     )  # fmt: skip
-
-
-def _note_words(note: str) -> str:
-    """A note as people read it."""
-    return f"no transition took {note.removeprefix(UNTAKEN)}" if note.startswith(UNTAKEN) else SHOWN.get(note, note)
 
 
 def _verdict_words(verdict: Verdict, note: str) -> str:

@@ -28,7 +28,6 @@ from rai_missions.engine.nodes import CompiledTransition, Node
 from rai_missions.engine.program import Program
 from rai_missions.engine.running import begin_starting, leave_activity, outcome_of, poll
 from rai_missions.engine.state import RunState, StepDraft, Trigger
-from rai_missions.engine.step import UNTAKEN
 from rai_missions.engine.timers import late_s, now_of, set_timer
 from rai_missions.guards.guard import Test, Truth
 from rai_missions.mission.mission import BUILT_IN_EVENTS
@@ -157,7 +156,7 @@ def _answer(program: Program, state: RunState, trigger: Trigger) -> None:
     elif source is not None:
         _unanswered(program, state, trigger, source)
     elif trigger.transition is None and (trigger.name in BUILT_IN_EVENTS or state.draft.moves):
-        state.draft.notes.append(f"{UNTAKEN}'{trigger.name}'")
+        state.draft.notes.append(f"no row took '{trigger.name}'")
 
 
 def _unanswered(program: Program, state: RunState, trigger: Trigger, source: Node) -> None:
@@ -166,7 +165,7 @@ def _unanswered(program: Program, state: RunState, trigger: Trigger, source: Nod
         state.draft.notes.append(f"'{trigger.name}' of '{source.name}' came to nothing: the state had been left")
     elif trigger.name == "succeeded":
         if source.activity:
-            state.draft.notes.append(f"{UNTAKEN}'succeeded' of '{source.name}'")
+            state.draft.notes.append(f"no row took 'succeeded' of '{source.name}'")
     elif trigger.climbs and source in state.config.nodes:
         why = f"{source.name}: {trigger.name}" + (f" ({trigger.why})" if trigger.why else "")
         end(program, state, "failed", why)

@@ -19,7 +19,7 @@ from rai_missions.states.final import FinalOutcome
 from rai_missions.states.state import CONTROLLERS, Holder
 
 __all__ = (
-    "UNTAKEN", "Ask", "CallService", "CancelGoal", "Cause", "Effect", "Handover", "LogLine", "Move", "PublishMessage",
+    "Ask", "CallService", "CancelGoal", "Cause", "Effect", "Handover", "LogLine", "Move", "PublishMessage",
     "Refusal", "SayAloud", "StartBehaviour", "StartGoal", "Step", "StopBehaviour", "Withdraw", "control_note",
     "step_count",
 )  # fmt: skip
@@ -293,10 +293,6 @@ def step_count(steps: Iterable[Step]) -> int:
             count += last.seq
         last = step
     return count + (last.seq if last is not None else 0)
-
-
-UNTAKEN = "no row took "
-"""The beginning of the note on an event or outcome that fired no transition, as recorded runs hold it."""
 
 
 def control_note(holder: str) -> str:

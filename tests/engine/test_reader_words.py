@@ -50,12 +50,3 @@ def test_who_gave_no_answer_has_not_answered(reply: dict[str, str]) -> None:
     (question,) = chart.questions
     step = chart.send(Event("agent", 2.0, reply, "proposal", question.number))
     assert describe(step).event == "no answer: the model"
-
-
-def test_an_outcome_that_fires_nothing_is_reported_as_what_no_transition_took() -> None:
-    mission = Mission.model_validate({"name": "m", "initial": "a", "states": {"a": {"call": "horn"}}})
-    chart = Chart(mission)
-    chart.start(at=0.0)
-    replied = chart.send(Event("succeeded", 1.0, {}, "result", 1))
-    assert replied.notes == ("no row took 'succeeded' of 'a'",), "as recorded runs hold it"
-    assert describe(replied).remarks == describe(replied).notes == ("no transition took 'succeeded' of 'a'",)
