@@ -154,7 +154,20 @@ def test_talk_without_an_order_in_it_has_none_suggested(code: str) -> None:
 @pytest.mark.parametrize("code", languages())
 @pytest.mark.parametrize(
     "name",
-    ["clause_joints", "thing_pronouns", "thing_ends", "asking", "conditions", "fillers", "addressed", "articles"],
+    [
+        "clause_joints",
+        "thing_pronouns",
+        "thing_ends",
+        "asking",
+        "conditions",
+        "fillers",
+        "addressed",
+        "articles",
+        "addressing",
+        "no_order_after",
+        "requesting",
+        "owners",
+    ],
 )
 def test_a_list_of_words_has_words_alone(name: str, code: str) -> None:
     words = language(code).data[name]

@@ -121,7 +121,7 @@ def test_disks_that_hang_hold_up_no_other_journal_however_many_they_are() -> Non
 
 def test_a_row_that_waits_behind_those_of_others_is_not_given_up(monkeypatch: pytest.MonkeyPatch) -> None:
     """However many there are and however long it takes: a disk that was not asked yet cannot be one that hangs."""
-    monkeypatch.setattr(buffer, "LONGEST_S", 0.8)
+    monkeypatch.setattr(buffer, "LONGEST_S", 1.6)  # of three seconds for them all
     monkeypatch.setattr(buffer, "time", SimpleNamespace(monotonic=time.process_time))  # what others compute is no wait
     before, disks, faults = waiting_for_disks(), [BusyDisk() for _ in range(150)], list[Exception]()
     writers = [BufferedWriter(disk) for disk in disks]
