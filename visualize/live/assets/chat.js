@@ -23,7 +23,8 @@ class Chat {
     this.tab.addEventListener("click", () => this.read());
     this.follows = true;
     this.host.addEventListener("scroll", () => {
-      this.follows = this.near;
+      const { scrollTop } = this.host; // a window made smaller since `end` has more below it
+      this.follows = scrollTop === this.top || this.near;
     });
     new ResizeObserver(() => {
       if (this.follows) this.end(); // a window made smaller, or a telephone turned
@@ -91,6 +92,7 @@ class Chat {
   /** To the newest line. */
   end() {
     this.host.scrollTop = this.host.scrollHeight;
+    this.top = this.host.scrollTop;
   }
 
   read() {
