@@ -31,6 +31,7 @@ __all__ = (
     "meant",
     "nearest",
     "pointer",
+    "steps_of",
     "suggestion",
     "unescaped",
 )
@@ -152,6 +153,11 @@ def escaped(word: object) -> str:
 def unescaped(step: str) -> str:
     """What a step of a JSON pointer names."""
     return step.replace("~1", "/").replace("~0", "~")
+
+
+def steps_of(place: str) -> tuple[str, ...]:
+    """The steps of a JSON pointer: what `pointer` was given, as texts."""
+    return tuple(map(unescaped, place.split("/")[1:]))
 
 
 def pointer(steps: Iterable[str | int]) -> str:

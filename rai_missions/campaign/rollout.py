@@ -17,7 +17,7 @@ from rai_missions.connectors.local import LocalConnector
 from rai_missions.engine import Chart
 from rai_missions.engine.decision import Answerer, Question
 from rai_missions.engine.step import StartGoal, Step
-from rai_missions.errors import UsageError, unescaped
+from rai_missions.errors import UsageError, steps_of
 from rai_missions.event import Event
 from rai_missions.journal.in_flight import InFlight
 from rai_missions.mission.files import dump
@@ -305,8 +305,8 @@ def _spec_of(mission: Mission, written: Any, owner: str) -> dict[str, Any]:
     name, sign, leaf = owner.partition("#")
     place, state = next((place, state) for place, each, state in mission.walk() if each == name)
     here = written
-    for step in f"{place}{state.within(sign + leaf)}".split("/")[1:]:
-        here = here[int(step)] if isinstance(here, list) else here[unescaped(step)]
+    for step in steps_of(f"{place}{state.within(sign + leaf)}"):
+        here = here[int(step)] if isinstance(here, list) else here[step]
     if "decision" not in here:
         raise UsageError(f"'{owner}' is asked by a package; an option whose guard is false cannot be tried there")
     found: dict[str, Any] = here["decision"]

@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 
 from rai_missions.check.finding import Finding, document_order, faults_of
 from rai_missions.check.rules import check, check_part, holds_anyway
-from rai_missions.errors import DefinitionError, Fault, MissionError, unescaped
+from rai_missions.errors import DefinitionError, Fault, MissionError, steps_of
 from rai_missions.mission.files import load
 from rai_missions.mission.include import expanded, read_mission
 from rai_missions.mission.json_reader import read_json
@@ -147,4 +147,4 @@ def _of_rest(document: Any, path: str, unread: list[Finding], named: Collection[
 
 def _steps(findings: Iterable[Finding]) -> tuple[tuple[str, ...], ...]:
     """The steps to the place of each finding."""
-    return tuple(tuple(unescaped(word) for word in each.place.split("/")[1:]) for each in findings)
+    return tuple(steps_of(each.place) for each in findings)

@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping
 from typing import Any, Literal, NamedTuple, Self
 
-from rai_missions.errors import Fault, unescaped
+from rai_missions.errors import Fault, steps_of
 from rai_missions.model import MissionModel
 
 __all__ = ("Finding", "Severity", "document_order", "exit_status", "faults_of")
@@ -71,8 +71,8 @@ def document_order(mission: Any) -> Callable[[str], tuple[int, ...]]:
     def order(place: str) -> tuple[int, ...]:
         here: Any = mission
         found: list[int] = []
-        for word in place.split("/")[1:]:
-            index, here = inside(here).get(unescaped(word), (-1, None))
+        for step in steps_of(place):
+            index, here = inside(here).get(step, (-1, None))
             found.append(index)
         return tuple(found)
 

@@ -18,7 +18,7 @@ from rai_missions.check import staleness as stale
 from rai_missions.check import structure as shape
 from rai_missions.check.finding import Finding, Severity, document_order
 from rai_missions.check.index import MissionIndex
-from rai_missions.errors import unescaped
+from rai_missions.errors import steps_of
 from rai_missions.mission.garbage import few_collections
 from rai_missions.mission.legible import LegiblePart, is_entry, words_in
 from rai_missions.mission.mission import Mission
@@ -149,7 +149,7 @@ def holds_anyway(finding: Finding, scope: str, part: LegiblePart, document: Mapp
     }
     if not known.get(finding.rule, True):
         return False
-    steps = [unescaped(word) for word in finding.place.split("/")[1:]]
+    steps = steps_of(finding.place)
     here: Any = document
     around: Any = document
     for word in steps:

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 
 from pydantic import ValidationError
 
-from rai_missions.errors import Fault, pointer, unescaped
+from rai_missions.errors import Fault, pointer, steps_of
 from rai_missions.mission.mission import BUILT_IN_EVENTS, Mission, declared_events
 from rai_missions.mission.schema import STRONGER
 from rai_missions.validation_errors import KEY, faults_of, place_of
@@ -244,15 +244,15 @@ def _flags(state: Mapping[str, Any]) -> frozenset[str]:
 
 def _is_original(place: str, data: Any, document: Any) -> bool:
     """Whether the object at a place, or around it, is as its author wrote it; if not, a repair may be the cause."""
-    words, around = place.split("/")[1:], (data, document)
-    for index, word in enumerate(words):
-        step: Any = unescaped(word)
-        if isinstance(data, list) and isinstance(document, list) and step.isdigit():
-            step = int(step)
+    steps, around = steps_of(place), (data, document)
+    for index, name in enumerate(steps):
+        step: Any = name
+        if isinstance(data, list) and isinstance(document, list) and name.isdigit():
+            step = int(name)
         try:
             data, document = data[step], document[step]
         except (KeyError, IndexError, TypeError):
-            if index < len(words) - 1:
+            if index < len(steps) - 1:
                 return False
             break  # a word that is missing
         if isinstance(document, Mapping | list):

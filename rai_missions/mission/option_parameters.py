@@ -12,7 +12,7 @@ from functools import cache, lru_cache
 from itertools import islice
 from typing import Any
 
-from rai_missions.errors import unescaped
+from rai_missions.errors import steps_of
 from rai_missions.redaction import clipped, shown
 
 __all__ = ("MOST_PARTS", "parameter_faults", "schema_fault")
@@ -161,8 +161,7 @@ def _at(schema: Any, way: str) -> Any:
     """What a reference within a schema leads to (RFC 6901)."""
     if way != "#" and not way.startswith("#/"):
         raise ValueError(way)
-    for word in way.split("/")[1:]:
-        name = unescaped(word)
+    for name in steps_of(way):
         schema = schema[name] if isinstance(schema, Mapping) else schema[int(name)]
     return schema
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import NamedTuple
 
-from rai_missions.errors import escaped, unescaped
+from rai_missions.errors import escaped, steps_of
 from rai_missions.mission.include import read_mission
 from rai_missions.mission.mission import Mission
 from rai_missions.states import Include
@@ -47,7 +47,7 @@ def origin(file: str, place: str, mission: Mission | None = None) -> WrittenPlac
 
 def _inside(place: str, outer: str, name: str, include: Include) -> str | None:
     """The same place in the included mission; None where it is not written there."""
-    words = [unescaped(word) for word in place.split("/")[1:]]
+    words = steps_of(place)
     if place.startswith(f"{outer}/states/"):
         inner = words[outer.count("/") :]
     elif place.startswith(f"{outer}/transitions/"):
@@ -55,7 +55,7 @@ def _inside(place: str, outer: str, name: str, include: Include) -> str | None:
         number = int(words[depth + 1]) - len(include.transitions)
         if number < 0:
             return None
-        inner = ["transitions", str(number), *words[depth + 2 :]]
+        inner = ("transitions", str(number), *words[depth + 2 :])
     elif len(words) > 1 and words[0] in NAMED and words[1].startswith(f"{name}/"):
         inner = words
     else:

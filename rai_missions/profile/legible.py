@@ -8,7 +8,7 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from rai_missions.errors import Fault, unescaped
+from rai_missions.errors import Fault, steps_of
 from rai_missions.mission.mission import Mission
 from rai_missions.profile.coverage import missing
 from rai_missions.profile.profile import Robot
@@ -40,7 +40,7 @@ def legible_profile(data: Any) -> Robot | None:
             return Robot.model_validate(rest)
         except ValidationError as error:
             for fault in faults_of(error, Robot, rest):
-                section, *inside = (unescaped(word) for word in fault.place.split("/")[1:] or [""])
+                section, *inside = steps_of(fault.place) or ("",)
                 if inside and section in SECTIONS:
                     rest[section].pop(inside[0], None)
                     continue
@@ -58,7 +58,7 @@ def missing_anyway(mission: Mission, robot: Robot, data: Mapping[str, Any]) -> I
         data: The JSON document of the whole.
     """
     for fault in missing(mission, robot):
-        section, *inside = (unescaped(word) for word in fault.place.split("/")[1:])
+        section, *inside = steps_of(fault.place)
         written = data.get(section, {})
         if len(inside) == 1 and isinstance(written, Mapping) and inside[0] not in written:
             yield fault
