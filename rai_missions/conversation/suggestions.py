@@ -58,12 +58,14 @@ class Suggestions:
         if len(clauses) > MOST_CLAUSES or any(words[0] in self._conditions for words in clauses):
             return None
         orders, others = dict[str, Sense](), list[Sense]()
+        is_question = text.rstrip().endswith("?")
+        is_addressed = any(self._addressing & set(words) for words in clauses)
         for at, words in enumerate(clauses):
-            senses = self._clause(words, view) or self._bidden(words, text, view)
+            senses = self._clause(words, view) or (() if is_question else self._bidden(words, view))
             if any(sense.kind in REPLIES or sense == STOP for sense in senses):
                 return None
             order = _order(senses) or self._resolved(words, clauses[:at], senses, view)
-            order = order or self._inside(words, clauses, view, is_question=text.rstrip().endswith("?"))
+            order = order or self._inside(words, view, is_addressed=is_addressed, is_question=is_question)
             if order is not None:
                 orders[order.identity] = order._replace(is_partial=True)
             elif senses and senses[0].kind in ("question", "fault") and senses[0].name not in ALWAYS:
@@ -90,11 +92,10 @@ class Suggestions:
         is_word = len(words) > 1 or self._grammar.knows(words[0])
         return self._grammar.sentence(words, view) if is_word else ()
 
-    def _bidden(self, words: list[str], text: str, view: StatusView) -> tuple[Sense, ...]:
-        """What a clause orders that begins with whom it bids: `you go home`; nothing in a question."""
+    def _bidden(self, words: list[str], view: StatusView) -> tuple[Sense, ...]:
+        """What a clause orders that begins with whom it bids: `you go home`."""
         first, *rest = self._language.normaliser.spoken(words) or [""]
-        is_bidden = first in self._addressed and not text.rstrip().endswith("?")
-        return self._grammar.sentence(rest, view) if is_bidden else ()
+        return self._grammar.sentence(rest, view) if first in self._addressed else ()
 
     def _resolved(
         self, words: list[str], before: Sequence[list[str]], senses: Sequence[Sense], view: StatusView
@@ -118,21 +119,18 @@ class Suggestions:
                     return order
         return None
 
-    def _inside(
-        self, words: list[str], clauses: Sequence[list[str]], view: StatusView, *, is_question: bool
-    ) -> Sense | None:
+    def _inside(self, words: list[str], view: StatusView, *, is_addressed: bool, is_question: bool) -> Sense | None:
         """The one start within a clause that has more words; None with a negation or in a question.
 
         Args:
             words: Of the clause.
-            clauses: All of the sentence: one of them must address the robot, or the order must come first.
             view: The run.
-            is_question: One that begins with no request asks for nothing to be done.
+            is_addressed: The sentence addresses the robot; if not, the start must come first.
+            is_question: The sentence is one; without a request in the clause, nothing is to be done.
         """
         is_request = bool(self._requesting & set(words))
         if self._negations & set(words) or words[0] in self._asking or (is_question and not is_request):
             return None
-        is_addressed = any(self._addressing & set(clause) for clause in clauses)
         found, at = dict[str, Sense](), 0
         while at < len(words):
             may_begin = at == 0 or (is_addressed and words[at - 1] not in self._no_order_after)

@@ -12,14 +12,15 @@ from rai_missions.conversation import (
     KeyView,
     MissionView,
     Order,
+    Output,
     Settings,
     Speech,
     StatusView,
-    TalkNote,
     Utterance,
 )
 from rai_missions.conversation.language import language, languages
 from rai_missions.conversation.start_phrases import StartPhrase
+from tests.conversation.test_suggestions import read_back
 
 TEXTS, WAIT_S = ("task", "object", "place"), KeyView("wait_s", "integer", "argument", minimum=1, maximum=3600)
 ARGUMENTS = (*(KeyView(name, "string", "argument") for name in TEXTS), WAIT_S)
@@ -64,20 +65,14 @@ OTHERS = {
 }  # fmt: skip
 
 
-def replies(text: str, code: str, view: StatusView = VIEW) -> tuple[object, ...]:
+def replies(text: str, code: str) -> tuple[Output, ...]:
     """What a dialogue makes of a typed sentence."""
     phrases = tuple(StartPhrase(phrase, given) for phrase, given in PHRASES[code].items())
     settings = Settings(language=code, phrases=phrases, names={"place": PLACES[code]})
-    return Dialogue(settings, view).on_utterance(Utterance(text, "operator", "terminal"), view)
+    return Dialogue(settings, VIEW).on_utterance(Utterance(text, "operator", "terminal"), VIEW)
 
 
-def read_back(outputs: tuple[object, ...]) -> list[object]:
-    """The arguments of each order that is read back, and each order that is given out."""
-    noted = [each.data["order"] for each in outputs if isinstance(each, TalkNote) and each.kind == "read_back"]
-    return [each.get("arguments", {}) for each in noted] + [each for each in outputs if isinstance(each, Order)]
-
-
-def spoken(outputs: tuple[object, ...]) -> str:
+def spoken(outputs: tuple[Output, ...]) -> str:
     """All that is spoken."""
     return " ".join(each.text for each in outputs if isinstance(each, Speech))
 

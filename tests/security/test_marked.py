@@ -10,7 +10,7 @@ import io
 import json
 import logging
 import random
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -269,16 +269,25 @@ SETTINGS = Settings(may=GRANTED, results=("label", "reply"), asked_with=("label"
                     questions={"what is the label": "label"})  # fmt: skip
 
 
-def check(secret: str, entries: frozenset[str], seed: int, caplog: pytest.LogCaptureFixture, folder: Path) -> None:
-    caplog.set_level(logging.DEBUG)
-    caplog.clear()
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setenv("STRANGERS_API_KEY", secret)
-        meeting = Meeting(secret, entries, seed, folder)
-        meeting.hold()
-        left = meeting.left() | {"log": log_of(caplog)}
-    index = {name for name in left if name.startswith("identity")}
-    assert_whole({name: each for name, each in left.items() if name not in index}, secret, SHAPED)
+Meet = Callable[[str, set[str], int], None]
+
+
+@pytest.fixture
+def meet(caplog: pytest.LogCaptureFixture, tmp_path_factory: pytest.TempPathFactory) -> Meet:
+    """Has a secret enter at these places of a meeting with this seed, and nothing with it come out."""
+
+    def check(secret: str, entries: set[str], seed: int) -> None:
+        caplog.set_level(logging.DEBUG)
+        caplog.clear()
+        with pytest.MonkeyPatch.context() as patch:
+            patch.setenv("STRANGERS_API_KEY", secret)
+            meeting = Meeting(secret, frozenset(entries), seed, tmp_path_factory.mktemp("meeting"))
+            meeting.hold()
+            left = meeting.left() | {"log": log_of(caplog)}
+        index = {name for name in left if name.startswith("identity")}
+        assert_whole({name: each for name, each in left.items() if name not in index}, secret, SHAPED)
+
+    return check
 
 
 LAW = settings(
@@ -289,14 +298,8 @@ DRAWN = (SECRETS, st.sets(st.sampled_from(ENTRIES), min_size=1), st.integers(0, 
 
 @settings(LAW, max_examples=3)
 @given(*DRAWN)
-def test_a_secret_that_enters_anywhere_leaves_nowhere(
-    caplog: pytest.LogCaptureFixture,
-    tmp_path_factory: pytest.TempPathFactory,
-    secret: str,
-    entries: set[str],
-    seed: int,
-) -> None:
-    check(secret, frozenset(entries), seed, caplog, tmp_path_factory.mktemp("meeting"))
+def test_a_secret_that_enters_anywhere_leaves_nowhere(meet: Meet, secret: str, entries: set[str], seed: int) -> None:
+    meet(secret, entries, seed)
 
 
 @pytest.mark.drill
@@ -304,10 +307,6 @@ def test_a_secret_that_enters_anywhere_leaves_nowhere(
 @settings(LAW, max_examples=300)
 @given(*DRAWN)
 def test_a_secret_that_enters_anywhere_leaves_nowhere_in_many_meetings(
-    caplog: pytest.LogCaptureFixture,
-    tmp_path_factory: pytest.TempPathFactory,
-    secret: str,
-    entries: set[str],
-    seed: int,
+    meet: Meet, secret: str, entries: set[str], seed: int
 ) -> None:
-    check(secret, frozenset(entries), seed, caplog, tmp_path_factory.mktemp("meeting"))
+    meet(secret, entries, seed)
