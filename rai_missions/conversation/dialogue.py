@@ -82,10 +82,10 @@ class Dialogue:
         self._begin(utterance.at)
         self._follow(view)
         if self._talk.is_new(utterance) or self._sentences.is_stop(utterance):
-            number = self._talk.add_person(utterance)
-            handling = self._sentences.on_utterance(utterance, number)
+            numbered = self._talk.add_person(utterance)
+            handling = self._sentences.on_utterance(numbered)
             if handling == "unknown":
-                self._models.ask(utterance, number)
+                self._models.ask(numbered)
             elif handling == "stopped":
                 self._models.drop_all()
         return self._end()

@@ -37,6 +37,8 @@ class Utterance(NamedTuple):
     """
     id: str = ""
     """The message's id, if it has one; a sentence that comes again with its author and id changes nothing."""
+    number: int = 0
+    """Of its turn, as in `TalkTurn.number`; the dialogue counts. 0: what goes to its speaker is no answer to it."""
 
     @property
     def is_spoken(self) -> bool:
@@ -45,6 +47,11 @@ class Utterance(NamedTuple):
     @property
     def speaker(self) -> tuple[str, str]:
         return self.channel, self.author
+
+    @property
+    def unnumbered(self) -> Utterance:
+        """The same, for what goes to its speaker later, without being an answer."""
+        return self._replace(number=0)
 
     @property
     def by(self) -> str:

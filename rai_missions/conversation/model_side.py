@@ -9,7 +9,7 @@ from __future__ import annotations
 from rai_missions.conversation.claims import Claims
 from rai_missions.conversation.inputs import ModelText, SpeechEnd, Utterance
 from rai_missions.conversation.judging import may, order_forms, proposed
-from rai_missions.conversation.model_turns import ModelTurn, ModelTurns, WaitingSentence
+from rai_missions.conversation.model_turns import ModelTurn, ModelTurns
 from rai_missions.conversation.order_side import OrderSide
 from rai_missions.conversation.outputs import AskModel, DropModel
 from rai_missions.conversation.sentences import SentenceStream
@@ -40,40 +40,37 @@ class ModelSide:
         self._spoken: dict[str, int] = {}
         """Key of a speech → the request whose text it is."""
 
-    def ask(self, utterance: Utterance, number: int) -> None:
+    def ask(self, utterance: Utterance) -> None:
         """A sentence that the rules do not know."""
         if not self._talk.settings.has_model or not may(utterance.role, "ask", self._talk.settings):
-            self._do_not_know(utterance, number)
+            self._do_not_know(utterance)
             return
-        sentence = WaitingSentence(number, utterance)
         if self._turns.turn is None:
-            self._begin(sentence)
-            self._acknowledge(sentence, is_waiting=False)
+            self._begin(utterance)
+            self._acknowledge(utterance, is_waiting=False)
             return
-        is_interrupted, dropped = self._turns.late(sentence)
+        is_interrupted, dropped = self._turns.late(utterance)
         for each in dropped:
             self._talk.note("dropped", number=each.number, policy=self._talk.settings.late)
-            if each.number == number or each.utterance.speaker != utterance.speaker:
-                form = "late_full" if each.number == number else "late_dropped"
-                self._speaking.reply(form, each.utterance, each.number, text=cut(each.utterance.text, 80))
+            if each == utterance or each.speaker != utterance.speaker:
+                form = "late_full" if each == utterance else "late_dropped"
+                self._speaking.reply(form, each, text=cut(each.text, 80))
         if is_interrupted:
             self._drop()
             self._next()
-        if sentence not in dropped:
-            self._acknowledge(sentence, is_waiting=not is_interrupted)
+        if utterance not in dropped:
+            self._acknowledge(utterance, is_waiting=not is_interrupted)
 
-    def _acknowledge(self, sentence: WaitingSentence, *, is_waiting: bool) -> None:
+    def _acknowledge(self, utterance: Utterance, *, is_waiting: bool) -> None:
         """That the sentence was received, at once: a model may take its time, or hang."""
-        utterance = sentence.utterance
         form = "filler" if utterance.is_spoken else "model_waits" if is_waiting else "model_asked"
-        self._speaking.acknowledge(form, utterance, sentence.number)
+        self._speaking.acknowledge(form, utterance)
 
-    def _do_not_know(self, utterance: Utterance, number: int, *, is_silent: bool = False) -> None:
+    def _do_not_know(self, utterance: Utterance, *, is_silent: bool = False) -> None:
         """That no one knows an answer.
 
         Args:
             utterance: The sentence.
-            number: Of its turn.
             is_silent: The model was asked, and gave no reply.
         """
         language, view = self._talk.language, self._talk.view
@@ -85,20 +82,19 @@ class ModelSide:
             text = self._talk.answers.unread(utterance.text, view, is_first=is_first)
         if is_silent:
             text = f"{language.text('model_silent')} {text}"
-        self._speaking.speak(text, to=utterance.channel, reply_to=number, way="unknown")
+        self._speaking.answer(text, utterance, way="unknown")
 
-    def _begin(self, sentence: WaitingSentence) -> None:
-        talk, utterance = self._talk, sentence.utterance
-        turn = self._turns.begin(sentence, talk.now)
+    def _begin(self, utterance: Utterance) -> None:
+        talk, turn = self._talk, self._turns.begin(utterance, self._talk.now)
         allowed = talk.settings.may.get(utterance.role, frozenset())
-        history = tuple(each for each in talk.turns if each.number < sentence.number)
+        history = tuple(each for each in talk.turns if each.number < utterance.number)
         talk.put(
             AskModel(
                 turn.number, cut(utterance.text, 2_000), utterance.role, utterance.channel, utterance.author, history,
                 talk.answers.status(talk.view), order_forms(talk.view, frozenset(allowed)), talk.now, turn.until,
             )
         )  # fmt: skip
-        talk.note("asked_model", request=turn.number, number=sentence.number)
+        talk.note("asked_model", request=turn.number, number=utterance.number)
 
     # -- the reply -----------------------------------------------------------------------------------------------------
 
@@ -122,31 +118,30 @@ class ModelSide:
         """A sentence goes out, or the status in its place, once a reply."""
         if turn.is_full:
             return turn
-        utterance, number, sentence = turn.sentence.utterance, turn.sentence.number, cut(sentence, LONGEST_NOTE)
+        utterance, sentence = turn.utterance, cut(sentence, LONGEST_NOTE)
         self._talk.note("model_text", request=turn.number, text=sentence)
         why = self._claims.why_replaced(sentence, self._talk.view)
         joined = self._claims.begun(turn.before, sentence, self._talk.view)
         if joined and not why:
             why = self._claims.why_replaced(joined, self._talk.view)
         if not why:
-            speech = self._speaking.speak(sentence, to=utterance.channel, reply_to=number, way="model")
+            speech = self._speaking.answer(sentence, utterance, way="model")
             self._spoken[speech.key] = turn.number
             return turn._replace(spoken=turn.spoken + 1, before=joined or sentence)
         self._talk.note("replaced", request=turn.number, text=sentence, by=why)
         if not turn.is_replaced:
             status = self._talk.answers.status(self._talk.view)
-            self._speaking.speak(status, to=utterance.channel, reply_to=number)
+            self._speaking.answer(status, utterance)
         return turn._replace(spoken=turn.spoken + 1, before="", is_replaced=True)
 
     def _propose(self, order: object, turn: ModelTurn) -> ModelTurn:
         """An order that the model read in the person's sentence; it is judged as that person's."""
-        utterance, number = turn.sentence.utterance, turn.sentence.number
         sense = proposed(order, self._talk.view)
         if sense is None:
             shown = cut(repr(plain(order)), LONGEST_NOTE)
-            self._talk.note("refused", number=number, order=shown, by="form")
+            self._talk.note("refused", number=turn.utterance.number, order=shown, by="form")
         else:
-            self._orders.take(sense, utterance, number, mapper="model")
+            self._orders.take(sense, turn.utterance, mapper="model")
         return turn._replace(has_order=sense is not None)
 
     def _end(self, turn: ModelTurn, reply: ModelText) -> None:
@@ -155,7 +150,7 @@ class ModelSide:
         if not reply.is_end:
             self._talk.put(DropModel(turn.number))
         if not turn.spoken and not turn.has_order:
-            self._do_not_know(turn.sentence.utterance, turn.sentence.number, is_silent=bool(reply.failed))
+            self._do_not_know(turn.utterance, is_silent=bool(reply.failed))
         self._turns.keep(None)
         self._next()
 

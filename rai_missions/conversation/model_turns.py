@@ -13,18 +13,10 @@ from rai_missions.conversation.inputs import Utterance
 from rai_missions.conversation.sentences import SentenceStream
 from rai_missions.conversation.settings import Settings
 
-__all__ = ("ModelTurn", "ModelTurns", "WaitingSentence")
+__all__ = ("ModelTurn", "ModelTurns")
 
 MOST_SENTENCES = 12
 """Sentences of one reply; what follows is dropped."""
-
-
-class WaitingSentence(NamedTuple):
-    """A sentence for the model."""
-
-    number: int
-    """Of the turn, as in `TalkTurn.number`."""
-    utterance: Utterance
 
 
 class ModelTurn(NamedTuple):
@@ -32,7 +24,8 @@ class ModelTurn(NamedTuple):
 
     number: int
     """Of the `AskModel`."""
-    sentence: WaitingSentence
+    utterance: Utterance
+    """The sentence that it answers."""
     until: float
     stream: SentenceStream = SentenceStream()
     spoken: int = 0
@@ -59,34 +52,34 @@ class ModelTurns:
         self._settings = settings
         self._number = 0
         self.turn: ModelTurn | None = None
-        self.waiting: deque[WaitingSentence] = deque()
+        self.waiting: deque[Utterance] = deque()
 
-    def begin(self, sentence: WaitingSentence, at: float) -> ModelTurn:
+    def begin(self, utterance: Utterance, at: float) -> ModelTurn:
         """A request begins."""
         self._number += 1
-        self.turn = ModelTurn(self._number, sentence, at + self._settings.model_s)
+        self.turn = ModelTurn(self._number, utterance, at + self._settings.model_s)
         return self.turn
 
     def keep(self, turn: ModelTurn | None) -> None:
         """How far the reply is; None: none is expected any more."""
         self.turn = turn
 
-    def late(self, sentence: WaitingSentence) -> tuple[bool, list[WaitingSentence]]:
+    def late(self, utterance: Utterance) -> tuple[bool, list[Utterance]]:
         """A sentence that comes while the model answers.
 
         Returns:
             Whether the present reply is to be dropped for it, and the sentences that are dropped.
         """
         if self._settings.late == "interrupt":
-            dropped = [*([self.turn.sentence] if self.turn else []), *self.waiting]
-            self.waiting = deque([sentence])
+            dropped = [*([self.turn.utterance] if self.turn else []), *self.waiting]
+            self.waiting = deque([utterance])
             return True, dropped
         if self._settings.late == "keep_last":
-            dropped, self.waiting = list(self.waiting), deque([sentence])
+            dropped, self.waiting = list(self.waiting), deque([utterance])
             return False, dropped
         if len(self.waiting) >= self._settings.most_late:
-            return False, [sentence]
-        self.waiting.append(sentence)
+            return False, [utterance]
+        self.waiting.append(utterance)
         return False, []
 
     def take(self, number: int) -> ModelTurn | None:

@@ -100,13 +100,13 @@ class OrderSide:
         """The last start that a speaker ordered."""
         return self._starts.get(speaker)
 
-    def speak_nothing(self, utterance: Utterance, number: int) -> None:
+    def speak_nothing(self, utterance: Utterance) -> None:
         """That there is nothing to confirm, and which requests wait."""
         language, text = self._talk.language, self._talk.language.text("nothing_to_confirm")
         if self._requests and may(utterance.role, "start", self._talk.settings):
             waiting = language.text("queued", requests=language.listed(self._requests.words))
             text = f"{text} {waiting} {language.text('queued_more')}"
-        self._speaking.speak(text, to=utterance.channel, reply_to=number)
+        self._speaking.answer(text, utterance)
 
     @property
     def stopping_by(self) -> str:
@@ -116,21 +116,21 @@ class OrderSide:
 
     # -- orders --------------------------------------------------------------------------------------------------------
 
-    def refuse_permission(self, order: str, utterance: Utterance, number: int) -> None:
+    def refuse_permission(self, order: str, utterance: Utterance) -> None:
         """The role of a sentence may not order this; the reply names where it can be ordered."""
         language, settings = self._talk.language, self._talk.settings
         why = why_not_permitted(order, utterance.role, utterance.channel, settings, language)
-        self._talk.note("refused", number=number, order=order, role=utterance.role, by="role")
-        self._speaking.speak(why, to=utterance.channel, reply_to=number)
+        self._talk.note("refused", number=utterance.number, order=order, role=utterance.role, by="role")
+        self._speaking.answer(why, utterance)
 
-    def stop(self, utterance: Utterance, number: int) -> bool:
+    def stop(self, utterance: Utterance) -> bool:
         """A sentence that orders to stop: it needs no confirmation; whether its role may."""
         if not may(utterance.role, "stop", self._talk.settings):
-            self.refuse_permission("stop", utterance, number)
+            self.refuse_permission("stop", utterance)
             return False
         language, view = self._talk.language, self._talk.view
         words, is_idle = language.text("order_stop"), not is_alive(view)
-        self._put(JudgedOrder(STOP, utterance, number, "grammar", words, is_reported=is_idle))
+        self._put(JudgedOrder(STOP, utterance, "grammar", words, is_reported=is_idle))
         self._speaking.silence(is_total=True)
         asked = self._asked_request
         if self.pending is not None:
@@ -138,7 +138,7 @@ class OrderSide:
         text = language.text("stop_no_run" if is_idle else "done_stop")
         if not is_idle and may(utterance.role, "resume", self._talk.settings):
             text = f"{text} {language.text('stop_more')}"
-        self._speaking.speak(text, to=utterance.channel, reply_to=number)
+        self._speaking.answer(text, utterance)
         self._requests.drop("requests_stopped", asked)
         return True
 
@@ -147,43 +147,40 @@ class OrderSide:
         """In words, the request whose turn it is, while a person is asked whether it may begin."""
         return (self.pending.words,) if self.pending is not None and self.pending.is_request else ()
 
-    def withdraw(self, utterance: Utterance, number: int) -> None:
+    def withdraw(self, utterance: Utterance) -> None:
         """What waits is dropped; a role that may order a start may do so."""
         asked = self._asked_request
         if not may(utterance.role, "start", self._talk.settings):
-            self.refuse_permission("start", utterance, number)
+            self.refuse_permission("start", utterance)
         elif not asked and not self._requests:
-            self._speaking.reply("queued_none", utterance, number)
+            self._speaking.reply("queued_none", utterance)
         else:
             if asked:
                 self._void("withdrawn")
             self._requests.drop("requests_withdrawn", asked)
 
-    def take(
-        self, sense: Sense, utterance: Utterance, number: int, *, mapper: Mapper, agreeing: int | None = None
-    ) -> None:
+    def take(self, sense: Sense, utterance: Utterance, *, mapper: Mapper, agreeing: int | None = None) -> None:
         """Judge an order that a sentence was read as; it is given out, read back, queued or refused.
 
         Args:
             sense: The order.
             utterance: The sentence.
-            number: Of its turn.
             mapper: What read it.
             agreeing: Of a spoken one that the grammar read, how many recognisers agree.
         """
         view, language, settings = self._talk.view, self._talk.language, self._talk.settings
         if not may(utterance.role, sense.name, settings):
-            self.refuse_permission(sense.name, utterance, number)
+            self.refuse_permission(sense.name, utterance)
             return
         words = order_words(sense, view, settings, language)
-        judged = JudgedOrder(sense, utterance, number, mapper, words)
-        self._talk.note("mapped", number=number, order=order_data(sense), mapper=mapper)
+        judged = JudgedOrder(sense, utterance, mapper, words)
+        self._talk.note("mapped", number=utterance.number, order=order_data(sense), mapper=mapper)
         if self._is_impossible(judged):
             return
         if sense.name in TWO_NEEDED and agreeing is not None and agreeing < 2:
-            self._talk.note("refused", number=number, order=sense.name, by="recognisers")
+            self._talk.note("refused", number=utterance.number, order=sense.name, by="recognisers")
             where = where_to_order(settings, language)
-            self._speaking.reply("two_needed_order", utterance, number, order=words, where=where)
+            self._speaking.reply("two_needed_order", utterance, order=words, where=where)
         elif must_confirm(sense, view, mapper=mapper, agreeing=agreeing):
             self._read_back(judged)
         else:
@@ -213,8 +210,8 @@ class OrderSide:
         return bool(why)
 
     def _refuse(self, judged: JudgedOrder, form: str, **values: object) -> None:
-        self._talk.note("refused", number=judged.number, order=judged.sense.name, by=form)
-        self._speaking.reply(form, judged.utterance, judged.number, **values)
+        self._talk.note("refused", number=judged.utterance.number, order=judged.sense.name, by=form)
+        self._speaking.reply(form, judged.utterance, **values)
 
     def _settle(self, judged: JudgedOrder) -> None:
         """The order counts: it is given out, or waits for the end of the mission."""
@@ -226,7 +223,7 @@ class OrderSide:
         self._put(judged)
         sense = judged.sense
         values = {"order": judged.words, "option": spoken(sense.option)}
-        self._speaking.reply(f"done_{sense.name}", judged.utterance, judged.number, **values)
+        self._speaking.reply(f"done_{sense.name}", judged.utterance, **values)
 
     def _put(self, judged: JudgedOrder) -> None:
         """Give the order out."""
@@ -239,7 +236,7 @@ class OrderSide:
         orders = (*self.ordered_by(utterance.speaker), judged.words)[-REMEMBERED:]
         _remember(self._ordered, utterance.speaker, orders, SPEAKERS)
         self._talk.note(
-            "ordered", order_number=self._count, number=judged.number, order=order_data(sense), role=utterance.role,
+            "ordered", order_number=self._count, number=utterance.number, order=order_data(sense), role=utterance.role,
             mapper=judged.mapper, confirmed=judged.confirmed,
         )  # fmt: skip
         self._talk.put(
@@ -263,21 +260,21 @@ class OrderSide:
             is_crossing=self._talk.now - self._ended_at < CROSSING_S, understood_by=self._ended_by,
             is_request=is_request,
         )  # fmt: skip
-        self.ask_to_confirm(pending, judged.utterance, judged.number)
+        self.ask_to_confirm(pending, judged.utterance)
 
     def _binding(self, sense: Sense, *, is_request: bool) -> tuple[object, ...]:
         """What a confirmation rests on; a request's on nothing: it is for the run after the one that ended."""
         return () if is_request else binding(sense, self._talk.view)
 
-    def ask_to_confirm(self, pending: Confirmable, to: Utterance, number: int) -> None:
+    def ask_to_confirm(self, pending: Confirmable, to: Utterance) -> None:
         """Read an order back, for the first time or again."""
         form = "read_back_model" if pending.mapper == "model" else "read_back"
         form = "request_asked" if pending.is_request else form
-        speech = self._speaking.reply(form, to, number, order=pending.words)
+        speech = self._speaking.reply(form, to, order=pending.words)
         until = self._talk.now + self._talk.settings.confirm_s
         read_at = math.inf if to.is_spoken else self._talk.now
         self.pending = pending._replace(until=until, read_at=read_at, key=speech.key)
-        self._talk.note("read_back", number=number, order=order_data(pending.sense), mapper=pending.mapper)
+        self._talk.note("read_back", number=to.number, order=order_data(pending.sense), mapper=pending.mapper)
 
     def distract(self, utterance: Utterance) -> None:
         """A sentence that is neither yes nor no: what its speaker may confirm is to be read back again."""
@@ -308,11 +305,11 @@ class OrderSide:
             return
         self._talk.note("void", order=order_data(pending.sense), by=by)
         if by in ("time", "changed", "replaced") or (by == "last" and not pending.is_request):
-            self._speaking.reply(f"void_{by}", pending.utterance, 0, order=pending.words)
+            self._speaking.reply(f"void_{by}", pending.utterance.unnumbered, order=pending.words)
         if by in ("time", "unspoken") and pending.is_request:
             self._requests.drop("requests_unanswered")
 
-    def decide(self, utterance: Utterance, number: int, *, is_yes: bool, is_agreed: bool) -> Sense | None:
+    def decide(self, utterance: Utterance, *, is_yes: bool, is_agreed: bool) -> Sense | None:
         """A yes or a no to what was read back; of a spoken one, whether all readings are, of two or more.
 
         Returns:
@@ -323,29 +320,27 @@ class OrderSide:
             return None
         if not may(utterance.role, pending.sense.name, self._talk.settings):
             role = self._talk.language.word("roles", utterance.role)
-            self._talk.note("refused", number=number, order="confirm", role=utterance.role, by="role")
-            self._speaking.reply("not_yours", utterance, number, role=capital(role))
+            self._talk.note("refused", number=utterance.number, order="confirm", role=utterance.role, by="role")
+            self._speaking.reply("not_yours", utterance, role=capital(role))
         elif not is_yes:
             self._end_pending(utterance.speaker)
-            self._talk.note("void", order=order_data(pending.sense), by="no", number=number)
-            self._speaking.reply("dropped", utterance, number)
+            self._talk.note("void", order=order_data(pending.sense), by="no", number=utterance.number)
+            self._speaking.reply("dropped", utterance)
             return pending.sense
         elif utterance.is_spoken and not is_agreed:
-            self._talk.note("refused", number=number, order="confirm", by="recognisers")
-            self._speaking.reply("two_needed", utterance, number, order=pending.words)
+            self._talk.note("refused", number=utterance.number, order="confirm", by="recognisers")
+            self._speaking.reply("two_needed", utterance, order=pending.words)
         elif pending.is_unclear(utterance) or self._talk.ends_with_model(utterance.channel):
-            self.ask_to_confirm(pending.asked_again(), utterance, number)
+            self.ask_to_confirm(pending.asked_again(), utterance)
         else:
-            self._confirm(pending, utterance, number)
+            self._confirm(pending, utterance)
         return None
 
-    def _confirm(self, pending: Confirmable, utterance: Utterance, number: int) -> None:
+    def _confirm(self, pending: Confirmable, utterance: Utterance) -> None:
         self._end_pending(utterance.speaker)
-        self._talk.note(
-            "confirmed", number=number, order=order_data(pending.sense), sentence=cut(utterance.text, 2_000)
-        )
-        confirmed = cut(utterance.text, 2_000)
-        judged = JudgedOrder(pending.sense, pending.utterance, number, pending.mapper, pending.words, confirmed)
+        sentence, confirmed = pending.utterance._replace(number=utterance.number), cut(utterance.text, 2_000)
+        self._talk.note("confirmed", number=utterance.number, order=order_data(pending.sense), sentence=confirmed)
+        judged = JudgedOrder(pending.sense, sentence, pending.mapper, pending.words, confirmed)
         if not self._is_impossible(judged):
             self._settle(judged)
 
@@ -368,7 +363,7 @@ class OrderSide:
             and (now := self._binding(pending.sense, is_request=pending.is_request)) != pending.binding
         ):
             if self._has_become_possible(pending.sense):
-                self.ask_to_confirm(pending._replace(binding=now), pending.utterance, 0)
+                self.ask_to_confirm(pending._replace(binding=now), pending.utterance.unnumbered)
             else:
                 self._void("changed")
         if is_alive(view) and view.run != before.run:
@@ -404,7 +399,7 @@ class OrderSide:
         permitted = may(request.utterance.role, "start", self._talk.settings)
         if not permitted or why_not_now(request.sense, view, self._talk.language):
             self._talk.note("dropped", order=order_data(request.sense))
-            self._speaking.reply("request_impossible", request.utterance, 0, order=request.words)
+            self._speaking.reply("request_impossible", request.utterance.unnumbered, order=request.words)
             return
         if view.mode != "succeeded":
             self._read_back(request, is_request=True)
@@ -422,7 +417,7 @@ class OrderSide:
         if why and judged.sense.name == "start":
             self._starting_until = float("-inf")
         if why and not judged.is_reported:
-            self._speaking.reply("refused", judged.utterance, 0, order=judged.words, why=why.rstrip("."))
+            self._speaking.reply("refused", judged.utterance.unnumbered, order=judged.words, why=why.rstrip("."))
 
     def lose(self, requests: Sequence[str], run: str) -> None:
         """These waited in a program of this run that was killed, in words: that they are lost is reported."""

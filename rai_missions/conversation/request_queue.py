@@ -24,8 +24,7 @@ class JudgedOrder(NamedTuple):
 
     sense: Sense
     utterance: Utterance
-    number: int
-    """Of the sentence's turn."""
+    """The sentence that was read as it; of one that was confirmed, with the number of the sentence that did so."""
     mapper: Mapper
     words: str
     """The order in words."""
@@ -60,9 +59,9 @@ class RequestQueue:
         """Another request; the person is informed of its place."""
         self._waiting.append(judged)
         place = len(self._waiting)
-        self._talk.note("queued", number=judged.number, order=order_data(judged.sense), place=place)
+        self._talk.note("queued", number=judged.utterance.number, order=order_data(judged.sense), place=place)
         self.note()
-        self._speaking.reply("queued_request", judged.utterance, judged.number, number=place, order=judged.words)
+        self._speaking.reply("queued_request", judged.utterance, number=place, order=judged.words)
 
     def note(self) -> None:
         """Note what waits: a program that resumes the run after a kill reports what was lost."""

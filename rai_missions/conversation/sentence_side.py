@@ -87,25 +87,25 @@ class SentenceSide:
         """The next sentence of this speaker may correct or complete this order."""
         self._unfinished = EarlierOrder(speaker, sense, self._talk.now)
 
-    def on_utterance(self, utterance: Utterance, number: int) -> Handling:
+    def on_utterance(self, utterance: Utterance) -> Handling:
         """A person's sentence."""
         each = self._senses(utterance)
         if self._unfinished is not None and self._unfinished.speaker == utterance.speaker:
             self._unfinished = None
         if any(STOP in senses for senses in each):
-            return "stopped" if self._orders.stop(utterance, number) else "handled"
+            return "stopped" if self._orders.stop(utterance) else "handled"
         self._speaking.speak_due(now=True)
         senses = each[0]
         if any(sense.kind in ("yes", "no") for sense in senses) and self._orders.pending is not None:
             meant = next(sense.kind for sense in senses if sense.kind in ("yes", "no"))
             is_agreed = len(each) > 1 and all(any(sense.kind == meant for sense in others) for others in each)
-            self._decide(utterance, number, is_yes=meant == "yes", is_agreed=is_agreed)
+            self._decide(utterance, is_yes=meant == "yes", is_agreed=is_agreed)
             return "handled"
         self._orders.distract(utterance)
         senses = tuple(sense for sense in senses if sense.kind not in ("yes", "no")) or senses
         senses = senses or self._free_answer(utterance)
         if self._is_late(utterance, senses):
-            self._speaking.speak(self._talk.answers.closed(self._talk.view), to=utterance.channel, reply_to=number)
+            self._speaking.answer(self._talk.answers.closed(self._talk.view), utterance)
             return "handled"
         senses = self._answerable(senses)
         if all(sense.kind == "fault" for sense in senses):
@@ -113,18 +113,18 @@ class SentenceSide:
         if not senses:
             return "unknown"
         if senses[0].kind in ("yes", "no"):
-            return self._answer_nothing(utterance, number)
-        sense = self._chosen((*senses, *self._others(senses[0], *each)), utterance, number)
+            return self._answer_nothing(utterance)
+        sense = self._chosen((*senses, *self._others(senses[0], *each)), utterance)
         if sense is not None and self._is_for_model(sense):
             return "unknown"
         if sense is not None:
             agreeing = sum(any(sense.identity == other.identity for other in others) for others in each)
-            self._handle(sense, utterance, number, agreeing if utterance.is_spoken else None)
+            self._handle(sense, utterance, agreeing if utterance.is_spoken else None)
         return "handled"
 
-    def _decide(self, utterance: Utterance, number: int, *, is_yes: bool, is_agreed: bool) -> None:
+    def _decide(self, utterance: Utterance, *, is_yes: bool, is_agreed: bool) -> None:
         """A yes or a no to what was read back; the next sentence may correct what a no has dropped."""
-        dropped = self._orders.decide(utterance, number, is_yes=is_yes, is_agreed=is_agreed)
+        dropped = self._orders.decide(utterance, is_yes=is_yes, is_agreed=is_agreed)
         if dropped is not None:
             self._keep(dropped, utterance.speaker)
 
@@ -186,13 +186,13 @@ class SentenceSide:
             return False
         return is_request(sense, view) or not why_not_now(sense, view, self._talk.language)
 
-    def _answer_nothing(self, utterance: Utterance, number: int) -> Handling:
+    def _answer_nothing(self, utterance: Utterance) -> Handling:
         if self._talk.ends_with_model(utterance.channel):
             return "unknown"
-        self._orders.speak_nothing(utterance, number)
+        self._orders.speak_nothing(utterance)
         return "handled"
 
-    def _chosen(self, senses: Sequence[Sense], utterance: Utterance, number: int) -> Sense | None:
+    def _chosen(self, senses: Sequence[Sense], utterance: Utterance) -> Sense | None:
         """The one sense that is meant; None where the person must decide, and is asked."""
         language = self._talk.language
         if len(senses) == 1:
@@ -201,7 +201,7 @@ class SentenceSide:
         if len(possible) < 2:
             return possible[0] if possible else senses[0]
         choices = language.listed([self._choice(sense) for sense in possible], "or")
-        self._speaking.reply("ambiguous", utterance, number, choices=choices)
+        self._speaking.reply("ambiguous", utterance, choices=choices)
         return None
 
     def _is_for_model(self, sense: Sense) -> bool:
@@ -218,64 +218,64 @@ class SentenceSide:
             "choice_option", number=option_place(sense.option, question.options), option=spoken(sense.option)
         )
 
-    def _handle(self, sense: Sense, utterance: Utterance, number: int, agreeing: int | None) -> None:
+    def _handle(self, sense: Sense, utterance: Utterance, agreeing: int | None) -> None:
         if sense.kind == "quiet":
             self._speaking.silence(is_total=False)
         elif sense.kind == "question":
-            self._answer(sense, utterance, number)
+            self._answer(sense, utterance)
         elif sense.kind == "withdraw":
-            self._orders.withdraw(utterance, number)
+            self._orders.withdraw(utterance)
         elif sense.kind == "again":
-            self._again(utterance, number, agreeing)
+            self._again(utterance, agreeing)
         elif sense.kind == "other":
-            self._other(sense, utterance, number)
+            self._other(sense, utterance)
         elif not may(utterance.role, sense.name, self._talk.settings):
-            self._orders.refuse_permission(sense.name, utterance, number)
+            self._orders.refuse_permission(sense.name, utterance)
         elif sense.kind == "fault":
-            self._talk.note("refused", number=number, order=sense.name, why=sense.fault, by="grammar")
-            self._speaking.speak(sense.fault, to=utterance.channel, reply_to=number)
+            self._talk.note("refused", number=utterance.number, order=sense.name, why=sense.fault, by="grammar")
+            self._speaking.answer(sense.fault, utterance)
             self._keep(sense, utterance.speaker)
         else:
             if sense.rest:
-                self._speaking.reply("one_at_a_time", utterance, number, rest=cut(sense.rest, LONGEST_REASON))
+                self._speaking.reply("one_at_a_time", utterance, rest=cut(sense.rest, LONGEST_REASON))
             if sense.name == "answer" and self._may_be_no_answer(utterance):
                 sense = sense._replace(is_partial=True)  # it is read back
-            self._orders.take(sense, utterance, number, mapper="grammar", agreeing=agreeing)
+            self._orders.take(sense, utterance, mapper="grammar", agreeing=agreeing)
 
-    def _answer(self, sense: Sense, utterance: Utterance, number: int) -> None:
+    def _answer(self, sense: Sense, utterance: Utterance) -> None:
         if not may(utterance.role, "ask", self._talk.settings):
-            self._refuse_ask(utterance, number)
+            self._refuse_ask(utterance)
             return
         pending, settings = self._orders.pending, self._talk.settings
         if sense.name == "repeat" and pending is not None and may(utterance.role, pending.sense.name, settings):
-            self._orders.ask_to_confirm(pending.asked_again(), utterance, number)
+            self._orders.ask_to_confirm(pending.asked_again(), utterance)
             return
         text = self._talk.answers.answer(sense, self._talk.view, self._asker(utterance))
-        self._speaking.speak(text, to=utterance.channel, reply_to=number)
+        self._speaking.answer(text, utterance)
 
-    def _again(self, utterance: Utterance, number: int, agreeing: int | None) -> None:
+    def _again(self, utterance: Utterance, agreeing: int | None) -> None:
         """The speaker's last start, read back; where there is none, or one is asked about, what was spoken."""
         last = self._orders.last_start_of(utterance.speaker)
         if last is None or self._orders.pending is not None:
-            self._answer(Sense("question", "repeat"), utterance, number)
+            self._answer(Sense("question", "repeat"), utterance)
         else:
-            self._orders.take(last, utterance, number, mapper="grammar", agreeing=agreeing)
+            self._orders.take(last, utterance, mapper="grammar", agreeing=agreeing)
 
-    def _other(self, sense: Sense, utterance: Utterance, number: int) -> None:
+    def _other(self, sense: Sense, utterance: Utterance) -> None:
         """Another one than was read back, or asked for last; the person is asked which."""
         pending = self._orders.pending
         if pending is not None:
-            self._decide(utterance, number, is_yes=False, is_agreed=True)
+            self._decide(utterance, is_yes=False, is_agreed=True)
         if sense.fault and self._orders.pending is None:
-            self._speaking.speak(sense.fault, to=utterance.channel, reply_to=number)
+            self._speaking.answer(sense.fault, utterance)
             self._keep(sense, utterance.speaker)
         elif pending is None:
-            self._orders.speak_nothing(utterance, number)
+            self._orders.speak_nothing(utterance)
 
-    def _refuse_ask(self, utterance: Utterance, number: int) -> None:
+    def _refuse_ask(self, utterance: Utterance) -> None:
         channel = self._talk.language.word("channels", utterance.channel)
-        self._talk.note("refused", number=number, order="ask", role=utterance.role, by="role")
-        self._speaking.reply("ask_not_permitted", utterance, number, channel=channel)
+        self._talk.note("refused", number=utterance.number, order="ask", role=utterance.role, by="role")
+        self._speaking.reply("ask_not_permitted", utterance, channel=channel)
 
     def _asker(self, utterance: Utterance) -> Asker:
         language, settings = self._talk.language, self._talk.settings

@@ -34,13 +34,17 @@ class SpeechSide:
         self._open: dict[str, OutstandingSpeech] = {}
         self.reports = Reports(talk.language, talk.settings)
 
-    def reply(self, name: str, to: Utterance, number: int = 0, /, **values: object) -> Speech:
+    def reply(self, name: str, to: Utterance, /, **values: object) -> Speech:
         """A template of the language, as an answer to a sentence."""
-        return self.speak(self._talk.language.text(name, **values), to=to.channel, reply_to=number)
+        return self.answer(self._talk.language.text(name, **values), to)
 
-    def acknowledge(self, name: str, to: Utterance, number: int) -> None:
+    def answer(self, text: str, to: Utterance, *, way: Way = "rules") -> Speech:
+        """A text, as an answer to a sentence."""
+        return self.speak(text, to=to.channel, reply_to=to.number, way=way)
+
+    def acknowledge(self, name: str, to: Utterance) -> None:
         """A template that fills the time until an answer: it is no turn of the conversation."""
-        self._put(Speech("", self._talk.language.text(name), "chatter", to=to.channel, reply_to=number))
+        self._put(Speech("", self._talk.language.text(name), "chatter", to=to.channel, reply_to=to.number))
 
     def speak(
         self, text: str, *, to: str = "", reply_to: int = 0, priority: Priority = "answer", way: Way = "rules",

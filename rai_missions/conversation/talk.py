@@ -59,8 +59,8 @@ class Talk:
         self._ids.append(identity)
         return True
 
-    def add_person(self, utterance: Utterance) -> int:
-        """A person's turn; returns its number."""
+    def add_person(self, utterance: Utterance) -> Utterance:
+        """A person's turn; returns the sentence with its number."""
         self._number += 1
         text = cut(utterance.text, LONGEST)
         self.turns.append(
@@ -70,7 +70,7 @@ class Talk:
             "heard", number=self._number, text=text, role=utterance.role, channel=utterance.channel,
             author=utterance.author, readings=[cut(each, LONGEST) for each in utterance.readings],
         )  # fmt: skip
-        return self._number
+        return utterance._replace(number=self._number)
 
     def add_robot(self, speech: Speech) -> None:
         """The robot's turn."""
