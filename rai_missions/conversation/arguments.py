@@ -10,13 +10,13 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from rai_missions.conversation.language import Language, spoken
-from rai_missions.conversation.named import key_named, unit_of
+from rai_missions.conversation.named import key_named
 from rai_missions.conversation.view import KeyView, StatusView
 from rai_missions.errors import MissionError
 from rai_missions.keys import is_within
 from rai_missions.planning.text.numbers import number
 
-__all__ = ("IN_WORDS", "BadValue", "key_value", "read_arguments", "spoken_name")
+__all__ = ("IN_WORDS", "BadValue", "key_value", "read_arguments")
 
 ReadValue = Callable[[Sequence[str], KeyView, Language], Any]
 NOTHING: Mapping[str, Any] = {}
@@ -38,18 +38,13 @@ class BadValue(MissionError):
         self.key, self.others = key, others
 
 
-def spoken_name(key: KeyView, language: Language) -> str:
-    """The name of a key as it is spoken, without its unit."""
-    return unit_of(key.name, language.data["units"])[0]
-
-
 def key_value(words: Sequence[str], key: KeyView, language: Language) -> Any:
     """The value that the words are for a key.
 
     Raises:
         BadValue: They are none of its type.
     """
-    name, kind = spoken_name(key, language), _kind(key, language)
+    name, kind = language.name_of(key.name), _kind(key, language)
     if key.type not in IN_WORDS:
         raise BadValue(language.text("not_spoken", name=name, type=kind), key.name)
     value: Any = _amount(words, key, language)
@@ -68,7 +63,7 @@ def key_value(words: Sequence[str], key: KeyView, language: Language) -> Any:
 def _kind(key: KeyView, language: Language) -> str:
     """The type of a key in words, with its range: `a whole number from 1 to 3600`."""
     kind: str = language.data["texts"]["types"][key.type]
-    unit = unit_of(key.name, language.data["units"])[1]
+    unit = language.unit_of(key.name)
     least, most = ("" if each is None else language.decimals(f"{each:g}") for each in (key.minimum, key.maximum))
     if not least and not most:
         return kind
@@ -79,7 +74,7 @@ def _kind(key: KeyView, language: Language) -> str:
 def _amount(words: Sequence[str], key: KeyView, language: Language) -> int | float | None:
     """The number that the words are, with or without a unit: `five minutes` are 300 for a key in seconds."""
     value = number(words, language.data)
-    factors = language.data["unit_words"].get(unit_of(key.name, language.data["units"])[1], {})
+    factors = language.data["unit_words"].get(language.unit_of(key.name), {})
     if value is not None or len(words) < 2 or words[-1] not in factors:
         return value
     value = number(words[:-1], language.data)
@@ -142,5 +137,5 @@ def _one(
             misfit = misfit or error
     if misfit is not None:
         raise misfit
-    names = language.listed([spoken_name(key, language) for key in keys]) or language.text("no_arguments")
+    names = language.listed([language.name_of(key.name) for key in keys]) or language.text("no_arguments")
     raise BadValue(language.text("bad_argument", given=" ".join(chunk), mission=spoken(owner), arguments=names))

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
 
-from rai_missions.conversation.arguments import BadValue, spoken_name
+from rai_missions.conversation.arguments import BadValue
 from rai_missions.conversation.language import Language
 from rai_missions.conversation.senses import Sense
 from rai_missions.conversation.start_phrases import StartPhrases
@@ -70,7 +70,7 @@ class Corrections:
 
     def _is_text(self, words: Sequence[str], key: KeyView, draft: Draft) -> bool:
         """Whether any words may be the text: it is asked for, or they are marked as a correction or by an article."""
-        return not draft.is_asked_for or key.name in draft.sense.lacks or words[0] in self._language.data["articles"]
+        return not draft.is_asked_for or key.name in draft.sense.lacks or words[0] in self._language.articles
 
     def completed(self, words: Sequence[str], draft: Draft, view: StatusView) -> Sense | None:
         """The draft with these words alone, where a value may be meant; None where they are none."""
@@ -94,7 +94,7 @@ class Corrections:
         named = [keys[name] for name in (sense.lacks or sense.named) if name in keys]
         if len(named) != 1:
             return sense._replace(kind="other", fault=language.text("correct_whole"))
-        name, choices = spoken_name(named[0], language), self._phrases.choices(named[0].name)
+        name, choices = language.name_of(named[0].name), self._phrases.choices(named[0].name)
         values = {word: value for word, value in choices.items() if value != sense.arguments.get(named[0].name)}
         if len(values) == 1 and len(choices) == 2:
             return self._with(draft, named[0], next(iter(values)).split())

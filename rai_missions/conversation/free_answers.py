@@ -35,7 +35,7 @@ class TextOption(NamedTuple):
 
     def means(self, words: Sequence[str], language: Language) -> bool:
         """Whether a whole sentence is an ordinal, `the second`; options are counted by numbers then."""
-        bare = [word for word in words if word not in language.data["articles"]]
+        bare = language.without_articles(words)
         return len(bare) == 1 and not bare[0].isdigit() and bare[0] in language.data["ordinals"]
 
     def _sense(self, words: Sequence[str], *, is_partial: bool) -> Sense:

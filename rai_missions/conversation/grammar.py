@@ -66,7 +66,7 @@ class Grammar:
         self._corrections = Corrections(language, self._phrases)
         self._own_questions = [(language.own_phrases([each]), path) for each, path in questions.items()]
         words = frozenset(word for each, _ in self._own_questions for word in each.words)
-        self._persons = frozenset(language.data["pronouns"]) - frozenset(language.data["articles"])
+        self._persons = frozenset(language.data["pronouns"]) - language.articles
         self._vocabulary = language.vocabulary() | self._phrases.words | words
 
     def senses(self, text: str, view: StatusView, draft: Draft | None = None) -> tuple[Sense, ...]:

@@ -9,7 +9,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from rai_missions.conversation.arguments import spoken_name
 from rai_missions.conversation.free_answers import text_option
 from rai_missions.conversation.language import Language, spoken
 from rai_missions.conversation.outputs import Mapper
@@ -121,7 +120,7 @@ def _argument_words(values: Mapping[str, Any], keys: Mapping[str, KeyView], lang
     for name, value in values.items():
         key = keys.get(name, KeyView(name, "string"))
         shown = listed(value) if key.type in ("pose", "object", "list") else value_words(value, key, language)
-        words.append(language.text("argument", name=spoken_name(key, language), value=shown))
+        words.append(language.text("argument", name=language.name_of(key.name), value=shown))
     return language.listed(words)
 
 

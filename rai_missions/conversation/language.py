@@ -34,6 +34,8 @@ class Language(LanguageTexts):
     def __init__(self, data: Mapping[str, Any]) -> None:
         super().__init__(data)
         self.normaliser = Normaliser(data, by=cut)
+        self.articles = frozenset(data["articles"])
+        self._plural_ending: str = data["plural_ending"]
         parts: Mapping[str, str] = data["parts"]
         self.orders = {name: Phrases(each, parts) for name, each in data["orders"].items()}
         self.warnings = {name: Phrases(each, parts) for name, each in data["warnings"].items()}
@@ -85,6 +87,30 @@ class Language(LanguageTexts):
     def written_out(self, text: str) -> str:
         """The words as a sentence has them once it is read; a slot or a part as it is."""
         return text if text[:1] in ("{", "<") else " ".join(self.normaliser.words(text)) or text.lower()
+
+    def without_articles(self, words: Iterable[str]) -> list[str]:
+        """What is left of a thing's name: `cup` of `my cup`."""
+        return [word for word in words if word not in self.articles]
+
+    def singular(self, word: str) -> str:
+        """A word without the ending of a plural, so that `cups` is `cup`; only for comparing."""
+        return word.removesuffix(self._plural_ending)
+
+    def name_of(self, name: str) -> str:
+        """A name of the format as it is spoken, without its unit: `height_m` is `height`."""
+        return self._name_and_unit(name)[0]
+
+    def unit_of(self, name: str) -> str:
+        """The unit that a name of the format ends with: `m` of `height_m`; empty where it has none."""
+        return self._name_and_unit(name)[1]
+
+    def _name_and_unit(self, name: str) -> tuple[str, str]:
+        parts = name.split("_")
+        for count in (2, 1):
+            unit = self.data["units"].get("_".join(parts[-count:]))
+            if len(parts) > count and unit is not None:
+                return spoken("_".join(parts[:-count])), unit
+        return spoken(name), ""
 
     def decimals(self, digits: str) -> str:
         """A number in digits with the language's sign for decimals."""

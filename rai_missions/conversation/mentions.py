@@ -11,7 +11,6 @@ from itertools import islice
 from typing import Any, NamedTuple
 
 from rai_missions.conversation.language import Language, spoken
-from rai_missions.conversation.named import unit_of
 from rai_missions.conversation.sentences import sentences as whole_sentences
 from rai_missions.conversation.values import AGED_S, capital, duration, value_words
 from rai_missions.conversation.view import KeyView, StatusView
@@ -67,7 +66,7 @@ def count_sentence(thing: Sequence[str], view: StatusView, language: Language, r
         counts = (_naming(name, entries, wanted, language) for name, entries in _lists(key))
         count = max(counts, default=0)
         if count:
-            return _sentence(key, language, "counted", count=count, thing=" ".join(_bare(thing, language)))
+            return _sentence(key, language, "counted", count=count, thing=" ".join(language.without_articles(thing)))
     return ""
 
 
@@ -81,18 +80,14 @@ def _lists(key: KeyView) -> Iterator[tuple[str, list[Any]]]:
 
 def _naming(name: str, entries: Sequence[Any], wanted: set[str], language: Language) -> int:
     """The entries that name a thing; all of them, where the list is called so."""
-    if {_single(word) for word in spoken(name).split()} == wanted:
+    if set(map(language.singular, spoken(name).split())) == wanted:
         return len(entries)
     parts = [[*each.values()] if isinstance(each, Mapping) else [each] for each in entries]
     return sum(any(_has(text, wanted, language) for text in texts) for texts in parts)
 
 
-def _bare(thing: Sequence[str], language: Language) -> list[str]:
-    return [word for word in thing if word not in language.data["articles"]]
-
-
 def _wanted(thing: Sequence[str], language: Language) -> set[str]:
-    return {_single(word) for word in _bare(thing, language)}
+    return set(map(language.singular, language.without_articles(thing)))
 
 
 def _keys(view: StatusView, results: Collection[str]) -> list[KeyView]:
@@ -101,12 +96,8 @@ def _keys(view: StatusView, results: Collection[str]) -> list[KeyView]:
     return sorted(keys, key=lambda key: (not key.is_fresh, key.age_s or 0.0))
 
 
-def _single(word: str) -> str:
-    return word.removesuffix("s")
-
-
 def _has(text: Any, wanted: set[str], language: Language) -> bool:
-    return isinstance(text, str) and wanted <= {_single(word) for word in language.normaliser.words(text)}
+    return isinstance(text, str) and wanted <= set(map(language.singular, language.normaliser.words(text)))
 
 
 def _mentions(key: KeyView, wanted: set[str], language: Language) -> Iterator[str]:
@@ -153,6 +144,6 @@ def _parts(text: str) -> list[str]:
 
 def _sentence(key: KeyView, language: Language, form: str, **values: object) -> str:
     """A sentence by a key, with its age where that is worth a word."""
-    name, age_s = unit_of(key.name.rpartition("/")[2], language.data["units"])[0], key.age_s or 0.0
+    name, age_s = language.name_of(key.name.rpartition("/")[2]), key.age_s or 0.0
     form = f"{form}_aged" if age_s >= AGED_S or not key.is_fresh else form
     return capital(language.text(form, name=name, age=duration(age_s, language), **values))

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
 from rai_missions.conversation.language import Language, spoken
@@ -11,38 +11,19 @@ from rai_missions.conversation.view import KeyView, MissionView, StatusView
 from rai_missions.engine.decision import Offer
 from rai_missions.planning.text.numbers import ordinal
 
-__all__ = ("NamedOption", "key_named", "missions_named", "option_named", "option_place", "unit_of")
+__all__ = ("NamedOption", "key_named", "missions_named", "option_named", "option_place")
 
 SHORTEST = 4
 """Letters of a word that alone may mean a key by its `about`."""
 
 
-def unit_of(name: str, units: Mapping[str, str]) -> tuple[str, str]:
-    """A name without its unit, as it is spoken, and the unit: `height_m` is `height` in `m`."""
-    parts = name.split("_")
-    for count in (2, 1):
-        unit = units.get("_".join(parts[-count:]))
-        if len(parts) > count and unit is not None:
-            return spoken("_".join(parts[:-count])), unit
-    return spoken(name), ""
-
-
-def _bare(words: Iterable[str], language: Language) -> list[str]:
-    return [word for word in words if word not in language.data["articles"]]
-
-
-def _alike(words: Sequence[str], others: Sequence[str]) -> bool:
-    """Equal but for a plural's last letter."""
-    return [word.removesuffix("s") for word in words] == [word.removesuffix("s") for word in others]
-
-
-def _names(key: KeyView, units: Mapping[str, str]) -> Iterator[tuple[str, list[str]]]:
+def _names(key: KeyView, language: Language) -> Iterator[tuple[str, list[str]]]:
     """Each path of a key, with its words."""
-    own = unit_of(key.name, units)[0].split()
+    own = language.name_of(key.name).split()
     yield key.name, own
     yield key.name, spoken(key.name).split()
     for name in key.fields:
-        field = unit_of(name, units)[0].split()
+        field = language.name_of(name).split()
         yield f"{key.name}.{name}", [*own, *field]
         yield f"{key.name}.{name}", [*field, *own]
 
@@ -58,15 +39,15 @@ def key_named(words: Sequence[str], view: StatusView, language: Language, *, str
         language: Whose articles, units and aliases count.
         strict: Only its name counts, not the words of its `about`.
     """
-    bare = _bare(words, language)
+    bare = language.without_articles(words)
+    singular = list(map(language.singular, bare))
     alias = language.data["aliases"].get(" ".join(bare))
-    units = language.data["units"]
-    for path, names in (each for key in view.keys.values() for each in _names(key, units)):
-        if names and (_alike(bare, names) or path == alias):
+    for path, names in (each for key in view.keys.values() for each in _names(key, language)):
+        if names and (list(map(language.singular, names)) == singular or path == alias):
             return path
     if strict or not any(len(word) >= SHORTEST for word in bare):
         return ""
-    within = {path for key in view.keys.values() for path, names in _names(key, units) if set(bare) <= set(names)}
+    within = {path for key in view.keys.values() for path, names in _names(key, language) if set(bare) <= set(names)}
     by_name = {path.partition(".")[0] for path in within}
     if len(by_name) == 1:
         return min(within, key=len)
@@ -77,7 +58,7 @@ def key_named(words: Sequence[str], view: StatusView, language: Language, *, str
 
 def missions_named(words: Sequence[str], view: StatusView, language: Language) -> list[MissionView]:
     """The missions that the words name: one by its whole name, else each whose name has all of the words."""
-    bare = [word for word in _bare(words, language) if word != language.data["mission_word"]]
+    bare = [word for word in language.without_articles(words) if word != language.data["mission_word"]]
     whole = [each for each in view.missions if spoken(each.name).split() == bare]
     return whole or [each for each in view.missions if bare and set(bare) <= set(spoken(each.name).split())]
 
@@ -92,9 +73,9 @@ class NamedOption(NamedTuple):
 
 def option_named(words: Sequence[str], options: Sequence[Offer], language: Language) -> NamedOption | None:
     """The option that the words name: by number, name, its `about`, or some of its words where no other has them."""
-    bare = _bare(words, language)
+    bare = language.without_articles(words)
     for offer in options:
-        if bare and any(bare == _bare(each, language) for each in _ways(offer, language)):
+        if bare and any(bare == language.without_articles(each) for each in _ways(offer, language)):
             return NamedOption(offer, is_partial=False)
     place = ordinal(bare or list(words), language.data)
     if place is not None:

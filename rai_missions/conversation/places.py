@@ -50,7 +50,7 @@ def place_words(pose: Any, frame: str, places: Mapping[str, PlaceArea], language
 
 def place_named(words: Sequence[str], places: Mapping[str, PlaceArea], language: Language) -> str | None:
     """The place that the words name; None where they name none."""
-    bare = [word for word in words if word not in language.data["articles"]]
+    bare = language.without_articles(words)
     return next((name for name in places if language.normaliser.words(name) == bare), None)
 
 

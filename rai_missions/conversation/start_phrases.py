@@ -12,7 +12,7 @@ import re
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
 
-from rai_missions.conversation.arguments import BadValue, key_value, spoken_name
+from rai_missions.conversation.arguments import BadValue, key_value
 from rai_missions.conversation.language import Language, spoken
 from rai_missions.conversation.phrases import Phrases, example_of
 from rai_missions.conversation.senses import Sense
@@ -133,7 +133,7 @@ class StartPhrases:
     def _may_be_thing(self, words: Sequence[str]) -> bool:
         """Whether words may name something: not `out what the time is`, of `find out what the time is`."""
         excluded = self._language.data["no_thing"]
-        is_article = len(words) > 1 and words[0] in self._language.data["articles"]
+        is_article = len(words) > 1 and words[0] in self._language.articles
         return words[is_article] not in excluded["first"] and not set(words) & set(excluded["any"])
 
     def _start(
@@ -207,7 +207,7 @@ class StartPhrases:
         data = self._language.data
         first = next(iter(words), "")
         return " ".join(words) in data["pronouns"] or (
-            first in data["thing_pronouns"] and first not in data["articles"]
+            first in data["thing_pronouns"] and first not in self._language.articles
         )
 
     def value(self, words: Sequence[str], key: KeyView) -> Any:
@@ -216,12 +216,12 @@ class StartPhrases:
         Raises:
             BadValue: They are none.
         """
-        articles = self._language.data["articles"]
+        articles = self._language.articles
         given = " ".join(words)
         is_article = bool(words) and all(word in articles for word in words)
         if key.type == "string" and (is_article or self._is_pronoun(words)):
             given = given if is_article or given in self._language.data["pronouns"] else words[0]
-            raise BadValue(self._language.text("pronoun", given=given, name=spoken_name(key, self._language)), key.name)
+            raise BadValue(self._language.text("pronoun", given=given, name=self._language.name_of(key.name)), key.name)
         bare = list(words[1:] if len(words) > 1 and words[0] in articles else words)
         if key.name not in self._names:
             return key_value(bare, key, self._language)
@@ -229,5 +229,5 @@ class StartPhrases:
             return meant[0]
         known = self._language.listed([spoken(name) for name in self._names[key.name]], "or")
         raise BadValue(
-            self._language.text("bad_value", given=" ".join(bare), name=spoken_name(key, self._language), type=known)
+            self._language.text("bad_value", given=" ".join(bare), name=self._language.name_of(key.name), type=known)
         )

@@ -13,7 +13,7 @@ from typing import NamedTuple
 from rai_missions.conversation.language import Language, spoken
 from rai_missions.conversation.mentions import count_sentence, mention_sentences
 from rai_missions.conversation.moods import mood_of
-from rai_missions.conversation.named import key_named, unit_of
+from rai_missions.conversation.named import key_named
 from rai_missions.conversation.places import PlaceArea, place_named, place_sentence, place_words
 from rai_missions.conversation.senses import Sense
 from rai_missions.conversation.start_phrases import StartPhrases
@@ -242,12 +242,10 @@ class StateAnswers:
         return f"{text} {self.language.text('open_goals', goals=goals)}"
 
     def _steps(self, view: StatusView) -> list[str]:
-        units = self.language.data["units"]
         made = list[str]()
         for each in view.progress:
-            name = unit_of(each.of, units)[0]
             numbers = {"done": f"{each.done:g}", "total": f"{each.total:g}"}
-            made.append(self.language.text("progress", of=capital(name), **numbers))
+            made.append(self.language.text("progress", of=capital(self.language.name_of(each.of)), **numbers))
         return made
 
     def _waits_for_answers(self, view: StatusView) -> list[str]:
@@ -277,7 +275,7 @@ class StateAnswers:
         return self._with_place(self.language.text("position", name=spoken(key.name), value=value), key)
 
     def _where_is(self, thing: str, view: StatusView) -> str:
-        bare = " ".join(word for word in thing.split() if word not in self.language.data["articles"])
+        bare = " ".join(self.language.without_articles(thing.split()))
         facts = " ".join(self._facts(thing, view))
         return facts or self.language.text("not_mentioned", thing=bare or thing)
 
@@ -380,7 +378,7 @@ class StateAnswers:
 
     def _capabilities(self, view: StatusView, asker: Asker) -> str:
         language = self.language
-        keys = [unit_of(key.name, language.data["units"])[0] for key in view.keys.values() if key.source == "robot"]
+        keys = [language.name_of(key.name) for key in view.keys.values() if key.source == "robot"]
         parts = [language.text("capabilities")]
         if keys:
             parts.append(language.text("capabilities_keys", keys=language.listed(keys)))

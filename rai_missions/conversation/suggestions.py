@@ -38,7 +38,7 @@ class Suggestions:
         self._grammar, self._language = grammar, grammar.language
         data = self._language.data
         self._conditions, self._pronouns = frozenset(data["conditions"]), frozenset(data["thing_pronouns"])
-        self._articles, self._ends = frozenset(data["articles"]), frozenset(data["thing_ends"])
+        self._articles, self._ends = self._language.articles, frozenset(data["thing_ends"])
         self._determiners = self._articles | frozenset(data["owners"])
         self._openings = frozenset(data["lead"])
         self._joints, self._addressed = frozenset(data["clause_joints"]), frozenset(data["addressed"])
@@ -152,9 +152,7 @@ class Suggestions:
 
     def _is_whole(self, sense: Sense, rest: list[str]) -> bool:
         """Whether a start has all words of its values, its texts name things, and no condition is behind it."""
-        texts = [
-            [word for word in text.split() if word not in self._articles] for text in self._grammar.open_texts(sense)
-        ]
+        texts = [self._language.without_articles(text.split()) for text in self._grammar.open_texts(sense)]
         are_things = all(0 < len(words) <= LONGEST_THING and not self._ends & set(words) for words in texts)
         is_conditional = bool(rest) and rest[0] in self._conditions
         return are_things and not is_conditional and self._grammar.is_complete(sense, rest)

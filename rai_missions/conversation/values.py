@@ -8,7 +8,6 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 from rai_missions.conversation.language import Language, spoken
-from rai_missions.conversation.named import unit_of
 from rai_missions.conversation.view import KeyView
 from rai_missions.image import Image
 from rai_missions.plain_data import is_number, rounded
@@ -58,7 +57,7 @@ def value_words(value: Any, key: KeyView, language: Language, *, field: str = ""
         field: The field, where only that is spoken.
         longest: Characters of a text that are spoken.
     """
-    unit = unit_of(field or key.name, language.data["units"])[1]
+    unit = language.unit_of(field or key.name)
     if key.type == "pose" and isinstance(value, Mapping):
         return _pose(value, key, language)
     if isinstance(value, bool) or value is None:
@@ -88,8 +87,7 @@ def _names(items: Sequence[Any], language: Language) -> str:
 
 
 def _field(name: str, value: Any, key: KeyView, language: Language) -> str:
-    words = unit_of(name, language.data["units"])[0]
-    return language.text("field", name=words, value=value_words(value, key, language, field=name))
+    return language.text("field", name=language.name_of(name), value=value_words(value, key, language, field=name))
 
 
 def _pose(value: Mapping[str, Any], key: KeyView, language: Language) -> str:
@@ -132,7 +130,7 @@ def result_sentences(names: Iterable[str], keys: Mapping[str, KeyView], language
 def _result(key: KeyView, language: Language) -> str:
     if isinstance(key.value, str):
         return _sentence(key.value)
-    name, value = capital(unit_of(key.name, language.data["units"])[0]), value_words(key.value, key, language)
+    name, value = capital(language.name_of(key.name)), value_words(key.value, key, language)
     return language.text("key", name=name, value=value)
 
 
@@ -148,10 +146,7 @@ def _sentence(words: str) -> str:
 def key_sentence(path: str, keys: Mapping[str, KeyView], language: Language) -> str:
     """A key, or a field of one, with its value, its `about` and its age, or that it is unknown."""
     key, field, value = _found(path, keys)
-    words = unit_of(key.name, language.data["units"])[0]
-    if field:
-        words = f"{words} {unit_of(field, language.data['units'])[0]}"
-    words = capital(words)
+    words = capital(" ".join(map(language.name_of, (key.name, field) if field else (key.name,))))
     if key.age_s is None and key.value is None:
         return language.text("key_never", name=words)
     age = duration(key.age_s or 0.0, language)
