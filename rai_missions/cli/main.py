@@ -2,7 +2,8 @@
 """The command line.
 
 Rule: exit 0 the mission succeeded (or the check, proof or replay holds), 1 it ended otherwise, 2 the input is at fault;
-128 and the number of a signal: it ended the command where nothing was under way that it could end in order.
+128 and the number of a signal: it ended the command where nothing was under way that it could end in order. SIGPIPE
+counts as one: what would be printed next has no reader.
 """
 
 from __future__ import annotations
@@ -80,10 +81,11 @@ def _run(command: Command, words: Sequence[str], raised: RaisedSignals) -> int:
     with redacted_output(controls=command.draws):
         try:
             status = command(**given)
-            sys.stdout.flush()
+            with suppress(BrokenPipeError):  # its work is done
+                sys.stdout.flush()
             return status
         except BrokenPipeError:
-            return 1
+            return 128 + signal.SIGPIPE
         except (MissionError, OSError) as error:
             if not raised.number:
                 who = "" if isinstance(error, DefinitionError) else f"rai-missions {command.name}: "

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import json
 import os
+import signal
 import subprocess
 import sys
 from pathlib import Path
@@ -58,6 +59,25 @@ def test_a_run_whose_reader_has_gone_ends_as_it_would_and_without_a_traceback(fo
     assert done.stderr == "status 1\n"
     with read("a.journal") as record:
         assert list(record.steps())[-1].outcome == "aborted"
+
+
+@pytest.mark.parametrize(
+    ("words", "status"),
+    [
+        (("textconv", "lamp.json"), 0),
+        (("draw", "lamp.json", "-o", "lamp.svg"), 0),
+        (("diff", "lamp.json", "lit.json"), 1),
+        (("schema", "mission"), 128 + signal.SIGPIPE),
+    ],
+    ids=lambda value: value[0] if isinstance(value, tuple) else "",
+)
+def test_a_command_whose_reader_has_gone_exits_as_it_would_unless_it_has_more_to_print(
+    folder: Path, words: tuple[str, ...], status: int
+) -> None:
+    final = {"on": {"final": "succeeded"}}
+    Path("lit.json").write_text(json.dumps({**LAMP, "states": {**LAMP["states"], **final}}), encoding="utf-8")
+    done = shell('{ "$@"; echo "status $?" >&2; } | true', *words)
+    assert done.stderr == f"status {status}\n"
 
 
 def test_a_full_disk_behind_the_output_is_reported(folder: Path) -> None:
