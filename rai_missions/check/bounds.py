@@ -4,22 +4,23 @@
 from __future__ import annotations
 
 import difflib
+import itertools
 from collections.abc import Iterator
 
 from rai_missions.check.index import MissionIndex, RobotUse, StateRef
 from rai_missions.check.pointers import pointer
-from rai_missions.errors import UsageError
+from rai_missions.errors import UsageError, suggestion
 from rai_missions.kinds import PackageOffer, named
 from rai_missions.mission.option_parameters import schema_fault
 from rai_missions.model.references import Interface
 from rai_missions.states import State
-from rai_missions.states.decision import ANSWERERS, answerer_offer
+from rai_missions.states.decision import ACTING_TOOLS, ANSWERERS, LOOKING_TOOLS, answerer_offer
 from rai_missions.states.effects import Effect
 from rai_missions.states.tree import TreeNode
 
 __all__ = (
-    "misspelled_answerers", "unbounded_actions", "unbounded_calls", "unbounded_decisions", "unlisted_answerers",
-    "wrong_parameters",
+    "misspelled_answerers", "unbounded_actions", "unbounded_calls", "unbounded_decisions", "unknown_tools",
+    "unlisted_answerers", "unreachable_limits", "wrong_parameters",
 )  # fmt: skip
 
 Found = Iterator[tuple[str, str]]
@@ -71,6 +72,32 @@ def unbounded_decisions(index: MissionIndex) -> Found:
                 else "add an option without 'when', and name it"
             )
             yield place, f"the decision has no 'fallback' for when no one answers; {remedy}"
+
+
+def unreachable_limits(index: MissionIndex) -> Found:
+    """A limit within another is no longer than that one: `within_s`, `deadline_s`, the `timeout_s` around them."""
+    for asked, place, spot in index.asked:
+        around = min((each.state.timeout_s for each in spot.upward() if each.state.timeout_s is not None), default=None)
+        limits = (("within_s", asked.within_s), ("deadline_s", asked.deadline_s), ("timeout_s", around))
+        given = [(word, seconds) for word, seconds in limits if seconds is not None]
+        for (word, seconds), (other, less) in itertools.pairwise(given):
+            if seconds > less:
+                yield (
+                    f"{place}/{word}",
+                    f"{seconds:g} s are never reached, since '{other}' ends it after {less:g} s; write less here, or "
+                    "more there",
+                )
+
+
+def unknown_tools(index: MissionIndex) -> Found:
+    """`tools` names tools that look: ours, or those that the program brings; none that acts."""
+    for asked, place, _ in index.asked:
+        for number, name in enumerate(asked.tools):
+            if name in ACTING_TOOLS:
+                yield f"{place}/tools/{number}", f"the tool '{name}' acts, and a decision may only look; drop it"
+            elif name not in LOOKING_TOOLS:
+                near = suggestion(name, LOOKING_TOOLS)
+                yield f"{place}/tools/{number}", f"no tool '{name}', unless the program brings it{near}"
 
 
 def misspelled_answerers(index: MissionIndex) -> Found:

@@ -92,6 +92,8 @@ RULES: tuple[CheckRule, ...] = (
     CheckRule("lost-fallback", "warning", loops.lost_fallbacks),
     CheckRule("rival-action", "warning", surprises.rival_actions),
     CheckRule("unbounded-call", "warning", bounds.unbounded_calls),
+    CheckRule("unreachable-limit", "warning", bounds.unreachable_limits, "structure"),
+    CheckRule("unknown-tool", "warning", bounds.unknown_tools, "place"),
     CheckRule("misspelled-answerer", "warning", bounds.misspelled_answerers, "place"),
     CheckRule("unlisted-answerer", "warning", bounds.unlisted_answerers, "mission"),
     CheckRule("unused-key", "warning", keys.unused_keys),

@@ -16,12 +16,20 @@ from rai_missions.states.effects import Effect
 from rai_missions.states.state import OUTCOMES, Controller, State, Transition
 
 __all__ = (
-    "ANSWERERS", "BUDGET", "Budget", "Decision", "DecisionSpec", "Option", "answerer_offer", "answerer_words",
-    "asked_apart",
+    "ACTING_TOOLS", "ANSWERERS", "BUDGET", "LOOKING_TOOLS", "Budget", "Decision", "DecisionSpec", "Option",
+    "answerer_offer", "answerer_words", "asked_apart",
 )  # fmt: skip
 
 ANSWERERS: Mapping[str, str] = {"agent": "the model", "operator": "the operator", "rules": "the fixed rules"}
 """By the word of `ask`. Where control is meant `agent` is the mission itself, so no reader sees the word alone."""
+
+LOOKING_TOOLS = frozenset({
+    "describe_type", "get_distance_to_objects", "get_image", "get_occupancy_grid", "get_robot_pose", "get_transform",
+    "list_actions", "list_goals", "list_services", "list_topics", "recall", "receive_message", "watch_action",
+})  # fmt: skip
+"""The tools of ours that only look: a decision may name them."""
+ACTING_TOOLS = frozenset({"call_service", "cancel_action", "navigate_to_pose", "publish_message", "start_action"})
+"""The tools of ours that act: no decision has them."""
 
 
 def answerer_words(name: str) -> str:

@@ -18,14 +18,16 @@ from rai_missions.agents.mission import RunConfig, prepare
 from rai_missions.answerers.model.agent import DecisionAgent
 from rai_missions.connectors.connector import Data
 from rai_missions.connectors.local import LocalConnector
+from rai_missions.embodiment import Library
 from rai_missions.engine.decision import Limits
 from rai_missions.errors import DefinitionError, UsageError
 from rai_missions.image import Image
 from rai_missions.journal import read
 from rai_missions.mission.mission import Mission
 from rai_missions.profile import Robot
+from rai_missions.states.decision import ACTING_TOOLS, LOOKING_TOOLS
 from rai_missions.testing import QUESTION, ReplyCollector, ScriptedModel, ToolFloodModel, answer_fault, call
-from rai_missions.tools import Toolbox
+from rai_missions.tools import Toolbox, recall_tool
 from tests.tools.conftest import PATIENCE_S, RepeatingPublisher, ToolRig
 
 ASKING: dict[str, Any] = {
@@ -75,6 +77,13 @@ def mission(*tools: str) -> Mission:
     asked = json.loads(json.dumps(ASKING))
     asked["states"]["asks"]["decision"]["tools"] = list(tools)
     return Mission.model_validate(asked)
+
+
+def test_what_a_mission_may_name_is_what_looks_and_acts_of_ours(tmp_path: Path) -> None:
+    box = Toolbox(LocalConnector(), now=lambda: 0.0)
+    looking = {each.name for each in (*box.read_only, recall_tool(Library(tmp_path)))}
+    assert looking == LOOKING_TOOLS
+    assert {each.name for each in box.tools} - looking == ACTING_TOOLS
 
 
 def received(model: ScriptedModel) -> list[ToolMessage]:
