@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import difflib
 from collections.abc import Iterator, Mapping
 from collections.abc import Set as AbstractSet
 
@@ -17,7 +18,7 @@ from rai_missions.errors import Fault, UsageError, pointer, suggestion
 from rai_missions.mission.mission import Mission
 from rai_missions.profile import ConversationPolicy, Robot
 
-__all__ = ("conversation_faults", "settings_of")
+__all__ = ("conversation_faults", "conversation_oddities", "settings_of")
 
 LATE: Mapping[str, LatePolicy] = {"queue": "queue", "last": "keep_last", "interrupt": "interrupt"}
 
@@ -83,12 +84,34 @@ def _compiled(phrase: str, policy: ConversationPolicy, place: str) -> Phrases | 
 
 
 def _question_faults(policy: ConversationPolicy, mission: Mission | None) -> Iterator[Fault]:
-    """What is wrong with a robot's own questions; a key that the mission lacks is no fault."""
-    for question, path in policy.questions.items():
+    """What is wrong with a robot's own questions, and with what it asks; a key that the mission lacks is no fault."""
+    for question in policy.questions:
         place = pointer(("conversation", "questions", question))
         if isinstance(compiled := _compiled(question, policy, place), Fault):
             yield compiled
+    for place, path in _paths(policy):
         name, _, field = path.partition(".")
         fields = (mission.blackboard[name].fields or {}) if mission and name in mission.blackboard else None
         if field and fields is not None and field not in fields:
             yield Fault(place, f"'{name}' has no field '{field}'{suggestion(field, fields)}")
+
+
+def _paths(policy: ConversationPolicy) -> Iterator[tuple[str, str]]:
+    """Where a key, or a field of one, is named to be spoken, and that."""
+    for question, path in policy.questions.items():
+        yield pointer(("conversation", "questions", question)), path
+    for word, paths in (("asked_with", policy.asked_with), ("results", policy.results)):
+        for number, path in enumerate(paths):
+            yield pointer(("conversation", word, number)), path
+
+
+def conversation_oddities(robot: Robot, mission: Mission) -> Iterator[Fault]:
+    """Keys that are named to be spoken, and that the mission has under a name that only resembles it.
+
+    They may be of another mission of the robot, so they are no faults.
+    """
+    keys = mission.blackboard
+    for place, path in _paths(robot.conversation or ConversationPolicy()):
+        name = path.partition(".")[0]
+        if name not in keys and (close := difflib.get_close_matches(name, keys, n=1, cutoff=0.75)):
+            yield Fault(place, f"the mission has no key '{name}', so it is never spoken; did you mean '{close[0]}'?")

@@ -77,7 +77,7 @@ def check(
 
 def _checked_profile(path: str, mission: Mission | None) -> tuple[str, tuple[FileFinding, ...]]:
     """A profile's name, that of its file where it has none, and what is wrong with it or lacks in it."""
-    from rai_missions.agents.talk.settings import conversation_faults
+    from rai_missions.agents.talk.settings import conversation_faults, conversation_oddities
     from rai_missions.check import FileFinding, Finding
     from rai_missions.errors import DefinitionError
     from rai_missions.profile import load_profile, missing  # half as long to import as all the rest
@@ -89,7 +89,9 @@ def _checked_profile(path: str, mission: Mission | None) -> tuple[str, tuple[Fil
         return path, tuple(FileFinding(error.source or path, Finding.of(each)) for each in faults)
     names = missing(mission, profile) if mission is not None else ()
     lacking = (*_connector_faults(profile), *names, *conversation_faults(profile, mission))
-    return profile.name or path, tuple(FileFinding(path, Finding.of(each)) for each in lacking)
+    odd = conversation_oddities(profile, mission) if mission is not None else ()
+    findings = (*map(Finding.of, lacking), *(Finding(each.place, each.sentence, "warning") for each in odd))
+    return profile.name or path, tuple(FileFinding(path, each) for each in findings)
 
 
 def _of_rest(path: str, mission: Mission | None) -> Iterator[Fault]:

@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from rai_missions.agents.talk.settings import conversation_faults
+from rai_missions.agents.talk.settings import conversation_faults, conversation_oddities
 from rai_missions.cli.main import main
 from rai_missions.mission.mission import Mission
 from rai_missions.profile import ConversationPolicy, Robot, load_profile
@@ -29,6 +29,10 @@ FAULTS = {
     "field": (
         {"questions": {"what do you see": "seen.txt"}},
         "/conversation/questions/what do you see: 'seen' has no field 'txt'; did you mean 'text'?",
+    ),
+    "evidence": (
+        {"asked_with": ["seen.txt"]},
+        "/conversation/asked_with/0: 'seen' has no field 'txt'; did you mean 'text'?",
     ),
     "argument": (
         {"phrases": {"find {objct}": {"task": "find"}}}, "the mission takes no argument 'objct'; it takes: task"
@@ -50,10 +54,34 @@ def test_what_is_wrong_is_found_by_check(name: str, tmp_path: Path, capsys: pyte
     assert sentence in capsys.readouterr().err
 
 
-def test_a_sentence_of_another_mission_is_no_fault() -> None:
-    other = ConversationPolicy(phrases={"find {object}": {"place": "house"}}, questions={"how deep": "water.depth_m"})
-    robot = Robot(name="bench", conversation=other)
-    assert conversation_faults(robot, Mission.model_validate(MISSION)) == ()
+def test_a_sentence_or_key_of_another_mission_is_no_fault() -> None:
+    other = ConversationPolicy(
+        phrases={"find {object}": {"place": "house"}}, questions={"how deep": "water.depth_m"}, results=["depth"]
+    )
+    robot, mission = Robot(name="bench", conversation=other), Mission.model_validate(MISSION)
+    assert conversation_faults(robot, mission) == ()
+    assert tuple(conversation_oddities(robot, mission)) == ()
+
+
+@pytest.mark.parametrize(
+    ("words", "place"),
+    [
+        ({"results": ["sean"]}, "results/0"),
+        ({"asked_with": ["sean.text"]}, "asked_with/0"),
+        ({"questions": {"what do you see": "sean"}}, "questions/what do you see"),
+    ],
+    ids=["results", "asked_with", "questions"],
+)
+def test_a_key_that_resembles_one_of_the_mission_is_warned_of(
+    words: dict[str, Any], place: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    mission, robot = tmp_path / "mission.json", tmp_path / "robot.json"
+    mission.write_text(json.dumps(MISSION))
+    source = {"seen": {"topic": "/seen", "type": "std_msgs/msg/String", "json": True}}
+    robot.write_text(json.dumps({"format": 1, "name": "bench", "blackboard": source, "conversation": words}))
+    assert main(["check", str(mission), "--robot", str(robot)]) == 0
+    why = "warning: the mission has no key 'sean', so it is never spoken; did you mean 'seen'?"
+    assert f"{robot}: /conversation/{place}: {why}\n" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("name", ["sim", "ros2"])
@@ -63,3 +91,4 @@ def test_the_house_is_ordered_about_in_sentences_that_fit_its_missions(name: str
     for mission in ("assist", "mission"):
         given = Mission.model_validate_json((folder / f"{mission}.json").read_text())
         assert conversation_faults(robot, given) == ()
+        assert tuple(conversation_oddities(robot, given)) == ()
