@@ -33,7 +33,7 @@ def test_a_notebook_s_cells_run_in_their_order(path: Path, tmp_path: Path, monke
     for cell in code(path):
         ran = shell.run_cell(cell)
         ran.raise_error()
-    assert len(code(path)) > 2
+    assert len(code(path)) > 2 and all(map(str.strip, code(path)))
 
 
 def test_there_is_a_notebook_for_each_of_the_four() -> None:
