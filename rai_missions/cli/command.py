@@ -70,6 +70,16 @@ class _Formatter(argparse.HelpFormatter):
         return "\n\n".join(block if "\n " in block else textwrap.fill(block, width) for block in blocks)
 
 
+class _Once(argparse.Action):
+    """An option with one value: given again, what was given first would be dropped without a word."""
+
+    def __call__(self, parser: Any, namespace: argparse.Namespace, values: Any, option_string: Any = None) -> None:
+        if hasattr(namespace, self.dest):
+            both = f"{getattr(namespace, self.dest)!r} and {values!r}"
+            raise argparse.ArgumentError(self, f"it is given twice, {both}; give one")
+        setattr(namespace, self.dest, values)
+
+
 class Parameter(NamedTuple):
     """A parameter of a command."""
 
@@ -109,6 +119,8 @@ class Parameter(NamedTuple):
             words |= {"nargs": "?", "const": self.argument.bare}
         if self.argument.is_positional:
             words |= {"default": self.default, "nargs": None if self.is_required else "?"}
+        elif self.kind is not bool and get_origin(self.kind) is not tuple:
+            words["action"] = _Once
         shown = self.help.replace("%", "%%")
         if self.default not in (None, False, ()):
             shown += f" (default: {self.default})"
