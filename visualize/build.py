@@ -10,7 +10,7 @@ from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping
 
 from rai_missions.engine.step import Move, Step, step_count
-from rai_missions.mission.mission import Mission
+from rai_missions.mission.mission import Mission, given_mission
 from rai_missions.states import Compound, Each, Final, History, State
 from rai_missions.states.state import Transition, descendants
 from visualize.model import Initial, Path, Picture, PictureEdge, PictureNode
@@ -68,7 +68,11 @@ def picture(mission: Mission, steps: Iterable[Step] = ()) -> Picture:
     Args:
         mission: The graph.
         steps: Of a run, or of a journal, in order: they are counted on the states and transitions of their path.
+
+    Raises:
+        UsageError: It is no mission.
     """
+    given_mission(mission, "a picture")
     parents = parents_of(mission)
     run = _Run(steps)
     ended = run.last - {parents.get(name, "") for name in run.last}

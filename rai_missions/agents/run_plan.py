@@ -16,7 +16,7 @@ from rai_missions.agents.run_config import RunConfig
 from rai_missions.check import errors_of, load_whole
 from rai_missions.connectors.python_robot import PythonRobot
 from rai_missions.errors import DefinitionError, Fault, UsageError
-from rai_missions.mission.mission import Mission
+from rai_missions.mission.mission import Mission, given_mission
 from rai_missions.profile import Robot, identity_folder, is_program, load_profile, missing
 from rai_missions.redaction import logger
 from rai_missions.runtime.arguments import accepted
@@ -121,6 +121,7 @@ def read_plan(config: RunConfig, closing: CleanupStack) -> RunPlan:
         robot = robot.model_copy(update={"connector": {**robot.connector, "seed": config.seed}})
     if mission is None:
         raise UsageError("no mission was named, and no run to resume")
+    given_mission(mission, "a run")
     plan = RunPlan(config, mission, robot, identity, resumed)
     file = config.mission if isinstance(config.mission, str | Path) else ""
     plan.refuse(errors_of(mission, file, named=config.named), config.mission)

@@ -21,7 +21,7 @@ from rai_missions.check.index import MissionIndex
 from rai_missions.errors import steps_of
 from rai_missions.mission.garbage import few_collections
 from rai_missions.mission.legible import LegiblePart, is_entry, words_in
-from rai_missions.mission.mission import Mission
+from rai_missions.mission.mission import Mission, given_mission
 
 __all__ = ("RULES", "CheckRule", "check", "check_part", "holds_anyway")
 
@@ -110,7 +110,11 @@ def check(mission: Mission, *, named: Collection[str] | None = None) -> tuple[Fi
         mission: One that is well formed; inclusions are better expanded before, for their outcomes are not known else.
         named: The names of the registered predicates, or name → function, whose parameters are held against the uses;
             left out, `named` guards are taken on trust.
+
+    Raises:
+        UsageError: It is no mission.
     """
+    given_mission(mission, "check")
     index, order = MissionIndex(mission, named), document_order(mission)
     found = [
         Finding(place, sentence, rule.severity, rule.name) for rule in RULES for place, sentence in rule.find(index)

@@ -34,7 +34,7 @@ from rai_missions.errors import UsageError, suggestion
 from rai_missions.event import Event
 from rai_missions.guards.guard import View
 from rai_missions.keys import Stamped
-from rai_missions.mission.mission import Mission
+from rai_missions.mission.mission import Mission, given_mission
 from rai_missions.redaction import clipped, shown
 from rai_missions.states.final import FinalOutcome
 from rai_missions.states.state import Holder
@@ -63,10 +63,7 @@ class Chart:
         self, mission: Mission, ticker: Trees | None = None, *, terms: RobotFacts | None = None,
         named: Named | None = None, surroundings: Surroundings | None = None,
     ) -> None:  # fmt: skip
-        if not isinstance(mission, Mission):
-            raise UsageError(
-                f"a chart takes a Mission, not {shown(mission, by=clipped)}; load(FILE) makes one of a file"
-            )
+        given_mission(mission, "a chart")
         self.program = compiled(mission, ticker, facts=terms, named=named, surroundings=surroundings)
         self.state = fresh(self.program)
 

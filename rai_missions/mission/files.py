@@ -63,11 +63,13 @@ def dump(mission: Mission, path: str | os.PathLike[str] | None = None) -> str:
 
     Raises:
         DefinitionError: It nests deeper than `load` would read.
+        UsageError: It is no mission.
     """
     from rai_missions.errors import DefinitionError, Fault
     from rai_missions.mission.json_reader import MAX_DEPTH, too_deep
+    from rai_missions.mission.mission import given_mission
 
-    written: dict[str, Any] = {"$schema": SCHEMA, **mission.written()}
+    written: dict[str, Any] = {"$schema": SCHEMA, **given_mission(mission, "dump").written()}
     text = json.dumps(written, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
     if too_deep(text) is not None:
         raise DefinitionError([Fault("", f"more than {MAX_DEPTH} objects and lists inside each other; nest less")])

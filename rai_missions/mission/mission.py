@@ -30,6 +30,7 @@ from rai_missions.model import (
     fault,
     without_schema,
 )
+from rai_missions.redaction import shown
 from rai_missions.states.decision import answerer_offer
 from rai_missions.states.final import Final
 from rai_missions.states.state import State, States, Transition, Transitions, descendants
@@ -40,7 +41,7 @@ if TYPE_CHECKING:
 
 FAMILIES: tuple[type[TaggedModel], ...] = (Guard, State)
 """The families of which other packages may offer kinds."""
-__all__ = ("BUILT_IN_EVENTS", "EventSpec", "Mission")
+__all__ = ("BUILT_IN_EVENTS", "EventSpec", "Mission", "given_mission")
 
 BUILT_IN_EVENTS = ("call_failed", "orphaned", "uncertain")
 """Events that the engine raises; a mission may have transitions for them without declaring them."""
@@ -252,3 +253,18 @@ class Mission(MissionModel):
         for owner, leaf in self.behaviours().items():
             raise UsageError(f"state '{owner.partition('#')[0]}' runs '{leaf.program()}': {ONLY_IN_PYTHON}")
         return {"format": self.format, **super().written()}
+
+
+def given_mission(given: object, taker: str) -> Mission:
+    """What a program gave as a mission.
+
+    Args:
+        given: It.
+        taker: The function that takes it, for the sentence: `check`.
+
+    Raises:
+        UsageError: It is none.
+    """
+    if not isinstance(given, Mission):
+        raise UsageError(f"{taker} takes a Mission, not {shown(given)}; load(FILE) makes one of a file")
+    return given

@@ -13,7 +13,7 @@ from rai_missions.check.index import MissionIndex
 from rai_missions.errors import Fault, pointer, suggestion
 from rai_missions.guards.guard import Guard, Site
 from rai_missions.keys import Key
-from rai_missions.mission.mission import Mission
+from rai_missions.mission.mission import Mission, given_mission
 from rai_missions.mission.option_parameters import parameter_faults
 from rai_missions.profile.entries import references
 from rai_missions.profile.profile import Robot
@@ -34,7 +34,11 @@ def missing(mission: Mission, robot: Robot, *, remedies: Mapping[str, str] = NOT
         mission: The mission.
         robot: The profile.
         remedies: Section → what adds a name to it, with `{}` for the name; by default the profile's author names it.
+
+    Raises:
+        UsageError: It is no mission.
     """
+    given_mission(mission, "missing")
     index = MissionIndex(mission)
     return (
         *_keys(mission, robot, remedies), *_events(index, robot), *_interfaces(index, robot, remedies),

@@ -17,7 +17,7 @@ from rai_missions.engine.activities.ticker import Trees
 from rai_missions.engine.robot_facts import RobotFacts
 from rai_missions.journal import Header
 from rai_missions.mission.garbage import few_collections
-from rai_missions.mission.mission import Mission
+from rai_missions.mission.mission import Mission, given_mission
 from rai_missions.prove.circles import circling
 from rai_missions.prove.counterexample import TraceReplayer, TraceStep, scenes, ways_to
 from rai_missions.prove.environment import Environment
@@ -91,7 +91,11 @@ def prove(
         work: Steps, microsteps and ticks of trees at the most, together.
         continues: Where a claim is refuted, the others are explored to these limits all the same; else for some time.
         progress: Receives the number of states found and of states done, every hundred states.
+
+    Raises:
+        UsageError: It is no mission.
     """
+    given_mission(mission, "prove")
     with few_collections():  # what is explored is kept, and in no circles
         return _ProofRun(mission, ticker, terms, Limits(most, seconds, memory_mb, work, continues), progress).proof()
 

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
-from rai_missions.mission.mission import Mission
+from rai_missions.mission.mission import Mission, given_mission
 from visualize.build import picture
 from visualize.diff.align import NameChange, aligned
 from visualize.diff.as_text import lines
@@ -74,7 +74,12 @@ def difference(old: Mission, new: Mission) -> Difference:
     Args:
         old: As it was reviewed.
         new: As it is now.
+
+    Raises:
+        UsageError: One of them is no mission.
     """
+    for each in (old, new):
+        given_mission(each, "difference")
     before, names = aligned(old, new)
     own = Originals(before, old)
     found = [*_renames(names, old, new), *(_as_written(each, own) for each in changes(before, new, own))]
