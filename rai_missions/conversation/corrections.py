@@ -107,8 +107,8 @@ class Corrections:
         return list(words[1:] if has_one else words)
 
     def _keys(self, sense: Sense, view: StatusView) -> Mapping[str, KeyView]:
-        missions = (each for each in view.missions if each.name == sense.mission)
-        return {key.name: key for mission in missions for key in mission.arguments}
+        mission = view.mission_named(sense.mission)
+        return mission.keys if mission is not None else {}
 
     def _value(self, words: Sequence[str], key: KeyView, before: Any = None) -> Any:
         """The value of the words; the last of them may replace that of the text before: `the blue one`."""

@@ -556,8 +556,8 @@ def _joints(words: Sequence[str], language: Language) -> Iterator[tuple[list[str
 
 def _own(view: StatusView) -> list[MissionView]:
     """The missions that are meant where none is named: the run's own, or the only one."""
-    own = [each for each in view.missions if each.name == view.mission]
-    return own or list(view.missions)
+    own = view.mission_named(view.mission)
+    return list(view.missions) if own is None else [own]
 
 
 def _is_own(words: list[str], view: StatusView, language: Language) -> bool:

@@ -15,9 +15,10 @@ from rai_missions.conversation.outputs import Mapper
 from rai_missions.conversation.senses import Sense
 from rai_missions.conversation.settings import ORDERS, Settings
 from rai_missions.conversation.spoken_starts import spoken_start
-from rai_missions.conversation.state_answers import is_alive, state_of_run
+from rai_missions.conversation.state_answers import state_of_run
 from rai_missions.conversation.values import value_words
 from rai_missions.conversation.view import KeyView, MissionView, StatusView
+from rai_missions.engine.modes import next_mode
 from rai_missions.event import Role
 from rai_missions.keys import Key, type_error
 from rai_missions.mission.option_parameters import parameter_faults
@@ -55,31 +56,34 @@ def where_to_order(settings: Settings, language: Language) -> str:
 
 def is_request(sense: Sense, view: StatusView) -> bool:
     """Whether it is a start that has to wait for the end of the mission that runs."""
-    return sense.name == "start" and is_alive(view) and view.mode != "ready" and not view.awaits_start
+    return sense.name == "start" and view.is_alive and not view.is_before_start
 
 
 def why_not_now(sense: Sense, view: StatusView, language: Language) -> str:
     """Why an order is not possible in this moment, in words; empty where it is."""
-    state = state_of_run(view, language)
-    possible = {
-        "stop": True,
-        "pause": view.mode == "running" or (view.mode == "ready" and not view.awaits_start),
-        "resume": view.mode == "paused",
-        "cancel": view.mode in ("ready", "running", "paused"),
-        "start": _can_start(sense, view),
-        "answer": bool(view.questions) and is_alive(view),
-    }[sense.name]
-    if not possible:
-        return language.text(f"why_not_{sense.name}", state=state)
+    if not _is_possible(sense, view):
+        return language.text(f"why_not_{sense.name}", state=state_of_run(view, language))
     if sense.name == "answer" and _offered(sense, view) is None:
         return language.text("bad_option", given=spoken(sense.option), question="").strip()
     return ""
 
 
+def _is_possible(sense: Sense, view: StatusView) -> bool:
+    """Whether the mode of the run lets an order be carried out; a run that has not begun has nothing to pause."""
+    if sense.name == "stop":
+        return True
+    if sense.name == "start":
+        return _can_start(sense, view)
+    if sense.name == "answer":
+        return bool(view.questions) and view.is_alive
+    is_held_back = sense.name == "pause" and view.awaits_start and view.mode == "ready"
+    return next_mode(view.mode, sense.name) is not None and not is_held_back
+
+
 def _can_start(sense: Sense, view: StatusView) -> bool:
-    if sense.mission not in {each.name for each in view.missions}:
+    if view.mission_named(sense.mission) is None:
         return False
-    return not is_alive(view) or ((view.mode == "ready" or view.awaits_start) and sense.mission == view.mission)
+    return not view.is_alive or (view.is_before_start and sense.mission == view.mission)
 
 
 def _offered(sense: Sense, view: StatusView) -> Any:
@@ -107,7 +111,7 @@ def must_confirm(sense: Sense, view: StatusView, *, mapper: Mapper, agreeing: in
 def binding(sense: Sense, view: StatusView) -> tuple[object, ...]:
     """What a confirmation rests on: where it differs later, what was read back is void."""
     is_open = sense.name != "answer" or view.question(sense.question) is not None
-    mode = "any" if sense.name in IN_ANY_MODE and view.mode in ("ready", "running", "paused") else view.mode
+    mode = "any" if sense.name in IN_ANY_MODE and next_mode(view.mode, "cancel") else view.mode
     return view.run, mode, view.mission, is_open
 
 
@@ -127,8 +131,7 @@ def _argument_words(values: Mapping[str, Any], keys: Mapping[str, KeyView], lang
 def order_words(sense: Sense, view: StatusView, settings: Settings, language: Language) -> str:
     """The order in words, with all that it does: `start the mission 'x' with alleys 4`, or as the profile calls it."""
     if sense.name == "start":
-        mission = next((each for each in view.missions if each.name == sense.mission), MissionView(sense.mission))
-        keys = {key.name: key for key in mission.arguments}
+        keys = (view.mission_named(sense.mission) or MissionView(sense.mission)).keys
         if called := spoken_start(settings.spoken, settings.names, sense.arguments, keys, language):
             return called
         arguments = _argument_words(sense.arguments, keys, language)
@@ -198,11 +201,11 @@ def proposed(order: object, view: StatusView) -> Sense | None:
 
 
 def _proposed_start(order: Mapping[str, Any], view: StatusView) -> Sense | None:
-    mission = next((each for each in view.missions if each.name == order.get("mission")), None)
+    mission = view.mission_named(order.get("mission"))
     values = order.get("arguments", {})
     if mission is None or not isinstance(values, Mapping):
         return None
-    keys = {key.name: key for key in mission.arguments}
+    keys = mission.keys
     if any(
         name not in keys or value is None or type_error(_key_of(keys[name]), value) for name, value in values.items()
     ):

@@ -29,7 +29,6 @@ from rai_missions.conversation.outputs import Mapper, Order
 from rai_missions.conversation.request_queue import JudgedOrder, RequestQueue, order_data
 from rai_missions.conversation.senses import Sense
 from rai_missions.conversation.speaking import SpeechSide
-from rai_missions.conversation.state_answers import is_alive
 from rai_missions.conversation.talk import Talk
 from rai_missions.conversation.values import capital
 from rai_missions.conversation.view import StatusView
@@ -80,7 +79,7 @@ class OrderSide:
         self._ordered: dict[tuple[str, str], tuple[str, ...]] = {}
         self._starts: dict[tuple[str, str], Sense] = {}
         """Speaker → the last start that it ordered."""
-        self._ended_run: str | None = talk.view.run if talk.view.mode and not is_alive(talk.view) else None
+        self._ended_run: str | None = talk.view.run if talk.view.has_ended else None
         self._starting_until = float("-inf")
         self._is_last = False
         """No run follows the one that there is."""
@@ -129,7 +128,7 @@ class OrderSide:
             self.refuse_permission("stop", utterance)
             return False
         language, view = self._talk.language, self._talk.view
-        words, is_idle = language.text("order_stop"), not is_alive(view)
+        words, is_idle = language.text("order_stop"), not view.is_alive
         self._put(JudgedOrder(STOP, utterance, "grammar", words, is_reported=is_idle))
         self._speaking.silence(is_total=True)
         asked = self._asked_request
@@ -366,10 +365,10 @@ class OrderSide:
                 self.ask_to_confirm(pending._replace(binding=now), pending.utterance.unnumbered)
             else:
                 self._void("changed")
-        if is_alive(view) and view.run != before.run:
+        if view.is_alive and view.run != before.run:
             self._starting_until = float("-inf")
             self._requests.note_any()  # in the journal of the run that is new
-        if view.mode and not is_alive(view) and view.run != self._ended_run:
+        if view.has_ended and view.run != self._ended_run:
             self._ended_run = view.run
             self._starting_until = float("-inf")
 
@@ -382,7 +381,7 @@ class OrderSide:
     def begin_requests(self) -> None:
         """The next request has its turn where no mission runs or is about to, and no one is asked for another."""
         while self._requests and self.pending is None and self._talk.now >= self._starting_until:
-            if is_alive(self._talk.view):
+            if self._talk.view.is_alive:
                 return
             self._next_request()
 
@@ -443,7 +442,7 @@ class OrderSide:
     @property
     def asks_to_begin(self) -> bool:
         """Whether a mission is over and a start, of a request or ordered since, waits for a person's yes."""
-        return self.pending is not None and self.pending.sense.name == "start" and not is_alive(self._talk.view)
+        return self.pending is not None and self.pending.sense.name == "start" and not self._talk.view.is_alive
 
     def wake_at(self) -> float | None:
         """When a confirmation expires."""
@@ -452,7 +451,7 @@ class OrderSide:
 
 def _is_locked(view: StatusView) -> bool:
     """Whether the run is over by an e-stop: no other begins until an operator has taken control."""
-    return bool(view.mode) and not is_alive(view) and view.control == "nobody"
+    return view.has_ended and view.control == "nobody"
 
 
 def _remember(known: dict[K, V], key: K, value: V, most: int) -> None:

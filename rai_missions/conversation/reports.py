@@ -14,7 +14,7 @@ from rai_missions.conversation.language import Language, spoken
 from rai_missions.conversation.outputs import Priority
 from rai_missions.conversation.settings import Settings
 from rai_missions.conversation.spoken_starts import spoken_start
-from rai_missions.conversation.state_answers import control_text, is_alive, question_text
+from rai_missions.conversation.state_answers import control_text, question_text
 from rai_missions.conversation.values import about_words, result_sentences
 from rai_missions.conversation.view import StatusView
 
@@ -109,18 +109,18 @@ class Reports:
             about, mission = self._started_for(view), spoken(view.mission)
             form = "report_start" if about else "report_start_only"
             yield f"{run}:start", language.text(form, mission=mission, about=about), "question"
-        for question in view.questions if is_alive(view) else ():
+        for question in view.questions if view.is_alive else ():
             text = language.text(
                 "report_question", question=question_text(question, language, self._settings.asked_with)
             )
             yield f"{run}:question:{question.number}", text, "question"
-        if view.mode and not is_alive(view):
+        if view.has_ended:
             yield f"{run}:end", self._end(view), "end"
 
     def _started_for(self, view: StatusView) -> str:
         """What the run is for: its start as the profile calls it, or what its mission does."""
-        offered = next((each.arguments for each in view.missions if each.name == view.mission), ())
-        initial = {key.name: key.value for key in offered}
+        offered = view.mission_named(view.mission)
+        initial = {key.name: key.value for key in offered.arguments} if offered is not None else {}
         keys = {key.name: key for key in view.keys.values() if key.source == "argument"}
         given = {
             name: key.value for name, key in keys.items() if key.value is not None and key.value != initial.get(name)

@@ -91,7 +91,7 @@ class StartPhrases:
 
     def examples(self, missions: Sequence[MissionView]) -> tuple[str, ...]:
         """A plain sentence for each phrase that starts one of the missions: `go to …`."""
-        keys = [{key.name for key in mission.arguments} for mission in missions]
+        keys = [mission.keys.keys() for mission in missions]
         own = [each for each in self._each if not each.is_value]
         starting = (each.given.phrase for each in own if any(each.keys <= names for names in keys))
         return tuple(dict.fromkeys(example_of(phrase) for phrase in starting))
@@ -113,7 +113,7 @@ class StartPhrases:
         self, words: Sequence[str], missions: Sequence[MissionView], phrases: Sequence[CompiledPhrase]
     ) -> Iterator[Sense]:
         for mission in missions:
-            keys = {key.name: key for key in mission.arguments}
+            keys = mission.keys
             texts = self._texts(keys)
             fitting = [
                 (slots, each)

@@ -30,7 +30,6 @@ from rai_missions.conversation.values import (
 )
 from rai_missions.conversation.view import HappeningKind, KeyView, RunEvent, StatusView
 from rai_missions.engine.decision import Question
-from rai_missions.engine.modes import ALIVE
 from rai_missions.redaction import cut
 
 __all__ = (
@@ -38,7 +37,6 @@ __all__ = (
     "Asker",
     "StateAnswers",
     "control_text",
-    "is_alive",
     "options_text",
     "question_text",
     "state_of_run",
@@ -83,11 +81,6 @@ class Asker(NamedTuple):
     """What was last reported at the end of a run; empty before the first end."""
 
 
-def is_alive(view: StatusView) -> bool:
-    """Whether there is a run that has not ended."""
-    return view.mode in ALIVE
-
-
 def _mission(view: StatusView) -> str:
     return spoken(view.mission)
 
@@ -105,15 +98,10 @@ def _poses(view: StatusView) -> list[KeyView]:
     return sorted(poses, key=lambda key: (not key.is_fresh, key.value is None, key.is_fresh or key.age_s or 0.0))
 
 
-def _is_before(view: StatusView) -> bool:
-    """Whether there is no run, or one that has not begun."""
-    return not view.mode or (is_alive(view) and (view.mode == "ready" or view.awaits_start))
-
-
 def control_text(view: StatusView, language: Language) -> str:
     """Who has control, where the mission waits for another to have it; empty where it waits for no one's."""
     holder = language.word("holders", view.control)
-    if not is_alive(view):
+    if not view.is_alive:
         return ""
     if view.held_by:
         return language.text("held", holder=holder)
@@ -210,9 +198,9 @@ class StateAnswers:
         if not view.mode:
             missions = language.listed([spoken(each.name) for each in view.missions], "or")
             return language.text("no_run_offer", missions=missions) if missions else language.text("no_run")
-        if view.mode not in ALIVE:
+        if not view.is_alive:
             return self._ended(view)
-        parts = [self._in_state(view), *([] if _is_before(view) else self._steps(view))]
+        parts = [self._in_state(view), *([] if view.is_before_start else self._steps(view))]
         parts += [control_text(view, language), *self._waits_for_answers(view)]
         return " ".join(filter(None, parts))
 
@@ -221,7 +209,7 @@ class StateAnswers:
 
     def _after(self, text: str, view: StatusView, asker: Asker) -> str:
         """With what ended before; nothing is added to a run that has begun."""
-        before = asker.last_end if _is_before(view) else ""
+        before = asker.last_end if view.is_before_start else ""
         return f"{text} {self.language.text('before', text=before)}" if before else text
 
     def _in_state(self, view: StatusView) -> str:
@@ -252,18 +240,18 @@ class StateAnswers:
         return [self.language.text("waits_question", question=each.text) for each in view.questions]
 
     def _progress(self, view: StatusView, _: Asker) -> str:
-        if not is_alive(view):
+        if not view.is_alive:
             return self.status(view)
         return " ".join(self._steps(view)) or f"{self.language.text('no_progress')} {self._in_state(view)}"
 
     def _time_left(self, view: StatusView, asker: Asker) -> str:
         text = self._progress(view, asker)
-        return f"{self.language.text('no_time')} {text}" if is_alive(view) else text
+        return f"{self.language.text('no_time')} {text}" if view.is_alive else text
 
     def _where(self, view: StatusView, _: Asker) -> str:
         poses = _poses(view)
         if not poses:
-            where = self._in_state(view) if is_alive(view) else ""
+            where = self._in_state(view) if view.is_alive else ""
             return f"{self.language.text('no_position')} {where}".strip()
         key = poses[0]
         if key.value is None:
@@ -301,19 +289,19 @@ class StateAnswers:
     def _why_stopped(self, view: StatusView, asker: Asker) -> str:
         if view.mode == "paused":
             return self._after(self._mode_by(view, "paused"), view, asker)
-        if _is_before(view) and asker.last_end:
+        if view.is_before_start and asker.last_end:
             return self._doing(view, asker)
         if view.mode == "canceling" and view.mode_by:
             return self.language.text("canceling_by", by=view.mode_by)
-        if is_alive(view) and asker.stopping_by:
+        if view.is_alive and asker.stopping_by:
             return self.language.text("stopping_by", by=asker.stopping_by)
-        if not is_alive(view) or view.questions or control_text(view, self.language):
+        if not view.is_alive or view.questions or control_text(view, self.language):
             return self.status(view)
         causes = [each for each in view.happened if each.kind != "entered"][-MOST_CAUSES:]
         return f"{self._in_state(view)} {self._lines(causes, view)}".rstrip()
 
     def _since(self, view: StatusView, asker: Asker) -> str:
-        if not is_alive(view) or (_is_before(view) and view.mode != "paused"):
+        if not view.is_alive or (view.is_before_start and view.mode != "paused"):
             return self._doing(view, asker)
         parts = list[str]()
         if view.began is not None:
@@ -337,7 +325,7 @@ class StateAnswers:
 
     def _waits(self, view: StatusView, _: Asker) -> str:
         language = self.language
-        if view.questions and is_alive(view):
+        if view.questions and view.is_alive:
             return " ".join(self._waits_for_answers(view))
         if text := control_text(view, language):
             return text
@@ -345,7 +333,7 @@ class StateAnswers:
             return language.text("waits_start")
         if view.mode == "paused":
             return language.text("waits_resume")
-        if is_alive(view) and view.active:
+        if view.is_alive and view.active:
             return language.text("waits_state", state=spoken(view.named_state))
         return language.text("waits_nothing")
 
@@ -402,7 +390,7 @@ class StateAnswers:
         return self.language.text(form, mission=_mission(view), about=view.about)
 
     def _result(self, view: StatusView, asker: Asker) -> str:
-        if asker.last_end and (_is_before(view) or not is_alive(view)):
+        if asker.last_end and (view.is_before_start or not view.is_alive):
             return asker.last_end
         results = result_sentences(self._results, view.keys, self.language)
         return " ".join(results or [self.language.text("no_result"), self.status(view)])
@@ -410,7 +398,7 @@ class StateAnswers:
     def _happened(self, view: StatusView, asker: Asker) -> str:
         text = self._lines(view.happened[-MOST_HAPPENINGS:], view) or self.language.text("happened_nothing")
         text = self._after(text, view, asker)
-        return f"{text} {self._ended(view)}" if view.mode and not is_alive(view) else text
+        return f"{text} {self._ended(view)}" if view.has_ended else text
 
     def _decided(self, view: StatusView, _: Asker) -> str:
         return self._last(view, "answered") or (

@@ -10,6 +10,7 @@ from collections.abc import Mapping
 from typing import Any, Literal, NamedTuple
 
 from rai_missions.engine.decision import Question
+from rai_missions.engine.modes import ALIVE
 from rai_missions.keys import Source, TypeName
 
 __all__ = ("BuildView", "HappeningKind", "KeyView", "MissionView", "ProgressView", "RunEvent", "StatusView")
@@ -44,6 +45,11 @@ class MissionView(NamedTuple):
     about: str = ""
     arguments: tuple[KeyView, ...] = ()
     """Its argument keys; the value is the initial one."""
+
+    @property
+    def keys(self) -> Mapping[str, KeyView]:
+        """Its arguments by their names."""
+        return {key.name: key for key in self.arguments}
 
 
 class ProgressView(NamedTuple):
@@ -145,9 +151,28 @@ class StatusView(NamedTuple):
     mode_since: float | None = None
 
     @property
+    def is_alive(self) -> bool:
+        """Whether there is a run that has not ended."""
+        return self.mode in ALIVE
+
+    @property
+    def has_ended(self) -> bool:
+        """Whether there is a run that is over."""
+        return bool(self.mode) and not self.is_alive
+
+    @property
+    def is_before_start(self) -> bool:
+        """Whether there is no run, or one that has not begun."""
+        return not self.mode or (self.is_alive and (self.mode == "ready" or self.awaits_start))
+
+    @property
     def named_state(self) -> str:
         """The active state that is named for all of them; empty where none is active."""
         return self.state or (self.active[-1] if self.active else "")
+
+    def mission_named(self, name: object) -> MissionView | None:
+        """The mission of this name that can be started; None where there is none."""
+        return next((each for each in self.missions if each.name == name), None)
 
     def question(self, number: int) -> Question | None:
         """The open question of this number; None where it is closed."""
