@@ -11,9 +11,9 @@ from typing import Any, NamedTuple
 
 from rai_missions.conversation.arguments import BadValue
 from rai_missions.conversation.language import Language
+from rai_missions.conversation.question_words import question_text
 from rai_missions.conversation.senses import Sense
 from rai_missions.conversation.start_phrases import StartPhrases
-from rai_missions.conversation.state_answers import question_text
 from rai_missions.conversation.view import KeyView, StatusView
 
 __all__ = ("Corrections", "Draft")

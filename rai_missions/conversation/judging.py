@@ -12,10 +12,10 @@ from typing import Any
 from rai_missions.conversation.free_answers import text_option
 from rai_missions.conversation.language import Language, spoken
 from rai_missions.conversation.outputs import Mapper
+from rai_missions.conversation.run_words import state_of_run
 from rai_missions.conversation.senses import Sense
 from rai_missions.conversation.settings import ORDERS, Settings
 from rai_missions.conversation.spoken_starts import spoken_start
-from rai_missions.conversation.state_answers import state_of_run
 from rai_missions.conversation.values import value_words
 from rai_missions.conversation.view import KeyView, MissionView, StatusView
 from rai_missions.engine.modes import next_mode

@@ -12,10 +12,11 @@ from rai_missions.conversation.judging import may, order_forms, proposed
 from rai_missions.conversation.model_turns import ModelTurn, ModelTurns
 from rai_missions.conversation.order_side import OrderSide
 from rai_missions.conversation.outputs import AskModel, DropModel
+from rai_missions.conversation.question_words import options_text
 from rai_missions.conversation.sentences import SentenceStream
 from rai_missions.conversation.speaking import SpeechSide
-from rai_missions.conversation.state_answers import options_text
 from rai_missions.conversation.talk import Talk
+from rai_missions.conversation.unread_answers import UnreadAnswers
 from rai_missions.plain_data import plain
 from rai_missions.redaction import cut
 
@@ -37,6 +38,7 @@ class ModelSide:
         self._talk, self._speaking, self._orders = talk, speaking, orders
         self._turns = ModelTurns(talk.settings)
         self._claims = Claims(talk.settings.language)
+        self._unread = UnreadAnswers(talk.answers)
         self._spoken: dict[str, int] = {}
         """Key of a speech → the request whose text it is."""
 
@@ -76,10 +78,10 @@ class ModelSide:
         language, view = self._talk.language, self._talk.view
         is_first = not self._talk.settings.has_model and not any(each.way == "unknown" for each in self._talk.turns)
         if view.questions and not utterance.is_spoken and may(utterance.role, "answer", self._talk.settings):
-            text = self._talk.answers.unread(utterance.text, view, is_first=False)
+            text = self._unread.answer(utterance.text, view, is_first=False)
             text = f"{text} {language.text('unknown_answer', options=options_text(view.questions, language))}"
         else:
-            text = self._talk.answers.unread(utterance.text, view, is_first=is_first)
+            text = self._unread.answer(utterance.text, view, is_first=is_first)
         if is_silent:
             text = f"{language.text('model_silent')} {text}"
         self._speaking.answer(text, utterance, way="unknown")

@@ -12,9 +12,10 @@ from typing import Any, Literal, NamedTuple
 
 from rai_missions.conversation.language import Language, spoken
 from rai_missions.conversation.outputs import Priority
+from rai_missions.conversation.question_words import question_text
+from rai_missions.conversation.run_words import control_text, goals_text
 from rai_missions.conversation.settings import Settings
 from rai_missions.conversation.spoken_starts import spoken_start
-from rai_missions.conversation.state_answers import control_text, question_text
 from rai_missions.conversation.values import about_words, result_sentences
 from rai_missions.conversation.view import StatusView
 
@@ -136,11 +137,7 @@ class Reports:
         text = self._language.text(
             "report_end_why" if why else "report_end", mission=spoken(view.mission), mode=mode, why=why
         )
-        text = " ".join([text, *results])
-        if view.open_goals:
-            goals = self._language.listed([spoken(name) for name in view.open_goals])
-            text += " " + self._language.text("open_goals", goals=goals)
-        return text
+        return " ".join(filter(None, [text, *results, goals_text(view, self._language)]))
 
     def due(self, at: float, *, now: bool = False) -> list[MissionReport]:
         """What is to be spoken, the oldest first, so that no end comes before its start; priorities are the speaker's.

@@ -6,15 +6,17 @@ Rule: nothing here comes from a model, and nothing is known that the `StatusView
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from typing import NamedTuple
 
+from rai_missions.conversation.build_answers import BUILD, build_sentence, knows_build
 from rai_missions.conversation.language import Language, spoken
 from rai_missions.conversation.mentions import count_sentence, mention_sentences
-from rai_missions.conversation.moods import mood_of
 from rai_missions.conversation.named import key_named
 from rai_missions.conversation.places import PlaceArea, place_named, place_sentence, place_words
+from rai_missions.conversation.question_words import question_text
+from rai_missions.conversation.run_words import control_text, goals_text
 from rai_missions.conversation.senses import Sense
 from rai_missions.conversation.start_phrases import StartPhrases
 from rai_missions.conversation.values import (
@@ -29,37 +31,18 @@ from rai_missions.conversation.values import (
     value_words,
 )
 from rai_missions.conversation.view import HappeningKind, KeyView, RunEvent, StatusView
-from rai_missions.engine.decision import Question
-from rai_missions.redaction import cut
 
-__all__ = (
-    "ALWAYS",
-    "Asker",
-    "StateAnswers",
-    "control_text",
-    "options_text",
-    "question_text",
-    "state_of_run",
-)
+__all__ = ("ALWAYS", "Asker", "StateAnswers")
 
 NOWHERE: Mapping[str, PlaceArea] = {}
-BUILD = {
-    "weight": ("mass_kg", "kg", ("mass",)), "size": ("size_m", "m", ("length", "width", "height")),
-    "speed": ("speed_m_s", "m/s", ("speed",)),
-}  # fmt: skip
-"""Question → the field of the build that answers it, its unit, and what its numbers are called in the answer."""
 SPEED = ("speed",)
 """The name of the key that reports how fast a robot is."""
 ALWAYS = ("hello", "thanks", "bye", "sorry", "rude")
 """Questions, or what is none, whose answer is always the same: the text of that name."""
-LONGEST_NAME = 3
-"""Words of the longest name of a fact that is looked for in a question that no rule reads."""
 MOST_CAUSES = 2
 """Lines of what came last, where it is asked why a mission stopped that runs."""
 MOST_DECIDED = 2
 """Lines of an answer to "what was decided", or ordered."""
-LONGEST_EVIDENCE = 500
-"""Characters of a text that is spoken with a question."""
 MOST_HAPPENINGS = 5
 """Lines of an answer to "what happened"."""
 
@@ -81,66 +64,10 @@ class Asker(NamedTuple):
     """What was last reported at the end of a run; empty before the first end."""
 
 
-def _mission(view: StatusView) -> str:
-    return spoken(view.mission)
-
-
-def state_of_run(view: StatusView, language: Language) -> str:
-    """`the mission 'x' is paused`, or that none is running; without a full stop."""
-    if not view.mode:
-        return language.text("state_none")
-    return language.text("state", mission=_mission(view), mode=language.word("modes", view.mode))
-
-
 def _poses(view: StatusView) -> list[KeyView]:
     """The poses that the robot reports, those that are fresh first, then the newest."""
     poses = [key for key in view.keys.values() if key.type == "pose" and key.source == "robot"]
     return sorted(poses, key=lambda key: (not key.is_fresh, key.value is None, key.is_fresh or key.age_s or 0.0))
-
-
-def control_text(view: StatusView, language: Language) -> str:
-    """Who has control, where the mission waits for another to have it; empty where it waits for no one's."""
-    holder = language.word("holders", view.control)
-    if not view.is_alive:
-        return ""
-    if view.held_by:
-        return language.text("held", holder=holder)
-    wanted = [language.word("holders", each) for each in view.wanted if each != view.control]
-    return language.text("waits_control", holder=holder, wanted=language.listed(wanted)) if wanted else ""
-
-
-def question_text(question: Question, language: Language, asked_with: Sequence[str] = ()) -> str:
-    """The question with its options, numbered.
-
-    Args:
-        question: An open one.
-        language: Its templates.
-        asked_with: The evidence whose text is spoken with it.
-    """
-    lines = list[str]()
-    for number, offer in enumerate(question.options, start=1):
-        name, about = spoken(offer.name), about_words(offer.about)
-        form = "option_about" if about and about != name else "option"
-        lines.append(language.text(form, number=number, name=name, about=about))
-    text = " ".join([question.text.strip(), *_evidence_texts(question, asked_with)])
-    return language.text("question", question=text, options="; ".join(lines))
-
-
-def _evidence_texts(question: Question, asked_with: Sequence[str]) -> Iterator[str]:
-    """The texts among its evidence that are spoken with it."""
-    values = {each.key: each.value for each in question.evidence}
-    for path in asked_with:
-        name, _, field = path.partition(".")
-        value = values.get(name)
-        value = value.get(field) if field and isinstance(value, Mapping) else value
-        if isinstance(value, str) and value.strip():
-            yield cut(value.strip(), LONGEST_EVIDENCE)
-
-
-def options_text(questions: Sequence[Question], language: Language) -> str:
-    """The names of the options of all questions, numbered in each."""
-    numbered = [(number, offer) for each in questions for number, offer in enumerate(each.options, start=1)]
-    return "; ".join(language.text("option", number=number, name=spoken(offer.name)) for number, offer in numbered)
 
 
 class StateAnswers:
@@ -215,19 +142,16 @@ class StateAnswers:
     def _in_state(self, view: StatusView) -> str:
         mode = self.language.word("modes", view.mode)
         if not view.active:
-            return self.language.text("mode", mission=_mission(view), mode=mode)
+            return self.language.text("mode", mission=spoken(view.mission), mode=mode)
         about = about_words(view.states.get(view.named_state, ""))
-        values = {"mission": _mission(view), "mode": mode, "state": spoken(view.named_state)}
+        values = {"mission": spoken(view.mission), "mode": mode, "state": spoken(view.named_state)}
         return self.language.text("mode_state_about" if about else "mode_state", **values, about=about)
 
     def _ended(self, view: StatusView) -> str:
         why = about_words(view.why)
-        values = {"mission": _mission(view), "mode": self.language.word("modes", view.mode), "why": why}
+        values = {"mission": spoken(view.mission), "mode": self.language.word("modes", view.mode), "why": why}
         text = self.language.text("ended_why" if why else "ended", **values)
-        if not view.open_goals:
-            return text
-        goals = self.language.listed([spoken(name) for name in view.open_goals])
-        return f"{text} {self.language.text('open_goals', goals=goals)}"
+        return f"{text} {goals_text(view, self.language)}".rstrip()
 
     def _steps(self, view: StatusView) -> list[str]:
         made = list[str]()
@@ -264,16 +188,15 @@ class StateAnswers:
 
     def _where_is(self, thing: str, view: StatusView) -> str:
         bare = " ".join(self.language.without_articles(thing.split()))
-        facts = " ".join(self._facts(thing, view))
+        facts = " ".join(self.facts(thing.split(), view))
         return facts or self.language.text("not_mentioned", thing=bare or thing)
 
     def _counted(self, thing: str, view: StatusView) -> str:
         """How many entries of one list name a thing; empty where none has any."""
         return count_sentence(thing.split(), view, self.language, self._results)
 
-    def _facts(self, thing: str, view: StatusView) -> list[str]:
+    def facts(self, words: Sequence[str], view: StatusView) -> list[str]:
         """What is known of a thing: the place of that name, else the facts that name it."""
-        words = thing.split()
         place = place_named(words, self._places, self.language)
         if place is not None:
             poses = [key for key in _poses(view) if key.is_fresh and is_known(key.name, view.keys)]
@@ -306,7 +229,7 @@ class StateAnswers:
         parts = list[str]()
         if view.began is not None:
             ago = duration(view.at - view.began, self.language)
-            parts.append(self.language.text("began", mission=_mission(view), ago=ago))
+            parts.append(self.language.text("began", mission=spoken(view.mission), ago=ago))
         if view.mode == "paused":
             parts.append(self._mode_by(view, "paused"))
         elif view.active and view.since is not None:
@@ -387,7 +310,7 @@ class StateAnswers:
         if not view.mission:
             return self.status(view)
         form = "mission_about" if view.about else "mission_no_about"
-        return self.language.text(form, mission=_mission(view), about=view.about)
+        return self.language.text(form, mission=spoken(view.mission), about=view.about)
 
     def _result(self, view: StatusView, asker: Asker) -> str:
         if asker.last_end and (view.is_before_start or not view.is_alive):
@@ -428,67 +351,21 @@ class StateAnswers:
         by = self.language.text("by", by=by) if by else ""
         return template.format(ago=duration(view.at - happening.at, self.language), name=name, about=about, by=by)
 
-    def unread(self, text: str, view: StatusView, *, is_first: bool) -> str:
-        """The answer to a sentence that no rule reads, with what the robot reports of that which it is about.
-
-        Args:
-            text: The sentence.
-            view: The run.
-            is_first: It is the first such sentence of the conversation: what is read is named.
-        """
-        mood = mood_of(text, self.language)
-        parts = [self.language.text({"question": "unknown", "statement": "statement", "other": "unread"}[mood.kind])]
-        if mood.kind == "question":
-            parts += [self._about_question(mood.subject, view)]
-        elif facts := self._reported(mood.subject, view):
-            parts += [self.language.text("reported", facts=facts)]
-        parts += [self.language.text("unknown_more")] if is_first else []
-        return " ".join(filter(None, parts))
-
-    def _about_question(self, words: Sequence[str], view: StatusView) -> str:
-        """The fact that a question names, or the robot's own state, where the question is put to it; else nothing."""
-        for size in range(LONGEST_NAME, 0, -1):
-            for at in range(len(words) - size + 1):
-                if path := key_named(words[at : at + size], view, self.language, strict=True):
-                    return key_sentence(path, view.keys, self.language)
-        return self.status(view) if set(words) & set(self.language.data["addressing"]) else ""
-
-    def _reported(self, subject: Sequence[str], view: StatusView) -> str:
-        """What the robot reports of the subject of a statement: a key, its own state, or the facts that name it."""
-        if subject and subject[0] in self.language.data["addressed"]:
-            return self.status(view)
-        if not subject or subject[-1] in self.language.data["pronouns"]:
-            return ""
-        path = key_named(subject, view, self.language, strict=True)
-        return key_sentence(path, view.keys, self.language) if path else " ".join(self._facts(" ".join(subject), view))
-
     def knows(self, sense: Sense, view: StatusView) -> bool:
         """Whether a question has an answer; one of the build, or about a thing, only where that is known."""
         if sense.thing:
-            return bool(self._facts(sense.thing, view))
-        return self._knows_build(sense.name, view)
-
-    def _knows_build(self, name: str, view: StatusView) -> bool:
-        return name not in BUILD or getattr(view.build, BUILD[name][0], None) is not None
+            return bool(self.facts(sense.thing.split(), view))
+        return sense.name not in BUILD or knows_build(sense.name, view)
 
     def _of_build(self, name: str, view: StatusView, _: Asker) -> str:
-        if view.build is None or not self._knows_build(name, view):
-            return self.language.text("build_unknown")
-        field, unit, names = BUILD[name]
-        value = getattr(view.build, field)
-        values = (value,) if len(names) == 1 else value
-        numbers = {each: self._number(number, unit) for each, number in zip(names, values, strict=True)}
-        return self.language.text(name, build=view.build.name, **numbers)
+        return build_sentence(name, view, self.language)
 
-    def _speed_now(self, view: StatusView, asker: Asker) -> str:
+    def _speed_now(self, view: StatusView, _: Asker) -> str:
         """The key that reports it; where there is none, that it is not reported, and the limit."""
         path = key_named(SPEED, view, self.language, strict=True)
         if path:
             return key_sentence(path, view.keys, self.language)
-        return self.language.text("speed_now", speed=self._of_build("speed", view, asker))
-
-    def _number(self, value: float, unit: str) -> str:
-        return self.language.decimals(f"{value:.2f}".rstrip("0").rstrip(".")) + f" {unit}"
+        return self.language.text("speed_now", speed=build_sentence("speed", view, self.language))
 
     def _who(self, view: StatusView, _: Asker) -> str:
         if not view.robot:

@@ -1,0 +1,89 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Answers to sentences that no rule reads: what kind they are, and what the robot reports of that which they are about.
+
+Rule: a statement of a person is no fact. It changes no state, and the answer to it rests on what the robot reports.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Literal, NamedTuple
+
+from rai_missions.conversation.language import Language
+from rai_missions.conversation.named import key_named
+from rai_missions.conversation.state_answers import StateAnswers
+from rai_missions.conversation.values import key_sentence
+from rai_missions.conversation.view import StatusView
+
+__all__ = ("UnreadAnswers",)
+
+SentenceKind = Literal["question", "statement", "other"]
+LEAST_WORDS = 2
+"""Words of the shortest statement."""
+LONGEST_NAME = 3
+"""Words of the longest name of a fact that is looked for in a question."""
+OPENINGS = {"question": "unknown", "statement": "statement", "other": "unread"}
+"""Kind of a sentence → the text that an answer to it begins with."""
+
+
+class UnreadSentence(NamedTuple):
+    """The kind of a sentence, and what it is about: the subject of a statement, or all words of a question."""
+
+    kind: SentenceKind
+    subject: tuple[str, ...] = ()
+
+
+def _unread(text: str, language: Language) -> UnreadSentence:
+    """The kind of a sentence, by its first word, its sign at the end, and the place of its verb."""
+    words = language.normaliser.bare(language.normaliser.words(text))
+    if text.rstrip().endswith("?") or (words and words[0] in language.data["asking"]):
+        return UnreadSentence("question", tuple(words))
+    if len(words) < LEAST_WORDS or language.wish.fits(words):
+        return UnreadSentence("other")
+    found = next(language.statement.match(words), None)
+    return UnreadSentence("other" if found is None else "statement", tuple((found or {}).get("thing", "").split()))
+
+
+class UnreadAnswers:
+    """Answers sentences that no rule reads.
+
+    Args:
+        answers: What the robot reports.
+    """
+
+    def __init__(self, answers: StateAnswers) -> None:
+        self._answers, self._language = answers, answers.language
+
+    def answer(self, text: str, view: StatusView, *, is_first: bool) -> str:
+        """The answer to a sentence, with what the robot reports of that which it is about.
+
+        Args:
+            text: The sentence.
+            view: The run.
+            is_first: It is the first such sentence of the conversation: what is read is named.
+        """
+        language, sentence = self._language, _unread(text, self._language)
+        parts = [language.text(OPENINGS[sentence.kind])]
+        if sentence.kind == "question":
+            parts += [self._asked(sentence.subject, view)]
+        elif facts := self._reported(sentence.subject, view):
+            parts += [language.text("reported", facts=facts)]
+        parts += [language.text("unknown_more")] if is_first else []
+        return " ".join(filter(None, parts))
+
+    def _asked(self, words: Sequence[str], view: StatusView) -> str:
+        """The fact that a question names, or the robot's own state, where the question is put to it; else nothing."""
+        for size in range(LONGEST_NAME, 0, -1):
+            for at in range(len(words) - size + 1):
+                if path := key_named(words[at : at + size], view, self._language, strict=True):
+                    return key_sentence(path, view.keys, self._language)
+        return self._answers.status(view) if set(words) & set(self._language.data["addressing"]) else ""
+
+    def _reported(self, subject: Sequence[str], view: StatusView) -> str:
+        """What the robot reports of the subject of a statement: a key, its own state, or the facts that name it."""
+        if subject and subject[0] in self._language.data["addressed"]:
+            return self._answers.status(view)
+        if not subject or subject[-1] in self._language.data["pronouns"]:
+            return ""
+        path = key_named(subject, view, self._language, strict=True)
+        return key_sentence(path, view.keys, self._language) if path else " ".join(self._answers.facts(subject, view))
