@@ -10,7 +10,7 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from rai_missions.conversation.language import Language, spoken
-from rai_missions.conversation.named import key_named
+from rai_missions.conversation.names import key_named
 from rai_missions.conversation.view import KeyView, StatusView
 from rai_missions.errors import MissionError
 from rai_missions.keys import is_within

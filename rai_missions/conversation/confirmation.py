@@ -28,7 +28,7 @@ class Confirmable(NamedTuple):
     words: str
     """The order as it was read back."""
     binding: tuple[object, ...]
-    """What it rests on; `judging.binding`."""
+    """What it rests on; `order_rules.binding`."""
     until: float
     read_at: float = math.inf
     """From when on it can be known: it was shown, or spoken to its end."""

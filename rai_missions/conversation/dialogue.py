@@ -15,7 +15,7 @@ from rai_missions.conversation.order_side import OrderSide
 from rai_missions.conversation.outputs import Output, TalkTurn
 from rai_missions.conversation.sentence_side import SentenceSide
 from rai_missions.conversation.settings import Settings
-from rai_missions.conversation.speaking import SpeechSide
+from rai_missions.conversation.speech_side import SpeechSide
 from rai_missions.conversation.talk import Talk
 from rai_missions.conversation.view import StatusView
 

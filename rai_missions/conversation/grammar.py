@@ -10,11 +10,11 @@ import re
 from collections.abc import Iterator, Mapping, Sequence
 from itertools import groupby
 
-from rai_missions.conversation.arguments import BadValue, read_arguments
+from rai_missions.conversation.arguments import IN_WORDS, BadValue, read_arguments
 from rai_missions.conversation.corrections import Corrections, Draft
 from rai_missions.conversation.free_answers import TextOption, text_option
 from rai_missions.conversation.language import Language, spoken
-from rai_missions.conversation.named import key_named, missions_named, option_named
+from rai_missions.conversation.names import key_named, missions_named, option_named
 from rai_missions.conversation.senses import Sense
 from rai_missions.conversation.start_phrases import StartPhrases
 from rai_missions.conversation.state_answers import ALWAYS
@@ -43,7 +43,6 @@ MOST_NESTED = 3
 NEAREST = 5
 """Letters of the shortest word whose misspelling is mended."""
 NONE: Mapping[str, str] = {}
-JSON_TYPES = {"integer": "integer", "number": "number", "boolean": "boolean", "string": "string"}
 
 
 class Grammar:
@@ -412,7 +411,8 @@ class Grammar:
         properties = schema.get("properties") or {}
         if not words and not schema.get("required"):
             return Sense("order", "answer", option=offer.name, is_partial=is_partial)
-        keys = [KeyView(name, JSON_TYPES.get(str(each.get("type")), "object")) for name, each in properties.items()]  # type: ignore[arg-type]
+        kinds = {name: str(each.get("type")) for name, each in properties.items()}
+        keys = [KeyView(name, kind if kind in IN_WORDS else "object") for name, kind in kinds.items()]  # type: ignore[arg-type]
         try:
             values = read_arguments(words, keys, self.language, owner=offer.name)
         except BadValue as error:

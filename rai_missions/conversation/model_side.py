@@ -8,13 +8,14 @@ from __future__ import annotations
 
 from rai_missions.conversation.claims import Claims
 from rai_missions.conversation.inputs import ModelText, SpeechEnd, Utterance
-from rai_missions.conversation.judging import may, order_forms, proposed
 from rai_missions.conversation.model_turns import ModelTurn, ModelTurns
+from rai_missions.conversation.order_forms import order_forms, proposed
+from rai_missions.conversation.order_rules import may
 from rai_missions.conversation.order_side import OrderSide
 from rai_missions.conversation.outputs import AskModel, DropModel
 from rai_missions.conversation.question_words import options_text
 from rai_missions.conversation.sentences import SentenceStream
-from rai_missions.conversation.speaking import SpeechSide
+from rai_missions.conversation.speech_side import SpeechSide
 from rai_missions.conversation.talk import Talk
 from rai_missions.conversation.unread_answers import UnreadAnswers
 from rai_missions.plain_data import plain

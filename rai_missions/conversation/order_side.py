@@ -13,22 +13,22 @@ from typing import Literal, NamedTuple, TypeVar
 from rai_missions.conversation.confirmation import Confirmable
 from rai_missions.conversation.grammar import STOP
 from rai_missions.conversation.inputs import OrderEnd, SpeechEnd, Utterance
-from rai_missions.conversation.judging import (
+from rai_missions.conversation.language import spoken
+from rai_missions.conversation.order_rules import (
     TWO_NEEDED,
     binding,
     is_request,
     may,
     must_confirm,
-    order_words,
     where_to_order,
     why_not_now,
     why_not_permitted,
 )
-from rai_missions.conversation.language import spoken
+from rai_missions.conversation.order_words import order_words
 from rai_missions.conversation.outputs import Mapper, Order
 from rai_missions.conversation.request_queue import JudgedOrder, RequestQueue, order_data
 from rai_missions.conversation.senses import Sense
-from rai_missions.conversation.speaking import SpeechSide
+from rai_missions.conversation.speech_side import SpeechSide
 from rai_missions.conversation.talk import Talk
 from rai_missions.conversation.values import capital
 from rai_missions.conversation.view import StatusView
@@ -171,7 +171,7 @@ class OrderSide:
         if not may(utterance.role, sense.name, settings):
             self.refuse_permission(sense.name, utterance)
             return
-        words = order_words(sense, view, settings, language)
+        words = order_words(sense, view, self._talk.spoken_starts, language)
         judged = JudgedOrder(sense, utterance, mapper, words)
         self._talk.note("mapped", number=utterance.number, order=order_data(sense), mapper=mapper)
         if self._is_impossible(judged):

@@ -15,7 +15,7 @@ from rai_missions.conversation.outputs import Priority
 from rai_missions.conversation.question_words import question_text
 from rai_missions.conversation.run_words import control_text, goals_text
 from rai_missions.conversation.settings import Settings
-from rai_missions.conversation.spoken_starts import spoken_start
+from rai_missions.conversation.spoken_starts import SpokenStarts
 from rai_missions.conversation.values import about_words, result_sentences
 from rai_missions.conversation.view import StatusView
 
@@ -53,11 +53,12 @@ class Reports:
 
     Args:
         language: Their templates.
-        settings: What starts are called, and which values are spoken with a question and with the end.
+        settings: Which values are spoken with a question and with the end.
+        starts: What starts are called.
     """
 
-    def __init__(self, language: Language, settings: Settings) -> None:
-        self._language, self._settings = language, settings
+    def __init__(self, language: Language, settings: Settings, starts: SpokenStarts) -> None:
+        self._language, self._settings, self._starts = language, settings, starts
         self._all: dict[str, MissionReport] = {}
         self._run = ""
         self._waiting: MissionReport | None = None
@@ -126,8 +127,7 @@ class Reports:
         given = {
             name: key.value for name, key in keys.items() if key.value is not None and key.value != initial.get(name)
         }
-        settings = self._settings
-        called = spoken_start(settings.spoken, settings.names, given, keys, self._language)
+        called = self._starts.words(given, keys)
         return f"{called}." if called else view.about.strip()
 
     def _end(self, view: StatusView) -> str:

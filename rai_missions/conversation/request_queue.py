@@ -13,7 +13,7 @@ from typing import NamedTuple
 from rai_missions.conversation.inputs import Utterance
 from rai_missions.conversation.outputs import Mapper
 from rai_missions.conversation.senses import Sense
-from rai_missions.conversation.speaking import SpeechSide
+from rai_missions.conversation.speech_side import SpeechSide
 from rai_missions.conversation.talk import Talk
 
 __all__ = ("JudgedOrder", "RequestQueue", "order_data")

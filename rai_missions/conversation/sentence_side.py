@@ -12,14 +12,14 @@ from typing import Literal
 from rai_missions.conversation.corrections import Draft
 from rai_missions.conversation.grammar import STOP, Grammar
 from rai_missions.conversation.inputs import Utterance
-from rai_missions.conversation.judging import is_request, may, must_confirm, why_not_now
 from rai_missions.conversation.language import spoken
-from rai_missions.conversation.named import option_place
+from rai_missions.conversation.names import option_place
+from rai_missions.conversation.order_rules import is_request, may, must_confirm, why_not_now
 from rai_missions.conversation.order_side import CROSSING_S, LONGEST_REASON, EarlierOrder, OrderSide
 from rai_missions.conversation.outputs import TalkTurn
 from rai_missions.conversation.senses import Sense
 from rai_missions.conversation.settings import ORDERS
-from rai_missions.conversation.speaking import SpeechSide
+from rai_missions.conversation.speech_side import SpeechSide
 from rai_missions.conversation.state_answers import Asker
 from rai_missions.conversation.suggestions import Suggestions
 from rai_missions.conversation.talk import Talk

@@ -6,20 +6,16 @@ Rule: a text that is used gives every argument of the order; where none does, th
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
 from rai_missions.conversation.arguments import IN_WORDS
 from rai_missions.conversation.language import Language, spoken
+from rai_missions.conversation.start_phrases import SLOT, Names
 from rai_missions.conversation.values import value_words
 from rai_missions.conversation.view import KeyView
 
-__all__ = ("SpokenStart", "arguments_spoken", "spoken_start")
-
-SLOT = re.compile(r"\{(\w+)\}")
-
-Names = Mapping[str, Mapping[str, Any]]
+__all__ = ("SpokenStart", "SpokenStarts", "arguments_spoken")
 
 
 class SpokenStart(NamedTuple):
@@ -36,31 +32,34 @@ def arguments_spoken(form: SpokenStart) -> frozenset[str]:
     return frozenset(SLOT.findall(form.text)) | form.arguments.keys()
 
 
-def spoken_start(
-    forms: Sequence[SpokenStart],
-    names: Names,
-    given: Mapping[str, Any],
-    keys: Mapping[str, KeyView],
-    language: Language,
-) -> str:
-    """The first text that gives all arguments of a start; empty where none does.
+class SpokenStarts:
+    """The texts of a profile.
 
     Args:
-        forms: Of the profile.
+        forms: Each of them; the first that gives all arguments of a start is used.
         names: Argument → the words for each of its values.
-        given: The arguments of the start.
-        keys: The arguments of its mission.
         language: Its numbers.
     """
-    for form in forms:
-        if arguments_spoken(form) == given.keys() and all(given[name] == each for name, each in form.arguments.items()):
-            slots = [keys.get(name, KeyView(name, "string")) for name in SLOT.findall(form.text)]
-            if all(key.type in IN_WORDS for key in slots):
-                words = {key.name: _words(given[key.name], key, names, language) for key in slots}
-                return SLOT.sub(lambda found, words=words: words[found[1]], form.text)  # type: ignore[misc]
-    return ""
 
+    def __init__(self, forms: Sequence[SpokenStart], names: Names, language: Language) -> None:
+        self._forms, self._names, self._language = forms, names, language
 
-def _words(value: Any, key: KeyView, names: Names, language: Language) -> str:
-    named = (spoken(words) for words, meant in names.get(key.name, {}).items() if meant == value)
-    return next(named, "") or value_words(value, key, language)
+    def words(self, given: Mapping[str, Any], keys: Mapping[str, KeyView]) -> str:
+        """What a start is called; empty where no text gives all of its arguments.
+
+        Args:
+            given: The arguments of the start.
+            keys: The arguments of its mission.
+        """
+        for form in self._forms:
+            has_all = arguments_spoken(form) == given.keys()
+            if has_all and all(given[name] == each for name, each in form.arguments.items()):
+                slots = [keys.get(name, KeyView(name, "string")) for name in SLOT.findall(form.text)]
+                if all(key.type in IN_WORDS for key in slots):
+                    words = {key.name: self._value(given[key.name], key) for key in slots}
+                    return SLOT.sub(lambda found, words=words: words[found[1]], form.text)  # type: ignore[misc]
+        return ""
+
+    def _value(self, value: Any, key: KeyView) -> str:
+        named = (spoken(words) for words, meant in self._names.get(key.name, {}).items() if meant == value)
+        return next(named, "") or value_words(value, key, self._language)

@@ -18,13 +18,15 @@ from rai_missions.conversation.phrases import Phrases, example_of
 from rai_missions.conversation.senses import Sense
 from rai_missions.conversation.view import KeyView, MissionView
 
-__all__ = ("StartPhrase", "StartPhrases", "arguments_of")
+__all__ = ("SLOT", "Names", "StartPhrase", "StartPhrases", "arguments_of")
 
 VALUE = "…"
 """The plainest sentence of a phrase that needs no word but a value."""
-QUOTED = re.compile(r"\{(\w+)\}")
+SLOT = re.compile(r"\{(\w+)\}")
+"""The place of a value in a text: `stack {rest}`."""
 
 Names = Mapping[str, Mapping[str, Any]]
+"""Argument → the words for each of its values, where it has no other values."""
 
 
 class StartPhrase(NamedTuple):
@@ -54,12 +56,12 @@ def arguments_of(slots: frozenset[str], given: Mapping[str, Any]) -> frozenset[s
         slots: Of the phrase.
         given: Argument → value.
     """
-    quoted = {name for value in given.values() if isinstance(value, str) for name in QUOTED.findall(value)}
+    quoted = {name for value in given.values() if isinstance(value, str) for name in SLOT.findall(value)}
     return (slots - quoted) | given.keys()
 
 
 def _filled(value: Any, slots: Mapping[str, str]) -> Any:
-    return QUOTED.sub(lambda found: slots.get(found[1], ""), value).strip() if isinstance(value, str) else value
+    return SLOT.sub(lambda found: slots.get(found[1], ""), value).strip() if isinstance(value, str) else value
 
 
 class StartPhrases:
@@ -169,7 +171,7 @@ class StartPhrases:
         prepositions = self._language.data["prepositions"]
         for each in self._each:
             for name, text in each.given.arguments.items():
-                slots = self._slots_of(each, given.get(name)) if isinstance(text, str) and QUOTED.search(text) else None
+                slots = self._slots_of(each, given.get(name)) if isinstance(text, str) and SLOT.search(text) else None
                 if slots is None or len(slots) != 1:
                     continue
                 ((slot, before),) = slots.items()

@@ -13,7 +13,7 @@ from typing import NamedTuple
 from rai_missions.conversation.build_answers import BUILD, build_sentence, knows_build
 from rai_missions.conversation.language import Language, spoken
 from rai_missions.conversation.mentions import count_sentence, mention_sentences
-from rai_missions.conversation.named import key_named
+from rai_missions.conversation.names import key_named
 from rai_missions.conversation.places import PlaceArea, place_named, place_sentence, place_words
 from rai_missions.conversation.question_words import question_text
 from rai_missions.conversation.run_words import control_text, goals_text

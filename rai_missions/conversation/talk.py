@@ -11,6 +11,7 @@ from rai_missions.conversation.inputs import Utterance
 from rai_missions.conversation.language import language
 from rai_missions.conversation.outputs import NoteKind, Output, Speech, TalkNote, TalkTurn
 from rai_missions.conversation.settings import Settings
+from rai_missions.conversation.spoken_starts import SpokenStarts
 from rai_missions.conversation.start_phrases import StartPhrases
 from rai_missions.conversation.state_answers import StateAnswers
 from rai_missions.conversation.view import StatusView
@@ -35,6 +36,7 @@ class Talk:
         self.settings, self.view = settings, view
         self.language = language(settings.language)
         self.starts = StartPhrases(settings.phrases, settings.names, self.language)
+        self.spoken_starts = SpokenStarts(settings.spoken, settings.names, self.language)
         self.answers = StateAnswers(self.language, self.starts, settings.results, settings.places, settings.asked_with)
         self.now = float("-inf")
         self.turns: deque[TalkTurn] = deque(maxlen=settings.history)

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from typing import Literal, NamedTuple
 
 from rai_missions.conversation.language import Language
-from rai_missions.conversation.named import key_named
+from rai_missions.conversation.names import key_named
 from rai_missions.conversation.state_answers import StateAnswers
 from rai_missions.conversation.values import key_sentence
 from rai_missions.conversation.view import StatusView

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any, Literal, NamedTuple
 
-from rai_missions.engine.decision import Question
+from rai_missions.engine.decision import Offer, Question
 from rai_missions.engine.modes import ALIVE
 from rai_missions.keys import Source, TypeName
 
@@ -177,3 +177,9 @@ class StatusView(NamedTuple):
     def question(self, number: int) -> Question | None:
         """The open question of this number; None where it is closed."""
         return next((each for each in self.questions if each.number == number), None)
+
+    def offer(self, number: int, option: str) -> Offer | None:
+        """An option of the open question of this number; None where it is closed, or has no such option."""
+        question = self.question(number)
+        options = question.options if question is not None else ()
+        return next((offer for offer in options if offer.name == option), None)

@@ -32,7 +32,7 @@ class SpeechSide:
         self._talk = talk
         self._keys = 0
         self._open: dict[str, OutstandingSpeech] = {}
-        self.reports = Reports(talk.language, talk.settings)
+        self.reports = Reports(talk.language, talk.settings, talk.spoken_starts)
 
     def reply(self, name: str, to: Utterance, /, **values: object) -> Speech:
         """A template of the language, as an answer to a sentence."""
