@@ -9,27 +9,29 @@ before, does not count.
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import Literal, NamedTuple
 
-from rai_missions.conversation.inputs import Utterance
-from rai_missions.conversation.outputs import Mapper
+from rai_missions.conversation.inputs import SpeechEnd, Utterance
+from rai_missions.conversation.order_rules import binding, may
+from rai_missions.conversation.request_queue import JudgedOrder, RequestQueue, order_data
 from rai_missions.conversation.senses import Sense
+from rai_missions.conversation.speech_side import SpeechSide
+from rai_missions.conversation.talk import Talk
 
-__all__ = ("Confirmable",)
+__all__ = ("CROSSING_S", "Confirmation")
+
+CROSSING_S = 1.0
+"""Seconds after the end of one question within which a person may still answer it, while the next is asked."""
+VoidReason = Literal["time", "changed", "replaced", "corrected", "stop", "unspoken", "withdrawn", "last"]
 
 
 class Confirmable(NamedTuple):
     """An order that was read back."""
 
-    sense: Sense
-    utterance: Utterance
-    """The sentence that was read as this order."""
-    mapper: Mapper
-    words: str
-    """The order as it was read back."""
-    binding: tuple[object, ...]
-    """What it rests on; `order_rules.binding`."""
-    until: float
+    order: JudgedOrder
+    rests_on: tuple[object, ...]
+    """What differs where it is void; `order_rules.binding`."""
+    until: float = math.inf
     read_at: float = math.inf
     """From when on it can be known: it was shown, or spoken to its end."""
     key: str = ""
@@ -48,6 +50,125 @@ class Confirmable(NamedTuple):
         is_crossing = self.is_crossing and yes.speaker != self.understood_by
         return yes.at < self.read_at or yes.speaker in self.distracted or is_crossing
 
-    def asked_again(self) -> Confirmable:
-        """The same, to be read back again: the next yes of each speaker is clear."""
-        return self._replace(distracted=frozenset(), is_crossing=False)
+
+class Confirmation:
+    """What was read back, until it counts or is void.
+
+    Args:
+        talk: What the sides share.
+        speaking: Where texts go out.
+        requests: What waits; dropped with a request that is not confirmed.
+    """
+
+    def __init__(self, talk: Talk, speaking: SpeechSide, requests: RequestQueue) -> None:
+        self._talk, self._speaking, self._requests = talk, speaking, requests
+        self.pending: Confirmable | None = None
+        self._ended_at, self._ended_by = float("-inf"), ("", "")
+
+    @property
+    def order(self) -> Sense | None:
+        """The order that waits for a yes."""
+        return None if self.pending is None else self.pending.order.sense
+
+    @property
+    def request(self) -> tuple[str, ...]:
+        """In words, the request whose turn it is, while a person is asked whether it may begin."""
+        return (self.pending.order.words,) if self.pending is not None and self.pending.is_request else ()
+
+    def read_back(self, order: JudgedOrder, *, is_request: bool = False) -> None:
+        """Read an order back; it takes the place of another one."""
+        if self.pending is not None:
+            is_same = order.sense.identity == self.pending.order.sense.identity
+            by: VoidReason = "corrected" if order.sense.is_correction or is_same else "replaced"
+            self.void(by, by_speaker=order.utterance.speaker)
+        pending = Confirmable(
+            order, self._rests_on(order, is_request=is_request),
+            is_crossing=self._talk.now - self._ended_at < CROSSING_S, understood_by=self._ended_by,
+            is_request=is_request,
+        )  # fmt: skip
+        self._ask(pending, order.utterance)
+
+    def _rests_on(self, order: JudgedOrder, *, is_request: bool) -> tuple[object, ...]:
+        """What a confirmation rests on; a request's on nothing: it is for the run after the one that ended."""
+        return () if is_request else binding(order.sense, self._talk.view)
+
+    def ask_again(self, to: Utterance) -> None:
+        """Read it back again: the next yes of each speaker is clear."""
+        if self.pending is not None:
+            self._ask(self.pending._replace(distracted=frozenset(), is_crossing=False), to)
+
+    def _ask(self, pending: Confirmable, to: Utterance) -> None:
+        order = pending.order
+        form = "read_back_model" if order.mapper == "model" else "read_back"
+        form = "request_asked" if pending.is_request else form
+        speech = self._speaking.reply(form, to, order=order.words)
+        until = self._talk.now + self._talk.settings.confirm_s
+        read_at = math.inf if to.is_spoken else self._talk.now
+        self.pending = pending._replace(until=until, read_at=read_at, key=speech.key)
+        self._talk.note("read_back", number=to.number, order=order_data(order.sense), mapper=order.mapper)
+
+    def distract(self, utterance: Utterance) -> None:
+        """A sentence that is neither yes nor no: what its speaker may confirm is to be read back again."""
+        pending = self.pending
+        if pending is not None and may(utterance.role, pending.order.sense.name, self._talk.settings):
+            self.pending = pending._replace(distracted=pending.distracted | {utterance.speaker})
+
+    def end(self, by_speaker: tuple[str, str] = ("", "")) -> Confirmable | None:
+        """No confirmation is asked for any more; the one that was.
+
+        Args:
+            by_speaker: Who has ended it; empty where no speaker has.
+        """
+        pending, self.pending = self.pending, None
+        if pending is not None:
+            self._ended_at, self._ended_by = self._talk.now, by_speaker
+        return pending
+
+    def void(self, by: VoidReason, by_speaker: tuple[str, str] = ("", "")) -> None:
+        """What was read back does not count any more; the person is informed where that is not obvious."""
+        pending = self.end(by_speaker)
+        if pending is None:
+            return
+        order = pending.order
+        self._talk.note("void", order=order_data(order.sense), by=by)
+        if by in ("time", "changed", "replaced") or (by == "last" and not pending.is_request):
+            self._speaking.reply(f"void_{by}", order.utterance.unnumbered, order=order.words)
+        if by in ("time", "unspoken") and pending.is_request:
+            self._requests.drop("requests_unanswered")
+
+    def follow(self, *, may_begin: bool) -> None:
+        """The run's status is new: what was read back is void where what it rests on differs.
+
+        Args:
+            may_begin: It is a start that has become possible, and so is read back again.
+        """
+        pending = self.pending
+        if pending is None:
+            return
+        now = self._rests_on(pending.order, is_request=pending.is_request)
+        if now == pending.rests_on:
+            return
+        if may_begin:
+            self._ask(pending._replace(rests_on=now), pending.order.utterance.unnumbered)
+        else:
+            self.void("changed")
+
+    def on_speech_end(self, end: SpeechEnd) -> None:
+        """A yes counts from the end of the reading back on, and so does its time; what was not spoken is void."""
+        pending = self.pending
+        if pending is None or pending.key != end.key:
+            return
+        if end.result == "failed" and pending.order.utterance.is_spoken:
+            self.void("unspoken")
+        else:
+            until = self._talk.now + self._talk.settings.confirm_s
+            self.pending = pending._replace(until=until, read_at=end.at)
+
+    def on_time(self) -> None:
+        """A confirmation that was not given in time is void."""
+        if self.pending is not None and self._talk.now >= self.pending.until:
+            self.void("time")
+
+    def wake_at(self) -> float | None:
+        """When it expires."""
+        return None if self.pending is None else self.pending.until

@@ -6,17 +6,15 @@ Rule: this is the only place that gives out an `Order`; whatever leads to one pa
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
-from typing import Literal, NamedTuple, TypeVar
+from typing import NamedTuple, TypeVar
 
-from rai_missions.conversation.confirmation import Confirmable
+from rai_missions.conversation.confirmation import Confirmation
 from rai_missions.conversation.grammar import STOP
 from rai_missions.conversation.inputs import OrderEnd, SpeechEnd, Utterance
 from rai_missions.conversation.language import spoken
 from rai_missions.conversation.order_rules import (
     TWO_NEEDED,
-    binding,
     is_request,
     may,
     must_confirm,
@@ -44,8 +42,6 @@ STARTING_S = 30.0
 """Seconds that an ordered start may take until the run is seen; then the next request is possible."""
 LONGEST_REASON = 200
 """Characters of a reason that is spoken."""
-CROSSING_S = 1.0
-"""Seconds after the end of one question within which a person may still answer it, while the next is asked."""
 STOPPING = frozenset({"stop", "pause", "cancel"})
 """Orders after which the mission does not continue by itself."""
 
@@ -69,12 +65,10 @@ class OrderSide:
     def __init__(self, talk: Talk, speaking: SpeechSide) -> None:
         self._talk, self._speaking = talk, speaking
         self._count = 0
-        self.pending: Confirmable | None = None
-        """What was read back, and waits for a yes."""
         self.taken: EarlierOrder | None = None
         """The start that was taken last."""
-        self._ended_at, self._ended_by = float("-inf"), ("", "")
         self._requests = RequestQueue(talk, speaking)
+        self.confirmation = Confirmation(talk, speaking, self._requests)
         self._under_way: dict[int, JudgedOrder] = {}
         self._ordered: dict[tuple[str, str], tuple[str, ...]] = {}
         self._starts: dict[tuple[str, str], Sense] = {}
@@ -131,9 +125,8 @@ class OrderSide:
         words, is_idle = language.text("order_stop"), not view.is_alive
         self._put(JudgedOrder(STOP, utterance, "grammar", words, is_reported=is_idle))
         self._speaking.silence(is_total=True)
-        asked = self._asked_request
-        if self.pending is not None:
-            self._void("stop")
+        asked = self.confirmation.request
+        self.confirmation.void("stop")
         text = language.text("stop_no_run" if is_idle else "done_stop")
         if not is_idle and may(utterance.role, "resume", self._talk.settings):
             text = f"{text} {language.text('stop_more')}"
@@ -141,21 +134,16 @@ class OrderSide:
         self._requests.drop("requests_stopped", asked)
         return True
 
-    @property
-    def _asked_request(self) -> tuple[str, ...]:
-        """In words, the request whose turn it is, while a person is asked whether it may begin."""
-        return (self.pending.words,) if self.pending is not None and self.pending.is_request else ()
-
     def withdraw(self, utterance: Utterance) -> None:
         """What waits is dropped; a role that may order a start may do so."""
-        asked = self._asked_request
+        asked = self.confirmation.request
         if not may(utterance.role, "start", self._talk.settings):
             self.refuse_permission("start", utterance)
         elif not asked and not self._requests:
             self._speaking.reply("queued_none", utterance)
         else:
             if asked:
-                self._void("withdrawn")
+                self.confirmation.void("withdrawn")
             self._requests.drop("requests_withdrawn", asked)
 
     def take(self, sense: Sense, utterance: Utterance, *, mapper: Mapper, agreeing: int | None = None) -> None:
@@ -181,7 +169,7 @@ class OrderSide:
             where = where_to_order(settings, language)
             self._speaking.reply("two_needed_order", utterance, order=words, where=where)
         elif must_confirm(sense, view, mapper=mapper, agreeing=agreeing):
-            self._read_back(judged)
+            self.confirmation.read_back(judged)
         else:
             self._settle(judged)
 
@@ -248,98 +236,39 @@ class OrderSide:
 
     # -- confirmations -------------------------------------------------------------------------------------------------
 
-    def _read_back(self, judged: JudgedOrder, *, is_request: bool = False) -> None:
-        if self.pending is not None:
-            is_same = judged.sense.identity == self.pending.sense.identity
-            by: Literal["corrected", "replaced"] = "corrected" if judged.sense.is_correction or is_same else "replaced"
-            self._void(by, by_speaker=judged.utterance.speaker)
-        rests_on = self._binding(judged.sense, is_request=is_request)
-        pending = Confirmable(
-            judged.sense, judged.utterance, judged.mapper, judged.words, rests_on, self._talk.now,
-            is_crossing=self._talk.now - self._ended_at < CROSSING_S, understood_by=self._ended_by,
-            is_request=is_request,
-        )  # fmt: skip
-        self.ask_to_confirm(pending, judged.utterance)
-
-    def _binding(self, sense: Sense, *, is_request: bool) -> tuple[object, ...]:
-        """What a confirmation rests on; a request's on nothing: it is for the run after the one that ended."""
-        return () if is_request else binding(sense, self._talk.view)
-
-    def ask_to_confirm(self, pending: Confirmable, to: Utterance) -> None:
-        """Read an order back, for the first time or again."""
-        form = "read_back_model" if pending.mapper == "model" else "read_back"
-        form = "request_asked" if pending.is_request else form
-        speech = self._speaking.reply(form, to, order=pending.words)
-        until = self._talk.now + self._talk.settings.confirm_s
-        read_at = math.inf if to.is_spoken else self._talk.now
-        self.pending = pending._replace(until=until, read_at=read_at, key=speech.key)
-        self._talk.note("read_back", number=to.number, order=order_data(pending.sense), mapper=pending.mapper)
-
-    def distract(self, utterance: Utterance) -> None:
-        """A sentence that is neither yes nor no: what its speaker may confirm is to be read back again."""
-        pending = self.pending
-        if pending is None or not may(utterance.role, pending.sense.name, self._talk.settings):
-            return
-        self.pending = pending._replace(distracted=pending.distracted | {utterance.speaker})
-
-    def _end_pending(self, by_speaker: tuple[str, str] = ("", "")) -> Confirmable | None:
-        """No confirmation is asked for any more; the one that was.
-
-        Args:
-            by_speaker: Who has ended it; empty where no speaker has.
-        """
-        pending, self.pending = self.pending, None
-        if pending is not None:
-            self._ended_at, self._ended_by = self._talk.now, by_speaker
-        return pending
-
-    def _void(
-        self,
-        by: Literal["time", "changed", "replaced", "corrected", "stop", "unspoken", "withdrawn", "last"],
-        by_speaker: tuple[str, str] = ("", ""),
-    ) -> None:
-        """What was read back does not count any more; the person is informed where that is not obvious."""
-        pending = self._end_pending(by_speaker)
-        if pending is None:
-            return
-        self._talk.note("void", order=order_data(pending.sense), by=by)
-        if by in ("time", "changed", "replaced") or (by == "last" and not pending.is_request):
-            self._speaking.reply(f"void_{by}", pending.utterance.unnumbered, order=pending.words)
-        if by in ("time", "unspoken") and pending.is_request:
-            self._requests.drop("requests_unanswered")
-
     def decide(self, utterance: Utterance, *, is_yes: bool, is_agreed: bool) -> Sense | None:
         """A yes or a no to what was read back; of a spoken one, whether all readings are, of two or more.
 
         Returns:
             The order that a no has dropped.
         """
-        pending = self.pending
+        pending = self.confirmation.pending
         if pending is None:
             return None
-        if not may(utterance.role, pending.sense.name, self._talk.settings):
+        order = pending.order
+        if not may(utterance.role, order.sense.name, self._talk.settings):
             role = self._talk.language.word("roles", utterance.role)
             self._talk.note("refused", number=utterance.number, order="confirm", role=utterance.role, by="role")
             self._speaking.reply("not_yours", utterance, role=capital(role))
         elif not is_yes:
-            self._end_pending(utterance.speaker)
-            self._talk.note("void", order=order_data(pending.sense), by="no", number=utterance.number)
+            self.confirmation.end(utterance.speaker)
+            self._talk.note("void", order=order_data(order.sense), by="no", number=utterance.number)
             self._speaking.reply("dropped", utterance)
-            return pending.sense
+            return order.sense
         elif utterance.is_spoken and not is_agreed:
             self._talk.note("refused", number=utterance.number, order="confirm", by="recognisers")
-            self._speaking.reply("two_needed", utterance, order=pending.words)
+            self._speaking.reply("two_needed", utterance, order=order.words)
         elif pending.is_unclear(utterance) or self._talk.ends_with_model(utterance.channel):
-            self.ask_to_confirm(pending.asked_again(), utterance)
+            self.confirmation.ask_again(utterance)
         else:
-            self._confirm(pending, utterance)
+            self._confirm(order, utterance)
         return None
 
-    def _confirm(self, pending: Confirmable, utterance: Utterance) -> None:
-        self._end_pending(utterance.speaker)
-        sentence, confirmed = pending.utterance._replace(number=utterance.number), cut(utterance.text, 2_000)
-        self._talk.note("confirmed", number=utterance.number, order=order_data(pending.sense), sentence=confirmed)
-        judged = JudgedOrder(pending.sense, sentence, pending.mapper, pending.words, confirmed)
+    def _confirm(self, order: JudgedOrder, utterance: Utterance) -> None:
+        self.confirmation.end(utterance.speaker)
+        sentence, confirmed = order.utterance._replace(number=utterance.number), cut(utterance.text, 2_000)
+        self._talk.note("confirmed", number=utterance.number, order=order_data(order.sense), sentence=confirmed)
+        judged = order._replace(utterance=sentence, confirmed=confirmed)
         if not self._is_impossible(judged):
             self._settle(judged)
 
@@ -348,23 +277,16 @@ class OrderSide:
     def end_starts(self) -> None:
         """No run follows the one that there is: what would begin one is dropped, and is refused from now on."""
         self._is_last = True
-        asked = self._asked_request
-        if self.pending is not None and self.pending.sense.name == "start":
-            self._void("last")
+        asked, pending = self.confirmation.request, self.confirmation.order
+        if pending is not None and pending.name == "start":
+            self.confirmation.void("last")
         self._requests.drop("requests_last", asked)
 
     def follow(self, before: StatusView) -> None:
         """The run's status is new: what was read back may be void, and a request's turn may have come."""
         view = self._talk.view
-        pending = self.pending
-        if (
-            pending is not None
-            and (now := self._binding(pending.sense, is_request=pending.is_request)) != pending.binding
-        ):
-            if self._has_become_possible(pending.sense):
-                self.ask_to_confirm(pending._replace(binding=now), pending.utterance.unnumbered)
-            else:
-                self._void("changed")
+        pending = self.confirmation.order
+        self.confirmation.follow(may_begin=pending is not None and self._has_become_possible(pending))
         if view.is_alive and view.run != before.run:
             self._starting_until = float("-inf")
             self._requests.note_any()  # in the journal of the run that is new
@@ -380,7 +302,7 @@ class OrderSide:
 
     def begin_requests(self) -> None:
         """The next request has its turn where no mission runs or is about to, and no one is asked for another."""
-        while self._requests and self.pending is None and self._talk.now >= self._starting_until:
+        while self._requests and self.confirmation.order is None and self._talk.now >= self._starting_until:
             if self._talk.view.is_alive:
                 return
             self._next_request()
@@ -401,7 +323,7 @@ class OrderSide:
             self._speaking.reply("request_impossible", request.utterance.unnumbered, order=request.words)
             return
         if view.mode != "succeeded":
-            self._read_back(request, is_request=True)
+            self.confirmation.read_back(request, is_request=True)
             return
         self._speaking.speak(self._talk.language.text("request_begins", order=request.words), priority="question")
         self._put(request)
@@ -423,30 +345,23 @@ class OrderSide:
         self._requests.lose(requests, run)
 
     def on_speech_end(self, end: SpeechEnd) -> None:
-        """A yes counts from the end of the reading back on, and so does its time; what was not spoken is void."""
+        """A speech has ended: it may have read an order back, or reported what was lost."""
         self._requests.on_speech_end()
-        pending = self.pending
-        if pending is None or pending.key != end.key:
-            return
-        if end.result == "failed" and pending.utterance.is_spoken:
-            self._void("unspoken")
-        else:
-            until = self._talk.now + self._talk.settings.confirm_s
-            self.pending = pending._replace(until=until, read_at=end.at)
+        self.confirmation.on_speech_end(end)
 
     def on_time(self) -> None:
         """A confirmation that was not given in time is void."""
-        if self.pending is not None and self._talk.now >= self.pending.until:
-            self._void("time")
+        self.confirmation.on_time()
 
     @property
     def asks_to_begin(self) -> bool:
         """Whether a mission is over and a start, of a request or ordered since, waits for a person's yes."""
-        return self.pending is not None and self.pending.sense.name == "start" and not self._talk.view.is_alive
+        pending = self.confirmation.order
+        return pending is not None and pending.name == "start" and not self._talk.view.is_alive
 
     def wake_at(self) -> float | None:
         """When a confirmation expires."""
-        return None if self.pending is None else self.pending.until
+        return self.confirmation.wake_at()
 
 
 def _is_locked(view: StatusView) -> bool:

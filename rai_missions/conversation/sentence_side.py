@@ -9,13 +9,14 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import Literal
 
+from rai_missions.conversation.confirmation import CROSSING_S
 from rai_missions.conversation.corrections import Draft
 from rai_missions.conversation.grammar import STOP, Grammar
 from rai_missions.conversation.inputs import Utterance
 from rai_missions.conversation.language import spoken
 from rai_missions.conversation.names import option_place
 from rai_missions.conversation.order_rules import is_request, may, must_confirm, why_not_now
-from rai_missions.conversation.order_side import CROSSING_S, LONGEST_REASON, EarlierOrder, OrderSide
+from rai_missions.conversation.order_side import LONGEST_REASON, EarlierOrder, OrderSide
 from rai_missions.conversation.outputs import TalkTurn
 from rai_missions.conversation.senses import Sense
 from rai_missions.conversation.settings import ORDERS
@@ -72,8 +73,8 @@ class SentenceSide:
         unfinished = self._of(utterance, self._unfinished, self._talk.settings.confirm_s)
         if unfinished is not None:
             return Draft(unfinished, is_asked_for=True)
-        if self._orders.pending is not None:
-            return None if self._orders.pending.is_request else Draft(self._orders.pending.sense, is_read_back=True)
+        if (read_back := self._orders.confirmation.order) is not None:
+            return None if self._orders.confirmation.request else Draft(read_back, is_read_back=True)
         taken = self._of(utterance, self._orders.taken, LATE_S)
         return None if taken is None else Draft(taken)
 
@@ -96,12 +97,12 @@ class SentenceSide:
             return "stopped" if self._orders.stop(utterance) else "handled"
         self._speaking.speak_due(now=True)
         senses = each[0]
-        if any(sense.kind in ("yes", "no") for sense in senses) and self._orders.pending is not None:
+        if any(sense.kind in ("yes", "no") for sense in senses) and self._orders.confirmation.order is not None:
             meant = next(sense.kind for sense in senses if sense.kind in ("yes", "no"))
             is_agreed = len(each) > 1 and all(any(sense.kind == meant for sense in others) for others in each)
             self._decide(utterance, is_yes=meant == "yes", is_agreed=is_agreed)
             return "handled"
-        self._orders.distract(utterance)
+        self._orders.confirmation.distract(utterance)
         senses = tuple(sense for sense in senses if sense.kind not in ("yes", "no")) or senses
         senses = senses or self._free_answer(utterance)
         if self._is_late(utterance, senses):
@@ -163,7 +164,7 @@ class SentenceSide:
             utterance: The sentence.
             faults: What the whole means, with values that do not fit; an order must have one for each.
         """
-        if self._talk.settings.has_model or utterance.is_spoken or self._orders.pending is not None:
+        if self._talk.settings.has_model or utterance.is_spoken or self._orders.confirmation.order is not None:
             return ()
         sense = self._suggestions.suggested(cut(utterance.text, 10_000), self._talk.view)
         if sense is None or any(not each.lacks or set(each.lacks) - sense.arguments.keys() for each in faults):
@@ -246,9 +247,9 @@ class SentenceSide:
         if not may(utterance.role, "ask", self._talk.settings):
             self._refuse_ask(utterance)
             return
-        pending, settings = self._orders.pending, self._talk.settings
-        if sense.name == "repeat" and pending is not None and may(utterance.role, pending.sense.name, settings):
-            self._orders.ask_to_confirm(pending.asked_again(), utterance)
+        pending, settings = self._orders.confirmation.order, self._talk.settings
+        if sense.name == "repeat" and pending is not None and may(utterance.role, pending.name, settings):
+            self._orders.confirmation.ask_again(utterance)
             return
         text = self._talk.answers.answer(sense, self._talk.view, self._asker(utterance))
         self._speaking.answer(text, utterance)
@@ -256,17 +257,17 @@ class SentenceSide:
     def _again(self, utterance: Utterance, agreeing: int | None) -> None:
         """The speaker's last start, read back; where there is none, or one is asked about, what was spoken."""
         last = self._orders.last_start_of(utterance.speaker)
-        if last is None or self._orders.pending is not None:
+        if last is None or self._orders.confirmation.order is not None:
             self._answer(Sense("question", "repeat"), utterance)
         else:
             self._orders.take(last, utterance, mapper="grammar", agreeing=agreeing)
 
     def _other(self, sense: Sense, utterance: Utterance) -> None:
         """Another one than was read back, or asked for last; the person is asked which."""
-        pending = self._orders.pending
+        pending = self._orders.confirmation.order
         if pending is not None:
             self._decide(utterance, is_yes=False, is_agreed=True)
-        if sense.fault and self._orders.pending is None:
+        if sense.fault and self._orders.confirmation.order is None:
             self._speaking.answer(sense.fault, utterance)
             self._keep(sense, utterance.speaker)
         elif pending is None:
