@@ -93,6 +93,7 @@ OF_NO_TEXT_FROM_OUTSIDE = {
     "rai_missions/journal/reader.py": "a hash",
     "rai_missions/mission/python_file.py": "a hash",
     "rai_missions/check/": "the mission's own words, by its author",
+    "rai_missions/mission/mission.py:Mission": "the mission's own words, by its author",
     "rai_missions/prove/": "the mission's own words, by its author",
     "rai_missions/cli/progress.py": "steps, which were redacted before they became steps",
     "rai_missions/recording/json_messages.py": "steps, which were redacted before they became steps",

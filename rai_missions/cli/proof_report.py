@@ -86,7 +86,7 @@ def _path(output: str | None, mission: Mission, claim: str, *, only: bool) -> Pa
     """Where a refutation is written: as was asked, with the claim's name where there are several; never over a file."""
     word = re.sub(r"\W+", "_", claim)
     if output is None:
-        wanted = Path(f"{mission.name.replace('/', '_')}-{word}.journal")
+        wanted = Path(f"{mission.stem}-{word}.journal")
     else:
         wanted = Path(output)
         wanted = wanted if only else wanted.with_name(f"{wanted.stem}-{word}{wanted.suffix}")

@@ -179,8 +179,8 @@ class Mission(MissionModel):
 
     @property
     def stem(self) -> str:
-        """Its name as part of the name of a file, a node or a function: without slashes."""
-        return self.name.replace("/", "_")
+        """Its name as part of the name of a file, a node or a function: without slashes, at most 100 letters."""
+        return self.name.replace("/", "_")[:100]
 
     def walk(self) -> Iterator[tuple[str, str, State]]:
         """Every state in document order as (JSON pointer, name, state), outer before inner."""

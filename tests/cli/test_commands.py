@@ -92,6 +92,13 @@ def test_runs_that_begin_in_one_second_have_a_journal_each(folder: Path, monkeyp
     assert not [*folder.glob("journals/*.1.journal")]
 
 
+def test_a_mission_with_a_long_name_is_run_and_its_journal_has_the_start_of_the_name(folder: Path) -> None:
+    (folder / "long.json").write_text(json.dumps({**LAMP, "name": "l" * 300}))
+    assert main(["run", "long.json"]) == 1
+    (journal,) = folder.glob("journals/*.journal")
+    assert journal.name.startswith("l" * 100 + "-")
+
+
 def test_every_fault_is_reported_on_stderr_with_its_place(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     bad = {**LAMP, "states": {**LAMP["states"], "x": {"transitions": [{"on": "go", "to": "of"}]}}}
     (folder / "bad.json").write_text(json.dumps(bad))
