@@ -19,7 +19,7 @@ from rai_missions.connectors.connector import Connector, SupportsRawMessages
 from rai_missions.engine.activities.goal_ledger import may_move
 from rai_missions.engine.decision import Answerer
 from rai_missions.errors import UsageError
-from rai_missions.journal import Header, Journal, make_folder, make_way, versions
+from rai_missions.journal import Header, Journal, make_way, versions
 from rai_missions.kinds import PackageOffer
 from rai_missions.mission.files import dump
 from rai_missions.mission.mission import Mission
@@ -301,7 +301,6 @@ def _open_journal(
     elif (path := plan.config.journal_path) is None:
         return None, None
     else:
-        make_folder(path)
         moved = make_way(path)
         try:
             journal = Journal.create(path, header, witness=witness)

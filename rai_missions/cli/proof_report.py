@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 from rai_missions.cli.long_work import WorkPace
 from rai_missions.errors import UsageError
 from rai_missions.event import Event
-from rai_missions.journal import Header, make_folder
+from rai_missions.journal import Header
 from rai_missions.mission.files import dump
 from rai_missions.mission.mission import Mission
 from rai_missions.plain_data import plain
@@ -76,7 +76,6 @@ def write_journals(proof: Proof, mission: Mission, robot: Robot | None, output: 
         whole = "" if mission.behaviours() else dump(mission)
         header = Header(whole, profile, arguments, versions=mission.packages())
         path = _path(output, mission, name, only=len(proof.ways) == 1)
-        make_folder(path)
         shows = record(path, header, mission, scenes, terms=of_robot)
         written[name] = {"journal": str(path), "shows": shows}
     return written

@@ -6,9 +6,10 @@ Imports `connectors`, `engine` and `states`, and the modules of the root.
 
 from rai_missions.journal.codec import decode, encode
 from rai_missions.journal.diff import difference
-from rai_missions.journal.files import copied, free_name, make_folder, make_way, set_aside, writing_at
+from rai_missions.journal.files import copied, free_name, make_way, set_aside
 from rai_missions.journal.reader import Record
 from rai_missions.journal.rows import MIGRATED, Blob, Confirmation, Header, JournalRow, Note, Raw, StepRow
+from rai_missions.journal.sqlite import writing_at
 from rai_missions.journal.verify import checked, opened, read, verify
 from rai_missions.journal.writer import Journal, versions
 
@@ -29,7 +30,6 @@ __all__ = (
     "difference",
     "encode",
     "free_name",
-    "make_folder",
     "make_way",
     "opened",
     "read",

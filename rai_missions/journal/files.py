@@ -8,53 +8,28 @@ Rule: a copy has the rows as they were written, hashes and all; nothing is corre
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable, Iterator
-from contextlib import contextmanager, suppress
+from collections.abc import Iterable
+from contextlib import suppress
 from pathlib import Path
 
 from rai_missions.errors import DefinitionError, Fault, UsageError
 from rai_missions.journal.rows import Blob, Raw
-from rai_missions.journal.sqlite import BLOB, ROW, Lock, SqliteError, Unbegun, log_of, open_to_write
+from rai_missions.journal.sqlite import BLOB, ROW, Lock, SqliteError, Unbegun, log_of, open_to_write, writing_at
 from rai_missions.journal.verify import read
 
-__all__ = ("copied", "free_name", "make_folder", "make_way", "set_aside", "writing_at")
-
-
-def make_folder(path: Path) -> None:
-    """Make the folder of a journal, where there is none.
-
-    Raises:
-        UsageError: It cannot be made.
-    """
-    with writing_at(path):
-        path.parent.mkdir(parents=True, exist_ok=True)
-
-
-@contextmanager
-def writing_at(path: Path, what: str = "a journal") -> Iterator[None]:
-    """Have what the system refuses, while a file is written, name that file.
-
-    Args:
-        path: The file.
-        what: What it is, with its article.
-
-    Raises:
-        UsageError: It cannot be written.
-    """
-    try:
-        yield
-    except OSError as error:
-        raise UsageError(f"{what} cannot be written at {path}: {error.strerror}; name another file") from None
+__all__ = ("copied", "free_name", "make_way", "set_aside")
 
 
 def make_way(path: Path) -> Path | None:
     """Move a journal that has a name aside, so that another may have it; gives its new name, None where there was none.
 
     Raises:
-        UsageError: Another process writes it, or its log cannot be folded in.
+        UsageError: Another process writes it, its log cannot be folded in, or no file can have that name.
         DefinitionError: It is no journal, or it was altered.
     """
-    if not path.is_file():
+    with writing_at(path):
+        is_there = path.is_file()
+    if not is_there:
         return None
     try:
         return set_aside(path)

@@ -14,7 +14,8 @@ import shutil
 import sqlite3
 import tempfile
 from abc import ABC, abstractmethod
-from contextlib import suppress
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Self
 
@@ -44,6 +45,7 @@ __all__ = (
     "open_to_write",
     "out_of_files",
     "widen",
+    "writing_at",
 )  # fmt: skip
 
 SqliteError = sqlite3.Error
@@ -107,6 +109,23 @@ class Unbegun(NoJournal):
     """A file without a row, as anyone who dies while it makes a journal leaves it."""
 
 
+@contextmanager
+def writing_at(path: Path, what: str = "a journal") -> Iterator[None]:
+    """Have what the system refuses, while a file is written, name that file.
+
+    Args:
+        path: The file.
+        what: What it is, with its article.
+
+    Raises:
+        UsageError: It cannot be written.
+    """
+    try:
+        yield
+    except OSError as error:
+        raise UsageError(f"{what} cannot be written at {path}: {error.strerror}; name another file") from None
+
+
 class Lock:
     """The right to write a journal: held by one process, given back by its end, however it ends.
 
@@ -123,11 +142,12 @@ class Lock:
     def __init__(self, path: Path, *, new: bool) -> None:
         if not new and irregular(path):
             raise UsageError(f"no journal at {path}: {_instead(path)}")
+        if new:
+            with writing_at(path):
+                path.parent.mkdir(parents=True, exist_ok=True)
         try:
             if not new and _identity(path) in self.held:
                 raise UsageError(f"{path} is being written by this process already; close that journal first")
-            if new:
-                path.parent.mkdir(parents=True, exist_ok=True)
             self.descriptor = os.open(path, os.O_RDWR | (os.O_CREAT | os.O_EXCL if new else 0), 0o644)
         except FileExistsError:
             if sort := irregular(path):

@@ -13,7 +13,7 @@ from typing import Any
 from rai_missions.engine.step import Step
 from rai_missions.errors import UsageError
 from rai_missions.event import Tick
-from rai_missions.journal import Header, Journal, make_folder, make_way, writing_at
+from rai_missions.journal import Header, Journal, make_way, writing_at
 from rai_missions.journal.sqlite import log_of
 from rai_missions.mission.files import dump
 from rai_missions.replay.play.play import Play
@@ -39,7 +39,8 @@ def save(play: Play, path: Path, *, replaces: bool = False) -> Path | None:
     if not play.path:
         raise UsageError("nothing has been played yet; there is nothing to save")
     mission = play.mission
-    make_folder(path)
+    with writing_at(path):
+        path.parent.mkdir(parents=True, exist_ok=True)
     part = path.with_name(f".{path.name}.{secrets.token_hex(4)}.part")
     text = "" if mission.behaviours() else dump(mission)
     try:
