@@ -38,7 +38,9 @@ from rai_missions.conversation import (
     TalkNote,
     Utterance,
 )
+from rai_missions.conversation.grammar import STOP, Grammar
 from rai_missions.conversation.inputs import SpeechResult
+from rai_missions.conversation.language import language
 from rai_missions.engine.step import Step
 from rai_missions.event import Role
 from rai_missions.redaction import cut, logger, redacted
@@ -84,6 +86,7 @@ class ConversationalAgent:
         began = time.monotonic()
         self._now = now or (lambda: time.monotonic() - began)
         self._dialogue = Dialogue(self._settings, StatusView())
+        self._grammar = Grammar(language(settings.language))
         self._worker = Worker("conversation", on_error=self._failed)
         self._attached: AttachedRun | None = None
         self._lines: dict[str, TalkLine] = {}
@@ -137,9 +140,7 @@ class ConversationalAgent:
     def report_lost(self, requests: Sequence[str]) -> None:
         """Have it reported that these requests are lost, which waited in a program that was killed; after `attach`."""
         if requests:
-            self._worker.post(
-                lambda: self._perform(self._dialogue.on_lost_requests(requests, self._view(), self._now()))
-            )
+            self._post(lambda: self._dialogue.on_lost_requests(requests, self._view(), self._now()))
 
     def step(self, step: Step) -> None:
         """The run has made a step; on its own thread."""
@@ -178,7 +179,7 @@ class ConversationalAgent:
     def end_starts(self) -> None:
         """No run follows the one that there is: starts are dropped and refused; from any thread."""
         self.decide_nothing()
-        self._worker.post(lambda: self._perform(self._dialogue.on_last_run(self._now())))
+        self._post(lambda: self._dialogue.on_last_run(self._now()))
 
     # -- people ----------------------------------------------------------------------------------------------
 
@@ -217,12 +218,7 @@ class ConversationalAgent:
 
     def is_stop(self, text: str) -> bool:
         """Whether a sentence orders to stop, by the grammar alone; from any thread."""
-        from rai_missions.conversation.grammar import STOP, Grammar
-        from rai_missions.conversation.language import language
-
-        if len(text) > LONGEST_STOP:
-            return False
-        return STOP in Grammar(language(self._settings.language)).senses(text, StatusView())
+        return len(text) <= LONGEST_STOP and STOP in self._grammar.senses(text, StatusView())
 
     def doors_changed(self) -> None:
         """A door has opened or shut; from any thread."""
@@ -255,6 +251,10 @@ class ConversationalAgent:
 
     # -- on the thread of the conversation -------------------------------------------------------------------
 
+    def _post(self, handle: Callable[[], Iterable[Output]]) -> None:
+        """Have the dialogue handle something in its turn; from any thread."""
+        self._worker.post(lambda: self._perform(handle()))
+
     def _take_turn(self) -> None:
         try:
             self._received[0]()
@@ -286,7 +286,7 @@ class ConversationalAgent:
         self._perform(self._dialogue.on_status(self._view(), self._now()))
 
     def _take_speech(self, text: str) -> None:
-        self._worker.post(lambda: self._perform(self._dialogue.on_mission_speech(text, self._now())))
+        self._post(lambda: self._dialogue.on_mission_speech(text, self._now()))
 
     def _look_at_doors(self) -> None:
         is_open = self._doors.is_open
@@ -348,9 +348,7 @@ class ConversationalAgent:
 
     def _order(self, order: Order) -> None:
         def on_end(refused: str) -> None:
-            self._worker.post(
-                lambda: self._perform(self._dialogue.on_order_end(OrderEnd(order.number, refused, self._now())))
-            )
+            self._post(lambda: self._dialogue.on_order_end(OrderEnd(order.number, refused, self._now())))
 
         run = self._attached
         is_over = run is None or run.status.view().outcome is not None
@@ -365,7 +363,7 @@ class ConversationalAgent:
 
     def _ask(self, request: AskModel) -> None:
         def on_text(text: ModelText) -> None:
-            self._worker.post(lambda: self._perform(self._dialogue.on_model(text._replace(at=self._now()))))
+            self._post(lambda: self._dialogue.on_model(text._replace(at=self._now())))
 
         if self._model is None:
             on_text(ModelText(request.number, is_end=True, failed="there is no model"))

@@ -33,6 +33,8 @@ __all__ = ("Handling", "SentenceSide")
 
 Handling = Literal["handled", "stopped", "unknown"]
 """What became of a sentence: rules answered it, it stopped the run, or the rules do not know it."""
+DECISIONS = ("yes", "no")
+"""What a sentence may mean for what was read back."""
 LATE_S = 30.0
 """Seconds after the end of a question, or after a start was taken, within which a sentence may be meant for it."""
 
@@ -96,14 +98,10 @@ class SentenceSide:
         if any(STOP in senses for senses in each):
             return "stopped" if self._orders.stop(utterance) else "handled"
         self._speaking.speak_due(now=True)
-        senses = each[0]
-        if any(sense.kind in ("yes", "no") for sense in senses) and self._orders.confirmation.order is not None:
-            meant = next(sense.kind for sense in senses if sense.kind in ("yes", "no"))
-            is_agreed = len(each) > 1 and all(any(sense.kind == meant for sense in others) for others in each)
-            self._decide(utterance, is_yes=meant == "yes", is_agreed=is_agreed)
+        if self._decides(utterance, each):
             return "handled"
         self._orders.confirmation.distract(utterance)
-        senses = tuple(sense for sense in senses if sense.kind not in ("yes", "no")) or senses
+        senses = tuple(sense for sense in each[0] if sense.kind not in DECISIONS) or each[0]
         senses = senses or self._free_answer(utterance)
         if self._is_late(utterance, senses):
             self._speaking.answer(self._talk.answers.closed(self._talk.view), utterance)
@@ -113,8 +111,18 @@ class SentenceSide:
             senses = self._suggested(utterance, senses) or senses
         if not senses:
             return "unknown"
-        if senses[0].kind in ("yes", "no"):
+        if senses[0].kind in DECISIONS:
             return self._answer_nothing(utterance)
+        return self._on_senses(senses, each, utterance)
+
+    def _on_senses(self, senses: Sequence[Sense], each: Sequence[Sequence[Sense]], utterance: Utterance) -> Handling:
+        """Handle the one thing that a sentence means.
+
+        Args:
+            senses: What the first of its readings may mean, or what was found in it.
+            each: What each of its readings may mean.
+            utterance: The sentence.
+        """
         sense = self._chosen((*senses, *self._others(senses[0], *each)), utterance)
         if sense is not None and self._is_for_model(sense):
             return "unknown"
@@ -122,6 +130,15 @@ class SentenceSide:
             agreeing = sum(any(sense.identity == other.identity for other in others) for others in each)
             self._handle(sense, utterance, agreeing if utterance.is_spoken else None)
         return "handled"
+
+    def _decides(self, utterance: Utterance, each: Sequence[Sequence[Sense]]) -> bool:
+        """Whether it is a yes or a no to what was read back, and so has been handled."""
+        meant = next((sense.kind for sense in each[0] if sense.kind in DECISIONS), "")
+        if not meant or self._orders.confirmation.order is None:
+            return False
+        is_agreed = len(each) > 1 and all(any(sense.kind == meant for sense in others) for others in each)
+        self._decide(utterance, is_yes=meant == "yes", is_agreed=is_agreed)
+        return True
 
     def _decide(self, utterance: Utterance, *, is_yes: bool, is_agreed: bool) -> None:
         """A yes or a no to what was read back; the next sentence may correct what a no has dropped."""

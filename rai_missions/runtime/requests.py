@@ -102,11 +102,17 @@ class RunRequests(Generic[P]):
         waiting.request.drop(waited_s)
         return True
 
-    def step(self, step: Step) -> None:
-        """Report a step to the client whose request it took; on the run's thread."""
+    def step(self, step: Step) -> P | None:
+        """Report a step to the client whose request it took; on the run's thread.
+
+        Returns:
+            That request; None where it took none.
+        """
         waiting = self._pop(self._name(step.event))
-        if waiting is not None:
-            waiting.request.take(step)
+        if waiting is None:
+            return None
+        waiting.request.take(step)
+        return waiting.request
 
     def close(self) -> None:
         """The run is over: what it has not taken is not carried out."""

@@ -17,11 +17,20 @@ from rai_missions.errors import in_words
 from rai_missions.event import Role
 from rai_missions.redaction import cut, logger
 
-__all__ = ("OnSpoken", "TalkDoor", "TalkDoors", "TalkLine", "TextDoor")
+__all__ = ("OnSpoken", "TakesSentence", "TalkDoor", "TalkDoors", "TalkLine", "TextDoor")
 
 log = logger(__name__)
 OnSpoken = Callable[[SpeechResult], None]
 """Receives once, from any thread, how a speech ended."""
+
+
+class TakesSentence(Protocol):
+    """What takes a sentence of a door: `ConversationalAgent.receive`."""
+
+    def __call__(
+        self, text: str, *, role: Role, channel: str, author: str = "", readings: tuple[str, ...] = (),
+        message_id: str = "",
+    ) -> str: ...  # fmt: skip
 
 
 class TalkLine(NamedTuple):

@@ -7,29 +7,18 @@ Rule: who writes on a topic is a person, whatever name the message has.
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Protocol
 
-from rai_missions.agents.talk.doors import OnSpoken, TalkLine
+from rai_missions.agents.talk.doors import OnSpoken, TakesSentence, TalkLine
 from rai_missions.connectors.hri.connector import FROM_HUMAN, TO_HUMAN, HRIConnector
 from rai_missions.connectors.hri.message import HRIMessage
 from rai_missions.conversation import Speech
 from rai_missions.errors import MissionError
-from rai_missions.event import Role
 from rai_missions.redaction import cut, logger
 
-__all__ = ("HRIDoor", "TakesSentence")
+__all__ = ("HRIDoor",)
 
 log = logger(__name__)
 CHANNEL = "topic"
-
-
-class TakesSentence(Protocol):
-    """What takes a sentence: `ConversationalAgent.receive`."""
-
-    def __call__(
-        self, text: str, *, role: Role, channel: str, author: str = "", readings: tuple[str, ...] = (),
-        message_id: str = "",
-    ) -> str: ...  # fmt: skip
 
 
 class HRIDoor:

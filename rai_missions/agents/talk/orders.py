@@ -31,13 +31,9 @@ class GivenOrder(NamedTuple):
 
     order: Order
     on_end: OnOrderEnd
-    kept: dict[int, GivenOrder]
-    """Question → the answer that waits for the end of a pause, or for the hand-back."""
 
     def take(self, step: Step) -> None:
-        if step.kept and step.event.kind == "proposal" and step.verdict is None:
-            self.kept[self.order.question] = self
-        else:
+        if not _is_kept(step):
             self.on_end(refusal_text(step))
 
     def judge(self, step: Step, *, is_open: bool) -> bool:
@@ -58,6 +54,11 @@ class GivenOrder(NamedTuple):
         self.on_end(OVER)
 
 
+def _is_kept(step: Step) -> bool:
+    """Whether the answer that a step took waits for the end of a pause, or for the hand-back."""
+    return step.kept and step.event.kind == "proposal" and step.verdict is None
+
+
 class RunOrders:
     """The orders to one run.
 
@@ -69,13 +70,14 @@ class RunOrders:
         self._runner = runner
         self._requests: RunRequests[GivenOrder] = RunRequests(runner)
         self._kept: dict[int, GivenOrder] = {}
+        """Question → the answer that is yet to be judged."""
 
     def perform(self, order: Order, on_end: OnOrderEnd) -> None:
         """Carry out an order; never waits."""
         if order.name == "start":
             on_end(self._runner.start(order.arguments))
             return
-        request = self._requests.add(GivenOrder(order, on_end, self._kept), lasts=order.name in LASTING)
+        request = self._requests.add(GivenOrder(order, on_end), lasts=order.name in LASTING)
         if not request:
             return
         event = self._event(order, request)
@@ -88,7 +90,9 @@ class RunOrders:
         """Report what became of the order that a step took, and of an answer that was kept; on the run's thread."""
         if self._kept:
             self._judge_kept(step)
-        self._requests.step(step)
+        taken = self._requests.step(step)
+        if taken is not None and _is_kept(step):
+            self._kept[taken.order.question] = taken
 
     def _judge_kept(self, step: Step) -> None:
         open_now = {each.number for each in self._runner.view.questions}

@@ -12,6 +12,7 @@ import threading
 import time
 from collections.abc import Callable
 
+from rai_missions.agents.talk.doors import TakesSentence
 from rai_missions.agents.voice_recognition import VoiceRecognition
 from rai_missions.connectors.sound.pieces import PieceSound
 from rai_missions.errors import install_command
@@ -76,7 +77,7 @@ class PageEar:
     """
 
     def __init__(
-        self, receive: Callable[..., str], *, language: str = ENGLISH, names: ListenNames = NAMES,
+        self, receive: TakesSentence, *, language: str = ENGLISH, names: ListenNames = NAMES,
         settings: ListenSettings = SETTINGS, now: Callable[[], float] = time.monotonic,
     ) -> None:  # fmt: skip
         self._receive, self._language, self._now = receive, language, now

@@ -7,10 +7,9 @@ Rule: all that comes through it has the role `person`, whatever is spoken.
 from __future__ import annotations
 
 import threading
-from collections.abc import Callable
 
 from rai_missions.agents.agent import AgentHealth
-from rai_missions.agents.talk.doors import OnSpoken, TalkLine
+from rai_missions.agents.talk.doors import OnSpoken, TakesSentence, TalkLine
 from rai_missions.agents.text_to_speech import TextToSpeech
 from rai_missions.agents.voice_recognition import VoiceRecognition
 from rai_missions.connectors.sound.connector import SoundConnector
@@ -22,7 +21,6 @@ from rai_missions.voice.spoken_text import SpokenEnd, SpokenText
 __all__ = ("CHANNEL", "VoiceDoor")
 
 CHANNEL = "voice"
-Receive = Callable[..., str]
 NAMES, SETTINGS = ListenNames(), ListenSettings()
 
 
@@ -43,7 +41,7 @@ class VoiceDoor:
     is_aloud = True
 
     def __init__(
-        self, sound: SoundConnector, receive: Receive, *, names: ListenNames = NAMES,
+        self, sound: SoundConnector, receive: TakesSentence, *, names: ListenNames = NAMES,
         settings: ListenSettings = SETTINGS, voice: str = "flite", model_voice: str = "", patience_s: float = 5.0,
     ) -> None:  # fmt: skip
         self._sound, self._receive = sound, receive
