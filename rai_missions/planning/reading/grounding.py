@@ -12,8 +12,8 @@ from dataclasses import dataclass, field
 
 from rai_missions.planning.goal import AtPlace, Goal, LeftOf
 from rai_missions.planning.reading.lexicon import Vocabulary, lexicon, lexicons
+from rai_missions.planning.reading.relation_words import relations_in
 from rai_missions.planning.reading.rewrites import rewritten
-from rai_missions.planning.reading.said_relations import relations_in
 from rai_missions.planning.reading.symbols import Quantity, Symbol
 from rai_missions.planning.scene import CONTAINERS, Scene, Thing, has_colour
 

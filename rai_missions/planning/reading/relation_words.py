@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Which relations the words of a request may mean: `on` needs a word of putting on or of a tower.
 
-Rule: words of a relation are evidence for its predicates, whatever stands between; a negation takes all evidence away.
+Rule: words of a relation are evidence for its predicates, whatever is between; a negation takes all evidence away.
 """
 
 from __future__ import annotations
@@ -39,13 +39,13 @@ def relations_in(found: Iterable[Symbol]) -> frozenset[str]:
     Args:
         found: The symbols of the text.
     """
-    said = frozenset[str]()
+    meant = frozenset[str]()
     for at, symbol in enumerate(found):
         if at == 0 and symbol.kind == "noun" and symbol.value.types <= CONTAINERS:
-            said |= {"in"}  # `bin the tomato`
+            meant |= {"in"}  # `bin the tomato`
         if symbol.kind == "no":
             return frozenset()
-        said |= KINDS.get(symbol.kind, frozenset())
+        meant |= KINDS.get(symbol.kind, frozenset())
         if symbol.kind in ("relation", "each_other"):
-            said |= VALUES.get(symbol.value, frozenset())
-    return said
+            meant |= VALUES.get(symbol.value, frozenset())
+    return meant
