@@ -36,20 +36,20 @@ class Language(LanguageTexts):
         self.normaliser = Normaliser(data, by=cut)
         self.articles = frozenset(data["articles"])
         self._plural_ending: str = data["plural_ending"]
-        parts: Mapping[str, str] = data["parts"]
-        self.orders = {name: Phrases(each, parts) for name, each in data["orders"].items()}
-        self.warnings = {name: Phrases(each, parts) for name, each in data["warnings"].items()}
-        self.questions = {name: Phrases(each, parts) for name, each in data["questions"].items()}
-        self.yes, self.no = Phrases(data["yes"], parts), Phrases(data["no"], parts)
-        self.quiet, self.withdraw = Phrases(data["quiet"], parts), Phrases(data["withdraw"], parts)
-        self.again = Phrases(data["again"], parts)
-        self.correction, self.other = Phrases(data["correction"], parts), Phrases(data["other"], parts)
-        self.rejected = Phrases(data["rejected"], parts)
-        self.start, self.answer = Phrases(data["start"], parts), Phrases(data["answer"], parts)
-        self.statement, self.wish = Phrases(data["statement"], parts), Phrases(data["wish"], parts)
-        self.argument = Phrases(data["argument"], parts)
-        self.with_values = Phrases([data["with_values"]], parts)
-        self.polite, self.indirect = Phrases(data["polite"], parts), Phrases(data["indirect"], parts)
+        self.orders, self.warnings, self.questions = map(self._named_phrases, ("orders", "warnings", "questions"))
+        self.yes, self.no, self.quiet, self.withdraw = map(self._phrases, ("yes", "no", "quiet", "withdraw"))
+        self.again, self.other = self._phrases("again"), self._phrases("other")
+        self.correction, self.rejected = self._phrases("correction"), self._phrases("rejected")
+        self.start, self.answer = self._phrases("start"), self._phrases("answer")
+        self.argument, self.with_values = self._phrases("argument"), self._phrases("with_values")
+        self.polite, self.indirect = self._phrases("polite"), self._phrases("indirect")
+        self.statement, self.wish = self._phrases("statement"), self._phrases("wish")
+
+    def _phrases(self, name: str) -> Phrases:
+        return Phrases(self.data[name], self.data["parts"])
+
+    def _named_phrases(self, name: str) -> dict[str, Phrases]:
+        return {each: Phrases(phrases, self.data["parts"]) for each, phrases in self.data[name].items()}
 
     def vocabulary(self) -> frozenset[str]:
         """Every word of the grammar: what a misspelled word may be meant as."""

@@ -146,11 +146,12 @@ class Reports:
             at: The present.
             now: Also what waits for the end of a person's sentence: before the next answer.
         """
-        return [
-            each
-            for each in self._all.values()
-            if (each.state == "owed" and (now or each.due <= at)) and (each.tries == 0 or self.is_speaker_alive)
-        ]
+        return [each for each in self._speakable() if now or each.due <= at]
+
+    def _speakable(self) -> Iterator[MissionReport]:
+        """What is owed, and was not tried yet or has a speaker."""
+        owed = (each for each in self._all.values() if each.state == "owed")
+        return (each for each in owed if not each.tries or self.is_speaker_alive)
 
     def begin(self, report: MissionReport, key: str) -> MissionReport:
         """The report is being spoken under this key."""
@@ -187,12 +188,7 @@ class Reports:
 
     def wake_at(self) -> float | None:
         """When the next owed report is due."""
-        waiting = [
-            each.due
-            for each in self._all.values()
-            if each.state == "owed" and (not each.tries or self.is_speaker_alive)
-        ]
-        return min(waiting, default=None)
+        return min((each.due for each in self._speakable()), default=None)
 
     def is_spoken(self, identity: str) -> bool:
         """Whether it was spoken whole."""
