@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from itertools import cycle
 from pathlib import Path
 
@@ -22,6 +22,8 @@ DRESSES = ('"{}"', "**{}**", "- {}")
 """Ways in which a model dresses the same sentence."""
 JOINED = DATA["joined"]
 """Harmless words around a claim."""
+FORMS = DATA["forms"]
+"""Forms of sentences that are spoken or replaced, each with its sentences by language."""
 
 
 def joined(code: str, every: int = 1) -> Iterator[str]:
@@ -32,6 +34,11 @@ def joined(code: str, every: int = 1) -> Iterator[str]:
             if (number + place) % every == 0:
                 text = form.format(bare[:1].lower() + bare[1:])
                 yield f"{text[:1].upper()}{text[1:]}."
+
+
+def replaced(sentences: Mapping[str, Sequence[str]]) -> dict[str, str]:
+    """Each sentence, and why it is replaced."""
+    return {each: Claims(code).why_replaced(each, VIEW) for code in sentences for each in sentences[code]}
 
 
 @pytest.mark.parametrize("code", sorted(DATA["claims"]))
@@ -163,109 +170,11 @@ def test_hardly_a_sentence_that_is_held_out_is_of_another_language(code: str) ->
     assert len([each for each in every if not claim_weights(code).is_language_of(each)]) <= 0.01 * len(every)
 
 
-@pytest.mark.parametrize(
-    ("code", "sentence"),
-    [
-        ("en", "Should the robot bring it to the office or to the kitchen?"),
-        ("en", "Do not touch the wheels while they turn."),
-        ("en", "In that case, choose another room."),
-        ("en", "If the path is blocked, a person has to decide."),
-        ("en", "Apples are usually harvested in autumn."),
-        ("de", "Soll ich die Treppe oder den Aufzug nehmen?"),
-        ("de", "Äpfel werden meist im Herbst geerntet."),
-        ("de", "Wenn der Weg versperrt ist, muss ein Mensch entscheiden."),
-    ],
-)
-def test_what_asks_or_bids_or_leaves_open_is_spoken(code: str, sentence: str) -> None:
-    assert Claims(code).why_replaced(sentence, VIEW) == ""
+@pytest.mark.parametrize("form", sorted(FORMS["spoken"]))
+def test_each_sentence_of_a_harmless_form_is_spoken(form: str) -> None:
+    assert {each: why for each, why in replaced(FORMS["spoken"][form]).items() if why} == {}
 
 
-@pytest.mark.parametrize(
-    ("code", "sentence"),
-    [
-        ("en", "Are you happy with the box on the shelf?"),
-        ("en", "Did you know that the parcel is in the lobby?"),
-        ("en", "If you look outside, a truck blocks the road."),
-        ("en", "Perhaps it helps that three carts wait in row three."),
-        ("en", "Both doors are shut."),
-        ("de", "Im Flur liegt ein Eimer."),
-        ("de", "Falls Sie Hunger haben, das Essen steht am Empfang."),
-        ("de", "Beide Türen sind zu."),
-    ],
-)
-def test_what_a_question_or_a_condition_states_is_replaced(code: str, sentence: str) -> None:
-    assert Claims(code).why_replaced(sentence, VIEW) != ""
-
-
-@pytest.mark.parametrize(
-    ("code", "sentence"),
-    [
-        ("en", "I can carry boxes to the barn."),
-        ("en", "If the gate is closed, I would drive around it."),
-        ("en", "The first robots were built in the 1950s."),
-        ("en", "The word robot comes from Czech."),
-        ("en", "Heavy clay soil holds water longer than sand."),
-        ("en", "In autumn the leaves fall and the days get shorter."),
-        ("de", "Ich kann Kisten tragen."),
-        ("de", "Der Regen tut dem Salat gut."),
-        ("de", "Weizen wurde schon vor zehntausend Jahren angebaut."),
-        ("de", "Soll ich in der Küche nachsehen?"),
-        ("en", "I can mow grass, stop at the end and turn around."),
-        ("en", "Fishermen in Norway dried their cod."),
-        ("en", "In the film the robot cleaned the whole planet."),
-        ("en", "If it rains, the soil will be too wet."),
-        ("en", "I hope your train arrives on time."),
-        ("en", "Did you sleep well?"),
-        ("en", "You could put the books in order."),
-        ("en", "Cherries do not ripen after they are picked."),
-        ("en", "That depends on how large the room is."),
-        ("en", "Glass is made of sand, soda and lime."),
-        ("de", "Ich kann pflügen, hacken und mähen."),
-        ("de", "In Norwegen trockneten die Fischer ihren Kabeljau."),
-        ("de", "Haben Sie genug getrunken?"),
-        ("de", "Bienen tanzen, um einander den Weg zu zeigen."),
-        ("de", "Vor dem Reinigen muss der Motor aus sein."),
-        ("de", "Mozart schrieb seine erste Sinfonie mit acht Jahren."),
-    ],
-)
-def test_what_is_of_the_world_or_an_ability_is_spoken(code: str, sentence: str) -> None:
-    assert Claims(code).why_replaced(sentence, VIEW) == ""
-
-
-@pytest.mark.parametrize(
-    ("code", "sentence"),
-    [
-        ("en", "I can drive now that it is day."),
-        ("en", "I can see a red car."),
-        ("en", "I could reach the shelf."),
-        ("en", "If you wonder, I will have finished by noon."),
-        ("en", "The sun blinded the camera for a moment."),
-        ("en", "Bees are useful, the hedge is cut."),
-        ("en", "Apples roll around here."),
-        ("en", "Anna brings coffee cups."),
-        ("en", "There are three chairs in this room."),
-        ("en", "There are two people waiting."),
-        ("en", "Did you know that the hedge is cut?"),
-        ("en", "I can steer, ladder folded and secured."),
-        ("en", "The parcel from China has arrived."),
-        ("en", "As in the fairy tale, I found the key."),
-        ("en", "If it helps, the pump will have stopped by now."),
-        ("en", "I hope you do not mind that I moved the cup."),
-        ("en", "Did you see that I stacked the cubes?"),
-        ("en", "The gate should be open now."),
-        ("en", "A box is the obstacle in alley two."),
-        ("en", "Dogs are curious, they blocked the alley."),
-        ("en", "Thank you, blinds down."),
-        ("de", "Ich kann helfen, Schlauch angeschlossen."),
-        ("de", "Ein Karton ist das Hindernis in Gasse zwei."),
-        ("de", "Der Motor muss stehen geblieben sein."),
-        ("de", "Ich kann das Tor sehen."),
-        ("de", "Der Regen hat den Greifer nass gemacht."),
-        ("de", "Bienen sind nützlich, die Hecke ist geschnitten."),
-        ("de", "Äpfel rollen hier herum."),
-        ("de", "Ja, es gibt drei Stühle."),
-        ("de", "Möchtest du wissen, dass die Hecke geschnitten ist?"),
-    ],
-)
-def test_a_report_in_the_form_of_an_ability_or_of_the_world_is_replaced(code: str, sentence: str) -> None:
-    assert Claims(code).why_replaced(sentence, VIEW) != ""
+@pytest.mark.parametrize("form", sorted(FORMS["replaced"]))
+def test_each_sentence_of_a_form_that_reports_is_replaced(form: str) -> None:
+    assert [each for each, why in replaced(FORMS["replaced"][form]).items() if not why] == []
