@@ -21,7 +21,7 @@ from typing import Any, NamedTuple
 from rai_missions.errors import MissionError
 from rai_missions.planning import Goal, Scene, feasible, read_goal, read_scene
 from rai_missions.planning.reading import RequestReading, goal_parameters, is_said, reading_of
-from rai_missions.planning.relations import without_swaps
+from rai_missions.planning.relations import at_first_poses
 
 FOLDER = Path(__file__).parents[1] / "tests/data/requests"
 HELD_OUT = 77
@@ -29,6 +29,8 @@ HELD_OUT = 77
 LANGUAGES = ("en", "de", "later", "outside")
 """Files of requests; the last two are English too: written after the grammar, and by one who had not read it."""
 UNORDERED = frozenset({"next_to", "grouped", "apart", "swapped"})
+NUMBERS = ("x", "y", "dx", "dy", "gap_m")
+"""Fields of predicates that are numbers."""
 
 
 class Request(NamedTuple):
@@ -74,7 +76,7 @@ def read_outcome(found: RequestReading, scene: Scene) -> Outcome:
 
 def judged(goal: Goal, scene: Scene) -> Outcome:
     """The goal, or its refusal by rule."""
-    refusal = feasible(without_swaps(goal, scene), scene)
+    refusal = feasible(at_first_poses(goal, scene), scene)
     return Outcome(refused=refusal.refused) if refusal is not None else Outcome(goal)
 
 
@@ -102,9 +104,9 @@ def _predicates(goal: Sequence[Mapping[str, Any]]) -> Iterator[tuple[Any, ...]]:
     for each in goal:
         if "on" in each and each["on"][1] == "desk" and each["on"][0] in carrying:
             continue  # the foot of a tower
-        kind = next(name for name in each if name not in ("x", "y", "gap_m"))
-        names = [each[kind]] if kind == "at" else each[kind]
-        numbers = [round(each[name], 6) for name in ("x", "y", "gap_m") if each.get(name) is not None]
+        kind = next(name for name in each if name not in NUMBERS)
+        names = [each[kind]] if isinstance(each[kind], str) else each[kind]
+        numbers = [round(each[name], 6) for name in NUMBERS if each.get(name) is not None]
         yield kind, *(sorted(names) if kind in UNORDERED else names), *numbers
 
 

@@ -76,7 +76,7 @@ NOUNS = frozenset(
 )  # fmt: skip
 """Last words that only look like participles."""
 WORDS_OF_THE_FORMAT = frozenset(
-    ("Elapsed", "Grouped", "Held", "Named", "Read", "Swapped", "FailureIsRunning", "SuccessIsRunning"),
+    ("Elapsed", "Grouped", "Held", "Named", "Read", "Shifted", "Swapped", "FailureIsRunning", "SuccessIsRunning"),
 )  # fmt: skip
 OTHERWISE = {
     "BudgetExceeded": "an exception, which states what has happened",

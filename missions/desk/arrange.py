@@ -8,7 +8,7 @@ from typing import Any
 from rai_missions import After, EventSpec, Image, Key, Keys, Mission, On, Publish, Set, When
 from rai_missions.guards import Fresh, GoalIs, Held
 from rai_missions.planning import goal_schema
-from rai_missions.states import Action, Decision, Final, Option, Plan, Read, State, Tree, tree
+from rai_missions.states import Decision, Final, Option, Plan, Read, State, Tree, tree
 
 TROUBLE = ("failed", "timed_out")
 MOST_MOVES = 30
@@ -44,8 +44,9 @@ k = Keys(
         dict,
         source="mission",
         about="the moves that lead from what is seen to the goal, each with what it assumes",
-        fields={"moves": list, "next": dict, "reason": str, "about": str},
+        fields={"moves": list, "next": dict, "reason": str, "about": str, "avoided": list},
     ),
+    place_refused=Key(bool, source="mission", initial=False, about="the last thing was not set down at its place"),
     report=Key(str, source="mission", initial="", about="why it was not done, in a sentence"),
     moves=Key(int, source="mission", initial=0, about="moves that were begun"),
     failures=Key(int, source="mission", initial=0, about="moves, one after the other, that did not end as planned"),
@@ -200,9 +201,15 @@ def arranging() -> dict[str, State]:
             over=k.objects,
             into=k.plan,
             asked=k.sentence,
-            about="the moves from what is seen to the goal",
+            refused=k.place_refused,
+            about="the moves from what is seen to the goal; a place that the arm refused is left for another",
             transitions=[
-                On("succeeded", when=Fresh(k.plan.next), to="moving", do=[Set(k.moves, add=1)]),
+                On(
+                    "succeeded",
+                    when=Fresh(k.plan.next),
+                    to="moving",
+                    do=[Set(k.moves, add=1), Set(k.report, from_=k.plan.about)],
+                ),
                 On("succeeded", to="looking", do=[Set(k.failures, add=1)]),
                 On("failed", when=k.plan.reason == "unclear", to="looking", do=[Set(k.failures, add=1)]),
                 On("failed", when=k.moves == 0, to="refused", do=[Set(k.report, from_=k.plan.about)]),
@@ -225,10 +232,19 @@ def arranging() -> dict[str, State]:
                     tree.Selector(
                         [
                             tree.Action("place", goal={**move, "pose": k.plan.next.place}, timeout_s=40),
-                            tree.SuccessIsFailure(
-                                tree.Action(
-                                    "place", goal={**move, "pose": k.plan.next.pick}, timeout_s=40, name="put back"
-                                )
+                            tree.Sequence(
+                                [
+                                    tree.Set(k.place_refused, True),
+                                    tree.SuccessIsFailure(
+                                        tree.Action(
+                                            "place",
+                                            goal={**move, "pose": k.plan.next.pick},
+                                            timeout_s=40,
+                                            name="put back",
+                                        )
+                                    ),
+                                ],
+                                memory=True,
                             ),
                         ],
                         memory=True,
@@ -236,20 +252,26 @@ def arranging() -> dict[str, State]:
                 ]
             ),
             about="the next move of the plan: picked, held, and set down",
+            entry=[Set(k.place_refused, False)],
             timeout_s=120,
             transitions=[
-                On("succeeded", to="looking", do=[Set(k.failures, 0)]),
+                On("succeeded", to="looking", do=[Set(k.failures, 0), Set(k.report, "")]),
                 On(*TROUBLE, to="looking", do=[Set(k.failures, add=1)]),
             ],
         ),
-        "putting_back": Action(
-            "place",
-            about="what the gripper still holds goes back to where it was taken from",
-            goal={**move, "pose": k.plan.next.pick},
-            timeout_s=40,
+        "putting_back": Tree(
+            tree.Selector(
+                [
+                    tree.Action("place", goal={**move, "pose": k.plan.next.pick}, timeout_s=40, name="put back"),
+                    tree.Action("place", goal={**move, "pose": k.plan.next.spare}, timeout_s=40, name="put aside"),
+                ],
+                memory=True,
+            ),
+            about="what the gripper still holds goes back to where it was taken from, or to a place that is free",
+            timeout_s=90,
             transitions=[
                 On("succeeded", to="looking"),
-                On("failed", "timed_out", "rejected", to="looking", do=[Set(k.failures, add=1)]),
+                On(*TROUBLE, to="looking", do=[Set(k.failures, add=1)]),
             ],
         ),
         "looking": State(
@@ -265,7 +287,7 @@ def ends() -> dict[str, Final]:
         "refused": Final("aborted", about="the request cannot be met; nothing was moved", entry=[REPORT]),
         "not_understood": Final("aborted", about="the request was not understood; nothing was moved"),
         "impossible": Final("failed", about="what is wanted cannot be reached any more", entry=[REPORT]),
-        "gave_up": Final("failed", about="too many moves did not end as planned"),
+        "gave_up": Final("failed", about="too many moves did not end as planned", entry=[REPORT]),
         "blind": Final("failed", about="the camera does not see the desk"),
         "stopped": Final("aborted", about="stopped at once, because someone wanted it"),
     }

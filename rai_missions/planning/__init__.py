@@ -8,6 +8,8 @@ the desk's top at z = 0), in metres and radians.
 from rai_missions.planning.goal import (
     Apart,
     AtPlace,
+    Behind,
+    Between,
     Goal,
     Grouped,
     InContainer,
@@ -16,19 +18,21 @@ from rai_missions.planning.goal import (
     OnTop,
     Predicate,
     Refusal,
+    Shifted,
     Swapped,
     goal_schema,
     read_goal,
 )
-from rai_missions.planning.plan import Plan, PlannedMove, Pose, plan_data
+from rai_missions.planning.plan import AvoidedPlace, Plan, PlannedMove, Pose, avoided_after, plan_data
 from rai_missions.planning.planner import feasible, planned
-from rai_missions.planning.relations import holds, reached, support, without_swaps
+from rai_missions.planning.relations import at_first_poses, holds, reached, support
 from rai_missions.planning.scene import DESK, Scene, Thing, read_scene
 from rai_missions.planning.tolerances import JUDGE, STRICT
 from rai_missions.planning.workspace import Workspace
 
 __all__ = (
-    "DESK", "JUDGE", "STRICT", "Apart", "AtPlace", "Goal", "Grouped", "InContainer", "LeftOf", "NextTo", "OnTop",
-    "Plan", "PlannedMove", "Pose", "Predicate", "Refusal", "Scene", "Swapped", "Thing", "Workspace", "feasible",
-    "goal_schema", "holds", "plan_data", "planned", "reached", "read_goal", "read_scene", "support", "without_swaps",
+    "DESK", "JUDGE", "STRICT", "Apart", "AtPlace", "AvoidedPlace", "Behind", "Between", "Goal", "Grouped",
+    "InContainer", "LeftOf", "NextTo", "OnTop", "Plan", "PlannedMove", "Pose", "Predicate", "Refusal", "Scene",
+    "Shifted", "Swapped", "Thing", "Workspace", "at_first_poses", "avoided_after", "feasible", "goal_schema", "holds",
+    "plan_data", "planned", "reached", "read_goal", "read_scene", "support",
 )  # fmt: skip

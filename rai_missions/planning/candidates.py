@@ -11,11 +11,21 @@ from collections.abc import Iterator, Sequence
 from itertools import product
 
 from rai_missions.planning.geometry import Point, gap, turned
-from rai_missions.planning.goal import LeftOf
+from rai_missions.planning.goal import Beyond
 from rai_missions.planning.relations import inner
 from rai_missions.planning.scene import Thing
 
-__all__ = ("LEAST_M", "aligned", "around", "from_a_corner", "from_the_middle", "packed", "to_a_side")
+__all__ = (
+    "LEAST_M",
+    "aligned",
+    "amid",
+    "around",
+    "at_an_end",
+    "from_a_corner",
+    "from_the_middle",
+    "packed",
+    "to_a_side",
+)
 
 LEAST_M = 0.004
 """Metres between two footprints, whatever their heights."""
@@ -48,8 +58,8 @@ def around(thing: Thing, partner: Thing, clearance: float) -> Iterator[Thing]:
         yield thing.moved(partner.x + distance * cos, partner.y + distance * sin, thing.size[2] / 2)
 
 
-def to_a_side(thing: Thing, partner: Thing, wanted: LeftOf, clearance: float) -> Iterator[Thing]:
-    """Places on the desk to the left or right of another thing, as a relation between the two wants it.
+def to_a_side(thing: Thing, partner: Thing, wanted: Beyond, clearance: float) -> Iterator[Thing]:
+    """Places on the desk to a side of another thing, as a relation between the two wants it.
 
     Args:
         thing: Where it is now, one of the two.
@@ -57,14 +67,45 @@ def to_a_side(thing: Thing, partner: Thing, wanted: LeftOf, clearance: float) ->
         wanted: The relation; the distance that it names is kept exactly.
         clearance: Metres that are to be free between them where it names none.
     """
-    is_left = wanted.left_of[0] == thing.name
-    own, its = thing.footprint.extent(1), partner.footprint.extent(1)
+    is_further, axis = wanted.pair[0] == thing.name, wanted.axis
+    own, its = thing.footprint.extent(axis), partner.footprint.extent(axis)
+    centre, across = (thing.x, thing.y)[axis], (partner.x, partner.y)[1 - axis]
     gaps = (0.002, 0.03, 0.06, 0.1, 0.15, 0.2) if wanted.gap_m is None else (wanted.gap_m,)
     for free, off in product(gaps, (0.0, 0.05, -0.05, 0.1, -0.1, 0.2, -0.2)):
         room = free + (clearance if wanted.gap_m is None else 0.0)
-        y = its[1] + room + (thing.y - own[0]) if is_left else its[0] - room - (own[1] - thing.y)
+        along = its[1] + room + (centre - own[0]) if is_further else its[0] - room - (own[1] - centre)
+        x, y = (along, across + off) if axis == 0 else (across + off, along)
         if wanted.gap_m is None or off == 0:
-            yield thing.moved(partner.x + off, y, thing.size[2] / 2)
+            yield thing.moved(x, y, thing.size[2] / 2)
+
+
+def amid(thing: Thing, ends: Sequence[Thing]) -> Iterator[Thing]:
+    """The place on the desk in the middle of what is free between two things, as it lies and turned along their line.
+
+    Args:
+        thing: Where it is now.
+        ends: Where the two will be.
+    """
+    one, other = ends
+    line = math.atan2(other.y - one.y, other.x - one.x)
+    first, last = (each.footprint.turned(-line).extent(0) for each in (one, other))
+    along = (first[1] + last[0]) / 2 - turned((one.x, one.y), -line)[0]
+    x, y = one.x + along * math.cos(line), one.y + along * math.sin(line)
+    for yaw in (thing.yaw, aligned(thing.yaw, line)):
+        yield thing.moved(x, y, thing.size[2] / 2, yaw)
+
+
+def at_an_end(thing: Thing, partner: Thing, middle: Thing, clearance: float) -> Iterator[Thing]:
+    """Places on the desk such that a third thing has room on the line from another: all round it, at twice a distance.
+
+    Args:
+        thing: Where it is now.
+        partner: Where the other end will be.
+        middle: What is to have room between the two.
+        clearance: Metres that are to be free on both sides of it.
+    """
+    free = 2 * clearance + max(middle.size[:2])
+    yield from around(thing, partner, free)
 
 
 def from_the_middle(thing: Thing, container: Thing, z: float) -> Iterator[Thing]:

@@ -15,6 +15,8 @@ from rai_missions.planning.geometry import gap
 from rai_missions.planning.goal import (
     Apart,
     AtPlace,
+    Behind,
+    Between,
     Goal,
     Grouped,
     InContainer,
@@ -22,6 +24,7 @@ from rai_missions.planning.goal import (
     NextTo,
     OnTop,
     Refusal,
+    Shifted,
     Swapped,
 )
 from rai_missions.planning.relations import holds, inner
@@ -40,7 +43,7 @@ FLOOR_M = -0.05
 REASONS: Mapping[str, str] = {
     "absent": "a thing that is not seen",
     "unclear": "a thing that was not looked at often or closely enough",
-    "swap": "a swap that was not rewritten to the poses first seen",
+    "swap": "a swap or a shift that was not rewritten to the poses first seen",
     "fallen": "a thing that lies on the floor",
     "no_container": "'in' something that holds nothing inside",
     "round": "on something that rolls",
@@ -53,7 +56,7 @@ REASONS: Mapping[str, str] = {
     "two_places": "one thing at two places",
     "same_place": "two things at one place",
     "contradiction": "relations that exclude each other",
-    "cycle": "a circle of 'on' or of 'left of'",
+    "cycle": "a circle of 'on', of 'left of' or of 'behind'",
     "too_many": "more things on or in one than fit",
     "too_high": "a stack of more than six",
     "no_room": "no arrangement found that leaves room for the fingers",
@@ -93,6 +96,8 @@ def _seen(goal: Goal, scene: Scene, workspace: Workspace) -> Found:
             yield "unclear", "unclear", name
     for swap in goal.of_kind(Swapped):
         yield "swap", "swap", *swap.swapped
+    for shift in goal.of_kind(Shifted):
+        yield "swap", "shift", shift.shifted
 
 
 def _containers(goal: Goal, scene: Scene, workspace: Workspace) -> Found:
@@ -193,18 +198,20 @@ def _contradictions(goal: Goal, scene: Scene, workspace: Workspace) -> Found:
     raised = {each.things()[0] for each in goal.of_kind(OnTop, InContainer) if each.things()[1] != DESK}
     places = {each.at: _there(each, scene) for each in goal.of_kind(AtPlace) if each.at not in raised}
     there = _still(scene.model_copy(update={"things": tuple(places.get(each.name, each) for each in scene.things)}))
-    for relation in goal.of_kind(LeftOf, NextTo, Apart, Grouped):
+    for relation in goal.of_kind(LeftOf, Behind, Between, NextTo, Apart, Grouped):
         if all(name in places for name in relation.things()) and holds(relation, there, JUDGE) is False:
             yield "contradiction", f"not_{relation.word}", ", ".join(relation.things())
-    for side in goal.of_kind(LeftOf, NextTo):
-        if _in_one_column(goal, *side.things()):
-            yield "contradiction", "on_and_next_to", *side.things()
+    for side in goal.of_kind(LeftOf, Behind, Between, NextTo):
+        for pair in combinations(side.things(), 2):
+            if _in_one_column(goal, *pair):
+                yield "contradiction", "on_and_next_to", *pair
 
 
 def _cycles(goal: Goal, scene: Scene, workspace: Workspace) -> Found:
     edges = {
         "cycle_on": [each.on for each in goal.of_kind(OnTop)],
         "cycle_left_of": [each.left_of for each in goal.of_kind(LeftOf)],
+        "cycle_behind": [each.behind for each in goal.of_kind(Behind)],
     }
     for sentence, pairs in edges.items():
         for start, _ in pairs:

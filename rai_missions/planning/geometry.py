@@ -11,7 +11,7 @@ from collections.abc import Iterator, Sequence
 from functools import lru_cache
 from typing import NamedTuple
 
-__all__ = ("Footprint", "Point", "box", "disc", "gap", "overhang", "turned")
+__all__ = ("Footprint", "Point", "box", "disc", "gap", "overhang", "past_an_end", "turned")
 
 Point = tuple[float, float]
 SAME_M = 1e-9
@@ -25,6 +25,16 @@ class Footprint(NamedTuple):
     """Of the convex core, in order; one for a disc."""
     radius: float = 0.0
     """How far the outline is from the core."""
+
+    @property
+    def centre(self) -> Point:
+        """The middle of its corners."""
+        count = len(self.corners)
+        return sum(x for x, _ in self.corners) / count, sum(y for _, y in self.corners) / count
+
+    def turned(self, yaw: float) -> Footprint:
+        """The same about the origin, counter-clockwise by `yaw` radians."""
+        return Footprint(tuple(turned(corner, yaw) for corner in self.corners), self.radius)
 
     def extent(self, axis: int) -> tuple[float, float]:
         """From where to where it reaches along x (0) or y (1)."""
@@ -63,6 +73,21 @@ def overhang(inner: Footprint, outer: Footprint) -> float:
         for start, normal in _normals(outer.corners)
         for corner in inner.corners
     )
+
+
+def past_an_end(middle: Footprint, one: Footprint, other: Footprint) -> float:
+    """How far the first reaches past an end of the line between two others, or its centre lies off it, in metres.
+
+    At most 0 where it lies between the two, on the line, with room on both sides.
+    """
+    start, end = one.centre, other.centre
+    line = (end[0] - start[0], end[1] - start[1])
+    if math.hypot(*line) < SAME_M:
+        return math.inf
+    yaw = -math.atan2(line[1], line[0])
+    before, along, after = (each.turned(yaw).extent(0) for each in (one, middle, other))
+    off = abs(middle.turned(yaw).centre[1] - turned(start, yaw)[1])
+    return max(before[1] - along[0], along[1] - after[0], off)
 
 
 def _edges(corners: Sequence[Point]) -> Iterator[tuple[Point, Point]]:

@@ -7,7 +7,7 @@ Rule: nothing but what is declared here can be asked for; unknown words are refu
 from __future__ import annotations
 
 from collections.abc import Hashable, Iterator, Mapping
-from typing import Annotated, Any, ClassVar
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 from pydantic import AfterValidator, Field, PlainSerializer, Strict, field_validator
 
@@ -15,8 +15,8 @@ from rai_missions.model import AnyOf, MissionModel, TaggedModel, Text, fault
 from rai_missions.validation_errors import validated
 
 __all__ = (
-    "Apart", "AtPlace", "Goal", "Grouped", "InContainer", "LeftOf", "NextTo", "OnTop", "Predicate", "Refusal",
-    "Swapped", "goal_schema", "read_goal",
+    "FIRST_SEEN", "Apart", "AtPlace", "Behind", "Between", "Beyond", "Goal", "Grouped", "InContainer", "LeftOf",
+    "NextTo", "OnTop", "Predicate", "Refusal", "Shifted", "Swapped", "goal_schema", "read_goal",
 )  # fmt: skip
 
 MOST = 64
@@ -109,11 +109,28 @@ class InContainer(Predicate, word="in", named_in="in_"):
     _separate = field_validator("in_")(_no_desk)
 
 
-class LeftOf(Predicate, word="left_of"):
+class Beyond(Predicate):
+    """One thing further along an axis of the robot's base frame than another, both at rest on something."""
+
+    axis: ClassVar[int]
+    """0 for x, ahead of the robot; 1 for y, to its left."""
+    if TYPE_CHECKING:  # each kind declares it, after its things
+        gap_m: float | None
+
+    @property
+    def pair(self) -> Pair:
+        """The thing further along, and the other."""
+        further, other = self.things()
+        return further, other
+
+
+class LeftOf(Beyond, word="left_of"):
     """One thing to the left of another, both at rest on something: `{"left_of": ["a", "b"], "gap_m": 0.05}`.
 
     Left is greater y: the robot's left. Without a gap any distance will do.
     """
+
+    axis: ClassVar = 1
 
     left_of: Pair
     """The left one, and the other."""
@@ -123,6 +140,39 @@ class LeftOf(Predicate, word="left_of"):
     def __init__(self, left_of: tuple[str, str], gap_m: float | None = None) -> None: ...
 
     _separate = field_validator("left_of")(_no_desk)
+
+
+class Behind(Beyond, word="behind"):
+    """One thing behind another as the robot sees them, both at rest on something: `{"behind": ["a", "b"]}`.
+
+    Behind is greater x: further from the robot. Without a gap any distance will do.
+    """
+
+    axis: ClassVar = 0
+    behind: Pair
+    """The one further from the robot, and the other."""
+    gap_m: Gap | None = None
+    """The free distance between the two along x in metres; the two are then one behind the other."""
+
+    def __init__(self, behind: tuple[str, str], gap_m: float | None = None) -> None: ...
+
+    _separate = field_validator("behind")(_no_desk)
+
+
+class Between(Predicate, word="between"):
+    """One thing between two others, from above: `{"between": ["a", "b", "c"]}`, a between b and c."""
+
+    between: tuple[ThingName, ThingName, ThingName]
+    """The one in the middle, and the two at the ends."""
+
+    def __init__(self, between: tuple[str, str, str]) -> None: ...
+
+    _separate = field_validator("between")(_no_desk)
+
+    @property
+    def meaning(self) -> Hashable:
+        middle, *ends = self.between
+        return self.word, middle, frozenset(ends)
 
 
 class NextTo(Predicate, word="next_to", is_mutual=True):
@@ -161,7 +211,7 @@ class Apart(Predicate, word="apart", is_mutual=True):
 class Swapped(Predicate, word="swapped", is_mutual=True):
     """Two things, each where the other was first seen: `{"swapped": ["a", "b"]}`.
 
-    It depends on poses that are gone once a thing has moved: `without_swaps` rewrites it when the goal is read.
+    It depends on poses that are gone once a thing has moved: `at_first_poses` rewrites it when the goal is read.
     """
 
     swapped: Pair
@@ -170,6 +220,27 @@ class Swapped(Predicate, word="swapped", is_mutual=True):
     def __init__(self, swapped: tuple[str, str]) -> None: ...
 
     _separate = field_validator("swapped")(_no_desk)
+
+
+class Shifted(Predicate, word="shifted"):
+    """A thing so far from where it was first seen: `{"shifted": "a", "dx": 0.0, "dy": 0.1}`.
+
+    By nothing, it stays there.
+    It depends on a pose that is gone once the thing has moved: `at_first_poses` rewrites it when the goal is read.
+    """
+
+    shifted: Annotated[ThingName, AfterValidator(_alone)]
+    """The thing."""
+    dx: Metres
+    """Metres ahead, away from the robot."""
+    dy: Metres
+    """Metres to the robot's left."""
+
+    def __init__(self, shifted: str, dx: float, dy: float) -> None: ...
+
+
+FIRST_SEEN = (Swapped, Shifted)
+"""Predicates about the poses first seen."""
 
 
 class Goal(MissionModel):

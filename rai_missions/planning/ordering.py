@@ -6,15 +6,15 @@ Where two wait for each other's place, one is put aside for a while.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 
 from rai_missions.planning.fingers import can_take, crowding
 from rai_missions.planning.placement import Arrangement, is_in_the_way
-from rai_missions.planning.plan import PlannedMove, Pose
+from rai_missions.planning.plan import AvoidedPlace, PlannedMove, Pose, is_avoided
 from rai_missions.planning.scene import CONTAINERS, DESK, Thing
 from rai_missions.planning.workspace import Workspace
 
-__all__ = ("Ordering",)
+__all__ = ("Ordering", "free_spot")
 
 WIDE_M = (0.085, 0.045)
 """Free distances around what is put aside, the best first: for a hand with its palm next to it, and for fingers."""
@@ -33,18 +33,20 @@ class Ordering:
         workspace: Where a thing may be put aside.
         clearance: Metres that the fingers need.
         careful: Put aside first what leaves another's fingers no room, as long as that helps; then the arm may push.
+        avoided: Places at which the arm did not set things down; nothing is put aside there.
     """
 
     def __init__(
         self, present: Arrangement, below: dict[str, str | None], final: Arrangement, carriers: dict[str, str | None],
         *, names: Sequence[str], reasons: dict[str, str], workspace: Workspace, clearance: float,
-        careful: bool = False,
+        careful: bool = False, avoided: Collection[AvoidedPlace] = (),
     ) -> None:  # fmt: skip
         self.now, self.below = dict(present), dict(below)
         self.final, self.carriers, self.reasons = final, carriers, reasons
         self.workspace, self.clearance, self.careful = workspace, clearance, careful
         self.waiting = [name for name in names if final[name] != present[name]]
         self._aside: set[str] = set()
+        self._avoided = avoided
 
     def moves(self) -> tuple[PlannedMove, ...] | None:
         """The moves in their order; None where there is no room to put a thing aside."""
@@ -130,16 +132,29 @@ class Ordering:
         return (upper for upper, below in self.below.items() if below in lower)
 
     def _free_spot(self, name: str) -> Thing | None:
-        """The nearest place that is free now and that no other is to have; with room for the whole hand if any."""
-        thing = self.now[name]
+        """The nearest place that is free now and that no other is to have."""
         taken = [other for each, other in self.now.items() if each != name]
         taken += [self.final[each] for each in self.waiting if each != name]
-        points = self.workspace.places((thing.x, thing.y))
-        for clearance in (*(each for each in WIDE_M if each > self.clearance), self.clearance):
-            for point in points:
-                spot = thing.moved(*point, thing.size[2] / 2)
-                if self.workspace.carries(spot.footprint) and not any(
-                    is_in_the_way(spot, other, clearance) for other in taken
-                ):
-                    return spot
-        return None
+        return free_spot(self.now[name], taken, self.workspace, self.clearance, self._avoided)
+
+
+def free_spot(
+    thing: Thing, taken: Sequence[Thing], workspace: Workspace, least: float, avoided: Collection[AvoidedPlace] = ()
+) -> Thing | None:
+    """The nearest place on the desk that is free, with room for the whole hand if there is any; None where none is.
+
+    Args:
+        thing: Where it is.
+        taken: All else that is to be kept clear of.
+        workspace: Where it may be.
+        least: Metres that the fingers need.
+        avoided: Places that it must not be.
+    """
+    points = workspace.places((thing.x, thing.y))
+    for clearance in (*(each for each in WIDE_M if each > least), least):
+        for point in points:
+            spot = thing.moved(*point, thing.size[2] / 2)
+            is_free = workspace.carries(spot.footprint) and not is_avoided(spot, avoided)
+            if is_free and not any(is_in_the_way(spot, other, clearance) for other in taken):
+                return spot
+    return None

@@ -9,11 +9,34 @@ from __future__ import annotations
 import math
 from collections.abc import Collection, Iterator, Sequence
 
-from rai_missions.planning.candidates import LEAST_M, aligned, around, from_a_corner, from_the_middle, packed, to_a_side
+from rai_missions.planning.candidates import (
+    LEAST_M,
+    aligned,
+    amid,
+    around,
+    at_an_end,
+    from_a_corner,
+    from_the_middle,
+    packed,
+    to_a_side,
+)
 from rai_missions.planning.feasibility import FLOOR_M, column_of
 from rai_missions.planning.fingers import PALM_UP_M, can_take
-from rai_missions.planning.geometry import Point, gap, overhang
-from rai_missions.planning.goal import Apart, AtPlace, Goal, Grouped, InContainer, LeftOf, NextTo, OnTop, Predicate
+from rai_missions.planning.geometry import Point, gap, overhang, past_an_end
+from rai_missions.planning.goal import (
+    Apart,
+    AtPlace,
+    Between,
+    Beyond,
+    Goal,
+    Grouped,
+    InContainer,
+    LeftOf,
+    NextTo,
+    OnTop,
+    Predicate,
+)
+from rai_missions.planning.plan import AvoidedPlace, is_avoided
 from rai_missions.planning.relations import columns, holds, inner, reached
 from rai_missions.planning.scene import CONTAINERS, DESK, Scene, Thing
 from rai_missions.planning.tolerances import APART, APART_M, GROUPED, NEXT_TO, WALL_M
@@ -25,6 +48,8 @@ SPARE_M = 0.02
 """By how much things are nearer to each other than a relation would allow, for an arm that is not exact."""
 PALM_REACH_M = 0.16
 """Metres between the middles of two things beyond which the palm of the one's hand does not meet the other."""
+SLACK_M = 0.0003
+"""What rounding may take from the room of what is between two others, metres."""
 ABOVE_M = 0.005
 """How far the fingers reach below the underside of what they set down, metres."""
 
@@ -63,12 +88,14 @@ class Placement:
         clearance: Metres between things that are set down and others.
         budget: Places that are tried, all things together, before it is given up.
         lined_up: Things that are left of others are placed from the right, each as far right as possible.
-        leaving: Of the movers, those that may not stay where they are.
+        leaving: Of the movers, those that may not stay where they are, nor cover any of it.
+        avoided: Places at which the arm did not set things down; none of these is chosen.
     """
 
     def __init__(
         self, goal: Goal, scene: Scene, workspace: Workspace, *, below: dict[str, str | None], movers: Sequence[str],
         clearance: float, budget: int, lined_up: bool = False, leaving: Collection[str] = (),
+        avoided: Collection[AvoidedPlace] = (),
     ) -> None:  # fmt: skip
         self.goal, self.scene, self.workspace, self.clearance = goal, scene, workspace, clearance
         self.present = scene.by_name
@@ -79,7 +106,7 @@ class Placement:
             each.name: each for each in scene.things if each.name not in movers and each.bottom >= FLOOR_M
         }
         self.below: dict[str, str | None] = {name: below[name] for name in self.final}
-        self._below_now, self._lined_up, self._leaving = below, lined_up, leaving
+        self._below_now, self._lined_up, self._leaving, self.avoided = below, lined_up, leaving, avoided
         self._lines: dict[tuple[str, int], tuple[str, ...]] = {}
         self.blockers: dict[str, None] = {}
         """Things that do not move and were in the way of a place that was named."""
@@ -112,8 +139,13 @@ class Placement:
     # -- the order in which places are looked for ----------------------------------------------------------------------
 
     def _ordered(self, movers: Sequence[str]) -> list[str]:
-        """Named places first, then containers, then what is next to others, at last what only makes room."""
+        """Named places first, then containers, then what is next to others, at last what only makes room.
+
+        What is to be between two others comes after these.
+        """
         mentioned = {name: place for place, name in enumerate(self.goal.things())}
+        for each in self.goal.of_kind(Between):
+            mentioned[each.between[0]] = max(len(mentioned), *mentioned.values()) + 1
 
         def sort_key(name: str) -> tuple[int, int, int]:
             column = column_of(self.goal, name)
@@ -206,11 +238,23 @@ class Placement:
                 is_bound = True
                 for partner in partners:
                     yield from around(thing, partner, self.clearance)
-            elif isinstance(each, LeftOf) and not self._is_in_line(thing.name):
+            elif isinstance(each, Beyond) and not self._is_in_line(thing.name):
                 is_bound = is_bound or each.gap_m is not None
                 yield from to_a_side(thing, partners[0], each, self.clearance)
+            elif isinstance(each, Between):
+                is_bound = is_bound or thing.name == each.between[0]
+                yield from self._for_between(thing, each)
         if not is_bound:
             yield from (thing.moved(*point, level) for point in self._raster(thing))
+
+    def _for_between(self, thing: Thing, wanted: Between) -> Iterator[Thing]:
+        """Places in the middle of two that are placed, or for one of the two such that the other things have room."""
+        middle, *ends = wanted.between
+        partners = [self.final[name] for name in ends if name != thing.name and name in self.final]
+        if thing.name == middle and len(partners) == len(ends):
+            yield from amid(thing, partners)
+        elif thing.name != middle and partners:
+            yield from at_an_end(thing, partners[0], self.present[middle], self.clearance)
 
     def _raster(self, thing: Thing) -> list[Point]:
         """The places that may be chosen: the nearest first, or those farthest to the right of what a line leaves."""
@@ -240,9 +284,7 @@ class Placement:
                 if other != self.present[other.name]
                 and thing.name not in self._chain(other.name, self.below[other.name])
             )
-        if not self._is_in_place(thing, below) or not self.workspace.reaches(now.x, now.y):
-            return False
-        if min(thing.size[:2]) > self.workspace.opening_m:
+        if not self._may_go(thing, below):
             return False
         carriers = self._chain(thing.name, below)
         room = self._needed(thing.name)
@@ -255,6 +297,15 @@ class Placement:
         if blocking and (self._named_place(thing.name) or self.wanted.get(thing.name, DESK) != DESK):
             self.blockers.update(dict.fromkeys(blocking))
         return not blocking and self._has_room_for_the_palm(thing, carriers)
+
+    def _may_go(self, thing: Thing, below: str) -> bool:
+        """Whether the arm takes a thing to a place: it was not refused, and what leaves is not set down here again."""
+        now = self.present[thing.name]
+        if is_avoided(thing, self.avoided) or min(thing.size[:2]) > self.workspace.opening_m:
+            return False
+        if thing.name in self._leaving and gap(thing.footprint, now.footprint) < 0:
+            return False
+        return self._is_in_place(thing, below) and self.workspace.reaches(now.x, now.y)
 
     def _has_room_for_the_palm(self, thing: Thing, carriers: set[str]) -> bool:
         """Whether the hand can let go there, in some direction, next to what is higher than its palm comes down."""
@@ -279,8 +330,8 @@ class Placement:
 
     def _needed(self, name: str) -> dict[str, float]:
         """Name → the free distance that was asked for next to it, which may be less than the clearance."""
-        return {other: max(LEAST_M, each.gap_m - 0.001) for each in self.goal.of_kind(LeftOf) if each.gap_m is not None
-                and name in each.left_of for other in each.left_of if other != name}  # fmt: skip
+        return {other: max(LEAST_M, each.gap_m - 0.001) for each in self.goal.all if isinstance(each, Beyond)
+                and each.gap_m is not None and name in each.pair for other in each.pair if other != name}  # fmt: skip
 
     def _chain(self, name: str, below: str | None) -> set[str]:
         """What carries a thing, down to the desk, itself included."""
@@ -343,8 +394,11 @@ class Placement:
                        for place, one in enumerate(things) for other in things[:place])  # fmt: skip
         if not is_whole:
             return True
-        if isinstance(predicate, LeftOf) and predicate.gap_m is None:
-            return things[0].footprint.extent(1)[0] >= things[1].footprint.extent(1)[1]
+        if isinstance(predicate, Beyond) and predicate.gap_m is None:
+            further, other = (thing.footprint.extent(predicate.axis) for thing in things)
+            return further[0] >= other[1]
+        if isinstance(predicate, Between):
+            return past_an_end(*(thing.footprint for thing in things)) <= SLACK_M
         if isinstance(predicate, NextTo):
             return gap(things[0].footprint, things[1].footprint) <= NEXT_TO - SPARE_M
         return not isinstance(predicate, Grouped) or self._is_connected(things)

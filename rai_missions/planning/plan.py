@@ -3,13 +3,18 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 from rai_missions.planning.goal import Refusal
 from rai_missions.planning.scene import Thing
 
-__all__ = ("Plan", "PlannedMove", "Pose", "plan_data")
+__all__ = ("AvoidedPlace", "Plan", "PlannedMove", "Pose", "avoided_after", "is_avoided", "plan_data")
+
+SAME_M = 0.02
+"""Metres from a place that the arm refused within which it would refuse another."""
 
 
 class Pose(NamedTuple):
@@ -28,6 +33,19 @@ class Pose(NamedTuple):
         return self._asdict()
 
 
+class AvoidedPlace(NamedTuple):
+    """A place at which the arm did not set a thing down."""
+
+    object: str
+    """The thing's name."""
+    place: Pose
+    """Where its centre was to be."""
+
+    def written(self) -> dict[str, Any]:
+        """As plain data."""
+        return {"object": self.object, "place": self.place.written()}
+
+
 @dataclass(frozen=True)
 class PlannedMove:
     """One thing, picked where it is and set down elsewhere."""
@@ -44,11 +62,14 @@ class PlannedMove:
     """What must be so when the move begins, for people who review the plan."""
     why: str
     """What it is for."""
+    spare: Pose | None = None
+    """Where else its centre may be meanwhile, should the arm set it down neither there nor where it was."""
 
     def written(self) -> dict[str, Any]:
         """As plain data."""
         return {
             "kind": "pick_and_place", "object": self.object, "pick": self.pick.written(), "place": self.place.written(),
+            "spare": self.spare.written() if self.spare is not None else None,
             "onto": self.onto, "assumes": list(self.assumes), "why": self.why,
         }  # fmt: skip
 
@@ -58,6 +79,8 @@ class Plan:
     """The moves that lead to a goal, in their order; none where it holds already."""
 
     moves: tuple[PlannedMove, ...] = ()
+    about: str = ""
+    """What a person should know of it, as a sentence: a place that the arm refused is tried again."""
 
     @property
     def next(self) -> PlannedMove | None:
@@ -65,9 +88,34 @@ class Plan:
         return self.moves[0] if self.moves else None
 
 
-def plan_data(found: Plan | Refusal) -> dict[str, Any]:
-    """A plan, or why there is none, as plain data: the same fields for both."""
+def plan_data(found: Plan | Refusal, avoided: tuple[AvoidedPlace, ...] = ()) -> dict[str, Any]:
+    """A plan, or why there is none, as plain data: the same fields for both, and the places that were to be avoided."""
+    places = [each.written() for each in avoided]
     if isinstance(found, Refusal):
-        return {"moves": [], "next": None, "reason": found.refused, "about": found.about}
+        return {"moves": [], "next": None, "reason": found.refused, "about": found.about, "avoided": places}
     moves = [move.written() for move in found.moves]
-    return {"moves": moves, "next": moves[0] if moves else None, "reason": "", "about": ""}
+    next_one = moves[0] if moves else None
+    return {"moves": moves, "next": next_one, "reason": "", "about": found.about, "avoided": places}
+
+
+def is_avoided(thing: Thing, avoided: Iterable[AvoidedPlace]) -> bool:
+    """Whether the arm refused to set a thing down where it is."""
+    here = (thing.x, thing.y, thing.z)
+    return any(each.object == thing.name and math.dist(each.place[:3], here) < SAME_M for each in avoided)
+
+
+def avoided_after(last: object) -> tuple[AvoidedPlace, ...]:
+    """The places to avoid once the arm refused the next move of a plan: its own, and those that it avoided.
+
+    Args:
+        last: The plan as plain data; what is no place in it is left out.
+    """
+    if not isinstance(last, Mapping):
+        return ()
+    return tuple(dict.fromkeys(_places([*(last.get("avoided") or ()), last.get("next")])))
+
+
+def _places(data: list[Any]) -> Iterator[AvoidedPlace]:
+    for each in data:
+        if isinstance(each, Mapping) and isinstance(each.get("place"), Mapping):
+            yield AvoidedPlace(str(each["object"]), Pose(**each["place"]))

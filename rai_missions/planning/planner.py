@@ -7,7 +7,8 @@ a named place are put away; everything else stays.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from itertools import combinations
 
 from rai_missions.errors import UsageError
@@ -15,11 +16,11 @@ from rai_missions.planning.candidates import LEAST_M
 from rai_missions.planning.feasibility import FLOOR_M, refused_by_rule
 from rai_missions.planning.fingers import PALM_UP_M, least_crowding
 from rai_missions.planning.geometry import gap
-from rai_missions.planning.goal import AtPlace, Goal, Grouped, InContainer, LeftOf, OnTop, Refusal, Swapped
-from rai_missions.planning.ordering import Ordering
+from rai_missions.planning.goal import FIRST_SEEN, AtPlace, Goal, Grouped, InContainer, LeftOf, OnTop, Refusal
+from rai_missions.planning.ordering import Ordering, free_spot
 from rai_missions.planning.placement import Placement
-from rai_missions.planning.plan import Plan, PlannedMove
-from rai_missions.planning.relations import columns, holds, support, without_swaps
+from rai_missions.planning.plan import AvoidedPlace, Plan, PlannedMove, Pose
+from rai_missions.planning.relations import at_first_poses, columns, holds, support
 from rai_missions.planning.scene import CONTAINERS, DESK, Scene, Thing
 from rai_missions.planning.sentences import ENGLISH, refusal_sentence
 from rai_missions.planning.tolerances import contact
@@ -42,46 +43,58 @@ BUDGET_OF_ALL = 9_000
 
 
 def feasible(goal: Goal, scene: Scene, workspace: Workspace | None = None) -> Refusal | None:
-    """Why a goal cannot be reached; None where there is a plan. A swap counts from the poses that are seen.
+    """Why a goal cannot be reached; None where there is a plan. Swaps and shifts count from the poses that are seen.
 
     Args:
         goal: What is wanted.
         scene: What is seen.
         workspace: Where the arm works.
     """
-    if any(True for _ in goal.of_kind(Swapped)) and all(scene.get(name) is not None for name in goal.things()):
+    if any(True for _ in goal.of_kind(*FIRST_SEEN)) and all(scene.get(name) is not None for name in goal.things()):
         try:
-            goal = without_swaps(goal, scene)
+            goal = at_first_poses(goal, scene)
         except UsageError:
             return Refusal("no_room", refusal_sentence("swap_absent"))
     found = planned(goal, scene, workspace)
     return found if isinstance(found, Refusal) else None
 
 
-def planned(goal: Goal, scene: Scene, workspace: Workspace | None = None, *, language: str = ENGLISH) -> Plan | Refusal:
+def planned(
+    goal: Goal, scene: Scene, workspace: Workspace | None = None, *, language: str = ENGLISH,
+    avoided: Sequence[AvoidedPlace] = (),
+) -> Plan | Refusal:  # fmt: skip
     """The moves that reach a goal, or why it is refused. The same question has the same answer.
 
     What moves is taken as at rest where it was seen, and the gripper as empty; each move states so.
 
     Args:
-        goal: What is wanted, its swaps rewritten.
+        goal: What is wanted, its swaps and shifts rewritten.
         scene: What is seen.
         workspace: Where the arm works.
         language: Of the sentence of a refusal.
+        avoided: Places that the arm refused; where no plan does without them, they are tried again, and `about` of the
+            plan names the last of them.
     """
     workspace = workspace or Workspace()
     if (refusal := refused_by_rule(goal, scene, workspace, language)) is not None:
         return refusal
     things = tuple(thing.model_copy(update={"at_rest": True}) for thing in scene.things)
-    found = _Planner(goal, scene.model_copy(update={"things": things, "gripper": "empty"}), workspace).plan()
+    rest = scene.model_copy(update={"things": things, "gripper": "empty"})
+    found = _Planner(goal, rest, workspace, avoided).plan()
+    if found is None and avoided:
+        found, again = (
+            _Planner(goal, rest, workspace).plan(),
+            refusal_sentence("refused_place", (avoided[-1].object,), language=language),
+        )
+        found = replace(found, about=again) if found is not None else None
     return found if found is not None else Refusal("no_room", refusal_sentence("no_room", language=language))
 
 
 class _Planner:
     """One question: a goal that no rule refuses, over a scene at rest."""
 
-    def __init__(self, goal: Goal, scene: Scene, workspace: Workspace) -> None:
-        self.goal, self.scene, self.workspace = goal, scene, workspace
+    def __init__(self, goal: Goal, scene: Scene, workspace: Workspace, avoided: Sequence[AvoidedPlace] = ()) -> None:
+        self.goal, self.scene, self.workspace, self.avoided = goal, scene, workspace, avoided
         self.present = {thing.name: thing for thing in scene.things if thing.bottom >= FLOOR_M}
         self.below = {name: support(name, scene) or self._leant_on(name) for name in self.present}
         self.left = BUDGET_OF_ALL
@@ -119,8 +132,18 @@ class _Planner:
                 found = [moves for each in clearances
                          if (moves := self._moves(movers, each, lined_up=lined_up)) is not None]  # fmt: skip
                 if found:
-                    return Plan(min(found, key=len))
+                    return Plan(self._with_spare(min(found, key=len)))
         return None
+
+    def _with_spare(self, moves: tuple[PlannedMove, ...]) -> tuple[PlannedMove, ...]:
+        """The moves, the next with a place where its thing may lie if the arm can set it down nowhere else."""
+        if not moves:
+            return moves
+        first, *rest = moves
+        there = {move.object: self.present[move.object].moved(*move.place) for move in reversed(moves)}
+        others = [*(each for name, each in self.present.items() if name != first.object), *there.values()]
+        spot = free_spot(self.present[first.object], others, self.workspace, LEAST_M, self.avoided)
+        return (replace(first, spare=Pose.of(spot) if spot is not None else None), *rest)
 
     # -- which things move ---------------------------------------------------------------------------------------------
 
@@ -203,7 +226,7 @@ class _Planner:
             budget = min(budget, self.left)
             placement = Placement(
                 self.goal, self.scene, self.workspace, below=self.below, movers=movers, clearance=clearance,
-                budget=budget, lined_up=lined_up, leaving=leaving,
+                budget=budget, lined_up=lined_up, leaving=leaving, avoided=self.avoided,
             )  # fmt: skip
             is_found = placement.found()
             self.left -= budget - max(0, placement.left)
@@ -227,6 +250,7 @@ class _Planner:
             Ordering(
                 self.present, self.below, placement.final, placement.below, names=self._first(placement.order),
                 reasons=self._reasons(placement), workspace=self.workspace, clearance=each, careful=careful,
+                avoided=self.avoided,
             ).moves()
             for careful in (True, False)
             for each in (clearance, LEAST_M)
@@ -250,7 +274,8 @@ class _Planner:
         """Name → what its move is for."""
         found = {name: f"{name} makes room: it is in the way" for name in placement.order}
         words = {"on": "on {}", "in": "in {}", "at": "at its place", "left_of": "to a side of {}",
-                 "next_to": "next to {}", "grouped": "close to {}", "apart": "away from {}"}  # fmt: skip
+                 "behind": "to a side of {}", "between": "in line with {}", "next_to": "next to {}",
+                 "grouped": "close to {}", "apart": "away from {}"}  # fmt: skip
         for each in reversed(self.goal.all):
             for name in each.things():
                 others = [other for other in each.things() if other != name]

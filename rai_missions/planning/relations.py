@@ -13,10 +13,14 @@ import math
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from typing import Any
 
-from rai_missions.planning.geometry import gap, overhang, turned
+from rai_missions.planning.geometry import gap, overhang, past_an_end, turned
 from rai_missions.planning.goal import (
+    FIRST_SEEN,
     Apart,
     AtPlace,
+    Behind,
+    Between,
+    Beyond,
     Goal,
     Grouped,
     InContainer,
@@ -24,6 +28,7 @@ from rai_missions.planning.goal import (
     NextTo,
     OnTop,
     Predicate,
+    Shifted,
     Swapped,
 )
 from rai_missions.planning.scene import CONTAINERS, DESK, Scene, Thing
@@ -31,6 +36,7 @@ from rai_missions.planning.tolerances import (
     APART,
     APART_M,
     AT,
+    BETWEEN,
     GROUPED,
     LEFT_OF,
     LEVEL,
@@ -42,7 +48,7 @@ from rai_missions.planning.tolerances import (
 )
 
 __all__ = (
-    "Truth", "columns", "covers", "holds", "inner", "reached", "rests_in", "rests_on", "support", "without_swaps",
+    "Truth", "at_first_poses", "columns", "covers", "holds", "inner", "reached", "rests_in", "rests_on", "support",
 )  # fmt: skip
 
 Truth = bool | None
@@ -53,7 +59,7 @@ def reached(goal: Goal, scene: Scene, margin: float = STRICT) -> Truth:
     """Whether all of a goal holds: every predicate, no foreign thing in a tower, all at rest, nothing in the gripper.
 
     Args:
-        goal: What is wanted; a swap that was not rewritten is unknown.
+        goal: What is wanted; what is about the poses first seen, and was not rewritten, is unknown.
         scene: What is seen.
         margin: Standard deviations that are added to each tolerance: `STRICT` for a guard, `JUDGE` for a judge.
     """
@@ -77,7 +83,7 @@ def holds(predicate: Predicate, scene: Scene, margin: float = STRICT) -> Truth:
     seen = [thing for thing in things.values() if thing is not None]
     if not all(thing.at_rest for thing in seen):
         return False
-    if isinstance(predicate, Swapped) or any(3 * thing.sigma_m > contact(thing) for thing in seen):
+    if isinstance(predicate, FIRST_SEEN) or any(3 * thing.sigma_m > contact(thing) for thing in seen):
         return None
     test = TESTS[type(predicate)]
     return test(predicate, scene, margin)
@@ -188,16 +194,25 @@ def _is_inside(thing: Thing, container: Thing, scene: Scene, margin: float) -> b
     )
 
 
-def _left_of(predicate: LeftOf, scene: Scene, margin: float) -> bool:
-    left, right = (scene.thing(name) for name in predicate.left_of)
-    tolerance = LEFT_OF + margin * math.hypot(left.sigma_m, right.sigma_m)
-    free = left.footprint.extent(1)[0] - right.footprint.extent(1)[1]
-    carried = _is_carried(left, scene, margin) and _is_carried(right, scene, margin)
+def _beyond(predicate: Beyond, scene: Scene, margin: float) -> bool:
+    further, other = (scene.thing(name) for name in predicate.pair)
+    tolerance = LEFT_OF + margin * math.hypot(further.sigma_m, other.sigma_m)
+    free = further.footprint.extent(predicate.axis)[0] - other.footprint.extent(predicate.axis)[1]
+    carried = _is_carried(further, scene, margin) and _is_carried(other, scene, margin)
     if predicate.gap_m is None:
         return carried and -free <= tolerance
-    near, far = left.footprint.extent(0), right.footprint.extent(0)
-    past = max(near[0] - far[1], far[0] - near[1])
+    one, two = (thing.footprint.extent(1 - predicate.axis) for thing in (further, other))
+    past = max(one[0] - two[1], two[0] - one[1])
     return carried and abs(free - predicate.gap_m) <= tolerance and past <= tolerance
+
+
+def _between(predicate: Between, scene: Scene, margin: float) -> bool:
+    middle, *ends = things = [scene.thing(name) for name in predicate.between]
+    tolerance = BETWEEN + margin * max(math.hypot(middle.sigma_m, end.sigma_m) for end in ends)
+    if past_an_end(*(thing.footprint for thing in things)) > tolerance:
+        return False
+    is_on_one = any(rests_on(*pair, -margin) for end in ends for pair in ((middle, end), (end, middle)))
+    return not is_on_one and all(_is_carried(thing, scene, margin) for thing in things)
 
 
 def _next_to(predicate: NextTo, scene: Scene, margin: float) -> bool:
@@ -237,7 +252,8 @@ def _apart(predicate: Apart, scene: Scene, margin: float) -> bool:
 
 
 TESTS: Mapping[type[Predicate], Callable[[Any, Scene, float], bool]] = {
-    OnTop: _on, AtPlace: _at, InContainer: _in, LeftOf: _left_of, NextTo: _next_to, Grouped: _grouped, Apart: _apart,
+    OnTop: _on, AtPlace: _at, InContainer: _in, LeftOf: _beyond, Behind: _beyond, Between: _between, NextTo: _next_to,
+    Grouped: _grouped, Apart: _apart,
 }  # fmt: skip
 """Kind of predicate → how it is compared, where every thing of it is seen, certain and at rest."""
 
@@ -283,16 +299,20 @@ def _is_pure(column: tuple[str, ...], scene: Scene, margin: float) -> Truth:
     )
 
 
-def without_swaps(goal: Goal, scene: Scene) -> Goal:
-    """The goal with each swap as the poses that the two things have now, each on or in what carries the other.
+def at_first_poses(goal: Goal, scene: Scene) -> Goal:
+    """The goal with what is about the poses first seen as places, counted from the poses that things have now.
+
+    Of a swap each comes on or in what carries the other; what is shifted by nothing stays on or in what carries it.
 
     Raises:
-        UsageError: A thing of a swap is not seen, or nothing carries it.
+        UsageError: A thing of a swap or a shift is not seen, or nothing carries it.
     """
     found: list[Predicate] = []
     for each in goal.all:
         if isinstance(each, Swapped):
             found.extend(_exchanged(*each.swapped, scene))
+        elif isinstance(each, Shifted):
+            found.extend(_shifted(each, scene))
         else:
             found.append(each)
     return Goal(all=tuple(dict.fromkeys(found)))
@@ -300,11 +320,26 @@ def without_swaps(goal: Goal, scene: Scene) -> Goal:
 
 def _exchanged(one: str, other: str, scene: Scene) -> Iterator[Predicate]:
     for name, place in ((one, other), (other, one)):
-        there = scene.thing(place)
-        below = support(place, scene)
-        yield AtPlace(at=name, x=round(there.x, 4), y=round(there.y, 4))
-        if below is None or below == DESK:
-            continue
-        carrier = place if below == name else below
-        kind = InContainer if scene.thing(below).type in CONTAINERS else OnTop
-        yield kind((name, carrier))
+        yield _at_pose_of(place, scene, name)
+        yield from _carried_as(place, scene, name)
+
+
+def _shifted(each: Shifted, scene: Scene) -> Iterator[Predicate]:
+    yield _at_pose_of(each.shifted, scene, each.shifted, each.dx, each.dy)
+    if not (each.dx or each.dy):
+        yield from _carried_as(each.shifted, scene, each.shifted)
+
+
+def _at_pose_of(place: str, scene: Scene, name: str, dx: float = 0.0, dy: float = 0.0) -> AtPlace:
+    there = scene.thing(place)
+    return AtPlace(at=name, x=round(there.x + dx, 4), y=round(there.y + dy, 4))
+
+
+def _carried_as(place: str, scene: Scene, name: str) -> Iterator[Predicate]:
+    """One thing on or in what carries another now; nothing where that is the desk."""
+    below = support(place, scene)
+    if below is None or below == DESK:
+        return
+    carrier = place if below == name else below
+    kind = InContainer if scene.thing(below).type in CONTAINERS else OnTop
+    yield kind((name, carrier))

@@ -11,8 +11,8 @@ from collections.abc import Mapping
 from rai_missions.planning.scene import Thing
 
 __all__ = (
-    "APART", "APART_M", "AT", "CAMERA_SIGMA_M", "CONTACT", "GROUPED", "JUDGE", "LEFT_OF", "LEVEL", "NEXT_TO", "STRICT",
-    "WALL_M", "contact", "fit",
+    "APART", "APART_M", "AT", "BETWEEN", "CAMERA_SIGMA_M", "CONTACT", "GROUPED", "JUDGE", "LEFT_OF", "LEVEL", "NEXT_TO",
+    "STRICT", "WALL_M", "contact", "fit",
 )  # fmt: skip
 
 STRICT = -2.0
@@ -37,6 +37,8 @@ FIT: Mapping[str, float] = {
 """Type → metres by which a footprint may reach beyond what it is to be inside of."""
 LEFT_OF = 0.022
 """Metres by which two things may overlap along y and one still be left of the other; also the error of a gap."""
+BETWEEN = 0.022
+"""Metres by which a thing may reach past an end of the line between two others, or lie off that line."""
 NEXT_TO = 0.07
 """Metres between the footprints of two things that are next to each other, at the most."""
 GROUPED = 0.09

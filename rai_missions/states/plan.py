@@ -27,15 +27,18 @@ class Plan(State, word="plan"):
     over: Path
     """The key that holds what the robot sees."""
     into: Annotated[Name, Refers("key", "plan")]
-    """The mission key that the plan is written to, an object: `moves`, `next`, `reason`, `about`."""
+    """The mission key that the plan is written to, an object: `moves`, `next`, `reason`, `about`, `avoided`."""
     asked: Path | None = None
     """The key that holds the request, a string: `about` is in its language. Left out: in English."""
+    refused: Path | None = None
+    """The key that holds whether the arm refused to set down the thing of the last plan's next move, a boolean. While
+    it is true, places that were refused are avoided, if there are others."""
 
     def __init__(
         self, plan: KeyPath, *, over: KeyPath, into: KeyPath, asked: KeyPath | None = None,
-        about: str = "", control: Controller | None = None, entry: Effect | Sequence[Effect] = (),
-        exit: Effect | Sequence[Effect] = (), transitions: Sequence[Transition] = (), timeout_s: float | None = None,
-        handover_s: float = 5.0,
+        refused: KeyPath | None = None, about: str = "", control: Controller | None = None,
+        entry: Effect | Sequence[Effect] = (), exit: Effect | Sequence[Effect] = (),
+        transitions: Sequence[Transition] = (), timeout_s: float | None = None, handover_s: float = 5.0,
     ) -> None: ...  # fmt: skip
 
     def outcomes(self) -> frozenset[str]:
@@ -53,12 +56,16 @@ class Plan(State, word="plan"):
         yield TypeNeed("/into", self.into, "object", "a plan is an object")
         if self.asked is not None:
             yield TypeNeed("/asked", self.asked, "string", "the language is that of a request, a string")
+        if self.refused is not None:
+            yield TypeNeed("/refused", self.refused, "boolean", "a place was refused, or it was not")
 
     def distinguish(self, by: Distinctions) -> None:
         by.ask(self.plan)
         by.ask(self.over)
         if self.asked is not None:
             by.ask(self.asked)
+        if self.refused is not None:
+            by.ask(self.refused)
 
     def activity(self) -> str:
         return f"plan {self.plan}"
@@ -67,4 +74,6 @@ class Plan(State, word="plan"):
         yield f"over {self.over}, into {self.into}"
         if self.asked is not None:
             yield f"in the language of {self.asked}"
+        if self.refused is not None:
+            yield f"elsewhere after {self.refused}"
         yield from super().details()

@@ -40,7 +40,7 @@ def unmet(goal: Sequence[Mapping[str, Any]], truth: DeskTruth) -> Iterator[str]:
     if truth.held:
         yield f"{truth.held} is held"
     for each in goal:
-        (word,) = (name for name in each if name not in ("x", "y", "gap_m"))
+        (word,) = (name for name in each if name not in ("x", "y", "dx", "dy", "gap_m"))
         names = [each[word]] if isinstance(each[word], str) else list(each[word])
         for name in names:
             if name != "desk" and not truth.things[name].at_rest:
@@ -141,8 +141,28 @@ def _in(names: Sequence[str], _: Mapping[str, Any], truth: DeskTruth) -> bool:
 
 
 def _left_of(names: Sequence[str], each: Mapping[str, Any], truth: DeskTruth) -> bool:
+    return _is_beyond(names, each, truth, axis=1)
+
+
+def _behind(names: Sequence[str], each: Mapping[str, Any], truth: DeskTruth) -> bool:
+    return _is_beyond(names, each, truth, axis=0)
+
+
+def _between(names: Sequence[str], _: Mapping[str, Any], truth: DeskTruth) -> bool:
+    """Whether the first is cut by the line between the other two, near its centre, and neither end is reached."""
+    middle, one, other = (truth.things[name] for name in names)
+    line = other.x - one.x, other.y - one.y
+    length = math.hypot(*line)
+    along = [(each.x - one.x) * line[0] / length + (each.y - one.y) * line[1] / length for each in (middle, other)]
+    off = abs((middle.x - one.x) * line[1] - (middle.y - one.y) * line[0]) / length
+    most = LEFT + _sigma(middle, one, other)
+    is_amid = 0 < along[0] < along[1] and gap_of(middle, one) > 0 and gap_of(middle, other) > 0
+    return is_amid and off <= most and all(_carried(name, truth) for name in names)
+
+
+def _is_beyond(names: Sequence[str], each: Mapping[str, Any], truth: DeskTruth, axis: int) -> bool:
     left, right = (truth.things[name] for name in names)
-    free = min(y for _, y in _outline(left)) - max(y for _, y in _outline(right))
+    free = min(point[axis] for point in _outline(left)) - max(point[axis] for point in _outline(right))
     most = LEFT + _sigma(left, right)
     wanted = each.get("gap_m")
     is_placed = -free <= most if wanted is None else abs(free - wanted) <= most
@@ -177,5 +197,6 @@ def _apart(names: Sequence[str], _: Mapping[str, Any], truth: DeskTruth) -> bool
 
 
 TESTS = {
-    "on": _on, "at": _at, "in": _in, "left_of": _left_of, "next_to": _next_to, "grouped": _grouped, "apart": _apart,
+    "on": _on, "at": _at, "in": _in, "left_of": _left_of, "behind": _behind, "between": _between, "next_to": _next_to,
+    "grouped": _grouped, "apart": _apart,
 }  # fmt: skip

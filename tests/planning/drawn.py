@@ -16,7 +16,7 @@ CUBES = ("red_cube", "green_cube", "blue_cube", "yellow_cube", "white_cube", "re
 FOOD = ("apple", "tomato", "carrot", "corn", "apple_2", "tomato_2")
 CELLS = tuple((x, y) for x in (0.34, 0.5, 0.66) for y in (-0.2, 0.0, 0.2, 0.4))
 CONTAINERS = {"tray": (0.55, -0.45), "bin": (0.28, -0.45)}
-KINDS = ("at", "left_of", "next_to", "tower", "grouped")
+KINDS = ("at", "left_of", "behind", "between", "next_to", "tower", "grouped")
 """The kinds of goals that are asked for over one to nine things."""
 
 
@@ -91,6 +91,12 @@ def goal_of_kind(rng: random.Random, kind: str, names: list[str]) -> Goal:
         found = [{"left_of": list(pair)} for pair in itertools.pairwise(names)]
         if rng.random() < 0.4:
             found = [{"left_of": names[:2], "gap_m": rng.choice([0.03, 0.05, 0.1])}]
+    elif kind == "behind":
+        found = [{"behind": list(pair)} for pair in zip(names[::2], names[1::2], strict=False)]
+        if rng.random() < 0.4:
+            found = [{"behind": names[:2], "gap_m": rng.choice([0.03, 0.05, 0.1])}]
+    elif kind == "between" and len(names) >= 3:
+        found = [{"between": names[:3]}]
     elif kind == "next_to":
         found = [{"next_to": list(pair)} for pair in zip(names[::2], names[1::2], strict=False)]
     elif kind == "tower" and len(cubes) >= 2:
@@ -106,7 +112,7 @@ def any_goal(rng: random.Random, names: list[str]) -> Goal:
     names = [*names, "tray", "bin"]
     found = list[dict[str, Any]]()
     for _ in range(rng.randint(1, 4)):
-        kind = rng.choice(["on", "on", "at", "in", "left_of", "next_to", "grouped", "apart"])
+        kind = rng.choice(["on", "on", "at", "in", "left_of", "behind", "between", "next_to", "grouped", "apart"])
         pair = rng.sample([*names, "lemon"] if rng.random() < 0.1 else names, 2)
         if kind == "at":
             found.append({"at": pair[0], "x": round(rng.uniform(0.1, 1.0), 2), "y": round(rng.uniform(-0.8, 0.8), 2)})
@@ -114,6 +120,8 @@ def any_goal(rng: random.Random, names: list[str]) -> Goal:
             found.append({"on": [pair[0], "desk"]})
         elif kind == "in":
             found.append({"in": [pair[0], rng.choice(["tray", "tray", "bin", pair[1]])]})
+        elif kind == "between":
+            found.append({kind: rng.sample(names, 3)})
         elif kind in ("grouped", "apart"):
             found.append({kind: rng.sample(names[:-2], min(len(names) - 2, rng.randint(2, 4)))})
         else:

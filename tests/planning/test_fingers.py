@@ -8,7 +8,7 @@ import random
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rai_missions.planning import Plan, Thing, planned, without_swaps
+from rai_missions.planning import Plan, Thing, at_first_poses, planned
 from rai_missions.planning.fingers import can_take, crowding
 from rai_missions.planning.geometry import gap
 from rai_missions.worlds.desk.footprints import SeenThing
@@ -81,7 +81,7 @@ def test_what_is_put_aside_leaves_room_for_the_hand_that_comes_next() -> None:
         thing("a", 0.4722, 0.1366, yaw=-0.0511), thing("b", 0.3041, -0.3666, yaw=0.1685),
         thing("apple", 0.436, -0.0054), thing("corn", 0.515, -0.332, yaw=0.2),
     ]  # fmt: skip
-    goal = without_swaps(goal_from([{"swapped": ["a", "b"]}]), scene(*things))
+    goal = at_first_poses(goal_from([{"swapped": ["a", "b"]}]), scene(*things))
     plan = planned(goal, scene(*things))
     assert isinstance(plan, Plan)
     aside = things[0].moved(*plan.moves[0].place)

@@ -15,6 +15,8 @@ EVERY = {"all": [
     {"on": ["a", "desk"]}, {"on": ["b", "a"]}, {"at": "c", "x": 0.5, "y": -0.1}, {"in": ["d", "tray"]},
     {"left_of": ["a", "c"], "gap_m": 0.05}, {"left_of": ["d", "c"]}, {"next_to": ["a", "c"]},
     {"grouped": ["a", "b", "c"]}, {"apart": ["c", "d"]}, {"swapped": ["c", "d"]},
+    {"behind": ["a", "c"], "gap_m": 0.05}, {"behind": ["d", "c"]}, {"between": ["a", "c", "d"]},
+    {"shifted": "c", "dx": 0.0, "dy": 0.1},
 ]}  # fmt: skip
 
 
@@ -44,8 +46,8 @@ def test_the_schema_takes_what_is_read() -> None:
                                 "its second name"),
         ({"next_to": ["a", "desk"]}, "/all/0/next_to: 'desk' carries all things and is none of them; only 'on' may "
                                      "have it, as its second name"),
-        ({"above": ["a", "b"]}, "/all/0: no predicate is written ['above']; there is: apart, at, grouped, in, left_of, "
-                                "next_to, on, swapped"),
+        ({"above": ["a", "b"]}, "/all/0: no predicate is written ['above']; there is: apart, at, behind, between, "
+                                "grouped, in, left_of, next_to, on, shifted, swapped"),
         ({"on": ["a", "b"], "in": ["a", "b"]}, "/all/0: a predicate is one thing, this is 2: on, in; keep one"),
         ({"at": "a", "x": "1", "y": 0}, "/all/0/x: '1' is not a number; write one, without quotes"),
         ({"at": "a", "x": 50, "y": 0}, "/all/0/x: 50 is too large; it must be 10 or less"),

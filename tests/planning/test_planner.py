@@ -3,14 +3,25 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 import random
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
-from rai_missions.planning import Plan, Refusal, Scene, feasible, plan_data, planned, reached, without_swaps
+from rai_missions.planning import (
+    Plan,
+    Refusal,
+    Scene,
+    at_first_poses,
+    avoided_after,
+    feasible,
+    plan_data,
+    planned,
+    reached,
+)
 from rai_missions.planning.feasibility import REASONS
 from rai_missions.planning.fingers import can_take
 from tests.planning.drawn import KINDS, any_goal, arrangement, goal_from, goal_of_kind, names_for, target_goal
@@ -128,7 +139,7 @@ def plan_of(predicates: list[dict[str, object]], *things: object) -> Plan:
 
 def test_a_swap_is_three_moves_by_a_free_place() -> None:
     seen = scene(thing("a", 0.4, 0.1), thing("b", 0.5, -0.1))
-    goal = without_swaps(goal_from([{"swapped": ["a", "b"]}]), seen)
+    goal = at_first_poses(goal_from([{"swapped": ["a", "b"]}]), seen)
     plan = planned(goal, seen)
     assert isinstance(plan, Plan)
     assert [move.object for move in plan.moves] == ["a", "b", "a"]
@@ -138,7 +149,7 @@ def test_a_swap_is_three_moves_by_a_free_place() -> None:
 
 def test_the_naive_swap_is_forbidden() -> None:
     seen = scene(thing("a", 0.4, 0.1), thing("b", 0.5, -0.1))
-    goal = without_swaps(goal_from([{"swapped": ["a", "b"]}]), seen)
+    goal = at_first_poses(goal_from([{"swapped": ["a", "b"]}]), seen)
     plan = planned(goal, seen)
     assert isinstance(plan, Plan)
     with pytest.raises(Forbidden):
@@ -186,19 +197,85 @@ def test_a_plan_is_plain_data_that_has_what_it_assumes() -> None:
         "next": {
             "kind": "pick_and_place", "object": "b", "pick": {"x": 0.4, "y": 0.2, "z": 0.022, "yaw": 0.0},
             "place": {"x": 0.5, "y": 0.0, "z": 0.066, "yaw": 0.0}, "onto": "a",
+            "spare": data["next"]["spare"],
             "assumes": ["b is at rest where it was seen", "nothing stands on b", "the gripper is empty",
                         "a is at rest where it was seen", "nothing stands on a"],
             "why": "b is wanted on a",
         },
-        "reason": "", "about": "",
+        "reason": "", "about": "", "avoided": [],
     }  # fmt: skip
 
 
 def test_a_refusal_is_plain_data_of_the_same_fields() -> None:
     found = planned(goal_from([{"on": ["a", "lemon"]}]), scene(thing("a", 0.5, 0.0)))
     assert plan_data(found) == {
-        "moves": [], "next": None, "reason": "absent", "about": "there is no 'lemon' on the desk",
+        "moves": [], "next": None, "reason": "absent", "about": "there is no 'lemon' on the desk", "avoided": [],
     }  # fmt: skip
+
+
+@given(seeds, counts)
+@settings(max_examples=8)
+@example(103, None)
+@example(125, None)
+def test_a_place_that_was_refused_is_left_for_another_or_named(seed: int, count: int | None) -> None:
+    """However often the arm refuses, no place is planned twice, until there is no other."""
+    rng = random.Random(seed)
+    names = names_for(rng, count or rng.randint(1, 6))
+    seen, goal = arrangement(rng, names), goal_of_kind(rng, rng.choice(["next_to", "behind", "tower"]), names)
+    last = plan_data(planned(goal, seen))
+    for _ in range(4):
+        avoided = avoided_after(last)
+        plan = planned(goal, seen, avoided=avoided)
+        assert isinstance(plan, Plan) and plan == planned(goal, seen, avoided=avoided)
+        assert reached(goal, executed(plan, goal, seen).seen()) is True
+        if plan.next is None:
+            break
+        is_refused = any(
+            each.object == plan.next.object and math.dist(each.place[:3], plan.next.place[:3]) < 0.02
+            for each in avoided
+        )
+        assert is_refused <= bool(plan.about), "a place that is tried again is named"
+        last = plan_data(plan, avoided)
+
+
+def test_the_places_that_a_plan_avoided_stay_avoided() -> None:
+    seen, goal = scene(thing("a", 0.5, 0.0), thing("b", 0.4, 0.2)), goal_from([{"next_to": ["a", "b"]}])
+    data, places = plan_data(planned(goal, seen)), []
+    for count in range(1, 6):
+        avoided = avoided_after(data)
+        assert len(avoided) == count
+        plan = planned(goal, seen, avoided=avoided)
+        assert isinstance(plan, Plan) and plan.next is not None and not plan.about
+        places.append(plan.next.place[:2])
+        data = plan_data(plan, avoided)
+    assert all(math.dist(*pair) >= 0.02 for pair in itertools.combinations(places, 2))
+
+
+def test_a_place_that_has_no_other_is_tried_again_and_named() -> None:
+    seen, goal = scene(thing("a", 0.5, 0.0), thing("b", 0.4, 0.2)), goal_from([{"at": "a", "x": 0.4, "y": 0.0}])
+    first = planned(goal, seen)
+    assert isinstance(first, Plan) and first.about == ""
+    again = planned(goal, seen, avoided=avoided_after(plan_data(first)), language="de")
+    assert isinstance(again, Plan) and again.moves == first.moves
+    assert again.about == "der Arm hat 'a' an seinem Platz nicht abgesetzt, und es gibt keinen anderen"
+
+
+@pytest.mark.parametrize("last", [None, 3, [], {}, {"next": None}, {"next": 5, "avoided": [None, {"place": 2}]}])
+def test_what_is_no_plan_avoids_nothing(last: object) -> None:
+    assert avoided_after(last) == ()
+
+
+def test_what_makes_room_leaves_its_place() -> None:
+    """A cube that leaves the fingers no room is set down clear of where it was, not a millimetre off."""
+    cubes = {
+        "blue_cube": (0.5976, -0.096, 0.029), "orange_cube": (0.55, -0.2997, 0.221),
+        "purple_cube": (0.5194, -0.09, 0.004), "yellow_cube": (0.6079, -0.1521, 0.204),
+    }  # fmt: skip
+    things = [thing(name, x, y, yaw=yaw, sigma_m=0.00025) for name, (x, y, yaw) in cubes.items()]
+    plan = plan_of(
+        [{"on": ["orange_cube", "desk"]}, {"on": ["blue_cube", "orange_cube"]}], thing("apple", 0.587, 0.1345), *things
+    )
+    assert all(math.dist(move.pick[:2], move.place[:2]) >= CUBE for move in plan.moves)
 
 
 def test_what_leans_on_a_thing_is_taken_away_first() -> None:

@@ -11,13 +11,14 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rai_missions.planning import JUDGE, STRICT, Goal, Scene, Thing, holds, reached, read_goal, support, without_swaps
+from rai_missions.planning import JUDGE, STRICT, Goal, Scene, Thing, at_first_poses, holds, reached, read_goal, support
 from rai_missions.planning.geometry import gap
 from rai_missions.planning.goal import Predicate
 from rai_missions.planning.relations import columns
 from rai_missions.planning.tolerances import (
     APART,
     AT,
+    BETWEEN,
     CAMERA_SIGMA_M,
     CONTACT,
     FIT,
@@ -104,6 +105,58 @@ def test_a_gap_is_measured_between_two_things_side_by_side() -> None:
     assert reached(wanted, scene(thing("a", 0.7, 0.144), thing("b", 0.5, 0.0))) is False
 
 
+def turned_right(each: Thing) -> Thing:
+    """A thing turned about the middle of the desk, so that what was to its left is ahead."""
+    return each.moved(each.y + 0.5, 0.5 - each.x, each.z, each.yaw - math.pi / 2)
+
+
+@given(st.data())
+def test_behind_is_left_of_on_a_desk_that_is_turned(data: st.DataObject) -> None:
+    seen = data.draw(seen_things())
+    names, gap_m = [each.name for each in seen.things[:2]], data.draw(st.sampled_from([None, 0.0, 0.02, 0.1]))
+    turned = scene(*map(turned_right, seen.things))
+    free = {} if gap_m is None else {"gap_m": gap_m}
+    left, behind = (goal_of({word: names, **free}).all[0] for word in ("left_of", "behind"))
+    assert holds(behind, turned) == holds(left, seen)
+
+
+@pytest.mark.parametrize(
+    ("x", "y", "truth"),
+    [(0.5, 0.1, True), (0.515, 0.1, True), (0.55, 0.1, False), (0.5, 0.3, False), (0.5, -0.1, False)],
+)
+def test_between_is_on_the_line_with_room_on_both_sides(x: float, y: float, truth: bool) -> None:
+    seen = scene(thing("a", x, y), thing("b", 0.5, 0.0), thing("c", 0.5, 0.2))
+    assert reached(goal_of({"between": ["a", "b", "c"]}), seen) is truth
+    assert reached(goal_of({"between": ["a", "c", "b"]}), seen) is truth
+    assert reached(goal_of({"between": ["c", "a", "b"]}), seen) is (y == 0.3)
+
+
+def test_nothing_is_between_two_on_each_other() -> None:
+    aside = scene(thing("b", 0.5, 0.0), thing("c", 0.5, 0.2), thing("a", 0.5, 0.022, level=CUBE))
+    assert reached(goal_of({"between": ["a", "b", "c"]}), aside) is False
+    seen = scene(*tower("b", "c"), thing("a", 0.5, 0.0, level=2 * CUBE))
+    assert reached(goal_of({"between": ["a", "b", "c"]}), seen) is False
+
+
+@given(st.floats(0.3, 0.6), st.floats(-0.3, 0.3), st.floats(-0.1, 0.1), st.floats(-0.1, 0.1))
+def test_a_shift_is_a_place_so_far_from_the_pose_first_seen(x: float, y: float, dx: float, dy: float) -> None:
+    shift, seen = goal_of({"shifted": "a", "dx": dx, "dy": dy}), scene(thing("a", x, y))
+    assert reached(shift, seen) is None
+    there = at_first_poses(shift, seen)
+    assert reached(there, scene(thing("a", x + dx, y + dy))) is True
+    if math.hypot(dx, dy) > AT:
+        assert reached(there, seen) is False
+
+
+def test_what_is_shifted_by_nothing_stays_on_what_carries_it() -> None:
+    seen = scene(*tower("b", "a"), thing("tray", 0.4, -0.3), thing("apple", 0.4, -0.3, level=0.005))
+    stays = [{"shifted": name, "dx": 0.0, "dy": 0.0} for name in ("a", "b", "apple")]
+    assert at_first_poses(goal_of(*stays), seen).written()["all"] == [
+        {"at": "a", "x": 0.5, "y": 0.0}, {"on": ["a", "b"]}, {"at": "b", "x": 0.5, "y": 0.0},
+        {"at": "apple", "x": 0.4, "y": -0.3}, {"in": ["apple", "tray"]},
+    ]  # fmt: skip
+
+
 @pytest.mark.parametrize(
     ("apple", "truth"),
     [
@@ -141,14 +194,14 @@ def test_a_swap_is_the_poses_first_seen() -> None:
     swap = goal_of({"swapped": ["a", "b"]})
     seen = scene(thing("a", 0.5, 0.2), thing("b", 0.4, -0.1), thing("c", 0.6, 0.0), thing("d", 0.6, 0, level=CUBE))
     assert reached(swap, seen) is None
-    at = without_swaps(swap, seen)
+    at = at_first_poses(swap, seen)
     assert at.written() == {"all": [{"at": "a", "x": 0.4, "y": -0.1}, {"at": "b", "x": 0.5, "y": 0.2}]}
     assert reached(at, seen) is False
     assert reached(at, scene(thing("b", 0.5, 0.2), thing("a", 0.4, -0.1))) is True
     # the naive swap, one on the other's place while the other is there
     assert reached(at, scene(thing("b", 0.4, -0.1), thing("a", 0.4, -0.1, level=CUBE))) is False
-    assert {"on": ["a", "c"]} in without_swaps(goal_of({"swapped": ["a", "d"]}), seen).written()["all"]
-    assert {"on": ["c", "d"]} in without_swaps(goal_of({"swapped": ["c", "d"]}), seen).written()["all"]
+    assert {"on": ["a", "c"]} in at_first_poses(goal_of({"swapped": ["a", "d"]}), seen).written()["all"]
+    assert {"on": ["c", "d"]} in at_first_poses(goal_of({"swapped": ["c", "d"]}), seen).written()["all"]
 
 
 def test_what_a_thing_rests_on() -> None:
@@ -164,7 +217,7 @@ def test_what_a_thing_rests_on() -> None:
 @pytest.mark.parametrize("other", SIZES)
 def test_each_tolerance_is_three_sigmas_of_the_camera(kind: str, other: str) -> None:
     sigma = math.hypot(CAMERA_SIGMA_M[kind], CAMERA_SIGMA_M[other])
-    for each in (AT, LEFT_OF, NEXT_TO, GROUPED, APART, LEVEL, max(CONTACT[kind], CONTACT[other])):
+    for each in (AT, BETWEEN, LEFT_OF, NEXT_TO, GROUPED, APART, LEVEL, max(CONTACT[kind], CONTACT[other])):
         assert each >= 3 * sigma
     assert FIT[kind] >= 3 * math.hypot(CAMERA_SIGMA_M[kind], CAMERA_SIGMA_M["tray"])
     if kind == "cube" and other == "cube":
@@ -188,8 +241,10 @@ def every_predicate(seen: Scene) -> list[Predicate]:
     pairs = list(itertools.permutations(names, 2))
     found = [{kind: list(pair)} for pair in pairs for kind in ("on", "in", "left_of", "next_to", "grouped", "apart")]
     found += [{"on": [name, "desk"]} for name in names] + [{"at": name, "x": 0.5, "y": 0.5} for name in names]
-    found += [{"left_of": list(pair), "gap_m": 0.02} for pair in pairs]
-    return list(goal_of(*found[:64]).all) + (list(goal_of(*found[64:128]).all) if found[64:] else [])
+    found += [{word: list(pair), "gap_m": 0.02} for pair in pairs for word in ("left_of", "behind")]
+    found += [{"behind": list(pair)} for pair in pairs]
+    found += [{"between": list(three)} for three in itertools.permutations(names, 3)]
+    return [each for at in range(0, len(found), 64) for each in goal_of(*found[at : at + 64]).all]
 
 
 @given(seen_things(), st.floats(-3, 3), st.floats(0, 3))

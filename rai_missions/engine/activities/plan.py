@@ -9,22 +9,22 @@ from rai_missions.engine.activities.activity import Bench, machine_of
 from rai_missions.engine.activities.computing import ComputedResult, ComputingMachine
 from rai_missions.errors import DefinitionError
 from rai_missions.planning import Plan as Planned
-from rai_missions.planning import Refusal, plan_data, planned, read_goal, read_scene
+from rai_missions.planning import Refusal, avoided_after, plan_data, planned, read_goal, read_scene
 from rai_missions.planning.sentences import ENGLISH, refusal_sentence
 from rai_missions.states.plan import Plan
 
 __all__ = ()
 
 
-def _planned(wanted: Any, seen: Any, asked: Any = "") -> ComputedResult:
-    language = _language(str(asked))
+def _planned(wanted: Any, seen: Any, *, asked: Any = "", refused: Any = False, last: Any = None) -> ComputedResult:
+    language, avoided = _language(str(asked)), avoided_after(last) if refused is True else ()
     try:
         goal, scene = read_goal(wanted), read_scene(seen)
     except DefinitionError:
         found: Planned | Refusal = Refusal("unreadable", refusal_sentence("unreadable", language=language))
     else:
-        found = goal if isinstance(goal, Refusal) else planned(goal, scene, language=language)
-    value = plan_data(found)
+        found = goal if isinstance(goal, Refusal) else planned(goal, scene, language=language, avoided=avoided)
+    value = plan_data(found, avoided)
     return ComputedResult("failed" if value["reason"] else "succeeded", value, value["about"])
 
 
@@ -38,5 +38,11 @@ def _language(asked: str) -> str:
 
 @machine_of.register(Plan)
 def _(definition: Plan, bench: Bench) -> ComputingMachine:
-    given = (definition.plan, definition.over, *((definition.asked,) if definition.asked else ()))
-    return ComputingMachine(bench.owner, bench.site(), given, definition.into, _planned)
+    optional = {"asked": definition.asked, "refused": definition.refused}
+    more = {name: path for name, path in optional.items() if path}
+
+    def compute(wanted: Any, seen: Any, *values: Any) -> ComputedResult:
+        return _planned(wanted, seen, **dict(zip((*more, "last"), values, strict=False)))
+
+    given = (definition.plan, definition.over, *more.values())
+    return ComputingMachine(bench.owner, bench.site(), given, definition.into, compute, follows="refused" in more)

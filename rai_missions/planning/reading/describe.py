@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from rai_missions.planning.goal import AtPlace, Goal, LeftOf, OnTop, Predicate
+from rai_missions.planning.goal import AtPlace, Beyond, Goal, OnTop, Predicate, Shifted
 from rai_missions.planning.reading.lexicon import Vocabulary
 from rai_missions.planning.scene import DESK
 from rai_missions.planning.text.language_file import spoken
@@ -28,8 +28,11 @@ def _predicate(each: Predicate, lexicon: Vocabulary) -> str:
     names = [lexicon.text("thing", spoken(name)) for name in each.things()]
     if isinstance(each, AtPlace):
         return lexicon.text("at", names[0], f"{each.x:g}", f"{each.y:g}")
-    if isinstance(each, LeftOf) and each.gap_m is not None:
-        return lexicon.text("left_of_gap", *names, f"{each.gap_m:g}")
+    if isinstance(each, Beyond) and each.gap_m is not None:
+        return lexicon.text(f"{each.word}_gap", *names, f"{each.gap_m:g}")
+    if isinstance(each, Shifted):
+        is_moved = bool(each.dx or each.dy)
+        return lexicon.text("shifted" if is_moved else "stays", names[0], f"{each.dx:g}", f"{each.dy:g}")
     if each.word in ("grouped", "apart"):
         return lexicon.text(each.word, lexicon.listed(names))
     return lexicon.text(each.word, *names)

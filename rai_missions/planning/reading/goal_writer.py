@@ -25,9 +25,14 @@ STACKED = Phrase("things", "", types=frozenset({"cube"}), has_noun=True, is_many
 WHOLE = frozenset({0, None, -1})
 """The levels of a tower of three: bottom, middle and top."""
 LEAST_TOWER = 2
-PLACED = frozenset({"on", "in", "at", "swapped"})
+PLACED = frozenset({"on", "in", "at", "swapped", "shifted"})
 """Predicates of a thing that lies where it is put; next to another it may lie on the desk as well."""
-SIDE_BY_SIDE = frozenset({"left_of", "right_of", "next_to", "apart", "swap", "place_of"})
+SIDES: Mapping[str, tuple[str, bool]] = {
+    "left_of": ("left_of", False), "right_of": ("left_of", True), "behind": ("behind", False),
+    "in_front_of": ("behind", True),
+}  # fmt: skip
+"""Kinds of clauses → their predicate, and whether the things change their places in it."""
+SIDE_BY_SIDE = frozenset({*SIDES, "between", "next_to", "apart", "swap", "place_of"})
 """Kinds of clauses after which `it` may be either thing."""
 
 
@@ -83,17 +88,22 @@ class GoalWriter:
         return [each for at, each in enumerate(found) if each not in found[:at]]
 
     def _check_swapped(self, found: Sequence[Plain]) -> None:
-        """A thing that is swapped and moved otherwise, too: where it comes to depends on which is first."""
+        """A thing that is swapped or shifted, and moved otherwise, too: where it comes to depends on which is first."""
         for at, each in enumerate(found):
             others = {name for index, other in enumerate(found) if index != at for name in _moved(other)}
             if moved := [name for name in each.get("swapped", ()) if name in others]:
                 text = self._things.lexicon.text("swapped_and_moved", self._listed(tuple(moved[:1])))
                 raise Unread("order", text)
+            places = (other for index, other in enumerate(found) if index != at and other.keys() & PLACED)
+            if "shifted" in each and any(each["shifted"] in _moved(other) for other in places):
+                text = self._things.lexicon.text("shifted_and_moved", self._listed((each["shifted"],)))
+                raise Unread("order", text)
 
     def _of(self, clause: Clause) -> Iterable[Plain]:
         rules: Mapping[str, Callable[[Clause], Iterable[Plain]]] = {
-            "on": self._on, "in": self._in, "to": self._to, "off": self._off, "left_of": self._left,
-            "right_of": self._left, "next_to": self._next_to, "apart": self._apart, "place_of": self._place_of,
+            "on": self._on, "in": self._in, "to": self._to, "off": self._off, **dict.fromkeys(SIDES, self._beyond),
+            "between": self._between, "shift": self._shift, "stay": self._stay,
+            "next_to": self._next_to, "apart": self._apart, "place_of": self._place_of,
             "at": self._at, "stack": self._stack, "swap": self._swap, "group": self._group, "spread": self._spread,
             "side_by_side": self._side_by_side, "in_order": self._in_order, "by": self._by, "held": self._held,
             "too": self._too, "under": self._under, "unstack": self._unstack,
@@ -256,13 +266,29 @@ class GoalWriter:
     def _lies_on(self, name: str, other: str) -> bool:
         return not self._is_container(other) and self._things.lies_at(name, other)
 
-    def _left(self, clause: Clause) -> Iterator[Plain]:
+    def _beyond(self, clause: Clause) -> Iterator[Plain]:
         names, target = self._names(clause.subjects, clause.target), self._one(clause.target)
         if clause.gap_m is not None and len(names) > 1:
             raise self._ask("order")
         gap = {} if clause.gap_m is None else {"gap_m": clause.gap_m}
+        word, is_reversed = SIDES[clause.kind]
         for name in names:
-            yield {"left_of": [name, target] if clause.kind == "left_of" else [target, name], **gap}
+            yield {word: [target, name] if is_reversed else [name, target], **gap}
+
+    def _between(self, clause: Clause) -> Iterator[Plain]:
+        names = self._names(clause.subjects)
+        self._target = tuple(name for phrase in clause.ends for name in self._pick(phrase))
+        if len(self._target) != 2:
+            raise self._ask("too_many", self._listed(self._target))
+        if len(names) > 1:
+            raise self._ask("order")
+        yield {"between": [*names, *self._target]}
+
+    def _shift(self, clause: Clause) -> Iterator[Plain]:
+        yield from ({"shifted": name, "dx": clause.x, "dy": clause.y} for name in self._names(clause.subjects))
+
+    def _stay(self, clause: Clause) -> Iterator[Plain]:
+        yield from ({"shifted": name, "dx": 0.0, "dy": 0.0} for name in self._names(clause.subjects))
 
     def _next_to(self, clause: Clause) -> Iterator[Plain]:
         names, target = self._names(clause.subjects, clause.target), self._one(clause.target)
@@ -439,10 +465,10 @@ class GoalWriter:
 
 
 def _stackable(phrases: Sequence[Phrase]) -> tuple[Phrase, ...]:
-    """A colour alone in a tower is that of something that can be stacked."""
+    """A colour alone in a tower is that of something that can be stacked, and so is the rest."""
     return tuple(
         replace(each, types=STACKED.types, has_noun=True)
-        if each.kind == "things" and each.colour and not each.has_noun
+        if each.kind == "rest" or (each.kind == "things" and each.colour and not each.has_noun)
         else each
         for each in phrases
     )
@@ -450,7 +476,7 @@ def _stackable(phrases: Sequence[Phrase]) -> tuple[Phrase, ...]:
 
 def _moved(predicate: Plain) -> tuple[str, ...]:
     """The things that a predicate brings somewhere."""
-    if "at" in predicate:
-        return (predicate["at"],)
+    if alone := predicate.keys() & {"at", "shifted"}:
+        return (predicate[alone.pop()],)
     names = next(each for each in predicate.values() if isinstance(each, list))
-    return tuple(names[:1] if predicate.keys() & {"on", "in", "left_of"} else names)
+    return tuple(names[:1] if predicate.keys() & {"on", "in", "left_of", "behind", "between"} else names)

@@ -18,7 +18,7 @@ from rai_missions.planning.reading.noun_phrases import (
     with_limits,
 )
 from rai_missions.planning.reading.phrases import Clause, ClauseKind, Phrase, Unread
-from rai_missions.planning.reading.places import gap, has_place, place
+from rai_missions.planning.reading.places import gap, has_place, place, shift
 from rai_missions.planning.reading.symbols import Symbol
 from rai_missions.planning.reading.towers import is_tower, skip_several, tower
 from rai_missions.planning.scene import CONTAINERS
@@ -29,9 +29,11 @@ BETWEEN = (",", ".", "and", "then")
 MUTUAL: dict[str, ClauseKind] = {
     "stack": "stack", "next_to": "side_by_side", "group": "group", "apart": "spread", "swap": "swap",
 }  # fmt: skip
-NEAR_IT = frozenset({"under", "next_to", "left_of", "right_of"})
+SIDES = frozenset({"left_of", "right_of", "behind", "in_front_of"})
+"""Relations that may have a gap."""
+NEAR_IT = SIDES | {"under", "next_to", "between"}
 """After a verb of grasping these may as well mean where the thing is now: `take the cube under the apple`."""
-BEFORE_NOUN = ("the", "a", "colour", "noun")
+BEFORE_NOUN = ("the", "a", "any", "colour", "noun")
 WHERE = NEAR_IT | {"on", "in"}
 THOSE = (Phrase("those", ""),)
 
@@ -176,21 +178,31 @@ class Rules:
         if cursor.kind() == ":" and cursor.kind(1) in ("axis", "("):
             cursor.take()
         if has_place(cursor):
-            self._refuse_shift()
+            if (metres := self._shift()) is not None:
+                return [Clause("shift", subjects, x=metres[0], y=metres[1])]
             x, y = place(cursor, self.lexicon)
             return [Clause("at", subjects, x=x, y=y)]
+        if cursor.kind() == "," and cursor.kind(1) == "relation" and cursor.symbols[cursor.at + 1].value == "place_of":
+            cursor.take()  # `lass ihn, wo er ist`
         if cursor.kind() in ("relation", "number", "gap"):
             return self._related(subjects)
         if is_held and cursor.kind() in ("", *BETWEEN):
             return [Clause("held", subjects)]
         raise self.unread()
 
-    def _refuse_shift(self) -> None:
-        """`move it 30 cm ahead and 10 cm to the left` may be counted from where it is; `to 30 cm ahead` is a place."""
+    def _shift(self) -> tuple[float, float] | None:
+        """How far from where it is a thing is moved; None where the words after it are a place.
+
+        Raises:
+            Unread: `Move it 30 cm ahead and 10 cm to the left` may be both; `to 30 cm ahead` is a place.
+        """
         cursor = self.cursor
         is_shift = any(each.kind == "put" and each.value == "shift" for each in cursor.symbols[: cursor.at])
-        if is_shift and cursor.kind() == "number" and cursor.kind(1) == "side":
+        if not (is_shift and cursor.kind() == "number" and cursor.kind(1) == "side"):
+            return None
+        if (metres := shift(cursor, self.lexicon)) is None:
             raise Unread("coordinates", self.lexicon.text("coordinates"))
+        return metres
 
     def _skip_all(self) -> None:
         """Past a word that repeats that all are meant: `the red and the blue cube, both on the tray`."""
@@ -240,6 +252,8 @@ class Rules:
         if relation == "to" and has_place(cursor):
             x, y = place(cursor, self.lexicon)
             return [Clause("at", subjects, x=x, y=y)]
+        if gap_m is None and (placed := self._placed(relation, subjects)) is not None:
+            return [placed]
         target = self._thing()
         if relation == "place_of":
             cursor.skip("is")
@@ -248,7 +262,7 @@ class Rules:
             cursor.take()
         if gap_m is None and cursor.kind() in ("gap", "with", "number"):
             gap_m = gap(cursor, self.lexicon)
-        if gap_m is not None and relation not in ("left_of", "right_of"):
+        if gap_m is not None and relation not in SIDES:
             raise self.unread()
         if relation == "in" and cursor.kind() == "with":
             cursor.take()
@@ -263,14 +277,33 @@ class Rules:
             return [first, *self._about(THOSE, is_held=False)]  # `the apple from the tray to the bin`
         return [first]
 
+    def _ends(self) -> tuple[Phrase, ...]:
+        """The two that a thing is to be between: `the red and the blue cube`, `both apples`."""
+        found = noun_phrases(self.cursor, most=2)
+        if not found or (len(found) == 1 and not (found[0].is_many or found[0].count == 2)):
+            raise self.unread()
+        return found
+
+    def _placed(self, relation: ClauseKind, subjects: tuple[Phrase, ...]) -> Clause | None:
+        """`Between A and B`, `where it is`; None where the relation is to one thing, which is here."""
+        cursor = self.cursor
+        if relation == "between":
+            return Clause(relation, subjects, ends=self._ends())
+        is_it = relation == "place_of" and cursor.kind() == "pronoun" and cursor.kind(1) == "is"
+        if not is_it or cursor.symbols[cursor.at + 1].value != "now":
+            return None
+        cursor.skip("pronoun", "is")
+        return Clause("stay", subjects)
+
     # -- clauses that begin with a word of their own -------------------------------------------------------------------
 
     def _relation_first(self) -> list[Clause]:
         cursor = self.cursor
         relation: ClauseKind = cursor.take().value
-        target = self._thing()
+        ends = self._ends() if relation == "between" else ()
+        target = None if ends else self._thing()
         cursor.skip(",", ":", "put", "with", "then")
-        return [Clause(relation, self._things(), target)]
+        return [Clause(relation, self._things(), target, ends=ends)]
 
     def _fill(self) -> list[Clause]:
         """`load the tray with the cubes`."""

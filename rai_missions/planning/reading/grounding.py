@@ -10,7 +10,7 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 
-from rai_missions.planning.goal import AtPlace, Goal, LeftOf
+from rai_missions.planning.goal import AtPlace, Beyond, Goal, Shifted
 from rai_missions.planning.reading.lexicon import Vocabulary, lexicon, lexicons
 from rai_missions.planning.reading.relation_words import relations_in
 from rai_missions.planning.reading.rewrites import rewritten
@@ -23,7 +23,9 @@ NEAR = 1e-6
 """Metres within which two numbers are the same."""
 SAME_PLACE = 1e-3
 """Metres within which a place is that of a thing."""
-ARTICLES = ("the", "a", "number", "generic")
+ARTICLES = ("the", "a", "any", "number", "generic")
+MEANING_MORE = frozenset({"all", "any", "other"})
+"""Kinds of symbols before a noun without whose colour it may mean any thing of its type."""
 EVERY = frozenset({"everything", "rest", "empty"})
 
 
@@ -52,7 +54,7 @@ def unsaid(goal: Goal, request: str, scene: Scene | None = None) -> tuple[str, .
     numbers = [
         number
         for name, number in _numbers(goal)
-        if not any(each.has_number(number) or _is_exchanged(name, goal, each, scene) for each in evidence)
+        if not any(each.has_number(number) or _is_of_first_pose(name, number, goal, each, scene) for each in evidence)
     ]
     words = dict.fromkeys(each.word for each in goal.all)
     relations = [word for word in words if not any(word in each.relations for each in evidence)]
@@ -75,6 +77,11 @@ class _Evidence:
     relations: frozenset[str] = frozenset()
     """The words of the predicates that may be meant."""
     is_right: bool = False
+    is_back: bool = False
+    is_shift: bool = False
+    """Whether it may be said how far something is shifted."""
+    is_stay: bool = False
+    """Whether something may be said to stay where it is."""
     is_swap: bool = False
 
     @classmethod
@@ -98,7 +105,7 @@ class _Evidence:
             is_coloured = at > 0 and found[at - 1].kind == "colour"
             if not is_coloured:
                 self.one |= symbol.value.types
-            if (symbol.value.is_many is not False and not is_coloured) or "all" in before or "other" in before:
+            if (symbol.value.is_many is not False and not is_coloured) or before & MEANING_MORE:
                 self.every |= symbol.value.types
         elif symbol.kind in EVERY or symbol.kind == "other":
             self.is_every = self.is_every or symbol.kind in EVERY or not _has_noun(found, at)
@@ -109,6 +116,9 @@ class _Evidence:
         elif symbol.kind == "away":
             self.one.add("bin")
         self.is_right = self.is_right or symbol.value in ("right", "right_of")
+        self.is_back = self.is_back or symbol.value == "back"
+        self.is_shift = self.is_shift or symbol.kind == "side"
+        self.is_stay = self.is_stay or (symbol.kind, symbol.value) == ("relation", "place_of")
         self.is_swap = self.is_swap or symbol.kind == "swap" or symbol.value in ("swap", "place_of")
 
     def _add_towers(self, found: Sequence[Symbol]) -> None:
@@ -125,7 +135,7 @@ class _Evidence:
             for unit in {each.unit} if each.unit is not None else {1.0, *units}:
                 value = each.value * unit
                 if math.isclose(value, number, abs_tol=NEAR) or (
-                    self.is_right and value > 0 and math.isclose(-value, number, abs_tol=NEAR)
+                    (self.is_right or self.is_back) and value > 0 and math.isclose(-value, number, abs_tol=NEAR)
                 ):
                     return True
         return False
@@ -196,8 +206,21 @@ def _numbers(goal: Goal) -> Iterator[tuple[str, float]]:
     for each in goal.all:
         if isinstance(each, AtPlace):
             yield from ((each.at, each.x), (each.at, each.y))
-        elif isinstance(each, LeftOf) and each.gap_m is not None:
-            yield each.left_of[0], each.gap_m
+        elif isinstance(each, Beyond) and each.gap_m is not None:
+            yield each.pair[0], each.gap_m
+        elif isinstance(each, Shifted):
+            yield from ((each.shifted, metres) for metres in (each.dx, each.dy) if metres)
+
+
+def _is_of_first_pose(name: str, number: float, goal: Goal, evidence: _Evidence, scene: Scene | None) -> bool:
+    """Whether a coordinate is one where another thing of a swap is, where the thing itself is, or so far from there."""
+    if _is_exchanged(name, goal, evidence, scene):
+        return True
+    thing = scene.get(name) if scene is not None else None
+    if thing is None or not (evidence.is_shift or evidence.is_stay):
+        return False
+    offs = [number - coordinate for coordinate in (thing.x, thing.y)]
+    return any(abs(off) <= SAME_PLACE or (evidence.is_shift and evidence.has_number(off)) for off in offs)
 
 
 def _is_exchanged(name: str, goal: Goal, evidence: _Evidence, scene: Scene | None) -> bool:

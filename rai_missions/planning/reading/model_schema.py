@@ -33,6 +33,10 @@ def goal_parameters(scene: Scene | None = None) -> dict[str, Any]:
         _object({"at": name, "x": {"type": "number"}, "y": {"type": "number"}}),
         _object({"left_of": pair}),
         _object({"left_of": pair, "gap_m": {"type": "number"}}),
+        _object({"behind": pair}),
+        _object({"behind": pair, "gap_m": {"type": "number"}}),
+        _object({"between": _list(name, 3, 3)}),
+        _object({"shifted": name, "dx": {"type": "number"}, "dy": {"type": "number"}}),
         *(_object({each: pair}) for each in ("in", "next_to", "swapped")),
         *(_object({each: several}) for each in ("grouped", "apart")),
     ]

@@ -56,7 +56,7 @@ class Cursor:
         return " ".join(symbol.text for symbol in self.symbols[since : self.at])
 
 
-def noun_phrases(cursor: Cursor, among: frozenset[str] = frozenset()) -> tuple[Phrase, ...]:
+def noun_phrases(cursor: Cursor, among: frozenset[str] = frozenset(), *, most: int | None = None) -> tuple[Phrase, ...]:
     """A list of phrases, such as `red, blue and the yellow cube`; empty where none begins here.
 
     A colour alone before a noun in the list has the noun's types.
@@ -64,9 +64,10 @@ def noun_phrases(cursor: Cursor, among: frozenset[str] = frozenset()) -> tuple[P
     Args:
         cursor: At the first of them.
         among: The list ends ahead of a phrase that names none of these types; empty: any.
+        most: The list ends after so many.
     """
     found = list[Phrase]()
-    while True:
+    while len(found) != most:
         before = cursor.at
         if found and not cursor.skip(*LISTED):
             break
@@ -140,16 +141,19 @@ def _single(cursor: Cursor) -> Phrase | None:
 
 def _things(cursor: Cursor) -> Phrase | None:
     before = cursor.at
-    all_, any_, other, count = False, False, False, None
+    all_, any_, free, other, count = False, False, False, False, None
     before_many = True
-    while cursor.kind() in ("the", "a", "all", "other", "number", "pronoun") or _counts(cursor):
+    while cursor.kind() in ("the", "a", "any", "all", "other", "number", "pronoun") or _counts(cursor):
         symbol = cursor.take()
-        any_ = any_ or symbol.kind == "a"
+        free = free or symbol.kind == "any"
+        any_ = any_ or symbol.kind in ("a", "any")
         before_many = before_many if symbol.kind == "number" else symbol.value == "many"
         other = other or symbol.kind == "other"
         all_ = all_ or symbol.kind == "all"
         if symbol.kind == "all" and symbol.value == "two":
             count = 2
+        if symbol.kind == "any" and symbol.value == "one":
+            count = 1
         if symbol.kind == "generic":
             count, any_ = 1, True
         if symbol.kind == "number":
@@ -170,7 +174,7 @@ def _things(cursor: Cursor) -> Phrase | None:
     phrase = Phrase(
         "things", cursor.text(before), types=noun.types if noun else frozenset(), has_noun=noun is not None,
         colour=colour, is_many=is_many, is_all=all_, is_any=any_, count=count, is_other=other,
-        is_one=is_one,
+        is_one=is_one, is_free=free,
     )  # fmt: skip
     return with_limits(cursor, phrase)
 
@@ -204,7 +208,7 @@ def _limits(cursor: Cursor, kind: str) -> list[Symbol]:
     return found
 
 
-NOUNS = ("noun", "colour", "generic", "other")
+NOUNS = ("noun", "colour", "generic", "other", "any")
 
 
 def _counts(cursor: Cursor) -> bool:

@@ -11,9 +11,10 @@ __all__ = ("Clause", "ClauseKind", "Phrase", "PhraseKind", "Unread")
 PhraseKind = Literal["things", "everything", "rest", "pronoun", "those", "there", "desk", "tower"]
 """`those` has no words: the things of the clause before, whatever their number."""
 ClauseKind = Literal[
-    "on", "in", "to", "left_of", "right_of", "next_to", "apart", "place_of", "off", "at", "stack", "swap", "group",
+    "on", "in", "to", "left_of", "right_of", "behind", "in_front_of", "between", "next_to", "apart",
+    "place_of", "off", "at", "stack", "swap", "group",
     "spread", "side_by_side", "in_order", "by", "held", "too", "under", "unstack",
-    "towers",
+    "towers", "shift", "stay",
 ]  # fmt: skip
 
 
@@ -48,6 +49,8 @@ class Phrase:
     """Whether all that there are must be meant."""
     is_any: bool = False
     """`a cube`: whichever."""
+    is_free: bool = False
+    """`any cube`: which one is left to the arm."""
     is_one: bool = False
     """Whether `one` or `ones` stands for a noun: `the red ones`."""
     count: int | None = None
@@ -65,8 +68,12 @@ class Clause:
     kind: ClauseKind
     subjects: tuple[Phrase, ...] = ()
     target: Phrase | None = None
+    ends: tuple[Phrase, ...] = ()
+    """What a thing is to be between."""
     x: float | None = None
+    """Of a place, or of how far a thing is shifted ahead."""
     y: float | None = None
+    """Of a place, or of how far a thing is shifted to the left."""
     gap_m: float | None = None
     levels: tuple[tuple[Phrase, int | None], ...] = field(default=())
     """Of a tower: things of a level, counted from below, negative from above; None: in the middle."""

@@ -12,7 +12,7 @@ from rai_missions.planning.reading.noun_phrases import Cursor
 from rai_missions.planning.reading.phrases import Unread
 from rai_missions.planning.reading.symbols import Quantity
 
-__all__ = ("gap", "has_place", "place")
+__all__ = ("gap", "has_place", "place", "shift")
 
 FARTHEST, WIDEST = 10.0, 1.0
 """Metres of a coordinate and of a gap, at the most: those of the format."""
@@ -67,8 +67,8 @@ def _coordinate(cursor: Cursor, name: str) -> tuple[Quantity | None, str]:
     quantity: Quantity = cursor.take().value
     if cursor.kind() == "side":
         side = cursor.take().value
-        name = "x" if side == "ahead" else "y"
-        quantity = quantity._replace(value=-quantity.value) if side == "right" else quantity
+        name = "x" if side in ("ahead", "back") else "y"
+        quantity = quantity._replace(value=-quantity.value) if side in ("right", "back") else quantity
     return quantity, name
 
 
@@ -85,6 +85,28 @@ def _near(metres: float, most: float, lexicon: Vocabulary) -> float:
     if abs(metres) > most:
         raise Unread("off_desk", lexicon.text("off_desk", f"{metres:g}"), refused=True)
     return round(metres, DIGITS)
+
+
+def shift(cursor: Cursor, lexicon: Vocabulary) -> tuple[float, float] | None:
+    """How far ahead and to the left in metres, where one number with a side is here: `10 cm to the left`.
+
+    Two numbers may be those of a place: then it is None, and the cursor stays.
+
+    Raises:
+        Unread: The number has no unit, or is further than the desk reaches.
+    """
+    before = cursor.at
+    if cursor.kind() != "number" or cursor.kind(1) != "side":
+        return None
+    quantity, axis = _coordinate(cursor, "x")
+    after = 1 if cursor.kind() in (",", "and") else 0
+    if quantity is None or cursor.kind(after) in ("number", "side"):
+        cursor.back_to(before)
+        return None
+    if quantity.unit is None:
+        raise Unread("number", lexicon.text("number", f"{abs(quantity.value):g}"))
+    metres = _near(quantity.value * quantity.unit, FARTHEST, lexicon)
+    return (metres, 0.0) if axis == "x" else (0.0, metres)
 
 
 def gap(cursor: Cursor, lexicon: Vocabulary) -> float | None:

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from rai_missions.errors import DefinitionError
-from rai_missions.planning.goal import Goal, Swapped, read_goal
+from rai_missions.planning.goal import FIRST_SEEN, Goal, read_goal
 from rai_missions.planning.reading.arranging import left_out
 from rai_missions.planning.reading.describe import described
 from rai_missions.planning.reading.goal_writer import GoalWriter
@@ -23,7 +23,7 @@ from rai_missions.planning.reading.rewrites import rewritten
 from rai_missions.planning.reading.symbols import LONGEST_REQUEST, MOST_WORDS, Symbol, symbols
 from rai_missions.planning.reading.things import Things
 from rai_missions.planning.reading.wishes import wishes_of
-from rai_missions.planning.relations import without_swaps
+from rai_missions.planning.relations import at_first_poses
 from rai_missions.planning.scene import CONTAINERS, Scene
 from rai_missions.redaction import clipped
 
@@ -39,7 +39,7 @@ PREFERRED = "en"
 
 
 def read_request(request: str, scene: Scene) -> dict[str, Any]:
-    """What a request asks for, as plain data, swaps rewritten to the poses that are seen now.
+    """What a request asks for, as plain data, swaps and shifts rewritten to the poses that are seen now.
 
     `goal` (null where there is none), `question`, `candidates`, `reason`, `about` and `covers_all`, as in
     `RequestReading`.
@@ -49,8 +49,8 @@ def read_request(request: str, scene: Scene) -> dict[str, Any]:
         scene: What is seen.
     """
     found = reading_of(request, scene)
-    goal = without_swaps(found.goal, scene) if found.goal is not None else None
-    candidates = tuple(without_swaps(each, scene) for each in found.candidates)
+    goal = at_first_poses(found.goal, scene) if found.goal is not None else None
+    candidates = tuple(at_first_poses(each, scene) for each in found.candidates)
     return reading_data(found.model_copy(update={"goal": goal, "candidates": candidates}))
 
 
@@ -207,8 +207,8 @@ def _is_part_of_place(found: Sequence[Symbol]) -> bool:
 
 
 def _covers_all(wishes: Sequence[Clause], goal: Goal) -> bool:
-    """Whether a thing that is seen later would belong to the goal; a swap is between those that are seen first."""
-    if any(True for _ in goal.of_kind(Swapped)):
+    """Whether a thing that is seen later would belong to the goal; swaps and shifts are of what is seen first."""
+    if any(True for _ in goal.of_kind(*FIRST_SEEN)):
         return False
     is_bare_tower = any(wish.kind == "stack" and not wish.subjects for wish in wishes)
     return is_bare_tower or any((each.is_many or each.is_all) and each.count is None for each in _phrases(wishes))
@@ -309,6 +309,7 @@ def _phrases(found: Sequence[Clause]) -> Iterator[Phrase]:
             *clause.subjects,
             *(phrase for phrase, _ in clause.levels),
             *([clause.target] if clause.target else []),
+            *clause.ends,
         ]
         for phrase in whole:
             yield phrase

@@ -18,7 +18,8 @@ EXCHANGE = frozenset({"on", "in", "at", "swapped"})
 KINDS: Mapping[str, frozenset[str]] = {
     "stack": frozenset({"on"}), "upward": frozenset({"on"}), "level": frozenset({"on"}), "swap": EXCHANGE,
     "group": frozenset({"grouped"}), "sort": frozenset({"grouped", "apart"}), "by": frozenset({"grouped", "apart"}),
-    "apart": frozenset({"apart"}), "left_to_right": frozenset({"left_of"}), "side": frozenset({"at", "left_of"}),
+    "apart": frozenset({"apart"}), "left_to_right": frozenset({"left_of"}),
+    "side": frozenset({"at", "left_of", "shifted"}),
     "axis": frozenset({"at"}), "place": frozenset({"at"}), "(": frozenset({"at"}), "away": frozenset({"in"}),
     "fill": frozenset({"in"}), "there": frozenset({"in"}), "empty": frozenset({"on"}), "unstack": frozenset({"on"}),
 }  # fmt: skip
@@ -26,8 +27,9 @@ KINDS: Mapping[str, frozenset[str]] = {
 VALUES: Mapping[str, frozenset[str]] = {
     "on": frozenset({"on", "in"}), "in": frozenset({"in"}), "to": frozenset({"in", "at", "on"}),
     "off": frozenset({"on"}), "under": frozenset({"on"}),
-    "left_of": frozenset({"left_of"}), "right_of": frozenset({"left_of"}), "next_to": frozenset({"next_to"}),
-    "apart": frozenset({"apart"}), "place_of": EXCHANGE, "swap": EXCHANGE, "stack": frozenset({"on"}),
+    "left_of": frozenset({"left_of"}), "right_of": frozenset({"left_of"}), "behind": frozenset({"behind"}),
+    "in_front_of": frozenset({"behind"}), "between": frozenset({"between"}), "next_to": frozenset({"next_to"}),
+    "apart": frozenset({"apart"}), "place_of": EXCHANGE | {"shifted"}, "swap": EXCHANGE, "stack": frozenset({"on"}),
     "group": frozenset({"grouped"}), "unstack": frozenset({"on"}),
 }  # fmt: skip
 """Values of `relation` and `each_other` → the predicates that they may mean; on a tray is in it."""

@@ -22,7 +22,7 @@ def rewritten(request: str, lexicon: Vocabulary) -> list[Symbol]:
     for each in data["separated"]:
         found = _joined(found, each)
     found = [symbol for symbol in found if symbol.kind != "particle"]
-    return _cleared_tops(_moved_out(_removed(_corrected(found), data), data), data)
+    return _cleared_tops(_moved_out(_removed(_corrected(_taken_back(found, data)), data), data), data)
 
 
 def _sentence_end(found: Sequence[Symbol], at: int, ends: Sequence[str]) -> int:
@@ -44,6 +44,20 @@ def _joined(found: list[Symbol], form: Mapping[str, Any]) -> list[Symbol]:
             rest = [each for each in found[at + 1 : end - 1] if each.kind not in ("the", "stack")]
             return [*found[:at], verb, *rest, *_joined(found[end:], form)]
     return found
+
+
+def _taken_back(found: list[Symbol], data: Mapping[str, Any]) -> list[Symbol]:
+    """With a no that is alone between two signs as a word of correction: `the apple in the tray, no, the tomato`."""
+    signs = (",", ".")
+    return [
+        symbol._replace(kind="rather")
+        if symbol.text in data["no"]
+        and found[at - 1 : at]
+        and found[at - 1].kind in signs
+        and any(each.kind in signs for each in found[at + 1 : at + 2])
+        else symbol
+        for at, symbol in enumerate(found)
+    ]
 
 
 def _corrected(found: list[Symbol]) -> list[Symbol]:
@@ -70,10 +84,12 @@ def _corrected(found: list[Symbol]) -> list[Symbol]:
 
 
 def _may_replace(words: Sequence[Symbol], others: Sequence[Symbol]) -> bool:
-    """Whether a phrase may be named in place of another one: both of the same types, or of any colour."""
+    """Whether a phrase may be named in place of another one: both hold things, or both are moved, or of any colour."""
     types, replaced = _types(words), _types(others)
     has_colour = any(symbol.kind == "colour" for symbol in others)
-    return types == replaced or (has_colour and not (types and replaced))
+    if types and replaced:
+        return (types <= CONTAINERS) == (replaced <= CONTAINERS)
+    return types == replaced or has_colour
 
 
 def _with_noun(words: Sequence[Symbol], others: Sequence[Symbol]) -> list[Symbol]:

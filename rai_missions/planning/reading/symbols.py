@@ -37,7 +37,7 @@ HYPHEN = re.compile(r"(?<=[^\W\d_])[-‐‑–](?=[^\W\d_])")
 ENDS = (".", ",", "and", "then", "too", "empty")
 SUBJECTS = frozenset({"noun", "colour", "generic", "pronoun", "all", "rest", "everything"})
 """Kinds of symbols that end a phrase about things."""
-NAMING = SUBJECTS | {"the", "a", "other", "number"}
+NAMING = SUBJECTS | {"the", "a", "any", "other", "number"}
 """Kinds of symbols of which such a phrase consists."""
 
 
@@ -122,9 +122,9 @@ def _asking(found: Sequence[Symbol], data: Mapping[str, Any]) -> Iterator[Symbol
 
     `Can the cube …` asks what is possible, unless it has a place to which it moves.
     One that follows its things, where no word of a wish came before, reports: `the cubes lie on the tray`. After such
-    a word a verb that reports is none: `make sure the apple is in the tray`.
+    a word a verb that reports is none: `make sure the apple is in the tray`. `Where it is` stays as it is.
     """
-    is_first, is_address, is_wish, before = True, True, False, ""
+    is_first, is_address, is_wish, is_where, before = True, True, False, False, ""
     wishing = set(data["wishing"])
     is_moved = any(each.kind == "relation" for each in found) and not any(
         each.text in data["reports"] for each in found
@@ -140,7 +140,8 @@ def _asking(found: Sequence[Symbol], data: Mapping[str, Any]) -> Iterator[Symbol
         ):
             yield symbol._replace(kind="asked")
         else:
-            yield symbol._replace(kind="noise") if is_wish and symbol.kind == "is" else symbol
+            yield symbol._replace(kind="noise") if is_wish and symbol.kind == "is" and not is_where else symbol
+        is_where = symbol.value == "place_of" or (is_where and symbol.kind == "pronoun")
         before = before if symbol.kind == "noise" else symbol.kind
         is_address = symbol.kind == "." or (is_address and symbol.kind in ("noise", ","))
         is_first = is_address and symbol.kind in (".", ",")  # `hey robot, should …`, and not `you should …`

@@ -68,12 +68,14 @@ class Things:
             return tuple((each,) for each in tops)
         if phrase.kind in ("everything", "rest"):
             left_out = self._named | taken if phrase.kind == "rest" else frozenset[str]()
-            return (self._set(phrase, [each for each in self._movable() if each.name not in left_out]),)
+            return (self._set(phrase, [each for each in self._seen(phrase) if each.name not in left_out]),)
         matching, perhaps = self._matching(phrase)
         if phrase.is_other:
             matching = [each for each in matching if each.name not in self._named | taken]
         if not matching:
             raise self._absent(phrase)
+        if phrase.is_free and (phrase.count is not None or not phrase.is_many):
+            return (self._chosen(phrase, matching, taken),)
         if self._means_all(phrase, matching):
             sets = [matching, [*matching, *perhaps]] if perhaps else [matching]
             return tuple(self._set(phrase, each) for each in sets)
@@ -81,6 +83,21 @@ class Things:
         if len(matching) > 1 and (phrase.is_many or (phrase.count or 1) > 1 or phrase.is_all):
             raise Unread("ambiguous", self._which(phrase, matching))
         return tuple((each.name,) for each in matching)
+
+    def _chosen(self, phrase: Phrase, matching: Sequence[Thing], taken: frozenset[str]) -> Names:
+        """What the arm chooses where it may: of what is meant by no other words, first what nothing lies on.
+
+        Raises:
+            Unread: There are fewer.
+        """
+        left = [name for name in self._set(phrase, matching) if name not in self._named | taken]
+        count = phrase.count or 1
+        if len(left) < count:
+            raise Unread("ambiguous", self._which(phrase, matching))
+        return tuple(sorted(left, key=self._is_covered)[:count])
+
+    def _is_covered(self, name: str) -> bool:
+        return any(self.lies_at(other.name, name) for other in self.scene.things)
 
     def _tops(self) -> Names:
         """The topmost thing of each tower that is seen."""
@@ -162,7 +179,8 @@ class Things:
         phrases = tuple(phrases)
         to_choose = {each for phrase in phrases for each in phrase.others}
         for phrase in phrases:
-            is_named = phrase.kind == "things" and not phrase.is_other and (phrase.has_noun or phrase.colour)
+            is_fixed = not (phrase.is_other or phrase.is_free)
+            is_named = phrase.kind == "things" and is_fixed and (phrase.has_noun or phrase.colour)
             if is_named and phrase not in to_choose:
                 with suppress(Unread):
                     found = self.alternatives(phrase)

@@ -14,7 +14,7 @@ __all__ = ("is_tower", "skip_several", "tower")
 LEVELS: dict[str, int | None] = {"bottom": 0, "top": -1, "middle": None}
 NOWHERE = 1_000
 ENDS = ("", ".", ",", "then")
-BEFORE = ("the", "a", "all", "number", "generic", "other", "put")
+BEFORE = ("the", "a", "any", "all", "number", "generic", "other", "put")
 
 
 def is_tower(cursor: Cursor) -> bool:

@@ -17,8 +17,8 @@ from rai_missions.planning.reading.symbols import Symbol
 __all__ = ("wishes_of",)
 
 AFTER: Mapping[str, frozenset[str]] = {
-    "noun": frozenset({"the", "a", "all", "colour", "noun", "put", "grasp"}),
-    "colour": frozenset({"the", "a", "all", "colour"}),
+    "noun": frozenset({"the", "a", "any", "all", "colour", "noun", "put", "grasp"}),
+    "colour": frozenset({"the", "a", "any", "all", "colour"}),
 }
 """Kinds of symbols that end a phrase about a thing → those that begin another one, or a wish."""
 

@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from rai_missions.planning import Scene, without_swaps
+from rai_missions.planning import Scene, at_first_poses
 from rai_missions.planning.reading import is_said, reading_of, unsaid
 from tests.planning.reading.stored import SCENES, goal
 
@@ -64,7 +64,7 @@ def test_a_name_without_a_type_in_it_needs_the_scene() -> None:
 
 def test_a_swap_says_the_places_of_its_things() -> None:
     scene = SCENES["cubes"]
-    wanted = without_swaps(goal({"swapped": ["red_cube", "blue_cube"]}), scene)
+    wanted = at_first_poses(goal({"swapped": ["red_cube", "blue_cube"]}), scene)
     assert is_said(wanted, "swap the red and the blue cube", scene)
     assert not is_said(wanted, "put the red and the blue cube together", scene)
     assert not is_said(goal({"at": "red_cube", "x": 0.4, "y": 0.1}), "swap the red and the blue cube", scene)
