@@ -18,12 +18,15 @@ import shlex
 import shutil
 import subprocess
 import sys
+import tomllib
 from collections.abc import Callable, Iterator
 from functools import cache
+from itertools import chain
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import pytest
+from packaging.requirements import Requirement
 
 from rai_missions.cli.main import main
 
@@ -47,6 +50,10 @@ LONG = {
     ),
     "missions/rosbot/README.md",
 }
+OF_DEVELOPERS = {
+    "audit", "bench", "browser", "dev", "docs", "fuzz", "learn", "mutate", "ros-test", "urdf-test",
+}  # fmt: skip
+"""Extras that no user installs."""
 Run = Callable[[list[str]], tuple[int | str | None, str]]
 BLOCK = re.compile(
     r"^(?P<skip><!-- not run: [^\n]+ -->\n+)?```(?P<kind>\w+)[^\n]*\n(?P<text>.*?)^```$", re.DOTALL | re.MULTILINE
@@ -154,6 +161,17 @@ def test_a_command_that_exits_otherwise_is_noticed() -> None:
         run_commands(Block("sh", f"{refused}\n", 7), "here.md", run_here)
     with pytest.raises(AssertionError, match="exited 2, not 1"):  # what the parser itself refuses
         run_commands(Block("sh", "$ rai-missions check --none  # exits 1\n", 7), "here.md", run_here)
+
+
+def test_each_package_that_a_user_installs_has_its_licence_named() -> None:
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    extras = {name: wanted for name, wanted in project["optional-dependencies"].items() if name not in OF_DEVELOPERS}
+    wanted = {Requirement(each).name for each in chain(project["dependencies"], *extras.values())} - {project["name"]}
+    locks = (ROOT / "requirements" / f"{name}.lock" for name in ("voice", "voice-base", "weights"))
+    wanted |= {name for lock in locks for name in re.findall(r"^([\w.-]+)==", lock.read_text(encoding="utf-8"), re.M)}
+    rows = re.findall(r"^\|.*\|$", (ROOT / "docs/licences.md").read_text(encoding="utf-8"), re.M)
+    named = set(re.findall(r"`([\w.-]+)`", "\n".join(rows)))
+    assert sorted(wanted - named) == []
 
 
 def test_links_between_documents_lead_somewhere() -> None:
