@@ -268,14 +268,14 @@ def text_of_tokens(tokens: Sequence[str]) -> str:
 
 
 def once(text: str) -> str:
-    """A text that is the same words three times or more, the last time perhaps cut off, as these words alone.
+    """A text that is the same words three times or more, and at its end perhaps some of them, as these words alone.
 
-    A person repeats "stop", and the model at times reads a word over and over.
+    A person repeats "stop", and the model at times reads a word over and over, and stumbles in the end.
     """
     words = text.split()
     plain = [plain_words(word) for word in words]
     for size in range(1, len(words) // 3 + 1):
-        if all(word == plain[place % size] for place, word in enumerate(plain)):
+        if plain[: 3 * size] == 3 * plain[:size] and set(plain) == set(plain[:size]):
             return " ".join(words[:size])
     return text
 
