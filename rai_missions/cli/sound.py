@@ -55,7 +55,7 @@ def listen_to(file: str | None, device: str | None, names: ListenNames, *, as_js
         warnings.take(transcript.fault)
         if transcript.text:
             count[0] += 1
-            print(json.dumps(transcript._asdict()) if as_json else line_of(transcript), flush=True)
+            print(json.dumps(transcript._asdict()) if as_json else line_of(transcript, names), flush=True)
 
     recognition = open_recognition(names, ListenSettings(), on_transcript=show, on_fault=warnings.take)
     try:
@@ -73,6 +73,8 @@ def listen_to(file: str | None, device: str | None, names: ListenNames, *, as_js
     finally:
         sound.stop()
         recognition.close()
+    if not count[0]:
+        print(f"rai-missions listen: nothing was understood in {file}", file=sys.stderr)
     return int(not count[0])
 
 
@@ -93,10 +95,10 @@ class _Warnings:
             print(f"rai-missions listen: {fault}", file=sys.stderr)
 
 
-def line_of(transcript: Transcript) -> str:
-    """A transcript in one line: when, how many recognisers agree, and the text."""
-    agree = sum(reading == transcript.text for reading in transcript.readings)
-    return f"{transcript.began:6.1f} s  {agree} of 2  {transcript.text}"
+def line_of(transcript: Transcript, names: ListenNames) -> str:
+    """A transcript in one line: when, how many of the recognisers agree, and the text."""
+    agree, recognisers = sum(reading == transcript.text for reading in transcript.readings), 1 + bool(names.second)
+    return f"{transcript.began:6.1f} s  {agree} of {recognisers}  {transcript.text}"
 
 
 def _to_the_end(sound: FileSound, listener: SpeechListener) -> None:

@@ -43,7 +43,7 @@ def serve_voice(
     def take(transcript: Transcript) -> None:
         speech.resume(cut=bool(transcript.text))
         if transcript.text:
-            print(line_of(transcript), flush=True)
+            print(line_of(transcript, names), flush=True)
 
     recognition = VoiceRecognition(
         sound, hri, topic=below + FROM_HUMAN, names=names, on_transcript=take, on_present=speech.interrupt,

@@ -41,6 +41,8 @@ def test_a_turn_is_a_line_with_its_times_its_number_and_its_words(
     capsys.readouterr()
     assert main(["listen", file]) == 0
     assert capsys.readouterr().out.split(maxsplit=5)[2:] == ["1", "of", "2", "Where are you going?\n"]
+    assert main(["listen", file, "--second", ""]) == 0
+    assert capsys.readouterr().out.split(maxsplit=5)[2:] == ["1", "of", "1", "Where are you going?\n"]
 
 
 @needs_voice
@@ -49,7 +51,8 @@ def test_a_turn_is_a_line_with_its_times_its_number_and_its_words(
 def test_a_file_without_speech_exits_with_1(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     write_wav(tmp_path / "silence.wav", bytes(32_000))
     assert main(["listen", str(tmp_path / "silence.wav")]) == 1
-    assert capsys.readouterr().out == ""
+    printed = capsys.readouterr()
+    assert (printed.out, "nothing was understood in" in printed.err) == ("", True)
 
 
 SHORT_OF_BREATH = """

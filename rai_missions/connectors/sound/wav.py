@@ -43,6 +43,7 @@ def read_wav(path: Path | str) -> bytes:
         raise UsageError(f"{path} is no WAV file that can be read ({why}); give PCM, 16 bits") from None
     if width != 2:
         raise UsageError(f"{path} has {8 * width} bits a sample; give PCM, 16 bits")
+    _check_form(rate, channels, str(path))
     if len(data) > most * width * channels:
         raise UsageError(f"{path} is longer than an hour; give a shorter file")
     if len(data) < count * width * channels:
@@ -62,11 +63,7 @@ def converted(data: bytes, rate: int, channels: int = 1, what: str = "the sound"
     Raises:
         UsageError: The rate or the number of channels is none, or a sample is cut.
     """
-    low, high = RATES_HZ
-    if not low <= rate <= high:
-        raise UsageError(f"{what} has a rate of {rate} Hz; {low} to {high} Hz can be read")
-    if not 1 <= channels <= 16:
-        raise UsageError(f"{what} has {channels} channels; 1 to 16 can be read")
+    _check_form(rate, channels, what)
     if len(data) % (2 * channels):
         raise UsageError(f"{what} ends within a sample: {len(data)} bytes are no multiple of {2 * channels}")
     if (rate, channels) == (RATE_HZ, 1):
@@ -76,6 +73,14 @@ def converted(data: bytes, rate: int, channels: int = 1, what: str = "the sound"
     if rate != RATE_HZ and len(samples):
         samples = _resampled(samples, RATE_HZ / rate)
     return bytes(np.clip(np.rint(samples), -32768, 32767).astype("<i2").tobytes())
+
+
+def _check_form(rate: int, channels: int, what: str) -> None:
+    low, high = RATES_HZ
+    if not low <= rate <= high:
+        raise UsageError(f"{what} has a rate of {rate} Hz; {low} to {high} Hz can be read")
+    if not 1 <= channels <= 16:
+        raise UsageError(f"{what} has {channels} channels; 1 to 16 can be read")
 
 
 def check_wav_name(path: Path | str) -> None:

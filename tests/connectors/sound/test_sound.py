@@ -141,6 +141,7 @@ def test_a_broken_file_is_named_with_what_is_wrong(tmp_path: Path) -> None:
         ): "is cut short: 10190 of 2147483647 samples are there",
         write(tmp_path / "odd.wav", odd): "ends within a sample: 20481 bytes are no multiple of 2",
         write(tmp_path / "slow.wav", good[:24] + struct.pack("<I", 100) + good[28:]): "has a rate of 100 Hz",
+        write(tmp_path / "still.wav", good[:24] + struct.pack("<I", 0) + good[28:]): "has a rate of 0 Hz",
     }
     for path, sentence in faults.items():
         with pytest.raises(UsageError, match=sentence) as caught:
