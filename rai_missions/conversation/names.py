@@ -72,7 +72,10 @@ class NamedOption(NamedTuple):
 
 
 def option_named(words: Sequence[str], options: Sequence[Offer], language: Language) -> NamedOption | None:
-    """The option that the words name: by number, name, its `about`, or some of its words where no other has them."""
+    """The option that the words name: by number, name, its `about`, or some of its words where no other has them.
+
+    A pronoun behind these words, `drive over it`, is what the question is about.
+    """
     bare = language.without_articles(words)
     for offer in options:
         if bare and any(bare == language.without_articles(each) for each in _ways(offer, language)):
@@ -81,6 +84,7 @@ def option_named(words: Sequence[str], options: Sequence[Offer], language: Langu
     if place is not None:
         place = len(options) if place == -1 else place
         return NamedOption(options[place - 1], is_partial=False) if 1 <= place <= len(options) else None
+    bare = bare[:-1] if bare[-1:] and bare[-1] in language.data["thing_pronouns"] else bare
     if not any(len(word) >= SHORTEST for word in bare):
         return None
     having = [offer for offer in options if set(bare) <= _every_word(offer, language)]

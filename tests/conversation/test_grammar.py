@@ -15,6 +15,7 @@ from hypothesis import strategies as st
 from rai_missions.conversation import KeyView, MissionView, StatusView
 from rai_missions.conversation.grammar import STOP, Grammar
 from rai_missions.conversation.language import language, languages
+from rai_missions.conversation.names import option_named
 from rai_missions.conversation.phrases import Phrases, example_of
 from rai_missions.conversation.senses import Sense
 from rai_missions.conversation.start_phrases import StartPhrase, StartPhrases
@@ -60,6 +61,20 @@ def test_each_question_and_order_is_read_as_what_it_means(code: str) -> None:
     meant = {each: name for name, sentences in STORED["meant"][code].items() for each in sentences}
     read = {each: [sense.name or sense.kind for sense in grammar.senses(each, view)] for each in meant}
     assert {each: names for each, names in read.items() if names != [meant[each]]} == {}
+
+
+@pytest.mark.parametrize("code", languages())
+@pytest.mark.parametrize("words", ["drive over", "find another way around", "honk"])
+def test_an_option_before_a_pronoun_is_that_option(code: str, words: str) -> None:
+    """`Drive over it`: what the question is about; never another option, nor one that is not offered."""
+    offers = (Offer("drive_over", "drive on, over the branch"), Offer("replan", "find another way around the branch"),
+              Offer("signal", "honk and wait"))  # fmt: skip
+    for pronoun in language(code).data["thing_pronouns"]:
+        meant = option_named(words.split(), offers, language(code))
+        named = option_named([*words.split(), pronoun], offers, language(code))
+        assert meant is not None and named is not None and named.offer == meant.offer
+        assert named.is_partial or pronoun in language(code).articles
+        assert option_named(["fly", pronoun], offers, language(code)) is None
 
 
 @pytest.mark.parametrize(
