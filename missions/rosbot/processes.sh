@@ -13,8 +13,15 @@ log="$(mktemp)"
 read -r -a world <<<"${WORLD:-}"
 rai-missions world house --ros "${world[@]}" >"$log" 2>&1 &
 running=("$!")
+watching=()
 talk=()
+# watch_over NAME PROCESS: the run continues without it, so its end is reported at once.
+watch_over() {
+    while kill -0 "$2" 2>/dev/null; do sleep 0.5; done
+    echo "processes.sh: the $1 (process $2) has ended, and the run has not" >&2
+}
 end() {
+    kill "${watching[@]}" 2>/dev/null || true
     kill -INT "${running[@]}" 2>/dev/null || true
     wait "${running[@]}" 2>/dev/null || true
     rm -f "$log"
@@ -28,10 +35,14 @@ for _ in $(seq 300); do
     fi
     sleep 0.2
 done
+watch_over world "${running[0]}" &
+watching+=("$!")
 if [[ -n "${VOICE+set}" ]]; then
     read -r -a voice <<<"$VOICE"
     rai-missions voice --ros "${voice[@]}" &
     running+=("$!")
+    watch_over voice "${running[1]}" &
+    watching+=("$!")
     talk=(--talk)
 fi
 rai-missions run "${MISSION:-$here/assist.json}" --robot "${ROBOT:-$here/robot.ros2.json}" --node --watch \

@@ -22,6 +22,10 @@ from rai_missions.voice.spoken_text import SpokenEnd, SpokenText
 __all__ = ("TextToSpeech",)
 
 
+CLOSES_S = 3.0
+"""What is left to be closed after the last words."""
+
+
 class TextToSpeech:
     """Speaks through a connector to sound, which its owner starts and stops.
 
@@ -36,14 +40,16 @@ class TextToSpeech:
         on_fault: Called with a sentence each time a voice's process ended, hung or could not be opened; None: it is
             logged.
         patience_s: How long the device may take no sound before what waits has failed; infinity on a simulated clock.
+        last_words_s: How long `stop` waits for the end of what is spoken, and of what waits to be.
     """
 
     def __init__(
         self, sound: SoundConnector, hri: HRIConnector | None = None, *, topic: str = TO_HUMAN, voice: str = "flite",
         model_voice: str = "", on_end: Callable[[str, SpokenEnd], object] = lambda key, how: None,
         on_message_end: Callable[[str, SpokenEnd], object] = lambda text, how: None,
-        on_fault: Callable[[str], object] | None = None, patience_s: float = 5.0,
+        on_fault: Callable[[str], object] | None = None, patience_s: float = 5.0, last_words_s: float = 0.0,
     ) -> None:  # fmt: skip
+        self._last_words_s, self._is_quiet = last_words_s, threading.Event()
         self._sound, self._hri, self._topic = sound, hri, topic
         self._on_end, self._on_message_end = on_end, on_message_end
         self._messages: dict[str, str] = {}
@@ -77,7 +83,7 @@ class TextToSpeech:
         with self._lock:
             if self._closes:
                 return
-            self._closes = [self._sound.play(self._speaker.frame)]  # first: nothing is left of one that is refused
+            self._closes = [self._sound.play(self._speaker.frame)]  # the first: nothing is left of one that is refused
             for process in self._processes:
                 process.open()
             self._speaker.open()
@@ -85,13 +91,22 @@ class TextToSpeech:
                 self._closes.append(self._hri.listen(self._topic, self._receive))
                 self._closes.append(self._hri.listen_to_voice_commands(self._steer))
 
+    @property
+    def stop_s(self) -> float:
+        """How long `stop` may take."""
+        return self._last_words_s + CLOSES_S
+
     def stop(self) -> None:
-        """End; what was not spoken whole has failed."""
+        """Take no more messages, and end after the last words; what was not spoken whole has failed."""
         with self._lock:
             closes, self._closes = self._closes, []
-        for close in closes:
+        for close in closes[1:]:
             close()
         if closes:
+            self._is_quiet.clear()
+            if self.speaking:
+                self._is_quiet.wait(self._last_words_s)
+            closes[0]()
             self._speaker.close()
             for process in self._processes:
                 process.close()
@@ -123,6 +138,8 @@ class TextToSpeech:
         if text is not None:
             self._on_message_end(text, how)
         self._on_end(key, how)
+        if not self.speaking:
+            self._is_quiet.set()
 
     def _steer(self, word: str) -> None:
         if word == "stop":

@@ -17,6 +17,9 @@ from rai_missions.voice.spoken_text import SpokenEnd
 
 __all__ = ("serve_voice",)
 
+LAST_WORDS_S = 20.0
+"""A mission's end is spoken whole, although the programs next to it end with it."""
+
 
 def serve_voice(
     sound: SoundConnector, names: ListenNames, *, voice: str, domain: int | None, below: str = ""
@@ -38,7 +41,10 @@ def serve_voice(
 
     connector = open_connector({} if domain is None else {"domain_id": domain})
     hri = HRIConnector(connector)
-    speech = TextToSpeech(sound, hri, topic=below + TO_HUMAN, voice=voice, on_message_end=_show_end, on_fault=_warn)
+    speech = TextToSpeech(
+        sound, hri, topic=below + TO_HUMAN, voice=voice, on_message_end=_show_end, on_fault=_warn,
+        last_words_s=LAST_WORDS_S,
+    )  # fmt: skip
 
     def take(transcript: Transcript) -> None:
         speech.resume(cut=bool(transcript.text))

@@ -64,10 +64,12 @@ def test_what_is_spoken_in_one_piece_is_short_and_is_divided_between_words(text:
 class Stage:
     """A voice that speaks into a recording, on time that the test lets pass."""
 
-    def __init__(self, sound: FileSound, ends: Ends) -> None:
+    def __init__(self, sound: FileSound, ends: Ends, *, last_words_s: float = 0.0) -> None:
         self.sound, self.ends = sound, ends
         self.frames: list[SoundFrame] = []
-        self.agent = TextToSpeech(sound, on_end=lambda key, how: ends((key, how)), patience_s=math.inf)
+        self.agent = TextToSpeech(
+            sound, on_end=lambda key, how: ends((key, how)), patience_s=math.inf, last_words_s=last_words_s
+        )
         sound.listen(self.frames.append)
         sound.start()
 
@@ -107,6 +109,21 @@ def test_a_text_is_spoken_whole_and_reported_once(stage: Stage) -> None:
     assert stage.ends.all == [("a", "whole")]
     assert stage.loud_s() == pytest.approx(2.6, abs=0.6)
     assert not stage.agent.speaking
+
+
+@needs_voice
+@pytest.mark.parametrize(("last_words_s", "how"), [(60.0, "whole"), (0.0, "failed")])
+def test_stopped_it_ends_after_its_last_words(last_words_s: float, how: str) -> None:
+    stage = Stage(FileSound(), Inbox(), last_words_s=last_words_s)
+    stage.agent.run()
+    for key in ("a", "b"):
+        stage.agent.speak(SpokenText(key, "The mission has ended."))
+    stage.pass_until(lambda: stage.is_loud)
+    stopping = threading.Thread(target=stage.agent.stop)
+    stopping.start()
+    stage.pass_until(lambda: not stopping.is_alive())
+    assert sorted(stage.ends.all) == [("a", how), ("b", how)]
+    assert stage.agent.stop_s > last_words_s
 
 
 @needs_voice
