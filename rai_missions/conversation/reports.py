@@ -122,12 +122,10 @@ class Reports:
     def _started_for(self, view: StatusView) -> str:
         """What the run is for: its start as the profile calls it, or what its mission does."""
         offered = view.mission_named(view.mission)
-        initial = {key.name: key.value for key in offered.arguments} if offered is not None else {}
-        keys = {key.name: key for key in view.keys.values() if key.source == "argument"}
-        given = {
-            name: key.value for name, key in keys.items() if key.value is not None and key.value != initial.get(name)
-        }
-        called = self._starts.words(given, keys)
+        before = {key.name: key.value for key in offered.arguments} if offered is not None else {}
+        keys = {key.name: key for key in view.keys.values() if key.source == "argument" and key.value is not None}
+        given = {name: key.value for name, key in keys.items()}
+        called = self._starts.words(given, keys, {name for name in given if given[name] == before.get(name)})
         return f"{called}." if called else view.about.strip()
 
     def _end(self, view: StatusView) -> str:

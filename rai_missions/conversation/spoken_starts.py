@@ -2,11 +2,13 @@
 """What a robot calls a start with arguments: `go to the {place}` for the task go and a place.
 
 Rule: a text that is used gives every argument of the order; where none does, the order is spoken with its arguments.
+Of a run, whose arguments all have values, it may leave out those that have their initial value.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from collections.abc import Set as AbstractSet
 from typing import Any, NamedTuple
 
 from rai_missions.conversation.arguments import IN_WORDS
@@ -44,15 +46,18 @@ class SpokenStarts:
     def __init__(self, forms: Sequence[SpokenStart], names: Names, language: Language) -> None:
         self._forms, self._names, self._language = forms, names, language
 
-    def words(self, given: Mapping[str, Any], keys: Mapping[str, KeyView]) -> str:
+    def words(
+        self, given: Mapping[str, Any], keys: Mapping[str, KeyView], initial: AbstractSet[str] = frozenset()
+    ) -> str:
         """What a start is called; empty where no text gives all of its arguments.
 
         Args:
             given: The arguments of the start.
             keys: The arguments of its mission.
+            initial: Which of the given ones have their initial value: a text may leave them out.
         """
         for form in self._forms:
-            has_all = arguments_spoken(form) == given.keys()
+            has_all = given.keys() - initial <= arguments_spoken(form) <= given.keys()
             if has_all and all(given[name] == each for name, each in form.arguments.items()):
                 slots = [keys.get(name, KeyView(name, "string")) for name in SLOT.findall(form.text)]
                 if all(key.type in IN_WORDS for key in slots):
