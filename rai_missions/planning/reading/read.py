@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Hashable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 from rai_missions.errors import DefinitionError
 from rai_missions.planning.goal import FIRST_SEEN, Goal, read_goal
@@ -118,48 +118,75 @@ def _read(request: str, scene: Scene, words: Vocabulary) -> _Attempt:
 
 
 def _read_symbols(found: list[Symbol], scene: Scene, words: Vocabulary) -> RequestReading:
-    negation = next(
-        (symbol for at, symbol in enumerate(found) if symbol.kind == "no" and not _is_limit(found, at)), None
-    )
-    if negation is not None:
-        raise Unread("negated", words.text("negated", negation.text))
-    if asked := next((symbol for symbol in found if symbol.kind == "asked"), None):
-        raise Unread("unread", words.text("asked", asked.text))
-    thrown = any(symbol.kind == "toss" for symbol in found)
-    if thrown:
-        found = list(_put_away(found, words))
-    _refuse_forbidden(found, words)
-    found = _taken_out(found, words)
-    unknown = next((symbol for symbol in found if symbol.kind == "unknown"), None)
-    if unknown is not None:
-        raise Unread("unknown_word", words.text("unknown_word", unknown.text))
-    if _is_part_of_place([symbol for symbol in found if symbol.kind not in ("the", "a")]):
-        raise Unread("coordinates", words.text("coordinates"))
-    is_sorted = any(symbol.kind == "sorted" for symbol in found)
-    found = [symbol for symbol in found if symbol.kind != "sorted"]
-    ways = list(wishes_of(found, words))
-    goals, is_sure = dict[Hashable, Goal](), len(ways) == 1 and not thrown and not is_sorted
-    absent: Unread | None = None
-    for way, wishes in ways:
-        try:
-            meant, is_whole = _goals(wishes, scene, words)
-        except Unread as error:
-            present = _present(wishes, scene, words) if error.reason == "absent" else ()
-            if not 0 < len(present) < len(wishes):
-                raise
-            absent, (meant, is_whole) = error, _goals_or(error, present, scene, words)
-        is_sure = is_sure and is_whole and absent is None and not any(each.kind == "towers" for each in wishes)
-        if word := left_out(way, meant[0]):
-            raise Unread("unread", words.text("left_out", word))
-        goals = goals | {each.meaning: each for each in meant if each.meaning not in goals}
-    if len(goals) == 1 and is_sure:
+    plain, is_sure = _plain(found, words)
+    ways = list(wishes_of(plain, words))
+    meant = [_meant(way, wishes, scene, words) for way, wishes in ways]
+    goals = dict[Hashable, Goal]()
+    for goal in (goal for each in meant for goal in each.goals):
+        goals.setdefault(goal.meaning, goal)
+    if is_sure and len(goals) == len(ways) == 1 and meant[0].is_sure:
         (goal,) = goals.values()
         return RequestReading(goal=goal, covers_all=_covers_all(ways[0][1], goal))
     offered = _asked([*goals.values()], words)
-    if absent is None:
+    about = next((each.absent for each in reversed(meant) if each.absent), "")
+    if not about:
         return offered
-    question = clipped(f"{absent.about} {offered.question}", LONGEST_SENTENCE)
+    question = clipped(f"{about} {offered.question}", LONGEST_SENTENCE)
     return offered.model_copy(update={"question": question, "about": question, "reason": "absent"})
+
+
+def _plain(found: list[Symbol], words: Vocabulary) -> tuple[list[Symbol], bool]:
+    """The symbols without what only leads to a question, and whether there was none of that.
+
+    Raises:
+        Unread: A word of them is not read: a negation, a question, what is forbidden or unknown.
+    """
+    negated = (symbol for at, symbol in enumerate(found) if symbol.kind == "no" and not _is_limit(found, at))
+    if (negation := next(negated, None)) is not None:
+        raise Unread("negated", words.text("negated", negation.text))
+    if asked := next((symbol for symbol in found if symbol.kind == "asked"), None):
+        raise Unread("unread", words.text("asked", asked.text))
+    is_thrown = any(symbol.kind == "toss" for symbol in found)
+    if is_thrown:
+        found = list(_put_away(found, words))
+    _refuse_forbidden(found, words)
+    found = _taken_out(found, words)
+    if unknown := next((symbol for symbol in found if symbol.kind == "unknown"), None):
+        raise Unread("unknown_word", words.text("unknown_word", unknown.text))
+    if _is_part_of_place([symbol for symbol in found if symbol.kind not in ("the", "a")]):
+        raise Unread("coordinates", words.text("coordinates"))
+    plain = [symbol for symbol in found if symbol.kind != "sorted"]
+    return plain, len(plain) == len(found) and not is_thrown
+
+
+class MeantGoals(NamedTuple):
+    """What the wishes of one way to read a request mean."""
+
+    goals: Sequence[Goal]
+    is_sure: bool
+    """Nothing of it is left open: every meaning makes a goal, all things are there, and no tower is of any order."""
+    absent: str = ""
+    """What is not there, as a sentence; the goals are those of the other wishes then."""
+
+
+def _meant(way: Sequence[Symbol], wishes: tuple[Clause, ...], scene: Scene, words: Vocabulary) -> MeantGoals:
+    """The goals of wishes, or of those of them whose things are there.
+
+    Raises:
+        Unread: They are none, or a word of arranging is left out of them.
+    """
+    absent = ""
+    try:
+        goals, is_whole = _goals(wishes, scene, words)
+    except Unread as error:
+        present = _present(wishes, scene, words) if error.reason == "absent" else ()
+        if not 0 < len(present) < len(wishes):
+            raise
+        absent, (goals, is_whole) = error.about, _goals_or(error, present, scene, words)
+    if word := left_out(way, goals[0]):
+        raise Unread("unread", words.text("left_out", word))
+    is_sure = is_whole and not absent and not any(each.kind == "towers" for each in wishes)
+    return MeantGoals(goals, is_sure, absent)
 
 
 def _present(wishes: Sequence[Clause], scene: Scene, words: Vocabulary) -> tuple[Clause, ...]:
