@@ -17,12 +17,14 @@ import unicodedata
 from collections.abc import Iterator, Sequence
 from functools import cache
 from itertools import chain, pairwise
-from typing import Literal
+from typing import Literal, NamedTuple
 
 from rai_missions.conversation.addresses import Addresses
 from rai_missions.conversation.claim_score import claim_weights
-from rai_missions.conversation.claim_words import LEAST_PREDICATE, ClaimWords, Subject
+from rai_missions.conversation.claim_words import ClaimWords, Subject
+from rai_missions.conversation.harmless_clauses import LEAST_PREDICATE, HarmlessClauses
 from rai_missions.conversation.language import language, languages, spoken
+from rai_missions.conversation.reporting_clauses import ReportingClauses
 from rai_missions.conversation.view import StatusView
 from rai_missions.planning.text.normalise import LONGEST_WORD, readable
 from rai_missions.redaction import cut
@@ -82,15 +84,25 @@ SHORT = 2
 """Words up to which a sentence passes only if it is listed as harmless, or has a small word."""
 
 
+class ClaimRules(NamedTuple):
+    """What is known of one language."""
+
+    words: ClaimWords
+    harmless: HarmlessClauses
+    reports: ReportingClauses
+
+
 @cache
-def _rules(code: str) -> ClaimWords:
-    """The words of a language, compiled once for all conversations."""
-    return ClaimWords(language(code))
+def _rules(code: str) -> ClaimRules:
+    """The rules of a language, compiled once for all conversations."""
+    words = ClaimWords(language(code))
+    harmless = HarmlessClauses(words)
+    return ClaimRules(words, harmless, ReportingClauses(words, harmless))
 
 
 @cache
 def _addresses(code: str) -> Addresses:
-    return Addresses(_rules(code))
+    return Addresses(_rules(code).words)
 
 
 class Claims:
@@ -101,9 +113,10 @@ class Claims:
     """
 
     def __init__(self, code: str) -> None:
-        self._own, self._addresses, self._weights = _rules(code), _addresses(code), claim_weights(code)
+        self._own, self._harmless, self._reports = _rules(code)
+        self._addresses, self._weights = _addresses(code), claim_weights(code)
         self._letters = frozenset("".join(language(each).data["claims"]["letters"] for each in languages()))
-        self._every = (self._own, *(_rules(each) for each in languages() if each != code))
+        self._every = (_rules(code), *(_rules(each) for each in languages() if each != code))
 
     def why_replaced(self, sentence: str, view: StatusView) -> ClaimKind:
         """Why the status is put in the place of a sentence; empty where it may be spoken.
@@ -137,7 +150,7 @@ class Claims:
             return "script"
         if not words:
             return "script" if sentence.strip(" \n.!?…-") else ""
-        if any(rules.is_counted(each) for each in (text, PAUSES.sub(" ", text)) for rules in self._every):
+        if any(rules.words.is_counted(each) for each in (text, PAUSES.sub(" ", text)) for rules in self._every):
             return "progress"
         if self._own.harmless.fits(words):
             return ""
@@ -161,15 +174,15 @@ class Claims:
         names, share = _names(view), self._own.share(words)
         doubt: ClaimKind = ""
         for rules in self._every:
-            theirs = rules.words(known)
-            if rules is self._own or rules.share(theirs) >= max(share, LEAST_SHARE):
+            theirs = rules.words.words(known)
+            if rules.words is self._own or rules.words.share(theirs) >= max(share, LEAST_SHARE):
                 kind = _JudgedSentence(rules, known, names, is_conditional=known != text).kind
                 if kind != "report" and kind:
                     return kind
                 doubt = doubt or kind
         if not self._is_marked(clauses, is_question=is_question, is_conditional=known != text):
             doubt = "report"
-        elif not doubt and any(self._own.is_placed(each) for each in clauses):
+        elif not doubt and any(self._reports.is_placed(each) for each in clauses):
             doubt = "place"
         return self._unknown(words, text, share) or doubt
 
@@ -192,7 +205,7 @@ class Claims:
         is_open = not CLOSED.search(before.strip()) and not ITEM.match(sentence)
         is_continued = next((each for each in sentence if each.isalpha()), "").islower()
         is_short = len(words) <= LONGEST_PIECE or len(rest) <= SHORT or words[-1].isdigit()
-        is_begun = is_short or any(each.end == len(words) for each in rules.subjects(words, _names(view)))
+        is_begun = is_short or any(each.end == len(words) for each in self._reports.subjects(words, _names(view)))
         return f"{bare[-LONGEST_BEGUN:]} {sentence}" if is_open or is_continued or is_begun else ""
 
     def _is_address(self, words: Sequence[str], clauses: Sequence[Sequence[str]], *, is_question: bool) -> bool:
@@ -205,16 +218,20 @@ class Claims:
         stated = self._stated_in(main) if is_question else main
         least = 1 if is_conditional else LEAST_PREDICATE
         for before, each in pairwise([[], *stated]):
-            is_list = is_list and rules.is_listed(each)
-            is_open = is_list or (is_conditional and rules.is_foretold(each)) or rules.is_aside(each, before)
-            if not (is_open or rules.is_marked(each, least=least) or rules.harmless.fits(each)):
+            is_list = is_list and self._harmless.is_listed(each)
+            is_open = (
+                is_list
+                or (is_conditional and self._harmless.is_foretold(each))
+                or self._harmless.is_aside(each, before)
+            )
+            if not (is_open or self._harmless.is_marked(each, least=least) or rules.harmless.fits(each)):
                 return False
-            is_list = is_list or rules.states_ability(each)
+            is_list = is_list or self._harmless.states_ability(each)
         return True
 
     def _stated_in(self, clauses: Sequence[Sequence[str]]) -> Sequence[Sequence[str]]:
         """What a question states on its way: `Did you know that …`, also where another language follows."""
-        relative = (any(each[0] in rules.relative for rules in self._every) for each in clauses[1:])
+        relative = (any(each[0] in rules.words.relative for rules in self._every) for each in clauses[1:])
         return clauses[next((at for at, is_relative in enumerate(relative, 1) if is_relative), len(clauses)) :]
 
     def _unknown(self, words: Sequence[str], text: str, share: float) -> ClaimKind:
@@ -258,14 +275,17 @@ def _names(view: StatusView) -> frozenset[str]:
 class _JudgedSentence:
     """One sentence, judged by the words of one language."""
 
-    def __init__(self, rules: ClaimWords, text: str, names: frozenset[str], *, is_conditional: bool) -> None:
+    def __init__(self, language_rules: ClaimRules, text: str, names: frozenset[str], *, is_conditional: bool) -> None:
+        rules, self._harmless, self._reports = language_rules
         self._rules, self._names, self._is_conditional = rules, names, is_conditional
         self._nouns = frozenset(each.lower() for each in CAPITALS.findall(text)) if rules.verb_second else frozenset()
         self._names_other = any(each.lower() not in names for each in NAMED.findall(text)) and not rules.verb_second
         clauses = _clauses(text, rules)
-        self._clauses = [each for each in clauses if not rules.harmless.fits(each) and not rules.is_wish(each)]
+        self._clauses = [each for each in clauses if not rules.harmless.fits(each) and not self._harmless.is_wish(each)]
         first = rules.skip_lead(clauses[0]) if clauses else []
-        self._is_about_kind = rules.is_kind(first) and not any(rules.is_present(each) for each in clauses)
+        self._is_about_kind = self._harmless.is_kind(first) and not any(
+            self._harmless.is_present(each) for each in clauses
+        )
         is_whole = len(self._clauses) == len(clauses)
         self.kind = self._judge(rules.words(text) if is_whole else [*chain(*self._clauses)])
 
@@ -278,13 +298,13 @@ class _JudgedSentence:
         if self._has_result(words):
             return "result"
         clauses = [words, *self._clauses]
-        found = [(each, subject) for each in clauses for subject in rules.subjects(each, self._names)]
+        found = [(each, subject) for each in clauses for subject in self._reports.subjects(each, self._names)]
         claims = [(each, subject) for each, subject in found if self._is_claim(each, subject)]
         is_fact = self._states_facts(words)
-        if any(rules.is_certain(each, subject, is_fact=is_fact) for each, subject in claims):
+        if any(self._reports.is_certain(each, subject, is_fact=is_fact) for each, subject in claims):
             return "subject"
         fragments = [each for each in self._clauses if self._is_fragment(each)]
-        if fragments[:1] == self._clauses[:1] and fragments and not any(map(rules.has_finite, self._clauses)):
+        if fragments[:1] == self._clauses[:1] and fragments and not any(map(self._reports.has_finite, self._clauses)):
             return "fragment"
         passives = [each for each in clauses if self._has_passive(each)]
         if is_fact and any(self._begins_certain(each) for each in passives if not rules.self_words & set(each)):
@@ -299,19 +319,19 @@ class _JudgedSentence:
 
     def _is_scene(self, words: Sequence[str]) -> bool:
         """Whether a clause reports of a certain thing, or of any thing what it is doing: `a man is walking there`."""
-        is_of_one = self._begins_certain(words) and self._rules.is_scene(words)
-        return is_of_one or self._rules.is_doing(words)
+        is_of_one = self._begins_certain(words) and self._reports.is_scene(words)
+        return is_of_one or self._reports.is_doing(words)
 
     def _begins_certain(self, words: Sequence[str]) -> bool:
         """Whether a certain thing begins a clause; in German its article is that of a noun."""
         is_named = not self._nouns or not self._rules.relative & set(self._rules.skip_lead(words)[:1])
-        return (is_named or bool(self._nouns & set(words[:NOUN_WITHIN]))) and self._rules.begins_certain(words)
+        return (is_named or bool(self._nouns & set(words[:NOUN_WITHIN]))) and self._reports.begins_certain(words)
 
     def _states_facts(self, words: Sequence[str]) -> bool:
         """Whether a sentence has no modal, condition or habit, and no name of a person or a place."""
         rules = self._rules
         is_possible = bool((rules.hypothetical | rules.modals - rules.negations) & set(words))
-        return not (is_possible or self._is_conditional or self._names_other or rules.is_habit(words))
+        return not (is_possible or self._is_conditional or self._names_other or self._harmless.is_habit(words))
 
     def _bare_clauses(self) -> Iterator[Sequence[str]]:
         """What is left of each clause without some of the harmless words around it: `of course done, for you`."""
@@ -334,34 +354,34 @@ class _JudgedSentence:
         if subject.kind in ("self", "it"):
             if before in rules.inverted or (allowed and (allowed.begin(after) or allowed.begin(predicate))):
                 return False
-            if rules.is_ability(after, is_conditional=self._is_conditional):
+            if self._harmless.is_ability(after, is_conditional=self._is_conditional):
                 return False
             return not self._is_inverted_harmless(words, subject) and bool(after or rules.verb_second)
         if subject.kind == "soft":
             is_relative = words[subject.start] in rules.relative
-            return before not in rules.modals and rules.reports(after, is_relative=is_relative)
-        if rules.is_object(words, subject) and not self._has_predicate(predicate):
+            return before not in rules.modals and self._reports.reports(after, is_relative=is_relative)
+        if self._reports.is_object(words, subject) and not self._has_predicate(predicate):
             return False
         if allowed and (allowed.begin(after) or allowed.begin(predicate)):
             return False
         if self._is_inverted_harmless(words, subject):
             return False
-        if rules.is_generic(words, subject):
-            return rules.reports(after, is_relative=False)
+        if self._harmless.is_generic(words, subject):
+            return self._reports.reports(after, is_relative=False)
         return bool(after)
 
     def _is_spared(self, words: Sequence[str], subject: Subject) -> bool:
         """Whether the clause states nothing of its subject: of the world, of a kind, a duty, a consequence."""
         rules, word = self._rules, words[subject.start]
-        if rules.is_asked(words, subject) or rules.is_of_world(words):
+        if self._harmless.is_asked(words, subject) or self._harmless.is_of_world(words):
             return True
-        if subject.kind == "it" and rules.is_referring(words, subject):
+        if subject.kind == "it" and self._harmless.is_referring(words, subject):
             return True
         if word in rules.referring and subject.start and self._is_about_kind:
             return True
-        if subject.kind == "work" and rules.is_duty(words, subject):
+        if subject.kind == "work" and self._harmless.is_duty(words, subject):
             return True
-        return self._is_conditional and word not in rules.work | rules.self_words and rules.is_foretold(words)
+        return self._is_conditional and word not in rules.work | rules.self_words and self._harmless.is_foretold(words)
 
     def _is_inverted_harmless(self, words: Sequence[str], subject: Subject) -> bool:
         """In a language whose verb may precede the subject: `das kann ich nicht sagen`."""
@@ -372,7 +392,7 @@ class _JudgedSentence:
         if subject.start > 1 and words[subject.start - 2] in rules.self_words:
             return False
         turned = [words[subject.start - 1], *words[subject.end :]]
-        if subject.kind == "self" and rules.is_ability(turned, is_conditional=self._is_conditional):
+        if subject.kind == "self" and self._harmless.is_ability(turned, is_conditional=self._is_conditional):
             return True
         return allowed.begin(turned) or allowed.begin([turned[0], *rules.skip(turned[1:])])
 
@@ -383,7 +403,7 @@ class _JudgedSentence:
     def _has_passive(self, words: Sequence[str]) -> bool:
         """`The cup has been placed`, `der Becher wurde gefunden`: an act, and no word of who did it."""
         rules = self._rules
-        if rules.is_of_world(words):
+        if self._harmless.is_of_world(words):
             return False
         for at, word in enumerate(words):
             if word not in rules.perfect:
@@ -391,7 +411,7 @@ class _JudgedSentence:
             subject = next((each for each in reversed(words[:at]) if each not in rules.adverbs), "")
             if subject in rules.modals or subject in rules.person:
                 continue
-            if rules.has_act(words[at + 1 :]) or rules.has_been(words[at:]):
+            if self._reports.has_act(words[at + 1 :]) or self._reports.has_been(words[at:]):
                 return True
         return False
 
@@ -412,7 +432,7 @@ class _JudgedSentence:
         words = rules.skip_lead(words)
         if not words:
             return False
-        if rules.is_gerund(words) or (rules.is_progressive(words[0]) and rules.is_of_world(words)):
+        if self._harmless.is_gerund(words) or (rules.is_progressive(words[0]) and self._harmless.is_of_world(words)):
             return False
         first, after = words[0], set(rules.skip(words[1:])[:1])
         if first in rules.second and not rules.verb_second and after & (rules.acts | rules.places):
@@ -423,14 +443,14 @@ class _JudgedSentence:
     def _has_second_verb(self, words: Sequence[str]) -> bool:
         """`I understand and have moved`: a second verb of the same subject."""
         rules = self._rules
-        subjects = list(rules.subjects(words, self._names))
+        subjects = list(self._reports.subjects(words, self._names))
         for at, (word, following) in enumerate(pairwise(words)):
             rest = rules.skip(words[at + 1 :]) if word in rules.conjunctions else []
             if not rest or not any(each.end <= at for each in subjects):
                 continue
             allowed = rules.allowed.get("self")
             is_verb = rest[0] in rules.second or rules.is_past(rest[0]) or rules.is_progressive(rest[0])
-            if rules.is_ability(rest, is_conditional=self._is_conditional):
+            if self._harmless.is_ability(rest, is_conditional=self._is_conditional):
                 continue
             if is_verb and not (allowed and allowed.begin(rest)) and following not in rules.person:
                 return True
