@@ -45,7 +45,7 @@ class ModelSide:
 
     def ask(self, utterance: Utterance) -> None:
         """A sentence that the rules do not know."""
-        if not self._talk.settings.has_model or not may(utterance.role, "ask", self._talk.settings):
+        if not self._talk.settings.has_model:
             self._do_not_know(utterance)
             return
         if self._turns.turn is None:

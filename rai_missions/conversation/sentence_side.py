@@ -261,9 +261,6 @@ class SentenceSide:
             self._orders.take(sense, utterance, mapper="grammar", agreeing=agreeing)
 
     def _answer(self, sense: Sense, utterance: Utterance) -> None:
-        if not may(utterance.role, "ask", self._talk.settings):
-            self._refuse_ask(utterance)
-            return
         pending, settings = self._orders.confirmation.order, self._talk.settings
         if sense.name == "repeat" and pending is not None and may(utterance.role, pending.name, settings):
             self._orders.confirmation.ask_again(utterance)
@@ -289,11 +286,6 @@ class SentenceSide:
             self._keep(sense, utterance.speaker)
         elif pending is None:
             self._orders.speak_nothing(utterance)
-
-    def _refuse_ask(self, utterance: Utterance) -> None:
-        channel = self._talk.language.word("channels", utterance.channel)
-        self._talk.note("refused", number=utterance.number, order="ask", role=utterance.role, by="role")
-        self._speaking.reply("ask_not_permitted", utterance, channel=channel)
 
     def _asker(self, utterance: Utterance) -> Asker:
         language, settings = self._talk.language, self._talk.settings

@@ -13,17 +13,16 @@ from rai_missions.errors import UsageError, suggestion
 from rai_missions.event import Role
 from rai_missions.profile.conversation import GRANTED, ORDERS, OrderName
 
-__all__ = ("MAY", "ORDERS", "ROLES", "LatePolicy", "Permission", "RequestPolicy", "Settings", "permissions")
+__all__ = ("MAY", "ORDERS", "ROLES", "LatePolicy", "RequestPolicy", "Settings", "permissions")
 
-Permission = Literal["ask"] | OrderName
 ROLES: tuple[Role, ...] = get_args(Role)
 RequestPolicy = Literal["queue", "refuse"]
 """What becomes of a start that is ordered while a mission runs."""
 LatePolicy = Literal["queue", "keep_last", "interrupt"]
 """What becomes of a sentence for the model while the model answers another; rules answer theirs at once."""
 
-MAY: Mapping[Role, frozenset[Permission]] = {role: frozenset({"ask", *GRANTED[role]}) for role in ROLES}
-"""What each role may do where the profile grants nothing more."""
+MAY: Mapping[Role, frozenset[OrderName]] = {role: frozenset(GRANTED[role]) for role in ROLES}
+"""What each role may order where the profile grants nothing more; each may ask."""
 
 
 class Settings(NamedTuple):
@@ -31,7 +30,7 @@ class Settings(NamedTuple):
 
     language: str = "en"
     """The file of `languages/` with its grammar and templates."""
-    may: Mapping[Role, frozenset[Permission]] = MAY
+    may: Mapping[Role, frozenset[OrderName]] = MAY
     requests: RequestPolicy = "queue"
     most_requests: int = 3
     late: LatePolicy = "queue"
@@ -65,24 +64,23 @@ class Settings(NamedTuple):
     """Of phrases: argument → the words for each of its values, where it has no other values."""
 
 
-def permissions(granted: Mapping[str, object]) -> Mapping[Role, frozenset[Permission]]:
+def permissions(granted: Mapping[str, object]) -> Mapping[Role, frozenset[OrderName]]:
     """The table of a profile's `"may"`: what is granted there is added to what each role has.
 
     Args:
-        granted: Role → the names of orders, or `ask`.
+        granted: Role → the names of orders.
 
     Raises:
         UsageError: A role or an order that does not exist.
     """
     table = dict(MAY)
-    known = ("ask", *ORDERS)
     for role, names in granted.items():
         if role not in ROLES:
             raise UsageError(f"'may' names no role: '{role}'{suggestion(role, ROLES)}")
         if not isinstance(names, list | tuple | set | frozenset):
-            raise UsageError(f"'may' of '{role}' is no list: {names!r}; give a list of: {', '.join(known)}")
+            raise UsageError(f"'may' of '{role}' is no list: {names!r}; give a list of: {', '.join(ORDERS)}")
         for name in names:
-            if name not in known:
-                raise UsageError(f"'may' of '{role}' names no order: '{name}'{suggestion(str(name), known)}")
+            if name not in ORDERS:
+                raise UsageError(f"'may' of '{role}' names no order: '{name}'{suggestion(str(name), ORDERS)}")
         table[role] = table[role] | frozenset(names)
     return table

@@ -264,7 +264,7 @@ class Meeting:
         }  # fmt: skip
 
 
-GRANTED = permissions({"person": ["ask", "start", "answer", "cancel"]})
+GRANTED = permissions({"person": ["start", "answer", "cancel"]})
 SETTINGS = Settings(may=GRANTED, results=("label", "reply"), asked_with=("label",),
                     questions={"what is the label": "label"})  # fmt: skip
 

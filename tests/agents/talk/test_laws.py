@@ -139,7 +139,7 @@ WORLD_WAITS_S = 0.04
 """Seconds that each step of the world waits at most for a reply of the model: the run is as long as the talk."""
 WORLD_WAITS_FOR_TALK_S = 2.0
 """Seconds that each step of the world waits at most for a sentence: no run is over before the talk about it."""
-ASKS = Settings(may={**MAY, "person": frozenset({"ask"})})
+ASKS = Settings(may={**MAY, "person": frozenset()})
 """No one may order anything, a stop included: with it, a person's "yes" to a model's proposal to stop would count."""
 
 
