@@ -39,6 +39,10 @@ class HarmlessClauses:
         self._kind_verb, self._infinitive = rules.pattern("kind_verb"), rules.pattern("infinitive")
         self._certain = rules.definite - rules.relative
         self._not_of_habits = rules.owned | (rules.second - rules.present)
+        self._small, self._linking = (
+            rules.articles | rules.auxiliaries | rules.function,
+            rules.auxiliaries | rules.stative,
+        )
         self._reported = rules.acts | rules.states | rules.strong
         subjects = rules.self_words | rules.possessive | rules.person
         self._stating = subjects.union(rules.acts, rules.strong, rules.auxiliaries, rules.second)
@@ -79,19 +83,16 @@ class HarmlessClauses:
         """Whether a word names a kind of things, of which the rest is always so: `heavy clay soil holds water`."""
         rules = self._rules
         before, noun, rest = words[:at], words[at : at + 1], words[at + 1 :]
-        if len(rest) < least or (rules.articles | rules.auxiliaries | rules.function) & {
-            *before,
-            *noun,
-        }:
+        if len(rest) < least or self._small & {*before, *noun}:
             return False
         if any(rules.is_past(word) or rules.kind_noun.fullmatch(word) for word in before):  # `Anna brings coffee cups`
             return False
         if noun[0] in rules.substances:
             is_one = rules.substance_verb.fullmatch(rest[0]) is not None
         else:
-            is_clear = not before or rest[0] in rules.auxiliaries | rules.stative
+            is_clear = not before or rest[0] in self._linking
             is_one = bool(is_clear and rules.kind_noun.fullmatch(noun[0]) and self._kind_verb.fullmatch(rest[0]))
-        is_verb = rest[0] not in rules.function | rules.soft or rest[0] in rules.auxiliaries | rules.stative
+        is_verb = rest[0] not in rules.function | rules.soft or rest[0] in self._linking
         if rest[0] in rules.perfect | rules.auxiliaries:
             is_reported = bool(rules.states & set(rules.skip(rest[1:])[:1])) or rules.is_past(rest[0])
         else:
