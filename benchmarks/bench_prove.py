@@ -3,10 +3,10 @@
 
 `python -m benchmarks.bench_prove [WHAT …]`: the name of a shipped mission; a number of regions of ten states each, side
 by side, which share nothing, or with an `s` after it (`5s`) of nine states and with a key that they share: five of them
-have a hundred thousand states, six nearly a million; `retry`, a tree that tries 10,000 times. A process each, so that
-the memory is its own. The peer is SPIN, where it and a C compiler are here, on the same counters as bare bytes: no
-claims, no guards, no timers, and a program made for them. Last, the tractor's proof as a person starts it: the whole
-command.
+have a hundred thousand states, six nearly a million; `retry`, a tree that tries 10,000 times; `trees`, the three of
+`tree_missions`. A process each, so that the memory is its own. The peer is SPIN, where it and a C compiler are here, on
+the same counters as bare bytes: no claims, no guards, no timers, and a program made for them. Last, the tractor's proof
+as a person starts it: the whole command.
 """
 
 from __future__ import annotations
@@ -23,10 +23,11 @@ from pathlib import Path
 from typing import Any
 
 from benchmarks.figures import children_cpu_s, figure
+from benchmarks.tree_missions import TREE_MISSIONS
 
 ROOT = Path(__file__).parents[1]
 DIGITS, SHARED_DIGITS = 10, 9
-DEFAULT = ("tractor", "rosbot", "3", "5", "5s", "6s", "retry")
+DEFAULT = ("tractor", "rosbot", "3", "5", "5s", "6s", "retry", "trees")
 MOST_S = {"5": 0.5, "5s": 2.0, "6s": 60.0, "retry": 5.0}
 """What is proved → the CPU seconds that it may take."""
 MOST_MB = {"6s": 600.0}
@@ -42,6 +43,8 @@ RETRY: dict[str, Any] = {
         "over": {"final": "aborted"},
     },
 }  # fmt: skip
+GIVEN: dict[str, list[dict[str, Any]]] = {"retry": [RETRY], "trees": [*TREE_MISSIONS.values()]}
+"""What is proved → its missions, where they are written here."""
 
 
 def counting(regions: int, *, shared: bool = False, digits: int = DIGITS) -> dict[str, Any]:
@@ -83,28 +86,29 @@ def measure(what: str) -> dict[str, Any]:
     from rai_missions.prove import prove
 
     robot = None
-    if what == "retry":
-        mission = Mission.model_validate(RETRY)
+    if what in GIVEN:
+        missions = [Mission.model_validate(given) for given in GIVEN[what]]
     elif (digits := what.removesuffix("s")).isdigit():
         is_shared = digits != what
         chart = counting(int(digits), shared=is_shared, digits=SHARED_DIGITS if is_shared else DIGITS)
-        mission = Mission.model_validate(chart)
+        missions = [Mission.model_validate(chart)]
     else:
-        mission = load(ROOT / "missions" / what / "mission.json")
+        missions = [load(ROOT / "missions" / what / "mission.json")]
         robot = terms(load_profile(ROOT / "missions" / what / "robot.sim.json"))
     before = time.process_time()
-    proof = prove(mission, terms=robot, most=2_000_000)
+    proofs = [prove(each, terms=robot, most=2_000_000) for each in missions]
     return {
-        "what": named(what), "verdict": proof.verdict, "states": proof.states,
-        "steps": proof.steps, "cpu_s": time.process_time() - before,
+        "what": named(what), "verdict": ", ".join(sorted({each.verdict for each in proofs})),
+        "states": sum(each.states for each in proofs), "steps": sum(each.steps for each in proofs),
+        "cpu_s": time.process_time() - before,
         "memory_mb": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024,
     }  # fmt: skip
 
 
 def named(what: str) -> str:
     """What is proved, in words."""
-    if what == "retry":
-        return "10,000 tries"
+    if what in GIVEN:
+        return {"retry": "10,000 tries", "trees": "3 trees"}[what]
     digits = what.removesuffix("s")
     if not digits.isdigit():
         return what

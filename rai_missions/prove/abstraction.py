@@ -15,7 +15,7 @@ from typing import Any
 from rai_missions.engine import Chart
 from rai_missions.engine.activities.action import GoalActivity, GoalMachine
 from rai_missions.engine.activities.goal_ledger import Goal
-from rai_missions.engine.activities.tree import limit_of
+from rai_missions.engine.activities.tree import TreeActivity, limit_of
 from rai_missions.engine.configuration import Configuration
 from rai_missions.engine.hold import awake, free, is_held
 from rai_missions.engine.nodes import CompiledGuard, Node
@@ -32,8 +32,10 @@ from rai_missions.prove.nondeterminism import OpenFields, Payload
 from rai_missions.prove.open_rounds import OpenRounds, Round
 from rai_missions.prove.open_world import NOW, OpenWorld
 from rai_missions.prove.parts import guards_in, writes_in
+from rai_missions.prove.passed_nodes import ForgetsNodes, PassedNodes
 from rai_missions.prove.store import ALL_GOALS, MANY, Rivals
 from rai_missions.states.compound import Each
+from rai_missions.states.tree.tree import Tree
 
 __all__ = ("INDIFFERENT", "PURSUED", "Abstraction")
 
@@ -75,6 +77,9 @@ class Abstraction:
         self._waiting: dict[tuple[int, ...], tuple[CompiledGuard, ...]] = {}
         triggers = {word for _, transition in mission.every_transition() for word in transition.on}
         self.live: LooksAhead = LiveReads(mission, chart.program.graph, facts, reads_all=bool(world.predicates))
+        self.passed: dict[str, ForgetsNodes] = {
+            name: PassedNodes(state.tree) for _, name, state in mission.walk() if isinstance(state, Tree)
+        }
         self._rivals: dict[frozenset[str], Rivals] = {}
         self.names_orphans = "orphaned" in triggers
         self._names_failed_calls = "call_failed" in triggers
@@ -190,7 +195,19 @@ class Abstraction:
     def _rest_activities(self, running: dict[str, Any]) -> dict[str, Any]:
         machines = self._chart.program.machines
         view = self._chart.state
-        return {name: rested(each, machines[name], self._longest_s, view) for name, each in running.items()}
+        return {
+            name: self._without_passed(name, rested(each, machines[name], self._longest_s, view))
+            for name, each in running.items()
+        }
+
+    def _without_passed(self, name: str, activity: Any) -> Any:
+        """A machine's state without what its tree remembers of nodes that it has passed."""
+        if not isinstance(activity, TreeActivity):
+            return activity
+        nodes = self.passed[name].forgotten(activity.tree.nodes)
+        if nodes is activity.tree.nodes:
+            return activity
+        return activity._replace(tree=activity.tree._replace(nodes=nodes))
 
     # -- what there may be any number of --------------------------------------------------------------------------
 

@@ -19,6 +19,8 @@ __all__ = ("SOON", "key_of", "plain", "rested", "timer_key")
 SOON = NOW + 1.0
 """When whatever runs would be due, if time continued."""
 DIGITS = 6
+STOPPED = {"status": "invalid"}
+"""What a node remembers that was stopped: to what it does, the same as to have never run."""
 
 
 def rested(state: Any, machine: Any, longest_s: float, view: View) -> Any:
@@ -79,7 +81,8 @@ def key_of(state: Any) -> Any:
 
 def _tree_key(state: TreeActivity) -> Any:
     leaves = [(path, key_of(each.state), each.deadline == math.inf) for path, each in sorted(state.leaves.items())]
-    nodes = [(path, repr(_rounded(_unnumbered(memory)))) for path, memory in sorted(state.tree.nodes.items())]
+    known = ((path, _unnumbered(memory)) for path, memory in sorted(state.tree.nodes.items()))
+    nodes = [(path, repr(_rounded(memory))) for path, memory in known if memory != STOPPED]
     ends = sorted((path, leaf.outcome) for path, leaf in state.tree.leaves.items())
     return ("tending", leaves, nodes, ends, _rounded(state.wake), state.limit)
 

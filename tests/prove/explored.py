@@ -68,6 +68,7 @@ class Forgetless(Environment):
         self.rest.live = Everything(
             Later(frozenset(mission.blackboard), frozenset(actions), histories, frozenset([ALL]))
         )
+        self.rest.passed = dict.fromkeys(self.rest.passed, NonePassed())
 
 
 class Backwards(Environment):
@@ -75,6 +76,13 @@ class Backwards(Environment):
 
     def happenings(self) -> Iterator[Stimulus]:
         yield from reversed([*super().happenings()])
+
+
+class NonePassed:
+    """A tree remembers all that its nodes do."""
+
+    def forgotten(self, memories: Mapping[str, Any]) -> Mapping[str, Any]:
+        return memories
 
 
 class Everything(NamedTuple):
