@@ -69,6 +69,9 @@ SHAPES = re.compile(
     r"[\s\S]*?(?:-----END [A-Z0-9 ]{0,30}PRIVATE KEY[A-Z ]{0,10}-----|\Z)"
 )
 """What keys look like, by the prefixes that their issuers give them, or by the words before them."""
+MARK = r"[!-/:-@\[\]^-`{-~]"
+"""What Markdown may have with a backslash before it, and mean the same."""
+LOOSE = re.compile(rf"\\*({MARK})|\\+|.", re.DOTALL)
 _living: weakref.WeakSet[Redaction] = weakref.WeakSet()
 """Every redaction that something still holds: what prints a text may know neither a model nor its run."""
 _turn = threading.RLock()
@@ -80,7 +83,7 @@ def redacted(text: str) -> str:
     return _hidden(text, _known())
 
 
-def _hidden(text: str, secrets: Iterable[str]) -> str:
+def _hidden(text: str, secrets: tuple[str, ...]) -> str:
     text = text.encode("utf-8", "replace").decode()
     return SHAPES.sub(HIDDEN, _without(text, secrets))
 
@@ -177,11 +180,27 @@ def _forms(secrets: tuple[str, ...]) -> tuple[str, ...]:
     return tuple(sorted(found, key=len, reverse=True))
 
 
-def _without(text: str, secrets: Iterable[str]) -> str:
+def _without(text: str, secrets: tuple[str, ...]) -> str:
     for secret in secrets:
         if secret in text:
             text = text.replace(secret, HIDDEN)
+    if "\\" in text and (escaped := _escaped(secrets)) is not None:
+        text = escaped.sub(HIDDEN, text)
     return text
+
+
+@lru_cache(maxsize=8)
+def _escaped(secrets: tuple[str, ...]) -> re.Pattern[str] | None:
+    """The secrets that have marks in them, with a backslash or several before any of these; None where none has."""
+    found = {secret.replace("\\", ""): secret for secret in reversed(secrets) if not secret.isalnum()}
+    return re.compile("|".join(LOOSE.sub(_loose, secret) for secret in reversed(found.values()))) if found else None
+
+
+def _loose(part: re.Match[str]) -> str:
+    """How a part of a secret is looked for: a backslash in it or before a mark may be left out, or be there."""
+    if part[0].startswith("\\") or part[1]:
+        return rf"\\*{re.escape(part[1] or '')}"
+    return re.escape(part[0])
 
 
 def _of_variable(name: str, value: str) -> Iterator[str]:
@@ -208,7 +227,7 @@ def _lines(secret: str) -> Iterator[str]:
 
 
 def _spellings(secret: str) -> Iterator[str]:
-    """A secret as it is, and as JSON, Python and addresses write it; also where one quotes the other."""
+    """A secret as it is, and as JSON, Python, addresses and Markdown write it; also where one quotes the other."""
     secret = secret.strip()
     if len(secret) >= SHORTEST:
         yield secret
@@ -223,6 +242,7 @@ def _written(text: str) -> Iterator[str]:
     yield repr(f"\"'{text}")[len("'\"\\'") : -1]  # Python escapes one of both quotes where a text has both
     yield repr(text.encode("utf-8", "replace"))[2:-1]
     yield from (quote(text, safe=""), quote(text), quote_plus(text))
+    yield from (re.sub(rf"\\({MARK})", r"\1", text), re.sub(MARK, r"\\\g<0>", text))
 
 
 ESCAPES = {ord(each): f"\\u{ord(each):04x}" for each in "<>\x85\u2028\u2029"}

@@ -23,7 +23,7 @@ from typing import IO, Any, Self
 
 from rai_missions.embodiment.document import Section, TextDocument
 from rai_missions.embodiment.readers import FORMATS, read_document
-from rai_missions.redaction import cut, variables
+from rai_missions.redaction import cut, redacted, variables
 
 __all__ = ("ReadingProcess",)
 
@@ -60,7 +60,9 @@ class ReadingProcess:
         Raises:
             ValueError: What is wrong with it; also that it took too long, or ended its reader.
         """
-        if FORMATS[PurePosixPath(name).suffix.lower()].is_linear:
+        format_ = FORMATS[PurePosixPath(name).suffix.lower()]
+        data = _without_secrets(data) if format_.is_text else data
+        if format_.is_linear:
             return read_document(name, data)
         answer = self._ask(name, data)
         if "fault" in answer:
@@ -122,6 +124,14 @@ class ReadingProcess:
                     raise EOFError
                 found += piece
         return bytes(found)
+
+
+def _without_secrets(data: bytes) -> bytes:
+    """A text without secrets, as its author wrote it: a reader may leave out marks that are a part of one."""
+    try:
+        return redacted(data.decode()).encode()
+    except UnicodeDecodeError:  # which the reader reports
+        return data
 
 
 def main() -> None:

@@ -7,12 +7,19 @@ import json
 import os
 import subprocess
 import sys
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
+from rai_missions.embodiment.chunks import passages_of
+from rai_missions.embodiment.reading_process import ReadingProcess
+from rai_missions.redaction import Redaction
 from tests.rigs.documents import docx, markdown, pdf
 from tests.security.test_data import ROOT, SECRET, Place
+from tests.security.test_secrets_in_pieces import LETTERS, assert_whole
 
 LINKS = "http://127.0.0.1:9/x file:///etc/passwd ../outside/description.md"
 OUTWARD = {
@@ -82,3 +89,28 @@ def test_whoami_reads_its_folder_and_starts_its_reader_alone(tmp_path: Path) -> 
     assert not [each for each in done.of("read") if each.startswith(os.path.realpath(place.outside))]
     assert {each for each in done.of("write") if not each.startswith((os.path.realpath(place.out), "/dev/"))} == set()
     assert SECRET.encode() not in Path(index).read_bytes() and os.listdir(place.out) == ["x.index"]
+
+
+MARKS = ("*a*", "`a`", "<b>", "&amp;", "\\_", "[a](b)", "<!--a-->", "~a~", "__a__", "![", "&", "\\", "=", "a b")
+"""What a reader of Markdown or HTML may leave out, or read as a command."""
+PLAIN = st.text(LETTERS, min_size=8, max_size=20)
+MARKED = st.builds("{}{}{}".format, PLAIN, st.lists(st.sampled_from(MARKS), min_size=1, max_size=4).map("".join), PLAIN)
+FRAMES = st.sampled_from(
+    ["The word is {} today.", "# {}\n\nSo it is.", "- {}", "> a *{}*", "a|b\n-|-\n{}|c", "<p>{}</p>"]
+)
+
+
+@pytest.fixture(scope="module")
+def reader() -> Iterator[ReadingProcess]:
+    with ReadingProcess() as process:
+        yield process
+
+
+@given(secret=MARKED, frame=FRAMES, name=st.sampled_from(["a.md", "a.html", "a.txt"]))
+def test_no_piece_of_a_secret_is_left_where_a_reader_leaves_out_marks_of_it(
+    reader: ReadingProcess, secret: str, frame: str, name: str
+) -> None:
+    redaction = Redaction([secret])
+    document = reader.read(name, frame.replace("{}", secret).encode())
+    left = document.title, *(redaction.text(str(each)) for each in passages_of(name, document))
+    assert_whole({str(number): each for number, each in enumerate(left)}, secret)

@@ -41,7 +41,7 @@ from rai_missions.runtime.clock import WallClock
 from tests.agents.talk.scenes import Talk
 from tests.rigs.runs import ROBOT
 from tests.security.test_leaks import files, log_of
-from tests.security.test_secrets_in_pieces import LETTERS, SECRETS, assert_whole
+from tests.security.test_secrets_in_pieces import SECRETS, assert_whole
 from visualize import draw_review
 
 Json = dict[str, Any]
@@ -162,8 +162,7 @@ class Meeting:
         self.rng, self.shown = random.Random(seed), io.StringIO()
         (folder / "identity").mkdir()
         (folder / "identity" / "description.md").write_text(f"I carry {self.mark('identity')} about. I am small.\n")
-        word = self.mark("document") if set(secret) <= set(LETTERS) else "something"  # what Markdown leaves as it is
-        (folder / "identity" / "words.md").write_text(f"# Words\n\nThe word is {word} today.\n")
+        (folder / "identity" / "words.md").write_text(f"# Words\n\nThe word is {self.mark('document')} today.\n")
         identity = Identity.read(folder / "identity", index=folder / "identity.index")
         made = mission()
         self.journal = Journal.create(folder / "run.journal", Header(dump(made), dump_profile(robot())))

@@ -6,12 +6,14 @@ from __future__ import annotations
 import gc
 import json
 import logging
+import re
+import string
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rai_missions.redaction import Redaction, logger
+from rai_missions.redaction import Redaction, cut, logger
 
 letters = st.text("abcdefghijklmnopqrstuvwxyzABCDEFXYZ0123456789", min_size=12, max_size=40)
 KEYS = st.one_of(
@@ -94,3 +96,22 @@ def test_no_run_replaces_what_makes_the_records_of_the_log() -> None:
     before = logging.getLogRecordFactory()
     logger("rai_missions.tried")
     assert logging.getLogRecordFactory() is before
+
+
+BACKSLASH = "\\"
+MARKED = st.text("abXY12_*-.+/\\[]`~#é \"'", min_size=8, max_size=60).map(lambda middle: f"k{middle}k")
+
+
+@given(MARKED, st.data())
+def test_a_secret_is_hidden_however_many_of_its_marks_are_escaped_as_in_markdown(
+    secret: str, data: st.DataObject
+) -> None:
+    marks = [place for place, letter in enumerate(secret) if letter in string.punctuation]
+    chosen = set(data.draw(st.lists(st.sampled_from(marks)))) if marks else set()
+    written = "".join(f"{(place in chosen) * BACKSLASH}{letter}" for place, letter in enumerate(secret))
+    read = re.sub(r"\\([!-/:-@\[-`{-~])", r"\1", secret)
+    redaction = Redaction([secret])
+    for text in (written, read):
+        assert redaction.text(f"it is {text} here") == "it is [hidden] here"
+        assert redaction.known(f"it is {text} here") == "it is [hidden] here"
+        assert cut(f"it is {text} here", 12) == "it is [hidde"

@@ -28,18 +28,20 @@ class DocumentFormat(NamedTuple):
     """Takes a file's name and bytes; raises `ValueError` with what is wrong and what would be right."""
     largest: int
     """Bytes of the largest file that is read."""
+    is_text: bool = False
+    """Whether its bytes are text, with marks in it that a reader leaves out."""
     is_linear: bool = False
     """Whether reading takes time and memory in proportion to the file, so that it needs no process of its own."""
 
 
 FORMATS: Mapping[str, DocumentFormat] = {
     ".docx": DocumentFormat(read_docx, 30_000_000),
-    ".htm": DocumentFormat(read_html, 3_000_000),
-    ".html": DocumentFormat(read_html, 3_000_000),
-    ".md": DocumentFormat(read_markdown, 1_000_000),
+    ".htm": DocumentFormat(read_html, 3_000_000, is_text=True),
+    ".html": DocumentFormat(read_html, 3_000_000, is_text=True),
+    ".md": DocumentFormat(read_markdown, 1_000_000, is_text=True),
     ".pdf": DocumentFormat(read_pdf, 50_000_000),
-    ".txt": DocumentFormat(read_plain, 2_000_000, is_linear=True),
-    ".urdf": DocumentFormat(read_urdf_text, 5_000_000, is_linear=True),
+    ".txt": DocumentFormat(read_plain, 2_000_000, is_text=True, is_linear=True),
+    ".urdf": DocumentFormat(read_urdf_text, 5_000_000, is_text=True, is_linear=True),
 }
 """Ending of a file's name → how it is read."""
 
