@@ -130,7 +130,12 @@ class ConversationalAgent:
     def attach(self, runner: Runner, journal: NoteSink | None = None) -> None:
         """Talk about this run from now on; it is not begun yet."""
         self._end_reported.clear()
-        self._attached = AttachedRun(runner, journal, self._robot, self._note_news, self._take_speech)
+        self._attached = run = AttachedRun(runner, journal, self._robot, self._note_news, self._take_speech)
+        if earlier := run.orders.earlier:
+            view = self._view()
+            self._worker.post(lambda: self._perform(self._dialogue.on_earlier_answers(earlier, view, self._now())))
+            for order in earlier:
+                run.orders.await_judgment(order, self._order_end(order))
         self._note_news()
 
     def continue_after(self, number: int) -> None:
@@ -346,11 +351,14 @@ class ConversationalAgent:
             self._end_reported.set()
         self._worker.post(self._look_at_doors)  # behind the ends of speech that wait already: those still count
 
-    def _order(self, order: Order) -> None:
+    def _order_end(self, order: Order) -> OnOrderEnd:
         def on_end(refused: str) -> None:
             self._post(lambda: self._dialogue.on_order_end(OrderEnd(order.number, refused, self._now())))
 
-        run = self._attached
+        return on_end
+
+    def _order(self, order: Order) -> None:
+        run, on_end = self._attached, self._order_end(order)
         is_over = run is None or run.status.view().outcome is not None
         if order.name in ("start", "stop") and is_over and self._start is not None:
             self._start(order, on_end)

@@ -12,7 +12,7 @@ from typing import Any, Self
 from rai_missions.conversation.inputs import ModelText, OrderEnd, SpeechEnd, Utterance
 from rai_missions.conversation.model_side import ModelSide
 from rai_missions.conversation.order_side import OrderSide
-from rai_missions.conversation.outputs import Output, TalkTurn
+from rai_missions.conversation.outputs import Order, Output, TalkTurn
 from rai_missions.conversation.sentence_side import SentenceSide
 from rai_missions.conversation.settings import Settings
 from rai_missions.conversation.speech_side import SpeechSide
@@ -101,6 +101,19 @@ class Dialogue:
         self._begin(at)
         self._orders.lose(requests, view.run)
         self._follow(view)
+        return self._end()
+
+    def on_earlier_answers(self, answers: Sequence[Order], view: StatusView, at: float) -> tuple[Output, ...]:
+        """The program before this one was killed while its run kept these answers; an `OrderEnd` of each must follow.
+
+        Args:
+            answers: Each under a number that no order of this dialogue has.
+            view: The run as it is resumed, with their questions.
+            at: Now.
+        """
+        self._begin(at)
+        self._follow(view)
+        self._orders.await_earlier(answers)
         return self._end()
 
     def on_last_run(self, at: float) -> tuple[Output, ...]:

@@ -340,6 +340,17 @@ class OrderSide:
         if why and not judged.is_reported:
             self._speaking.reply("refused", judged.utterance.unnumbered, order=judged.words, why=why.rstrip("."))
 
+    def await_earlier(self, answers: Sequence[Order]) -> None:
+        """Report, to every channel, if one of these answers is refused, which a program before this one gave out."""
+        talk = self._talk
+        for order in answers:
+            sense = Sense(
+                "order", "answer", question=order.question, option=order.option, parameters=order.parameters
+            )  # fmt: skip
+            utterance = Utterance("", order.role, order.channel, order.author, talk.now)
+            words = order_words(sense, talk.view, talk.spoken_starts, talk.language)
+            self._under_way[order.number] = JudgedOrder(sense, utterance, order.mapper, words)
+
     def lose(self, requests: Sequence[str], run: str) -> None:
         """These waited in a program of this run that was killed, in words: that they are lost is reported."""
         self._requests.lose(requests, run)

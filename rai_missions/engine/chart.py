@@ -19,7 +19,7 @@ from rai_missions.engine.configuration import Configuration
 from rai_missions.engine.decision import Question
 from rai_missions.engine.events import NOT_STARTED
 from rai_missions.engine.handover import settle_holds
-from rai_missions.engine.hold import held_by, holder_of, live
+from rai_missions.engine.hold import held_by, holder_of, live, waiting_answers
 from rai_missions.engine.modes import Mode
 from rai_missions.engine.nodes import Written
 from rai_missions.engine.program import Named
@@ -307,6 +307,11 @@ class Chart:
         """Those that are open, the oldest first, each with the time that it has by now."""
         found = (each for _, _, activity in live(self.program, self.state) for each in questions_in(activity))
         return tuple(sorted(found, key=lambda question: question.number))
+
+    @property
+    def waiting_answers(self) -> tuple[Event, ...]:
+        """The answers that are judged once a pause ends, or control is given back."""
+        return waiting_answers(self.state)
 
     @property
     def awaited(self) -> frozenset[int]:

@@ -11,7 +11,7 @@ from collections.abc import Callable, Mapping
 from rai_missions.engine.blackboard import known, note_news
 from rai_missions.engine.commands import receive_command
 from rai_missions.engine.handover import receive_control
-from rai_missions.engine.hold import is_awaited, is_for_held, keep, wait_out_pause
+from rai_missions.engine.hold import is_awaited, is_for_held, keep, wait_out_pause, waiting_answers
 from rai_missions.engine.macrostep import check_stopped, complete, react
 from rai_missions.engine.program import Program
 from rai_missions.engine.reports import WATCHED, receive_answer, receive_report, watch_goal
@@ -96,7 +96,7 @@ def _receive_answer(program: Program, state: RunState, event: Event) -> None:
 
 def _is_answered(state: RunState, number: int) -> bool:
     """Whether an answer to a question waits for the end of a pause, or for the hand-back."""
-    return any(each.kind == "proposal" and each.number == number for each in (*state.queue, *state.kept))
+    return any(each.number == number for each in waiting_answers(state))
 
 
 def _receive_early(program: Program, state: RunState, event: Event) -> None:

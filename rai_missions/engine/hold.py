@@ -20,7 +20,7 @@ from rai_missions.states.state import Holder
 __all__ = (
     "awake", "drop_reports", "event_of", "free", "give_time_back", "held_by", "held_controls",
     "holder_of", "is_awaited", "is_for_held", "is_held", "keep", "keep_trigger", "live", "run_at", "shift",
-    "trigger_of", "wait_out_pause",
+    "trigger_of", "wait_out_pause", "waiting_answers",
 )  # fmt: skip
 
 Plan = tuple[tuple[CompiledTransition, ...], ...]
@@ -123,6 +123,11 @@ def wait_out_pause(program: Program, state: RunState, event: Event) -> None:
     if program.surroundings.waits(state, event, state.queue):
         state.queue = (*state.queue, event)
         state.draft.touched = state.draft.is_kept = True
+
+
+def waiting_answers(state: RunState) -> tuple[Event, ...]:
+    """The answers that wait for the end of a pause, or for the hand-back: of each question one at most."""
+    return tuple(each for each in (*state.queue, *state.kept) if each.kind == "proposal")
 
 
 def event_of(state: RunState, trigger: Trigger) -> Event:

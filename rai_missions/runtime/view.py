@@ -12,7 +12,7 @@ from typing import Any
 from rai_missions.engine import Chart, Snapshot
 from rai_missions.engine.activities.goal_ledger import OpenGoal
 from rai_missions.engine.decision import Question
-from rai_missions.event import Origin
+from rai_missions.event import Event, Origin
 from rai_missions.guards.guard import Truth
 from rai_missions.keys import Blackboard
 from rai_missions.mission.mission import Mission
@@ -73,6 +73,11 @@ class RunView:
     def questions(self) -> tuple[Question, ...]:
         """Those that are open, the oldest first."""
         return self._chart.questions
+
+    @property
+    def waiting_answers(self) -> tuple[Event, ...]:
+        """The answers that are judged once a pause ends, or control is given back."""
+        return self._chart.waiting_answers
 
     @property
     def unheard(self) -> tuple[str, ...]:

@@ -72,6 +72,16 @@ class RunOrders:
         self._kept: dict[int, GivenOrder] = {}
         """Question → the answer that is yet to be judged."""
 
+    @property
+    def earlier(self) -> tuple[Order, ...]:
+        """The answers of a conversation that wait in a run which is resumed; their numbers are below zero."""
+        waiting = (each for each in self._runner.view.waiting_answers if "role" in each.data)
+        return tuple(_order_of(each) for each in waiting)
+
+    def await_judgment(self, answer: Order, on_end: OnOrderEnd) -> None:
+        """Report what becomes of one of the `earlier`; before the run is resumed."""
+        self._kept[answer.question] = GivenOrder(answer, on_end)
+
     def perform(self, order: Order, on_end: OnOrderEnd) -> None:
         """Carry out an order; never waits."""
         if order.name == "start":
@@ -121,3 +131,12 @@ class RunOrders:
     def _command(self, order: Order) -> str:
         """A mission that is being canceled may move still, and has no pause: there a stop is the e-stop."""
         return "kill" if order.name == "stop" and self._runner.view.mode == "canceling" else order.name
+
+
+def _order_of(answer: Event) -> Order:
+    """The order that gave this answer; who gave it may be met at any door."""
+    data = answer.data
+    return Order(
+        -answer.number, "answer", data["role"], "", "", question=answer.number, option=data["option"],
+        parameters=data["parameters"],
+    )  # fmt: skip
