@@ -104,6 +104,11 @@ class Resumed:
         return list({line.number: line.text for line in self.lines if NOT_DONE in line.text}.values())
 
 
+def keeps_answer(step: Step) -> bool:
+    """Whether an answer waits from this step on."""
+    return step.kept and step.event.kind == "proposal" and step.outcome is None
+
+
 def is_why(why: str, text: str) -> bool:
     """Whether a report gives this reason."""
     return any(each in text for each in (CLOSED, OVER)) if why == UNJUDGED else why.rstrip(".")[:100] in text
@@ -114,9 +119,7 @@ def agree(seed: int, folder: Path) -> Counter[str]:
     """Kill a run while it keeps answers, and resume it; gives what became of them."""
     found = Counter[str]()
     before = Held(seed, folder / "talked.journal")
-    for step, cut in cut_after_each(folder / "talked.journal"):
-        if not step.kept or step.event.kind != "proposal" or step.outcome is not None:
-            continue
+    for step, cut in cut_after_each(folder / "talked.journal", keeps_answer):
         path = folder / f"resumed-{step.seq}.journal"
         shutil.copy(cut, path)
         resumed = Resumed(seed + step.seq, path, before)

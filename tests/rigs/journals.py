@@ -73,15 +73,19 @@ def raw_rows_of(path: Path) -> list[Raw]:
         return list(record.raw())
 
 
-def cut_after_each(path: Path) -> Iterator[tuple[Step, Path]]:
-    """Each step of a journal's file, the last first, with the file of a process that was killed right after its row."""
+def cut_after_each(path: Path, wanted: Callable[[Step], bool] = lambda step: True) -> Iterator[tuple[Step, Path]]:
+    """Each step of a journal's file, the last first, with the file of a process that was killed right after its row.
+
+    Args:
+        path: The journal.
+        wanted: Which steps; all by default.
+    """
     cut = path.with_name(f"cut-{path.name}")
     shutil.copy(path, cut)
-    for row in reversed(rows_of(path)):
+    for row in reversed([row for row in rows_of(path) if isinstance(row, StepRow) and wanted(row.step)]):
         with closing(sqlite3.connect(cut)) as database, database:
             database.execute("DELETE FROM rows WHERE number > ?", (row.row,))
-        if isinstance(row, StepRow):
-            yield row.step, cut
+        yield row.step, cut
 
 
 def assert_whole(path: Path) -> Replay:
