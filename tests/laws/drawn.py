@@ -18,7 +18,7 @@ from tests.laws.linked import link
 from tests.rigs.charts import Drawn
 from tests.strategies import SIGHTS
 
-__all__ = ("EVENTS", "GRID_S", "KEYS", "DrawnEvent", "document", "happenings", "is_far", "terms")
+__all__ = ("EVENTS", "GRID_S", "KEYS", "REQUESTS", "DrawnEvent", "document", "happenings", "is_far", "terms")
 
 Json = dict[str, Any]
 GRID_S = 0.25
@@ -40,6 +40,15 @@ EVENTS = ("a", "b", "c")
 SPANS = (0.25, 0.5, 1.0, 1.0, 1.5, 3.0)
 """Durations, short enough that several end within a script."""
 OPTIONS = ("left", "right", "wait_here")
+REQUESTS = (
+    *("put the red cube on the blue cube",) * 4, *("swap the two cubes",) * 2,
+    "put the red cube on the blue or the green one", "put the cube on the cube",
+    "the second", "the red one", "stack the cubes", "smash the red cube", "what is that",
+    "stell den roten Würfel auf den blauen", "put the green cube on the red one", "",
+)  # fmt: skip
+"""Requests that are clear, unclear, answers to what was asked, refused, impossible, and in another language."""
+SEEN: Json = {"type": "object", "source": "robot", "max_age_s": 6.0, "optional": True}
+"""What is seen, where requests are read: it is known for longer."""
 GOALS: list[Json] = [
     {"goal": "reading.goal", "over": "objects"}, {"goal": "reading.goal", "over": "objects", "is": "feasible"},
     {"goal": "reading.goal", "is": "said", "in": "request"},
@@ -56,8 +65,8 @@ def is_far(known: Json, margin: int) -> bool | None:
 class _Draft:
     """One mission as it is drawn."""
 
-    def __init__(self, rng: random.Random, *, alone: bool) -> None:
-        self.rng, self.alone = rng, alone
+    def __init__(self, rng: random.Random, *, alone: bool, wishes: bool = False) -> None:
+        self.rng, self.alone, self.wishes = rng, alone, wishes
         self.count = 0
         self.names: list[str] = []
         """States that a transition may name."""
@@ -134,6 +143,8 @@ class _Draft:
             {"raise": "c", "after_s": rng.choice(SPANS)}, {"set": "flag", "from": "clear"}, {"set": "n", "from": "m"},
             {"publish": "lamp", "message": {"n": {"from": "n"}}}, {"log": "noted"},
         ]  # fmt: skip
+        if self.wishes:
+            known += [{"set": "request", "value": rng.choice(REQUESTS)}] * len(known)
         known = [each for each in known if not (self.alone and each.keys() & {"call", "publish"})]
         return [rng.choice(known) for _ in range(rng.randint(0, most))]
 
@@ -143,6 +154,7 @@ class _Draft:
         rng = self.rng
         kinds = ["wait"] if self.lean else ["wait", "wait", "decision", "tree", "read", "plan"]
         kinds += ["action", "call"] if not (self.lean or self.alone) else []
+        kinds += ["read", "read", "plan"] * 3 * self.wishes
         chosen = [
             rng.choice(kinds + (["compound", "parallel", "each"] if depth else []))
             for _ in range(rng.randint(1 + self.lean, 3 + self.lean))
@@ -177,7 +189,8 @@ class _Draft:
             state["exit"] = self.effects(1)
         if not self.alone and self.some(0.15):
             state |= {"control": rng.choice(["autonomy", "agent"]), "handover_s": rng.choice(SPANS)}
-        if kind in ("action", "call", "tree", "decision", "compound", "wait") and self.some(0.4):
+        lasting = ("action", "call", "tree", "decision", "compound", "wait")
+        if (kind in lasting or self.wishes) and self.some(0.4):
             state["timeout_s"] = rng.choice([1.0, 2.0, 4.0])
         self.done.append((state, kind, later))
 
@@ -219,7 +232,8 @@ class _Draft:
         return {"read": "request", "over": "objects", "into": "reading"}
 
     def _plan(self, depth: int) -> Json:
-        return {"plan": "reading.goal", "over": "objects", "into": "plan"}
+        asked = {"asked": "request"} if self.wishes and self.some(0.5) else {}
+        return {"plan": "reading.goal", "over": "objects", "into": "plan", **asked}
 
     def _decision(self, depth: int) -> Json:
         return {"decision": self.asked()}
@@ -354,16 +368,38 @@ class _Draft:
         return transitions
 
 
-def document(rng: random.Random, *, alone: bool = False) -> Json:
-    """A mission as JSON has it; `alone` for one that needs no robot, so that nothing comes back of what it does."""
-    draft = _Draft(rng, alone=alone)
+def wished(then: str) -> Json:
+    """States in which something is seen, a request is read, and its moves are planned, before what comes then."""
+    return {
+        "looking": {"transitions": [{"when": {"fresh": "objects"}, "to": "wished"}, {"after_s": 3.0, "to": then}]},
+        "wished": {"read": "request", "over": "objects", "into": "reading",
+                   "transitions": [{"on": "succeeded", "to": "planned"},
+                                   {"on": ["unclear", "refused", "rejected"], "to": then}]},
+        "planned": {"plan": "reading.goal", "over": "objects", "into": "plan",
+                    "transitions": [{"on": ["succeeded", "failed", "rejected"], "to": then}]},
+    }  # fmt: skip
+
+
+def document(rng: random.Random, *, alone: bool = False, wishes: bool = False) -> Json:
+    """A mission as JSON has it.
+
+    Args:
+        rng: What it follows from.
+        alone: It needs no robot, so that nothing comes back of what it does.
+        wishes: It mostly reads requests, which change, and plans, once it sees something.
+    """
+    draft = _Draft(rng, alone=alone, wishes=wishes)
     states = draft.room(1 if draft.lean else 2, top=True)
     for state, kind, later in draft.done:
         if transitions := draft.transitions(kind, state, later):
             state["transitions"] = transitions
+    keys = KEYS
+    if wishes:
+        states = {**wished(draft.first(states)), **states}
+        keys = KEYS | {"request": {"type": "string", "initial": rng.choice(REQUESTS)}, "objects": SEEN}
     made: Json = {
-        "name": "drawn", "blackboard": KEYS, "events": [*EVENTS, "x", "y"], "initial": draft.first(states),
-        "states": states, "settle_s": rng.choice([0.0, 0.5, 3.0]), "cancel_s": 2.0,
+        "name": "drawn", "blackboard": keys, "events": [*EVENTS, "x", "y"],
+        "initial": draft.first(states), "states": states, "settle_s": rng.choice([0.0, 0.5, 3.0]), "cancel_s": 2.0,
     }  # fmt: skip
     if draft.some(0.5):
         made["transitions"] = draft.transitions("", {}, [])
@@ -393,8 +429,9 @@ class DrawnEvent(NamedTuple):
     at: float
 
 
-def _values(rng: random.Random) -> tuple[str, Any]:
+def _values(rng: random.Random, *, wishes: bool) -> tuple[str, Any]:
     names = ["n", "m", "flag", "stops", "fact", "fact", "clear", "clear", "count", "count", "pose", "given", "objects"]
+    names += ["objects"] * len(names) * wishes
     key = rng.choice(names)
     made: Json = {
         "flag": rng.random() < 0.5, "clear": rng.random() < 0.6, "stops": rng.choice([[], ["c"], ["a", "b"]]),
@@ -403,8 +440,8 @@ def _values(rng: random.Random) -> tuple[str, Any]:
     return key, made.get(key, rng.randint(0, 3))
 
 
-def happenings(rng: random.Random, *, commands: bool = True) -> list[DrawnEvent]:
-    """What happens, in order of time."""
+def happenings(rng: random.Random, *, commands: bool = True, wishes: bool = False) -> list[DrawnEvent]:
+    """What happens, in order of time; for a mission with `wishes` the robot often reports what it sees."""
     script, at, mostly_facts = [], 0.0, rng.random() < 0.5
     for _ in range(rng.randint(1, 14)):
         at += rng.choice([0.0, 0.25, 0.5, 1.0, 1.25, 2.0, 4.0])
@@ -416,7 +453,7 @@ def happenings(rng: random.Random, *, commands: bool = True) -> list[DrawnEvent]
         if kind == "event":
             words = (rng.choice(EVENTS), rng.randint(0, 2))
         elif kind == "write":
-            words = (*_values(rng), rng.choice([0.0, 0.0, 0.0, -0.25, -0.5, -1.0, 1.0]))
+            words = (*_values(rng, wishes=wishes), rng.choice([0.0, 0.0, 0.0, -0.25, -0.5, -1.0, 1.0]))
         elif kind == "result":
             words = (rng.randint(0, 1), rng.choice(RESULTS), rng.randint(0, 3))
         elif kind == "proposal":

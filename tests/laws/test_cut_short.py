@@ -137,14 +137,20 @@ class Written:
         self._journal.write(step, since=self._chart.at, quiet=tuple(self._carried.values()))
 
 
-def agree(folder: Path, seed: int, *, is_included: bool = False) -> str:
+def agree(folder: Path, seed: int, *, is_included: bool = False, wishes: bool = False) -> str:
     """Cut a run short; what continues in any way must do what the run would have done, step by step.
+
+    Args:
+        folder: For what is written.
+        seed: Of the mission and of what happens.
+        is_included: The mission is a part of another.
+        wishes: It reads requests.
 
     Returns:
         `same`, or why there was nothing to compare.
     """
     rng = random.Random(seed)
-    made, script, state = document(rng), happenings(rng), rng.getstate()
+    made, script, state = document(rng, wishes=wishes), happenings(rng, wishes=wishes), rng.getstate()
     try:
         mission, private = drawn(rng, folder, made, is_included=is_included)
     except DefinitionError:
