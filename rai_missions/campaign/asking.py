@@ -22,7 +22,7 @@ from rai_missions.campaign.questions import AskedScene
 from rai_missions.campaign.records import CellRecord, QuestionRecord, graded, is_tried
 from rai_missions.engine.decision import Evidence, Question, Verdict
 from rai_missions.event import Event
-from rai_missions.redaction import Redaction, cut
+from rai_missions.redaction import Redaction, cut, redacted
 
 __all__ = ("AskSettings", "question_record", "raw_text", "shown_question")
 
@@ -47,7 +47,7 @@ def shown_question(question: Question, body: RobotView, order: str) -> Question:
 
 
 def question_record(asked: AskedScene, embodiment: str, body: RobotView) -> QuestionRecord:
-    """What a model is asked in a scene under an embodiment, for the report."""
+    """What a model is asked in a scene under an embodiment, for the report: without secrets, which it was shown."""
     from rai_missions.answerers.model.prompt import messages_of
 
     question = shown_question(asked.question, body, "written")
@@ -55,8 +55,8 @@ def question_record(asked: AskedScene, embodiment: str, body: RobotView) -> Ques
     options = [each.name for each in question.options]
     permitted = [name for name in options if _judged(asked, CellReply({"option": name})).accepted]
     return QuestionRecord(
-        asked.scene.scene, embodiment, "\n\n".join(each.text for each in messages),
-        json.dumps(asked.facts), json.dumps(options), json.dumps(permitted),
+        asked.scene.scene, embodiment, redacted("\n\n".join(each.text for each in messages)),
+        json.dumps(Redaction().json(asked.facts)), json.dumps(options), json.dumps(permitted),
     )  # fmt: skip
 
 

@@ -31,6 +31,7 @@ from rai_missions.campaign.records import (
 from rai_missions.campaign.store import LostParts, ResultStore
 from rai_missions.campaign.tasks import SceneTask, TaskRecord, WorkSettings
 from rai_missions.errors import UsageError
+from rai_missions.redaction import Redaction
 
 __all__ = ("CampaignPlan", "CampaignResult", "Progress", "plan_of", "run_campaign")
 
@@ -312,7 +313,7 @@ def _begin(loaded: LoadedCampaign, plan: CampaignPlan, store: ResultStore) -> No
         tuple(name for name, each in plan.embodiments.items() if known.get(name, each) != each),
     )
     values = {
-        **now, "file": loaded.file.written(), "currency": loaded.file.currency,
+        **now, "file": Redaction().json(loaded.file.written()), "currency": loaded.file.currency,
         "embodiments": {**known, **plan.embodiments},
     }  # fmt: skip
     store.begin(plan.scenes, values, outdated=outdated)

@@ -32,7 +32,7 @@ from rai_missions.campaign.rollout import answers_of, rollouts
 from rai_missions.campaign.scene_spec import later_of
 from rai_missions.campaign.store import ResultStore
 from rai_missions.errors import MissionError, UsageError
-from rai_missions.redaction import cut, first_line
+from rai_missions.redaction import cut, first_line, redacted
 from rai_missions.worlds.world import load_world
 
 __all__ = ("SceneTask", "TaskRecord", "WorkSettings", "Workplace")
@@ -161,7 +161,8 @@ class Workplace:
             yield UnlabelledScene(asked.scene.scene, str(error))
             return
         for option, each in found.items():
-            yield LabelRecord(asked.scene.scene, option, each.verdict, json.dumps(each.data(), default=str))
+            details = redacted(json.dumps(each.data(), default=str))
+            yield LabelRecord(asked.scene.scene, option, each.verdict, details)
 
     def _shown(self, asked: AskedScene, task: SceneTask) -> Iterator[TaskRecord]:
         for name, body in self._asking.bodies.items():

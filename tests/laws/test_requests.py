@@ -81,7 +81,7 @@ def agree(folder: Path, seed: int) -> Counter[str]:
 
 
 @pytest.mark.parametrize("seed", READING)
-def test_a_run_that_reads_requests_is_where_it_was_after_each_of_its_rows(seed: int, tmp_path: Path) -> None:
+def test_a_run_that_reads_requests_is_where_it_was_after_each_of_its_steps(seed: int, tmp_path: Path) -> None:
     agree(tmp_path, seed)
 
 

@@ -1,0 +1,161 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A marked secret that enters a campaign anywhere is in no cell, page, table, comparison, log or output.
+
+Rule: the campaign's own files are left out of the search: what an author writes into them is theirs.
+"""
+
+from __future__ import annotations
+
+import json
+import logging
+import threading
+from collections.abc import Callable, Iterator
+from copy import deepcopy
+from pathlib import Path
+from typing import Any
+
+import pytest
+from hypothesis import HealthCheck, Phase, given, settings
+from hypothesis import strategies as st
+from langchain_core.messages import AIMessage
+
+from rai_missions.answerers.model.chat import ThreadChat
+from rai_missions.answerers.test_models import ScriptedModel
+from rai_missions.campaign.asking import AskSettings, question_record
+from rai_missions.campaign.cells import ORDERS, Cell
+from rai_missions.campaign.embodiments import embodied
+from rai_missions.campaign.load import LoadedCampaign, load_campaign
+from rai_missions.campaign.models import CampaignModels
+from rai_missions.campaign.questions import ask_in
+from rai_missions.campaign.store import ResultStore
+from rai_missions.cli.main import main
+from tests.campaign.choosing import MISSION, ROBOT, campaign_data, labels, write_campaign
+from tests.campaign.test_run import ran
+from tests.security.test_leaks import files, log_of
+from tests.security.test_secrets_in_pieces import SECRETS, assert_whole
+
+pytestmark = pytest.mark.sim
+Json = dict[str, Any]
+MODEL = "openai:double"
+ENTRIES = ("question", "about", "fact", "script", "option", "why", "words", "raised", "parameters", "description",
+           "document")  # fmt: skip
+"""Where a secret may enter."""
+BODIES = ("none", "documents")
+
+
+class MarkedCampaign:
+    """A campaign into which a secret enters.
+
+    Args:
+        secret: What is marked.
+        entries: Where it enters.
+        folder: For the campaign's own files; what it leaves is in `left` there.
+    """
+
+    def __init__(self, secret: str, entries: frozenset[str], folder: Path) -> None:
+        self._secret, self._entries, self._folder = secret, entries, folder
+        self.left = folder / "left"
+        self.left.mkdir()
+        self._path = self._written()
+
+    def mark(self, entry: str) -> str:
+        """The secret, where it enters here; else a word."""
+        return self._secret if entry in self._entries else "something"
+
+    def _written(self) -> Path:
+        scripts = {"teller": {"*": {"option": "left", "why": f"as {self.mark('script')} has it"}}}
+        path = write_campaign(self._folder, campaign_data(
+            1, models=["rules", "teller"], scripts=scripts, embodiments=list(BODIES), retries=0,
+            arguments={"note": self.mark("fact")},
+        ))  # fmt: skip
+        mission: Json = deepcopy(MISSION)
+        mission["blackboard"]["note"] = {"type": "string", "source": "argument", "initial": ""}
+        asked = mission["states"]["choosing"]["decision"]
+        text = {"type": "object", "properties": {"text": {"type": "string"}}}
+        asked |= {"question": f"Which way is {self.mark('question')}?", "evidence": ["depth", "note"]}
+        asked["options"]["right"] = {"about": f"by {self.mark('about')}", "parameters": text}
+        identity = self._folder / "identity"
+        identity.mkdir()
+        (identity / "description.md").write_text(f"I carry {self.mark('description')} about.\n")
+        (identity / "words.md").write_text(f"# Ways\n\nWhich way is it? It is the way of {self.mark('document')}.\n")
+        (self._folder / "mission.json").write_text(json.dumps(mission))
+        (self._folder / "robot.json").write_text(json.dumps(ROBOT | {"identity": "identity"}))
+        return path
+
+    def replies(self) -> Iterator[Any]:
+        """What a model makes of the question, one time after the other."""
+        mark = self.mark
+        yield AIMessage(json.dumps({"option": mark("option"), "why": f"it is {mark('why')}"}))
+        yield AIMessage(json.dumps({"option": "right", "parameters": {"text": mark("parameters")}, "why": mark("why")}))
+        yield AIMessage(f"I would rather not: {mark('words')}")
+        yield RuntimeError(f"401 {mark('raised')}")
+
+    def run(self) -> None:
+        """Ask all who answer, and write what a campaign writes."""
+        stores = [self.left / f"{name}.db" for name in ("one", "two")]
+        for store in stores:
+            with ResultStore(store, writes=True) as opened:
+                opened.add(labels(["s0"]))
+            ran(self._path, store)
+            self._ask_model(load_campaign(self._path), store)
+        assert main(["campaign", "report", str(stores[0]), "--report", str(self.left / "page.html")]) == 0
+        assert main(["campaign", "compare", *map(str, stores)]) == 0
+
+    def _ask_model(self, loaded: LoadedCampaign, store: Path) -> None:
+        (scene,) = loaded.file.scenes.scenes()
+        asked, subject = ask_in(scene, loaded.subject), loaded.subject
+        bodies = {name: embodied(name, subject.identity, subject.text) for name in BODIES}
+        for order, reply in zip(ORDERS, self.replies(), strict=False):
+            chat = ThreadChat(ScriptedModel([reply] * len(BODIES)))
+            with CampaignModels(loaded.file, subject.robot, {}, open_chat=lambda _, chat=chat: chat) as models:
+                asking = AskSettings(loaded.file, models, {}, bodies, threading.Event())
+                for body in BODIES:
+                    cell = Cell("choosing", scene.scene, 0, MODEL, body, order)
+                    record = asking.ask(f"{order} {body}", cell, asked, {})
+                    assert record is not None
+                    with ResultStore(store, writes=True) as opened:
+                        opened.add([record, question_record(asked, body, bodies[body])])
+
+
+Meet = Callable[[str, set[str]], None]
+
+
+@pytest.fixture
+def meet(
+    caplog: pytest.LogCaptureFixture, capsys: pytest.CaptureFixture[str], tmp_path_factory: pytest.TempPathFactory
+) -> Meet:
+    """Has a secret enter a campaign at these places, and nothing with it come out."""
+
+    def check(secret: str, entries: set[str]) -> None:
+        caplog.set_level(logging.DEBUG)
+        caplog.clear()
+        with pytest.MonkeyPatch.context() as patch:
+            patch.setenv("STRANGERS_API_KEY", secret)
+            made = MarkedCampaign(secret, frozenset(entries), tmp_path_factory.mktemp("campaign"))
+            made.run()
+            printed = capsys.readouterr()
+            left = files(made.left) | {"out": printed.out, "err": printed.err, "log": log_of(caplog)}
+        assert {"one.db", "page.html", "page.csv", "page.md"} <= left.keys()
+        assert_whole(left, secret)
+
+    return check
+
+
+LAW = settings(
+    deadline=None, suppress_health_check=list(HealthCheck), phases=[Phase.generate], report_multiple_bugs=False
+)
+DRAWN = (SECRETS, st.sets(st.sampled_from(ENTRIES), min_size=1))
+
+
+@settings(LAW, max_examples=2)
+@given(*DRAWN)
+def test_a_secret_that_enters_a_campaign_leaves_nowhere(meet: Meet, secret: str, entries: set[str]) -> None:
+    meet(secret, entries)
+
+
+@pytest.mark.drill
+@pytest.mark.timeout(3600)
+@settings(LAW, max_examples=200)
+@given(*DRAWN)
+def test_a_secret_that_enters_a_campaign_leaves_nowhere_in_many(meet: Meet, secret: str, entries: set[str]) -> None:
+    meet(secret, entries)
