@@ -71,6 +71,8 @@ SHAPES = re.compile(
 """What keys look like, by the prefixes that their issuers give them, or by the words before them."""
 MARK = r"[!-/:-@\[\]^-`{-~]"
 """What Markdown may have with a backslash before it, and mean the same."""
+ANY_BACKSLASHES = r"\\*"
+"""Within a secret, or a text of many backslashes would be looked at from each of them."""
 LOOSE = re.compile(rf"\\*({MARK})|\\+|.", re.DOTALL)
 _living: weakref.WeakSet[Redaction] = weakref.WeakSet()
 """Every redaction that something still holds: what prints a text may know neither a model nor its run."""
@@ -193,13 +195,14 @@ def _without(text: str, secrets: tuple[str, ...]) -> str:
 def _escaped(secrets: tuple[str, ...]) -> re.Pattern[str] | None:
     """The secrets that have marks in them, with a backslash or several before any of these; None where none has."""
     found = {secret.replace("\\", ""): secret for secret in reversed(secrets) if not secret.isalnum()}
-    return re.compile("|".join(LOOSE.sub(_loose, secret) for secret in reversed(found.values()))) if found else None
+    loose = (LOOSE.sub(_loose, secret).removeprefix(ANY_BACKSLASHES) for secret in reversed(found.values()))
+    return re.compile("|".join(loose)) if found else None
 
 
 def _loose(part: re.Match[str]) -> str:
     """How a part of a secret is looked for: a backslash in it or before a mark may be left out, or be there."""
     if part[0].startswith("\\") or part[1]:
-        return rf"\\*{re.escape(part[1] or '')}"
+        return ANY_BACKSLASHES + re.escape(part[1] or "")
     return re.escape(part[0])
 
 

@@ -99,6 +99,8 @@ def test_no_run_replaces_what_makes_the_records_of_the_log() -> None:
 
 
 BACKSLASH = "\\"
+
+
 MARKED = st.text("abXY12_*-.+/\\[]`~#é \"'", min_size=8, max_size=60).map(lambda middle: f"k{middle}k")
 
 
@@ -115,3 +117,9 @@ def test_a_secret_is_hidden_however_many_of_its_marks_are_escaped_as_in_markdown
         assert redaction.text(f"it is {text} here") == "it is [hidden] here"
         assert redaction.known(f"it is {text} here") == "it is [hidden] here"
         assert cut(f"it is {text} here", 12) == "it is [hidde"
+
+
+def test_many_backslashes_are_looked_at_once() -> None:
+    text = BACKSLASH * 300_000
+    assert Redaction([".secret_1"]).text(f"{text}x") == f"{text}x"
+    assert Redaction([".secret_1"]).text(rf"{text}.secret\_1").strip(BACKSLASH) == "[hidden]"
