@@ -18,6 +18,9 @@ from rai_missions.agents.talk.orders import CLOSED
 from rai_missions.engine.step import Step
 from rai_missions.event import Event
 from rai_missions.journal import Journal, opened
+from rai_missions.mission.mission import Mission
+from rai_missions.profile import Robot
+from rai_missions.replay.migrate import Map, migrate
 from rai_missions.replay.resume import resumption
 from rai_missions.runtime.clock import Clock
 from rai_missions.runtime.requests import OVER
@@ -41,15 +44,16 @@ class Resumed:
     Args:
         seed: Of what happens now.
         path: Its journal.
-        before: What it was.
+        mission: Its mission, as it is now.
+        robot: Its robot.
     """
 
-    def __init__(self, seed: int, path: Path, before: Held) -> None:
+    def __init__(self, seed: int, path: Path, mission: Mission, robot: Robot) -> None:
         self.lines: list[TalkLine] = []
         self.steps: list[Step] = []
         self.turns = turns = Turns()
         with opened(path) as record:
-            resumed = resumption(record, before.mission, named=NAMED)
+            resumed = resumption(record, mission, named=NAMED)
             journal = Journal.open(path, seal=record.seal)
         self.waiting = resumed.chart.waiting_answers
         turns.at = began = resumed.at + 1.0
@@ -57,7 +61,7 @@ class Resumed:
 
         def make(clock: Clock) -> Callable[[], object]:
             self.runner = Runner(
-                before.mission, robot=before.robot, connector=land.connector, clock=clock, journal=journal,
+                mission, robot=robot, connector=land.connector, clock=clock, journal=journal,
                 answerers={"operator": HeldOpen(), "rules": Thinker(turns, "rules"), "agent": Thinker(turns, "agent")},
                 begin=resumed, observer=RunObserver(self._step, self._changed),
             )  # fmt: skip
@@ -116,13 +120,17 @@ def is_why(why: str, text: str) -> bool:
 
 @sooner_ended()
 def agree(seed: int, folder: Path) -> Counter[str]:
-    """Kill a run while it keeps answers, and resume it; gives what became of them."""
+    """Kill a run while it keeps answers, and resume it, in another mission too; gives what became of them."""
     found = Counter[str]()
     before = Held(seed, folder / "talked.journal")
     for step, cut in cut_after_each(folder / "talked.journal", keeps_answer):
-        path = folder / f"resumed-{step.seq}.journal"
-        shutil.copy(cut, path)
-        resumed = Resumed(seed + step.seq, path, before)
+        path, mission = folder / f"resumed-{step.seq}.journal", before.mission
+        if (seed + step.seq) % 2:
+            shutil.copy(cut, path)
+        else:
+            mission = Mission.model_validate({**mission.written(), "version": "2.0.0"})
+            migrate(cut, mission, Map(), to=path, robot=before.robot, named=NAMED)
+        resumed = Resumed(seed + step.seq, path, mission, before.robot)
         assert_whole(path)
         refused = [why for each in resumed.waiting if (why := resumed.judgment(each.number))]
         reports = resumed.reports()
