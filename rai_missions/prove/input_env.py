@@ -185,14 +185,22 @@ class InputEnvironment:
         Args:
             held: Those of held states, too.
         """
-        for name, state in self._chart.state.running.items():
-            if is_held(self._chart.state, self._chart.program.graph.nodes[name]) and not held:
-                continue
+        for name, state in self.running(held=held):
             if isinstance(state, TreeActivity):
-                for path, leaf in state.leaves.items():
+                for path, leaf in sorted(state.leaves.items()):
                     yield name, path, leaf.state
             else:
                 yield name, None, state
+
+    def running(self, *, held: bool) -> list[tuple[str, Any]]:
+        """What runs, in the order of the mission: that in which it began is no part of a state.
+
+        Args:
+            held: What runs in held states, too.
+        """
+        state, nodes = self._chart.state, self._chart.program.graph.nodes
+        found = sorted(state.running.items(), key=lambda each: nodes[each[0]].index)
+        return found if held else [each for each in found if not is_held(state, nodes[each[0]])]
 
     def _behaving(self) -> list[tuple[int, str]]:
         running = [(owned(name, path), state) for name, path, state in self.inner()]

@@ -149,7 +149,7 @@ class TimeEnvironment:
             timer = self._chart.state.timers[key]
             raised = timer.name if kind == "raise" else ""
             yield Stimulus(words, "time", self.elapse(self._ring(key)), timer=(key, timer.order), event=raised)
-        for name, until in list(self._chart.state.pending.items()):
+        for name, until in sorted(self._chart.state.pending.items()):
             if until != math.inf:
                 yield Stimulus(f"no handover for '{name}' in time", "time", self.elapse(self._late(name)), owner=name)
         for name in self._settling_now():
@@ -165,7 +165,7 @@ class TimeEnvironment:
         nodes = self._chart.program.graph.nodes
         return [
             name
-            for name in self._chart.state.settling
+            for name in sorted(self._chart.state.settling)
             if self._chart.state.final is not None or not is_held(self._chart.state, nodes[name])
         ]
 
@@ -184,7 +184,7 @@ class TimeEnvironment:
             words = f"'{name or 'the mission'}' has lasted {self._codec.next_age(name):g} s"
             aged = self.elapse(self._aged(name), *self._chart.state.running)
             yield Stimulus(words, "time", aged, owner=name, is_tick=True)
-        for memory, since in list(self._chart.state.held.items()):
+        for memory, since in sorted(self._chart.state.held.items()):
             keeper = self._chart.program.graph.keepers[memory]
             if since == NOW and keeper.control not in self._chart.state.frozen:
                 words = f"the guard of {memory.partition('#')[0]} has held for long enough"
@@ -202,7 +202,7 @@ class TimeEnvironment:
                 wake, words = state.deadline, f"the deadline of '{owner}' has come"
             if NOW < wake < math.inf:
                 yield Stimulus(words, "time", self.elapse(self._let_pass(name, path, wake), name), owner=name)
-        for name, state in list(self._chart.state.running.items()):
+        for name, state in self._inputs.running(held=True):
             if limit_of(state) == "rounds":
                 yield Stimulus(f"the rounds of '{name}' continue", "time", self._continue(name), owner=name)
             if isinstance(state, TreeActivity) and NOW < state.wake < math.inf:

@@ -147,6 +147,21 @@ def test_a_step_is_the_same_from_every_list_that_it_does_not_look_into() -> None
     }, 30 * MOST, work=math.inf)  # fmt: skip
 
 
+def test_guards_that_are_held_come_in_one_order_whichever_was_true_first() -> None:
+    hold_against_patient({
+        "name": "held_in_turn", "initial": "driving", "events": {"poke": {}},
+        "blackboard": {"battery": {"type": "number", "source": "robot"}},
+        "states": {
+            "driving": {"action": "drive", "control": "autonomy", "transitions": [
+                {"on": "poke", "when": {"not": {"held": {"key": "battery", ">": 0.25}, "for_s": 2}},
+                 "do": [{"log": "poked"}]},
+                {"when": {"held": {"held": {"key": "battery", "!=": 0.5}, "for_s": 2}, "for_s": 2}, "to": "over"},
+            ]},
+            "over": {"final": "aborted"},
+        },
+    }, 30 * MOST, work=math.inf)  # fmt: skip
+
+
 def hold_against_patient(document: Json, most: int, work: float = WORK) -> None:
     """Whatever the mission's own keys are: each step is made, none is taken from a state that differs in them alone."""
     mission = Mission.model_validate(document)
