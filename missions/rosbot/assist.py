@@ -68,6 +68,7 @@ k = Keys(
     ),
     failures=Key(int, source="mission", initial=0, about="how often it could not get to this view"),
     waits=Key(int, source="mission", initial=0, about="how often it waited for the way to this view"),
+    sight_waits=Key(int, source="mission", initial=0, about="how often it waited for this view to be free"),
     waited_s=Key(int, source="mission", initial=0, about="how many seconds it has waited"),
     skipped=Key(int, source="mission", initial=0, about="views that were left out"),
 )
@@ -85,11 +86,14 @@ VIEWS = {
     "pantry": [pose(8.7, 3.2, -1.57)],
 }
 EVERY_ROOM = [view for room in ("kitchen", "study", "pantry", "bedroom", "living_room") for view in VIEWS[room]]
-RESET = [Set(k.failures, 0), Set(k.waits, 0)]
+RESET = [Set(k.failures, 0), Set(k.waits, 0), Set(k.sight_waits, 0)]
+MOST_SIGHT_WAITS = 2
 CHARGING = k.supply.is_in([1, 4])
 FOUND = (k.sighting.object == k.object) & (k.sighting.certainty >= 0.76)
 LOOKED = k.camera.fresh & (k.seen.looks >= 4)
 HAS_LOOKED = k.seen.looks >= 3
+HIDDEN = (k.sighting.object == "person") | (k.ahead_m < 0.8)
+UNSEEN = ~k.sighting.fresh | (k.sighting.object != k.object)
 
 
 def look_for(names: Any) -> Publish:
@@ -206,10 +210,24 @@ def at_place() -> Each:
                 exit=[look_for("")],
                 transitions=[
                     When(FOUND, to="found", do=[Set(k.report, from_=k.sighting.text)]),
-                    After(5, when=HAS_LOOKED, to="not_here"),
-                    After(10, when=HAS_LOOKED, to="not_here"),
+                    After(5, when=HAS_LOOKED & UNSEEN, to="looking_for_people"),
+                    After(10, when=HAS_LOOKED, to="looking_for_people"),
                     After(10, to="blind"),
                 ],
+            ),
+            "looking_for_people": State(
+                about="who or what is right ahead may hide the object; is a person there, or anything so near?",
+                entry=[look_for("person")],
+                exit=[look_for("")],
+                transitions=[
+                    When(HIDDEN & (k.sight_waits < MOST_SIGHT_WAITS), to="giving_sight"),
+                    After(2.5, to="not_here"),
+                ],
+            ),
+            "giving_sight": State(
+                about="waits until the view may be free, then looks again",
+                entry=[Set(k.sight_waits, add=1)],
+                transitions=[After(8, to="searching")],
             ),
             "not_here": Final("succeeded", about="not seen from here, and on to the next view"),
             "left_out": Final(

@@ -72,6 +72,32 @@ def test_what_the_camera_does_not_show_is_not_found(patrol: Any, world: dict[str
     assert (result.outcome, result.state) == ("failed", (state,))
 
 
+HIDING = {"at": [6.35, 3.1], "walks": [[4.4, 2.2]], "pause_s": 1000}
+"""A person between the study's view and its desk."""
+
+
+@pytest.mark.sim
+@pytest.mark.parametrize(
+    ("from_s", "state", "waits"), [(26, "found", 1), (1000, "not_found", 2)], ids=["leaves", "stays"]
+)
+def test_a_person_who_hides_the_view_is_waited_for_twice_at_most(
+    patrol: Any, from_s: float, state: str, waits: int
+) -> None:
+    words = order("find", object="cup", place="study")
+    one = patrol(words=words, camera=True, objects=ON_DESK, people=[{**HIDING, "from_s": from_s}])
+    result = one.run()
+    assert (result.state, one.entered.count("giving_sight")) == ((state,), waits)
+    assert one.steps[-1].at < 75, "a view takes half a minute more at most"
+
+
+@pytest.mark.sim
+def test_an_object_that_some_looks_show_is_looked_at_for_longer(patrol: Any) -> None:
+    """A person hides the bottle, and leaves; then five of seven looks show it: not enough after 5 s."""
+    one = patrol(words=order("find", object="bottle", place="study"), camera=True, seed=820009, people=5)
+    assert one.run().state == ("found",)
+    assert one.entered.count("giving_sight") == 1
+
+
 @pytest.mark.sim
 def test_what_others_state_about_an_object_finds_nothing(patrol: Any) -> None:
     """A sighting that another name has, and one that is too old, are none."""
