@@ -208,7 +208,7 @@ def arranging() -> dict[str, State]:
                     "succeeded",
                     when=Fresh(k.plan.next),
                     to="moving",
-                    do=[Set(k.moves, add=1), Set(k.report, from_=k.plan.about)],
+                    do=[Set(k.moves, add=1)],
                 ),
                 On("succeeded", to="looking", do=[Set(k.failures, add=1)]),
                 On("failed", when=k.plan.reason == "unclear", to="looking", do=[Set(k.failures, add=1)]),
@@ -255,7 +255,7 @@ def arranging() -> dict[str, State]:
             entry=[Set(k.place_refused, False)],
             timeout_s=120,
             transitions=[
-                On("succeeded", to="looking", do=[Set(k.failures, 0), Set(k.report, "")]),
+                On("succeeded", to="looking", do=[Set(k.failures, 0)]),
                 On(*TROUBLE, to="looking", do=[Set(k.failures, add=1)]),
             ],
         ),
@@ -287,7 +287,7 @@ def ends() -> dict[str, Final]:
         "refused": Final("aborted", about="the request cannot be met; nothing was moved", entry=[REPORT]),
         "not_understood": Final("aborted", about="the request was not understood; nothing was moved"),
         "impossible": Final("failed", about="what is wanted cannot be reached any more", entry=[REPORT]),
-        "gave_up": Final("failed", about="too many moves did not end as planned", entry=[REPORT]),
+        "gave_up": Final("failed", about="too many moves did not end as planned"),
         "blind": Final("failed", about="the camera does not see the desk"),
         "stopped": Final("aborted", about="stopped at once, because someone wanted it"),
     }
