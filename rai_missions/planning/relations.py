@@ -209,10 +209,9 @@ def _beyond(predicate: Beyond, scene: Scene, margin: float) -> bool:
 def _between(predicate: Between, scene: Scene, margin: float) -> bool:
     middle, *ends = things = [scene.thing(name) for name in predicate.between]
     tolerance = BETWEEN + margin * max(math.hypot(middle.sigma_m, end.sigma_m) for end in ends)
-    if past_an_end(*(thing.footprint for thing in things)) > tolerance:
-        return False
-    is_on_one = any(rests_on(*pair, -margin) for end in ends for pair in ((middle, end), (end, middle)))
-    return not is_on_one and all(_is_carried(thing, scene, margin) for thing in things)
+    return past_an_end(*(thing.footprint for thing in things)) <= tolerance and all(
+        _is_carried(thing, scene, margin) for thing in things
+    )
 
 
 def _next_to(predicate: NextTo, scene: Scene, margin: float) -> bool:

@@ -110,6 +110,18 @@ def turned_right(each: Thing) -> Thing:
     return each.moved(each.y + 0.5, 0.5 - each.x, each.z, each.yaw - math.pi / 2)
 
 
+@pytest.mark.parametrize(
+    ("x", "y", "gap_m", "truth"),
+    [
+        (0.6, 0.0, None, True), (0.6, 0.3, None, True), (0.5, 0.3, None, False), (0.4, 0.0, None, False),
+        (0.5, -0.3, None, False), (0.644, 0.0, 0.1, True), (0.644, 0.2, 0.1, False), (0.55, 0.0, 0.1, False),
+    ],
+)  # fmt: skip
+def test_behind_is_further_from_the_robot(x: float, y: float, gap_m: float | None, truth: bool) -> None:
+    wanted = {"behind": ["a", "b"]} if gap_m is None else {"behind": ["a", "b"], "gap_m": gap_m}
+    assert reached(goal_of(wanted), scene(thing("a", x, y), thing("b", 0.5, 0.0))) is truth
+
+
 @given(st.data())
 def test_behind_is_left_of_on_a_desk_that_is_turned(data: st.DataObject) -> None:
     seen = data.draw(seen_things())

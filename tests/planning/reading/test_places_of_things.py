@@ -68,6 +68,12 @@ def test_so_far_to_a_side_is_counted_from_where_a_thing_is(centimetres: int, sid
     assert not is_said(goal({**at, "x": at["x"] + 0.0137}), request, CUBES)
 
 
+def test_what_is_shifted_is_not_read_again_over_what_is_seen_later() -> None:
+    shifted, put = (read_request(text, CUBES) for text in ("move the cubes 5 cm forward", "put the cubes on the desk"))
+    assert len(shifted["goal"]["all"]) == len(CUBES.things)
+    assert (shifted["covers_all"], put["covers_all"]) == (False, True)
+
+
 @pytest.mark.parametrize(
     "request_",
     [
