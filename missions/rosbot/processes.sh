@@ -11,7 +11,8 @@ export ROS_AUTOMATIC_DISCOVERY_RANGE="${ROS_AUTOMATIC_DISCOVERY_RANGE:-LOCALHOST
 log="$(mktemp)"
 
 read -r -a world <<<"${WORLD:-}"
-rai-missions world house --ros "${world[@]}" >"$log" 2>&1 &
+# In sessions of their own: Ctrl-C reaches the run alone, whose end is reported before the voice ends.
+setsid rai-missions world house --ros "${world[@]}" >"$log" 2>&1 &
 running=("$!")
 watching=()
 talk=()
@@ -39,7 +40,7 @@ watch_over world "${running[0]}" &
 watching+=("$!")
 if [[ -n "${VOICE+set}" ]]; then
     read -r -a voice <<<"$VOICE"
-    rai-missions voice --ros "${voice[@]}" &
+    setsid rai-missions voice --ros "${voice[@]}" &
     running+=("$!")
     watch_over voice "${running[1]}" &
     watching+=("$!")

@@ -21,6 +21,7 @@ import os, pathlib, signal, sys, time
 name = sys.argv[1]
 
 def end(*_):
+    time.sleep(0.5 * (name == "run"))
     with open("ends", "a") as ends:
         ends.write(f"{{name}} was interrupted\\n")
     os._exit(0)
@@ -100,6 +101,16 @@ def test_the_end_of_the_run_ends_the_others_and_is_no_fault_of_theirs(begin: Beg
     _, printed = script.communicate(timeout=PATIENCE_S)
     assert (script.returncode, "processes.sh" in printed) == (3, False)
     assert sorted((tmp_path / "ends").read_text().splitlines()) == ["voice was interrupted", "world was interrupted"]
+
+
+def test_an_interrupt_of_all_reaches_the_run_alone_and_the_others_end_after_it(begin: Begin, tmp_path: Path) -> None:
+    script = begin()
+    for name in ("run", "world", "voice"):
+        number_in(tmp_path / name)
+    os.killpg(script.pid, signal.SIGINT)
+    script.communicate(timeout=PATIENCE_S)
+    first, *others = (tmp_path / "ends").read_text().splitlines()
+    assert (first, sorted(others)) == ("run was interrupted", ["voice was interrupted", "world was interrupted"])
 
 
 def test_a_world_that_cannot_begin_is_reported_with_its_reason(begin: Begin) -> None:
