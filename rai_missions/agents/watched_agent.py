@@ -85,8 +85,9 @@ class WatchedAgent:
         before = self.health
         if before.state == "ready":
             return
-        until = time.monotonic() + self.patience_s(within_s)
-        failure = self._attempt("stop", partial(_stop, self.agent), until - time.monotonic(), leaving)
+        patience_s = self.patience_s(within_s)  # first: an agent may take its time to state it
+        until = time.monotonic() + patience_s
+        failure = self._attempt("stop", partial(_stop, self.agent), patience_s, leaving)
         if failure is not None and failure.state == before.state == "died":
             failure = None
         has_begun_late = before.state == "hangs" and failure is None and self._returns(until, leaving)

@@ -244,6 +244,26 @@ def test_a_runner_among_others_has_the_time_and_the_connectors_of_its_agents(tmp
     assert (outer.agents["inner"].state, inner.agents["slow"].state) == ("stopped", "stopped")
 
 
+class Speechless(Player):
+    """Never states how long its end may take, and takes a moment for it."""
+
+    @property
+    def stop_s(self) -> float:
+        threading.Event().wait()
+        return 1.0
+
+    def stop(self) -> None:
+        threading.Event().wait(0.2)
+        super().stop()
+
+
+def test_an_agent_that_does_not_state_how_long_its_end_takes_has_the_usual_time_for_it(tmp_path: Path) -> None:
+    runner = AgentRunner({"speechless": Speechless("speechless", "plain", tmp_path / "lines")}, stop_s=1.0)
+    runner.run()
+    runner.stop()
+    assert runner.agents["speechless"].state == "stopped"
+
+
 class Liar(Player):
     """States what no agent may."""
 
