@@ -65,6 +65,7 @@ class Grammar:
         self._corrections = Corrections(language, self._phrases)
         self._own_questions = [(language.own_phrases([each]), path) for each, path in questions.items()]
         words = frozenset(word for each, _ in self._own_questions for word in each.words)
+        self._things = frozenset(language.data["thing_pronouns"]) - frozenset(language.data["articles"])
         self._persons = frozenset(language.data["pronouns"]) - language.articles
         self._vocabulary = language.vocabulary() | self._phrases.words | words
 
@@ -214,9 +215,14 @@ class Grammar:
             second = self.sentence(right, view) if _is_order(first) else ()
             if STOP in second or (STOP in first and not whole):
                 return (STOP,)
-            if _is_order(first) and (_is_order(second) or _is_fault(whole)):
+            if _is_order(first) and (_is_order(second) or _is_fault(whole) or self._speaks_of_it(right, whole)):
                 return tuple(sense._replace(rest=" ".join(right)) for sense in first)
         return ()
+
+    def _speaks_of_it(self, words: Sequence[str], senses: Sequence[Sense]) -> bool:
+        """Whether the end of a value is a clause about it: `bring it to me` of `find the cup and bring it to me`."""
+        texts = [text for sense in senses for text in self.open_texts(sense)]
+        return not self._things.isdisjoint(words) and any(text.endswith(" ".join(words)) for text in texts)
 
     def sentence(self, words: list[str], view: StatusView, draft: Draft | None = None) -> tuple[Sense, ...]:
         """What these words may mean as one sentence; see `senses`."""

@@ -104,6 +104,13 @@ NO_ORDERS = {
 }  # fmt: skip
 
 
+ABOUT_IT = {
+    "en": (("find the cup", "and", "bring it to me"), ("look for my keys", "and then", "give them to anna"),
+           ("find the red one", "then", "clean it")),
+    "de": (("suche den Becher", "und", "bring ihn mir"), ("finde das Buch", "und dann", "lies es mir vor")),
+}  # fmt: skip
+
+
 def grammar_of(code: str) -> Grammar:
     words = language(code)
     phrases = [StartPhrase(each, given) for each, given in PHRASES[code].items()]
@@ -135,6 +142,17 @@ def test_a_correction_in_the_same_sentence_is_the_order_of_both(code: str, sign:
         for mark in MARKS[code]:
             sentence = f"{order}{sign}{mark} {instead}"
             assert ordered(grammar.senses(sentence, VIEW)) == ordered(grammar.senses(meant, VIEW)) != [], sentence
+
+
+@pytest.mark.parametrize("code", languages())
+def test_a_clause_about_the_thing_that_is_looked_for_is_no_part_of_its_name(code: str) -> None:
+    grammar = grammar_of(code)
+    for order, joint, then in ABOUT_IT[code]:
+        found = grammar.senses(f"{order} {joint} {then}", VIEW)
+        assert ordered(found) == ordered(grammar.senses(order, VIEW)) != [], then
+        assert [each.rest for each in found] == [then]
+    both = {"en": "find the cup and the plant", "de": "finde die Tasse und die Kanne"}[code]
+    assert [each.rest for each in grammar.senses(both, VIEW)] == [""], "two things are a name"
 
 
 @pytest.mark.parametrize("code", languages())
