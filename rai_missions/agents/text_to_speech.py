@@ -6,7 +6,7 @@ from __future__ import annotations
 import itertools
 import threading
 from collections.abc import Callable, Mapping
-from typing import Any
+from typing import Any, NamedTuple
 
 from rai_missions.agents.agent import AgentHealth
 from rai_missions.agents.speech_health import health_of
@@ -14,6 +14,7 @@ from rai_missions.connectors.connector import Close
 from rai_missions.connectors.hri.connector import TO_HUMAN, HRIConnector
 from rai_missions.connectors.hri.message import HRIMessage
 from rai_missions.connectors.sound.connector import SoundConnector
+from rai_missions.conversation.language import language
 from rai_missions.voice.process import SpeechProcess
 from rai_missions.voice.setup import split_options
 from rai_missions.voice.speaker import Speaker
@@ -22,12 +23,23 @@ from rai_missions.voice.spoken_text import SpokenEnd, SpokenText
 __all__ = ("TextToSpeech",)
 
 
+MOST_TRIES = 3
+"""How often a message is spoken where the voice fails."""
 CLOSES_S = 3.0
 """What is left to be closed after the last words."""
 
 
+class SpokenMessage(NamedTuple):
+    """A message that is spoken, and how often it was."""
+
+    text: str
+    tries: int = 1
+
+
 class TextToSpeech:
     """Speaks through a connector to sound, which its owner starts and stops.
+
+    A message of `hri` at which the voice fails is spoken again, marked as repeated: for its sender it counts as spoken.
 
     Args:
         sound: What plays.
@@ -52,7 +64,8 @@ class TextToSpeech:
         self._last_words_s, self._is_quiet = last_words_s, threading.Event()
         self._sound, self._hri, self._topic = sound, hri, topic
         self._on_end, self._on_message_end = on_end, on_message_end
-        self._messages: dict[str, str] = {}
+        self._messages: dict[str, SpokenMessage] = {}
+        self._language = language("en")
         self._processes = [
             SpeechProcess("voice", name, options, within_s=10.0, on_fault=on_fault)
             for name, options in map(split_options, filter(None, (voice, model_voice)))
@@ -129,14 +142,20 @@ class TextToSpeech:
 
     def _receive(self, message: HRIMessage) -> None:
         if message.text:
-            key = f"{self._topic}:{next(self._numbers)}"
-            self._messages[key] = message.text
-            self.speak(SpokenText(key, message.text))
+            self._speak_message(SpokenMessage(message.text))
+
+    def _speak_message(self, message: SpokenMessage) -> None:
+        key = f"{self._topic}:{next(self._numbers)}"
+        self._messages[key] = message
+        text = message.text if message.tries == 1 else self._language.text("repeated", text=message.text)
+        self.speak(SpokenText(key, text))
 
     def _ended(self, key: str, how: SpokenEnd) -> None:
-        text = self._messages.pop(key, None)
-        if text is not None:
-            self._on_message_end(text, how)
+        message = self._messages.pop(key, None)
+        if message is not None and how == "failed" and message.tries < MOST_TRIES and self._closes:
+            self._speak_message(message._replace(tries=message.tries + 1))
+        elif message is not None:
+            self._on_message_end(message.text, how)
         self._on_end(key, how)
         if not self.speaking:
             self._is_quiet.set()

@@ -13,6 +13,9 @@ from hypothesis import strategies as st
 
 from rai_missions.agents.text_to_speech import TextToSpeech
 from rai_missions.agents.voice_recognition import VoiceRecognition
+from rai_missions.connectors.hri.connector import TO_HUMAN, HRIConnector
+from rai_missions.connectors.hri.message import HRIMessage
+from rai_missions.connectors.local import LocalConnector
 from rai_missions.connectors.sound.connector import FRAME_S, SILENCE, SoundFrame
 from rai_missions.connectors.sound.files import FileSound
 from rai_missions.connectors.sound.room import RoomSound
@@ -193,6 +196,49 @@ def test_a_voice_that_dies_has_failed_at_its_text_and_speaks_the_next() -> None:
         assert faults.all == ["the voice 'flite' ended: it was killed"]
     finally:
         agent.stop()
+
+
+@pytest.fixture
+def hri() -> Iterator[HRIConnector]:
+    connector = LocalConnector()
+    connector.start()
+    yield HRIConnector(connector)
+    connector.stop()
+
+
+@needs_voice
+def test_a_message_at_which_the_voice_dies_is_spoken_again_and_is_reported_once(hri: HRIConnector) -> None:
+    stage, faults, ends = Stage(FileSound(), Inbox()), Inbox[str](), list[tuple[str, str]]()
+    agent = TextToSpeech(
+        stage.sound,
+        hri,
+        on_message_end=lambda text, how: ends.append((text, how)),
+        on_fault=faults,
+        patience_s=math.inf,
+    )
+    agent.run()
+    try:
+        end = "The mission has ended. I am at home."
+        hri.send(HRIMessage(end, author="ai"), TO_HUMAN)
+        stage.pass_until(lambda: stage.is_loud)
+        (voice,) = agent._processes
+        assert voice._life is not None
+        voice._life.end("it was killed")
+        faults.wait(bool, "the voice was killed")
+        stage.pass_until(lambda: bool(ends))
+        assert (ends, agent.speaking) == ([(end, "whole")], False)
+    finally:
+        agent.stop()
+
+
+def test_a_message_that_no_voice_speaks_has_failed_once(hri: HRIConnector) -> None:
+    ends = Ends()
+    agent = TextToSpeech(FileSound(), hri, voice="nightingale", on_message_end=lambda text, how: ends((text, how)))
+    agent.run()
+    hri.send(HRIMessage("Hello.", author="ai"), TO_HUMAN)
+    ends.wait(bool, "it has failed")
+    agent.stop()
+    assert ends.all == [("Hello.", "failed")]
 
 
 @needs_voice
