@@ -166,8 +166,9 @@ class LivePage:
             scheme=self._scheme,
         )  # fmt: skip
         config = uvicorn.Config(
-            door, http=Impatient, ws="none", lifespan="off", log_config=None, access_log=False, server_header=False,
-            limit_concurrency=256, timeout_graceful_shutdown=1, h11_max_incomplete_event_size=16_384,
+            door, http=Impatient, ws="none", lifespan="off", log_config=None, log_level="error", access_log=False,
+            server_header=False, limit_concurrency=256, timeout_graceful_shutdown=1,
+            h11_max_incomplete_event_size=16_384,
         )  # fmt: skip
         config.load()
         if self._config_tls is not None:

@@ -187,6 +187,18 @@ def test_a_picture_that_is_not_there_is_reported(run: Run, query: str) -> None:
 
 
 @pytest.mark.parametrize(
+    "request_", ["GET / HTTP/1.1\r\nHost: x\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n\r\n", "\x16\x03\r\n\r\n"]
+)
+def test_what_a_stranger_sends_is_no_line_on_the_terminal(
+    request_: str, run: Run, caplog: pytest.LogCaptureFixture
+) -> None:
+    with socket.create_connection(("127.0.0.1", run.page.port), timeout=30) as line:
+        line.sendall(request_.encode())
+        assert line.recv(100).startswith(b"HTTP/1.1 4")
+    assert caplog.messages == []
+
+
+@pytest.mark.parametrize(
     "sent",
     [
         b"GET / HTTP/1.1\r\n\r\n", b"nonsense\r\n\r\n", b"GET / HTTP/1.1\r\nHost: a\r\nHost: 127.0.0.1\r\n\r\n",
