@@ -7,8 +7,8 @@ Rule: what a key holds is judged by `planning`, by rule; a goal or a sight that 
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator
-from functools import lru_cache
+from collections.abc import Callable, Iterator
+from functools import cache, lru_cache
 from typing import Any, Literal, Self
 
 from pydantic import Field, model_validator
@@ -29,7 +29,6 @@ from rai_missions.guards.guard import (
     View,
 )
 from rai_missions.model import KeyPath, Path, fault
-from rai_missions.planning import Goal, feasible, reached, read_goal, read_scene
 
 __all__ = ("GoalAspect", "GoalIs", "judged")
 
@@ -69,6 +68,7 @@ class GoalIs(Guard, word="goal"):
         return self
 
     def compile(self, site: Site) -> Test:
+        _judge()  # loaded before the run
         aspect, goal = self.is_, Operand(self.goal, site)
         over, request = (Operand(path, site) if path is not None else None for path in (self.over, self.in_))
 
@@ -108,23 +108,30 @@ class GoalIs(Guard, word="goal"):
         return f"{self.goal} is {self.is_} over {self.over}"
 
 
-@lru_cache(maxsize=256)
-def _judged(aspect: str, wanted: str, seen: str, request: str) -> Truth:
-    """What one aspect of a goal comes to; all are JSON, for a guard is looked at more often than facts change."""
-    try:
-        goal, sight = read_goal(json.loads(wanted)), json.loads(seen)
-        scene = None if sight is None else read_scene(sight)
-    except DefinitionError:
-        return None
-    if not isinstance(goal, Goal):
-        return None
-    if aspect == "said":
-        from rai_missions.planning.reading import is_said  # a grammar with its languages
+@cache
+def _judge() -> Callable[[str, str, str, str], Truth]:
+    """Judges one aspect of a goal by the planner, which is loaded where a mission has a goal."""
+    from rai_missions.planning import Goal, feasible, reached, read_goal, read_scene
 
-        return is_said(goal, json.loads(request), scene)
-    if scene is None:
-        return None
-    return reached(goal, scene) if aspect == "reached" else feasible(goal, scene) is None
+    @lru_cache(maxsize=256)
+    def judge(aspect: str, wanted: str, seen: str, request: str) -> Truth:
+        """All are JSON, for a guard is looked at more often than facts change."""
+        try:
+            goal, sight = read_goal(json.loads(wanted)), json.loads(seen)
+            scene = None if sight is None else read_scene(sight)
+        except DefinitionError:
+            return None
+        if not isinstance(goal, Goal):
+            return None
+        if aspect == "said":
+            from rai_missions.planning.reading import is_said  # a grammar with its languages
+
+            return is_said(goal, json.loads(request), scene)
+        if scene is None:
+            return None
+        return reached(goal, scene) if aspect == "reached" else feasible(goal, scene) is None
+
+    return judge
 
 
 def judged(aspect: str, wanted: Any, seen: Any, request: Any = None) -> Truth:
@@ -141,6 +148,6 @@ def judged(aspect: str, wanted: Any, seen: Any, request: Any = None) -> Truth:
     if aspect == "said" and not isinstance(request, str):
         return None
     try:
-        return _judged(aspect, json.dumps(wanted), json.dumps(seen), json.dumps(request))
+        return _judge()(aspect, json.dumps(wanted), json.dumps(seen), json.dumps(request))
     except (TypeError, ValueError, RecursionError):
         return None

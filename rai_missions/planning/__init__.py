@@ -5,30 +5,35 @@ Imports `model` and the modules of the root. Everything is in the robot's base f
 the desk's top at z = 0), in metres and radians.
 """
 
-from rai_missions.planning.goal import (
-    Apart,
-    AtPlace,
-    Behind,
-    Between,
-    Goal,
-    Grouped,
-    InContainer,
-    LeftOf,
-    NextTo,
-    OnTop,
-    Predicate,
-    Refusal,
-    Shifted,
-    Swapped,
-    goal_schema,
-    read_goal,
-)
-from rai_missions.planning.plan import AvoidedPlace, Plan, PlannedMove, Pose, avoided_after, plan_data
-from rai_missions.planning.planner import feasible, planned
-from rai_missions.planning.relations import at_first_poses, holds, reached, support
-from rai_missions.planning.scene import DESK, Scene, Thing, read_scene
-from rai_missions.planning.tolerances import JUDGE, STRICT
-from rai_missions.planning.workspace import Workspace
+from typing import TYPE_CHECKING
+
+from rai_missions.errors import lazy_names
+
+if TYPE_CHECKING:
+    from rai_missions.planning.goal import (
+        Apart,
+        AtPlace,
+        Behind,
+        Between,
+        Goal,
+        Grouped,
+        InContainer,
+        LeftOf,
+        NextTo,
+        OnTop,
+        Predicate,
+        Refusal,
+        Shifted,
+        Swapped,
+        goal_schema,
+        read_goal,
+    )
+    from rai_missions.planning.plan import AvoidedPlace, Plan, PlannedMove, Pose, avoided_after, plan_data
+    from rai_missions.planning.planner import feasible, planned
+    from rai_missions.planning.relations import at_first_poses, holds, reached, support
+    from rai_missions.planning.scene import DESK, Scene, Thing, read_scene
+    from rai_missions.planning.tolerances import JUDGE, STRICT
+    from rai_missions.planning.workspace import Workspace
 
 __all__ = (
     "DESK", "JUDGE", "STRICT", "Apart", "AtPlace", "AvoidedPlace", "Behind", "Between", "Goal", "Grouped",
@@ -36,3 +41,34 @@ __all__ = (
     "Shifted", "Swapped", "Thing", "Workspace", "at_first_poses", "avoided_after", "feasible", "goal_schema", "holds",
     "plan_data", "planned", "reached", "read_goal", "read_scene", "support",
 )  # fmt: skip
+
+if not TYPE_CHECKING:
+    __getattr__, __dir__ = lazy_names(
+        globals(),
+        {
+            "goal": (
+                "Apart",
+                "AtPlace",
+                "Behind",
+                "Between",
+                "Goal",
+                "Grouped",
+                "InContainer",
+                "LeftOf",
+                "NextTo",
+                "OnTop",
+                "Predicate",
+                "Refusal",
+                "Shifted",
+                "Swapped",
+                "goal_schema",
+                "read_goal",
+            ),
+            "plan": ("AvoidedPlace", "Plan", "PlannedMove", "Pose", "avoided_after", "plan_data"),
+            "planner": ("feasible", "planned"),
+            "relations": ("at_first_poses", "holds", "reached", "support"),
+            "scene": ("DESK", "Scene", "Thing", "read_scene"),
+            "tolerances": ("JUDGE", "STRICT"),
+            "workspace": ("Workspace",),
+        },
+    )

@@ -24,7 +24,6 @@ from typing import Any
 
 from rai_missions.guards.goal import judged
 from rai_missions.guards.guard import OpenObject, Truth
-from rai_missions.planning.scene import judged_by
 from rai_missions.prove.nondeterminism import OpenFields
 
 __all__ = ("OpenSight", "Sights")
@@ -72,6 +71,8 @@ class Sights:
     @cached_property
     def _scenes(self) -> Sequence[str]:
         """Of each value what goals are judged by."""
+        from rai_missions.planning.scene import judged_by  # models of a scene; few missions have goals
+
         return [judged_by(value) for value in self.values]
 
     @cached_property

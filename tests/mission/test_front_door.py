@@ -6,11 +6,13 @@ from __future__ import annotations
 import json
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 
 import rai_missions
 
+ROOT = Path(__file__).parents[2]
 PROBE = """
 import json, sys, time
 import pydantic
@@ -64,3 +66,10 @@ def test_options_without_parameters_load_nothing_that_judges_by_schemas() -> Non
                        f"with contextlib.redirect_stdout(io.StringIO()): assert main({words!r}) == 0")  # fmt: skip
     assert "rai_missions.profile.coverage" in modules
     assert "jsonschema" not in modules
+
+
+@pytest.mark.parametrize(("path", "has_goals"), [("missions/tractor/mission.json", False),
+                                                 ("missions/desk/stack.json", True)])  # fmt: skip
+def test_the_planner_is_loaded_with_a_mission_that_has_goals(path: str, has_goals: bool) -> None:
+    modules, _ = after(f"from rai_missions import Chart, load; Chart(load({str(ROOT / path)!r}))")
+    assert ("rai_missions.planning.planner" in modules) is has_goals

@@ -8,20 +8,21 @@ from typing import Any
 from rai_missions.engine.activities.activity import Bench, machine_of
 from rai_missions.engine.activities.computing import ComputedResult, ComputingMachine
 from rai_missions.errors import DefinitionError
-from rai_missions.planning import Plan as Planned
-from rai_missions.planning import Refusal, avoided_after, plan_data, planned, read_goal, read_scene
-from rai_missions.planning.sentences import ENGLISH, refusal_sentence
 from rai_missions.states.plan import Plan
 
 __all__ = ()
 
 
 def _planned(wanted: Any, seen: Any, *, asked: Any = "", refused: Any = False, last: Any = None) -> ComputedResult:
+    from rai_missions.planning import Plan as Found  # a planner; few missions plan
+    from rai_missions.planning import Refusal, avoided_after, plan_data, planned, read_goal, read_scene
+    from rai_missions.planning.sentences import refusal_sentence
+
     language, avoided = _language(str(asked)), avoided_after(last) if refused is True else ()
     try:
         goal, scene = read_goal(wanted), read_scene(seen)
     except DefinitionError:
-        found: Planned | Refusal = Refusal("unreadable", refusal_sentence("unreadable", language=language))
+        found: Found | Refusal = Refusal("unreadable", refusal_sentence("unreadable", language=language))
     else:
         found = goal if isinstance(goal, Refusal) else planned(goal, scene, language=language, avoided=avoided)
     value = plan_data(found, avoided)
@@ -29,6 +30,8 @@ def _planned(wanted: Any, seen: Any, *, asked: Any = "", refused: Any = False, l
 
 
 def _language(asked: str) -> str:
+    from rai_missions.planning.sentences import ENGLISH
+
     if not asked:
         return ENGLISH
     from rai_missions.planning.reading import language_of  # a grammar with its languages

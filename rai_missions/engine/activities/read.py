@@ -9,13 +9,13 @@ from typing import Any
 from rai_missions.engine.activities.activity import Bench, machine_of
 from rai_missions.engine.activities.computing import ComputedResult, ComputingMachine
 from rai_missions.errors import DefinitionError
-from rai_missions.planning import read_scene
 from rai_missions.states.read import Read
 
 __all__ = ()
 
 
 def _read(request: Any, seen: Any, last: Any) -> ComputedResult:
+    from rai_missions.planning import read_scene
     from rai_missions.planning.reading import RequestReading, read_answer, reading_data  # a grammar with its languages
 
     offered = last.get("candidates") if isinstance(last, Mapping) else None
