@@ -18,7 +18,7 @@ import traceback
 import weakref
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from functools import lru_cache
-from typing import Any
+from typing import Any, NamedTuple
 from urllib.parse import quote, quote_plus, unquote, urlsplit
 
 from rai_missions.errors import in_words
@@ -85,7 +85,7 @@ def redacted(text: str) -> str:
     return _hidden(text, _known())
 
 
-def _hidden(text: str, secrets: tuple[str, ...]) -> str:
+def _hidden(text: str, secrets: KnownSecrets) -> str:
     text = text.encode("utf-8", "replace").decode()
     return SHAPES.sub(HIDDEN, _without(text, secrets))
 
@@ -121,7 +121,7 @@ class Redaction:
         with _turn:
             _living.add(self)
         self._at_first = _known()
-        self._shortest = min(map(len, self._at_first), default=0)
+        self._shortest = min(map(len, self._at_first.forms), default=0)
 
     def text(self, text: str) -> str:
         """As `redacted`."""
@@ -142,7 +142,7 @@ class Redaction:
             value: Plain data.
             depth: How deep in it this is; what is deeper than any message is hidden unseen.
         """
-        if not self._at_first:
+        if not self._at_first.forms:
             return value
         if depth > DEEPEST_DATA:
             return HIDDEN
@@ -170,23 +170,32 @@ def _values() -> Iterator[str]:
         yield from _of_variable(name, value)
 
 
-def _known() -> tuple[str, ...]:
+class KnownSecrets(NamedTuple):
+    """The values that are secrets at one moment."""
+
+    parts: tuple[str, ...]
+    """Each, the longest first; of one with several lines each line as well."""
+    forms: tuple[str, ...]
+    """The same in every notation, the longest first."""
+
+
+def _known() -> KnownSecrets:
     return _forms(tuple(sorted(set(_values()))))
 
 
 @lru_cache(maxsize=8)
-def _forms(secrets: tuple[str, ...]) -> tuple[str, ...]:
-    """The values, the longest first, in every notation; of one with several lines each line as well."""
-    parts = {part for secret in secrets for part in (secret, *_lines(secret))}
+def _forms(secrets: tuple[str, ...]) -> KnownSecrets:
+    parts = {part.strip() for secret in secrets for part in (secret, *_lines(secret))}
+    parts = {part for part in parts if len(part) >= SHORTEST}
     found = {form for part in parts for form in _spellings(part)}
-    return tuple(sorted(found, key=len, reverse=True))
+    return KnownSecrets(*(tuple(sorted(each, key=len, reverse=True)) for each in (parts, found)))
 
 
-def _without(text: str, secrets: tuple[str, ...]) -> str:
-    for secret in secrets:
-        if secret in text:
-            text = text.replace(secret, HIDDEN)
-    if "\\" in text and (escaped := _escaped(secrets)) is not None:
+def _without(text: str, secrets: KnownSecrets) -> str:
+    for form in secrets.forms:
+        if form in text:
+            text = text.replace(form, HIDDEN)
+    if "\\" in text and (escaped := _escaped(secrets.parts)) is not None:
         text = escaped.sub(HIDDEN, text)
     return text
 
@@ -194,9 +203,8 @@ def _without(text: str, secrets: tuple[str, ...]) -> str:
 @lru_cache(maxsize=8)
 def _escaped(secrets: tuple[str, ...]) -> re.Pattern[str] | None:
     """The secrets that have marks in them, with a backslash or several before any of these; None where none has."""
-    found = {secret.replace("\\", ""): secret for secret in reversed(secrets) if not secret.isalnum()}
-    loose = (LOOSE.sub(_loose, secret).removeprefix(ANY_BACKSLASHES) for secret in reversed(found.values()))
-    return re.compile("|".join(loose)) if found else None
+    loose = [LOOSE.sub(_loose, each).removeprefix(ANY_BACKSLASHES) for each in secrets if not each.isalnum()]
+    return re.compile("|".join(loose)) if loose else None
 
 
 def _loose(part: re.Match[str]) -> str:
@@ -231,12 +239,10 @@ def _lines(secret: str) -> Iterator[str]:
 
 def _spellings(secret: str) -> Iterator[str]:
     """A secret as it is, and as JSON, Python, addresses and Markdown write it; also where one quotes the other."""
-    secret = secret.strip()
-    if len(secret) >= SHORTEST:
-        yield secret
-        for form in {*_written(secret)}:
-            yield form
-            yield from _written(form)
+    yield secret
+    for form in {*_written(secret)}:
+        yield form
+        yield from _written(form)
 
 
 def _written(text: str) -> Iterator[str]:
@@ -263,7 +269,7 @@ def cut(what: object, length: int) -> str:
     """
     text = in_words(what)
     secrets = _known()
-    beyond = max(map(len, secrets), default=0) + MARGIN
+    beyond = max(map(len, secrets.forms), default=0) + MARGIN
     window = length + beyond
     while True:
         clean = _hidden(text[:window], secrets)
