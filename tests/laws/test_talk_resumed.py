@@ -55,7 +55,7 @@ class Resumed:
         with opened(path) as record:
             resumed = resumption(record, mission, named=NAMED)
             journal = Journal.open(path, seal=record.seal)
-        self.waiting = resumed.chart.waiting_answers
+        self.waiting = [each for each in resumed.chart.waiting_answers if each.name == "operator"]
         turns.at = began = resumed.at + 1.0
         land = Surroundings(turns, seed)
 
