@@ -17,7 +17,7 @@ from rai_missions.check import errors_of, load_whole
 from rai_missions.connectors.python_robot import PythonRobot
 from rai_missions.errors import DefinitionError, Fault, UsageError
 from rai_missions.mission.mission import Mission, given_mission
-from rai_missions.profile import Robot, identity_folder, is_program, load_profile, missing
+from rai_missions.profile import Robot, identity_folder, is_program, load_whole_profile, missing
 from rai_missions.redaction import logger
 from rai_missions.runtime.arguments import accepted
 from rai_missions.runtime.clock import Clock, ContinuedClock
@@ -86,7 +86,8 @@ def profile_of(config: RunConfig) -> Robot | None:
     if isinstance(robot, Robot):
         return robot
     if isinstance(robot, str | Path):
-        return None if is_program(robot) else load_profile(robot)
+        mission = config.mission if isinstance(config.mission, Mission) else None
+        return None if is_program(robot) else load_whole_profile(robot, mission)
     if robot is not None or config.resume is None:
         return None
     from rai_missions.journal import opened
@@ -106,7 +107,7 @@ def read_plan(config: RunConfig, closing: CleanupStack) -> RunPlan:
     mission = load_whole(config.mission) if isinstance(config.mission, str | Path) else config.mission
     given, identity = config.robot, None
     if isinstance(given, str | Path) and not is_program(given):
-        robot: Robot | None = load_profile(given)
+        robot: Robot | None = load_whole_profile(given, mission)
         identity = identity_folder(robot, given) if robot is not None else None
     else:
         robot = given if isinstance(given, Robot) else None

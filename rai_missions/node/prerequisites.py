@@ -6,6 +6,7 @@ from __future__ import annotations
 import os
 import re
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -61,7 +62,7 @@ def readied(setting: RunConfig) -> tuple[Mission, Robot | None]:
     source = "" if isinstance(given, Mission) else str(given)
     if faults := errors_of(mission, source, named=setting.named or {}):
         raise DefinitionError(faults, source)
-    robot = profile_of(setting)
+    robot = profile_of(replace(setting, mission=mission))
     if robot is not None and (lacks := missing(mission, robot)):
         raise DefinitionError(lacks, "" if isinstance(setting.robot, Robot) else str(setting.robot))
     if isinstance(setting.robot, PythonRobot | RobotProgram):

@@ -4,12 +4,13 @@
 Imports `check`, `connectors`, `engine`, `guards`, `mission`, `model` and `states`, and the modules of the root.
 """
 
+from rai_missions.profile.connector_faults import connector_faults
 from rai_missions.profile.conversation import GRANTED, ORDERS, ConversationPolicy, OrderName
 from rai_missions.profile.convert import plain
 from rai_missions.profile.coverage import actions_of, commanded_names, missing
 from rai_missions.profile.entries import ActionEntry, ServiceEntry, TopicEntry
 from rai_missions.profile.files import dump_profile, identity_folder, is_program, load_profile, parse_profile
-from rai_missions.profile.legible import legible_profile, missing_anyway
+from rai_missions.profile.legible import legible_profile, load_whole_profile, missing_anyway
 from rai_missions.profile.message_fields import absent_field, unknown_fields, why_unreadable
 from rai_missions.profile.message_types import lacking
 from rai_missions.profile.profile import Robot, Rule, terms
@@ -35,12 +36,14 @@ __all__ = (
     "actions_of",
     "check_functions",
     "commanded_names",
+    "connector_faults",
     "dump_profile",
     "identity_folder",
     "is_program",
     "lacking",
     "legible_profile",
     "load_profile",
+    "load_whole_profile",
     "misnamed",
     "missing",
     "missing_anyway",

@@ -13,6 +13,7 @@ from pathlib import Path
 import pytest
 
 from rai_missions.cli.main import main
+from rai_missions.errors import counted
 from tests.rigs.signals import in_terminal
 
 MISSION = {
@@ -104,3 +105,14 @@ def test_a_signal_while_a_command_is_imported_is_its_exit_status_and_no_tracebac
         assert main(["check", "m.json"]) == 128 + number
         assert [signal.getsignal(each) for each in signal.valid_signals()] == before
     assert capsys.readouterr().err == "interrupted\n"
+
+
+@pytest.mark.parametrize("text", ["", "[]", "{}", '{"format": 1', "3"])
+def test_of_a_file_of_which_nothing_is_read_no_rest_is_promised(
+    text: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "m.json"
+    path.write_text(text)
+    assert main(["check", str(path)]) == 2
+    *faults, summary = capsys.readouterr().err.splitlines()
+    assert summary == f"{path}: mission: {counted(len(faults), 'error')}, 0 warnings"

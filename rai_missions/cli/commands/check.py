@@ -3,16 +3,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from rai_missions.cli.command import GuardsFile, MissionFile, RobotFile, command
 
 if TYPE_CHECKING:
     from rai_missions.check import CheckedFile, FileFinding
-    from rai_missions.errors import Fault
     from rai_missions.mission.mission import Mission
-    from rai_missions.profile import Robot
 
 __all__ = ("check",)
 
@@ -80,64 +78,17 @@ def _checked_profile(path: str, mission: Mission | None) -> tuple[str, tuple[Fil
     from rai_missions.agents.talk.settings import conversation_faults, conversation_oddities
     from rai_missions.check import FileFinding, Finding
     from rai_missions.errors import DefinitionError
-    from rai_missions.profile import load_profile, missing  # half as long to import as all the rest
+    from rai_missions.profile import connector_faults, load_whole_profile, missing  # slow: as long as half of the rest
 
     try:
-        profile = load_profile(path)
+        profile = load_whole_profile(path, mission)
     except DefinitionError as error:
-        faults = (*error.faults, *_of_rest(path, mission))
-        return path, tuple(FileFinding(error.source or path, Finding.of(each)) for each in faults)
+        return path, tuple(FileFinding(error.source or path, Finding.of(each)) for each in error.faults)
     names = missing(mission, profile) if mission is not None else ()
-    lacking = (*_connector_faults(profile), *names, *conversation_faults(profile, mission))
+    lacking = (*connector_faults(profile), *names, *conversation_faults(profile, mission))
     odd = conversation_oddities(profile, mission) if mission is not None else ()
     findings = (*map(Finding.of, lacking), *(Finding(each.place, each.sentence, "warning") for each in odd))
     return profile.name or path, tuple(FileFinding(path, each) for each in findings)
-
-
-def _of_rest(path: str, mission: Mission | None) -> Iterator[Fault]:
-    """What is wrong with a profile of which some entries cannot be read, whatever those turn out to be."""
-    from pathlib import Path
-
-    from rai_missions.errors import DefinitionError
-    from rai_missions.mission.json_reader import read_json
-    from rai_missions.profile import legible_profile, missing_anyway
-
-    try:
-        document = read_json(Path(path))
-    except DefinitionError:
-        return
-    robot = legible_profile(document)
-    if robot is None:
-        return
-    if robot.connector == document.get("connector"):
-        yield from (each for each in _connector_faults(robot) if each.place.startswith("/connector"))
-    if mission is not None:
-        yield from missing_anyway(mission, robot, document)
-
-
-def _connector_faults(robot: Robot) -> Iterator[Fault]:
-    """A kind of connector, a simulated world, an option of one, or a name there, that there is not."""
-    from rai_missions.connectors.registry import check_connector, check_options
-    from rai_missions.errors import Fault, UsageError
-    from rai_missions.profile import misnamed
-    from rai_missions.worlds.world import check_local
-
-    connector = robot.connector
-    kind, options = str(connector["kind"]), {word: each for word, each in connector.items() if word != "kind"}
-    try:
-        offer = check_connector(kind)
-    except UsageError as error:
-        yield Fault("/connector/kind", str(error))
-        return
-    try:
-        if offer is not None:
-            check_options(offer, options)
-            if why_no_name := getattr(offer.load(), "why_no_name", None):
-                yield from misnamed(robot, why_no_name)
-        elif kind == "local":
-            check_local(options)
-    except UsageError as error:
-        yield Fault("/connector", str(error))
 
 
 def _summary(path: str, checked: CheckedFile, profile: str, found: Sequence[FileFinding]) -> str:
@@ -145,13 +96,12 @@ def _summary(path: str, checked: CheckedFile, profile: str, found: Sequence[File
     from rai_missions.errors import counted
 
     both = "mission and profile" if profile else "mission"
+    errors = sum(each.finding.severity == "error" for each in found)
+    counts = f"{counted(errors, 'error')}, {counted(len(found) - errors, 'warning')}"
     if checked.mission is None:
-        return (
-            f"{path}: the rest is checked when this can be read: what is unused, dead ends, cycles, the profile's names"
-        )
+        has_rest = any(finding.place for _, finding in checked.findings)
+        rest = "the rest is checked when this can be read: what is unused, dead ends, cycles, the profile's names"
+        return f"{path}: {rest}" if has_rest else f"{path}: {both}: {counts}"
     states = sum(1 for _ in checked.mission.walk())
     what = f"{checked.mission.name} {checked.mission.version}, {states} states{f'; {profile}' if profile else ''}"
-    if not found:
-        return f"{path}: {both}: no fault ({what})"
-    errors = sum(each.finding.severity == "error" for each in found)
-    return f"{path}: {both}: {counted(errors, 'error')}, {counted(len(found) - errors, 'warning')} ({what})"
+    return f"{path}: {both}: {counts if found else 'no fault'} ({what})"

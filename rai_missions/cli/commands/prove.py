@@ -58,9 +58,9 @@ def prove(
     loaded = load_whole(mission, python=not no_python)
     profile = None
     if robot:
-        from rai_missions.profile import load_profile, missing, terms  # takes longer than a small proof
+        from rai_missions.profile import load_whole_profile, missing, terms  # takes longer than a small proof
 
-        profile = load_profile(robot)
+        profile = load_whole_profile(robot, loaded)
     named = load_guards(guards, python=not no_python)
     faults = errors_of(loaded, mission, named=named)
     if profile is not None:

@@ -58,7 +58,7 @@ def _robot_of_now(options: RunOptions, mission: Mission) -> tuple[Robot | None, 
         DefinitionError: It is at fault, or lacks what the mission uses.
         UsageError: None is named, and the run's was in Python.
     """
-    from rai_missions.profile import check_functions, is_program, load_profile, profile_of, read_program
+    from rai_missions.profile import check_functions, is_program, load_whole_profile, profile_of, read_program
     from rai_missions.profile.python_robot import KIND
     from rai_missions.replay.rebuild import robot_of
 
@@ -68,7 +68,7 @@ def _robot_of_now(options: RunOptions, mission: Mission) -> tuple[Robot | None, 
         file = shown(str(before.connector.get("file", "its robot")))
         raise UsageError(f"the run's robot is in Python; give its file as it is now: --robot {file}")
     if not options.robot or not is_program(options.robot):
-        return (load_profile(options.robot) if options.robot else None), None
+        return (load_whole_profile(options.robot, mission) if options.robot else None), None
     program = read_program(options.robot)
     same = before is not None and before.connector.get("sha256") == program.sha256
     robot, known = program.ready(), (before.blackboard if before is not None and same else ())

@@ -34,7 +34,7 @@ from rai_missions.cli.run.talk import normalise_voice_args, talk_of, talking
 from rai_missions.errors import DefinitionError, MissionError, UsageError
 from rai_missions.journal import opened
 from rai_missions.mission.mission import Mission
-from rai_missions.profile import load_profile, read_program
+from rai_missions.profile import load_whole_profile, read_program
 from rai_missions.runtime.interrupts import on_interrupts
 
 if TYPE_CHECKING:
@@ -80,7 +80,7 @@ def run_mission(options: RunOptions) -> int:
     config = _single_run(options, mission, named, lines)
     if program is not None:
         config = replace(config, robot=program)
-    warn(_without_effect(options, is_python=is_python))
+    warn(_without_effect(options, mission, is_python=is_python))
     with ExitStack() as signals:
         try:
             prepared, result, succeeded = _run(options, config, lines, signals)
@@ -189,14 +189,14 @@ def _as_json(mission: Mission, result: Result, recording: str | None) -> dict[st
     return found | ({"recording": recording} if recording else {})
 
 
-def _without_effect(options: RunOptions, *, is_python: bool) -> str:
+def _without_effect(options: RunOptions, mission: Mission, *, is_python: bool) -> str:
     """The options of a simulated world that have no effect, in a sentence; empty where there is none."""
     words = [f"--{word}" for word in ("speed", "seed") if getattr(options, word) is not None]
     if is_python:
         return "--seed has no effect: the robot is in Python, and no world is simulated" if "--seed" in words else ""
     if not words:
         return ""
-    connector = load_profile(options.robot).connector if options.robot else {"kind": "none"}
+    connector = load_whole_profile(options.robot, mission).connector if options.robot else {"kind": "none"}
     if (options.resume and not options.robot) or (connector["kind"] == "local" and connector.get("world") is not None):
         return ""
     text = f"{' and '.join(words)} {'has' if len(words) == 1 else 'have'} no effect: the run simulates no world, "
@@ -208,8 +208,8 @@ def _without_effect(options: RunOptions, *, is_python: bool) -> str:
 def _run_managed(options: RunOptions, *, is_python: bool) -> int:
     """Serve the mission on a node, run by run."""
     reject_single_run_options(options)
-    warn(_without_effect(options, is_python=is_python))
     mission = _mission(options)
+    warn(_without_effect(options, mission, is_python=is_python))
     base = Path(options.journal or _journal_of(mission))
     numbers = itertools.count(1)
     config = replace(

@@ -1,0 +1,34 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What is wrong with how a profile reaches its robot, found without reaching it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from rai_missions.connectors.registry import check_connector, check_options
+from rai_missions.errors import Fault, UsageError
+from rai_missions.profile.profile import Robot
+from rai_missions.profile.robot_names import misnamed
+from rai_missions.worlds.world import check_local
+
+__all__ = ("connector_faults",)
+
+
+def connector_faults(robot: Robot) -> Iterator[Fault]:
+    """A kind of connector, a simulated world, an option of one, or a name there, that there is not."""
+    connector = robot.connector
+    kind, options = str(connector["kind"]), {word: each for word, each in connector.items() if word != "kind"}
+    try:
+        offer = check_connector(kind)
+    except UsageError as error:
+        yield Fault("/connector/kind", str(error))
+        return
+    try:
+        if offer is not None:
+            check_options(offer, options)
+            if why_no_name := getattr(offer.load(), "why_no_name", None):
+                yield from misnamed(robot, why_no_name)
+        elif kind == "local":
+            check_local(options)
+    except UsageError as error:
+        yield Fault("/connector", str(error))
