@@ -66,7 +66,9 @@ def load_campaign(path: str | os.PathLike[str], *, models: Iterable[str] = ()) -
     except ValidationError as error:
         raise DefinitionError(faults_of(error, CampaignFile, data), str(source)) from None
     folder = source.resolve().parent
-    subject = CampaignSubject.read(folder / file.mission, folder / file.robot, file.decision, file.arguments)
+    subject = CampaignSubject.read(
+        folder / file.mission, folder / file.robot, file.decision, file.arguments, source=str(source)
+    )
     if found := tuple(mission_faults(check(subject.mission))):
         raise DefinitionError(found, file.mission)
     if found := tuple(faults_in(file, subject)):

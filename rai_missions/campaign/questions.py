@@ -8,8 +8,9 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Mapping
+from functools import partial
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeVar
 
 from rai_missions.agents.launch import prepare
 from rai_missions.agents.run_config import RunConfig
@@ -19,7 +20,7 @@ from rai_missions.check import load_whole
 from rai_missions.engine import Chart
 from rai_missions.engine.decision import Question
 from rai_missions.engine.step import Step
-from rai_missions.errors import MissionError
+from rai_missions.errors import DefinitionError, Fault, MissionError, UsageError, pointer
 from rai_missions.event import Event
 from rai_missions.image import Image
 from rai_missions.mission.mission import Mission
@@ -28,6 +29,8 @@ from rai_missions.runtime.runner import Runner
 from rai_missions.states.decision import DecisionSpec
 
 __all__ = ("AskedScene", "CampaignSubject", "NoQuestion", "ask_in", "in_scene")
+
+T = TypeVar("T")
 
 LONGEST_S = 900.0
 """Simulated seconds until a scene's decision must have asked."""
@@ -49,15 +52,28 @@ class CampaignSubject(NamedTuple):
     arguments: Mapping[str, Any]
 
     @classmethod
-    def read(cls, mission: Path, robot: Path, decision: str, arguments: Mapping[str, Any]) -> CampaignSubject:
+    def read(
+        cls, mission: Path, robot: Path, decision: str, arguments: Mapping[str, Any], *, source: str = ""
+    ) -> CampaignSubject:
         """From the files of mission and profile.
 
+        Args:
+            mission: The mission's file.
+            robot: The profile's file.
+            decision: The state that asks.
+            arguments: Of the mission.
+            source: The campaign's file, which names them.
+
         Raises:
-            DefinitionError: One of them is at fault.
-            UsageError: One of them is not there, or is a program: a campaign's file is data, which runs none.
+            DefinitionError: They are at fault, are not there, or are programs, which a campaign's file runs none of;
+                every fault of both.
         """
-        profile = load_profile(robot)
-        return cls(load_whole(mission, python=False), profile, identity_folder(profile, robot), decision, arguments)
+        found = list[Fault]()
+        whole = _read_named("mission", partial(load_whole, python=False), mission, found)
+        profile = _read_named("robot", load_profile, robot, found)
+        if whole is None or profile is None:
+            raise DefinitionError(found, source)
+        return cls(whole, profile, identity_folder(profile, robot), decision, arguments)
 
     @property
     def spec(self) -> DecisionSpec | None:
@@ -79,6 +95,17 @@ class CampaignSubject(NamedTuple):
     def text(self) -> str:
         """What is asked, in a sentence."""
         return self.spec.question if self.spec is not None else ""
+
+
+def _read_named(word: str, read: Callable[[Path], T], path: Path, found: list[Fault]) -> T | None:
+    """What is in a file that a campaign names; None where it is at fault, and the faults are added to those found."""
+    try:
+        return read(path)
+    except DefinitionError as error:
+        found += (each._replace(file=each.file or error.source) for each in error.faults)
+    except UsageError as error:
+        found.append(Fault(pointer((word,)), str(error)))
+    return None
 
 
 class AskedScene(NamedTuple):

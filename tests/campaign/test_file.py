@@ -102,8 +102,22 @@ def test_a_world_of_another_package_that_takes_no_seed_is_refused(
 def test_a_file_that_is_not_there_is_named(tmp_path: Path) -> None:
     with pytest.raises(UsageError, match="there is no file"):
         load_campaign(tmp_path / "none.json")
-    with pytest.raises(UsageError, match=r"there is no file .*nowhere\.json"):
-        load_campaign(write_campaign(tmp_path, campaign_data(mission="nowhere.json")))
+
+
+def test_the_files_that_a_campaign_names_are_reported_together(tmp_path: Path) -> None:
+    path = write_campaign(tmp_path, campaign_data(mission="nowhere.json", robot="no_robot.json"))
+    with pytest.raises(DefinitionError) as raised:
+        load_campaign(path)
+    assert str(raised.value).splitlines() == [
+        f"{path}: /mission: there is no file '{tmp_path / 'nowhere.json'}'",
+        f"{path}: /robot: there is no file '{tmp_path / 'no_robot.json'}'",
+    ]
+    write(tmp_path / "odd.json", name="odd")
+    write(tmp_path / "odd_robot.json", name="odd", topcs={})
+    with pytest.raises(DefinitionError) as raised:
+        load_campaign(write_campaign(tmp_path, campaign_data(mission="odd.json", robot="odd_robot.json")))
+    files = {fault.file for fault in raised.value.faults}
+    assert files == {str(tmp_path / "odd.json"), str(tmp_path / "odd_robot.json")}
 
 
 def test_other_models_replace_those_of_the_file_with_all_that_is_about_them(tmp_path: Path) -> None:
