@@ -8,6 +8,7 @@ from rai_missions.model.attribute_docs import explained
 from rai_missions.model.family import FAMILY, AnyOf, TaggedModel, kind_of
 from rai_missions.model.fields import (
     LISTED,
+    RECORDED,
     ActionName,
     Bool,
     EventName,
@@ -31,6 +32,7 @@ from rai_missions.model.fields import (
     Word,
     alike,
     fault,
+    is_recorded,
     one_or_many,
 )
 from rai_missions.model.mission_model import MissionModel, without_schema
@@ -38,6 +40,7 @@ from rai_missions.model.mission_model import MissionModel, without_schema
 __all__ = (
     "FAMILY",
     "LISTED",
+    "RECORDED",
     "ActionName",
     "AnyOf",
     "Bool",
@@ -65,6 +68,7 @@ __all__ = (
     "alike",
     "explained",
     "fault",
+    "is_recorded",
     "kind_of",
     "one_or_many",
     "without_schema",

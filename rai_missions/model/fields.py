@@ -9,15 +9,15 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Annotated, Any, Literal, Protocol, TypeAlias
 
-from pydantic import AfterValidator, BeforeValidator, Field, PlainSerializer, Strict
+from pydantic import AfterValidator, BeforeValidator, Field, PlainSerializer, Strict, ValidationInfo
 from pydantic_core import PydanticCustomError, PydanticKnownError
 
 from rai_missions.model.references import EVENT, KEY, PATH, STATE, TIMER, OneOrMany, Refers
 
 __all__ = (
-    "LISTED", "NAME", "NOT_NULL", "PATH_PATTERN", "ActionName", "Bool", "EventName", "Format", "HasPath", "Integer",
-    "Json", "KeyName", "KeyPath", "Name", "Number", "Path", "Seconds", "ServiceName", "StateName", "StateNames", "Text",
-    "TimerName", "TopicName", "Value", "alike", "fault", "one_or_many",
+    "LISTED", "NAME", "NOT_NULL", "PATH_PATTERN", "RECORDED", "ActionName", "Bool", "EventName", "Format", "HasPath",
+    "Integer", "Json", "KeyName", "KeyPath", "Name", "Number", "Path", "Seconds", "ServiceName", "StateName",
+    "StateNames", "Text", "TimerName", "TopicName", "Value", "alike", "fault", "is_recorded", "one_or_many",
 )  # fmt: skip
 
 NAME = r"^[a-z][a-z0-9_]*(/[a-z][a-z0-9_]*)*$"
@@ -33,6 +33,15 @@ def fault(kind: str, sentence: str, *, at: tuple[str | int, ...] = ()) -> Pydant
         at: The steps to its place, from what the validator is given.
     """
     return PydanticCustomError(kind, "{sentence}", {"sentence": sentence, "at": at})
+
+
+RECORDED: Mapping[str, bool] = {"is_recorded": True}
+"""The context in which what a journal holds is validated: a run was made with it, by the rules of its day."""
+
+
+def is_recorded(info: ValidationInfo) -> bool:
+    """Whether what is validated was recorded; a rule that came after the first release asks it."""
+    return bool((info.context or {}).get("is_recorded"))
 
 
 def _key_text(value: Any) -> Any:
@@ -63,7 +72,15 @@ one_or_many = (BeforeValidator(_tuple), PlainSerializer(_shorter, return_type=An
 """A word or a list of words in JSON, always a tuple here."""
 
 Text = Annotated[str, Strict()]
-Word = Annotated[Text, Field(min_length=1)]
+
+
+def _filled(value: str, info: ValidationInfo) -> str:
+    if not value and not is_recorded(info):
+        raise PydanticKnownError("string_too_short", {"min_length": 1})
+    return value
+
+
+Word = Annotated[Text, AfterValidator(_filled), Field(json_schema_extra={"minLength": 1})]
 """A text that is not empty, as the name of a topic."""
 Name = Annotated[str, Strict(), Field(pattern=NAME), BeforeValidator(_key_text)]
 """Lower case, digits and underscores; `/` only in what an inclusion brought."""

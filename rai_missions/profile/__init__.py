@@ -9,7 +9,14 @@ from rai_missions.profile.conversation import GRANTED, ORDERS, ConversationPolic
 from rai_missions.profile.convert import plain
 from rai_missions.profile.coverage import actions_of, commanded_names, missing
 from rai_missions.profile.entries import ActionEntry, ServiceEntry, TopicEntry
-from rai_missions.profile.files import dump_profile, identity_folder, is_program, load_profile, parse_profile
+from rai_missions.profile.files import (
+    dump_profile,
+    identity_folder,
+    is_program,
+    load_profile,
+    parse_profile,
+    recorded_profile,
+)
 from rai_missions.profile.legible import legible_profile, load_whole_profile, missing_anyway
 from rai_missions.profile.message_fields import absent_field, unknown_fields, why_unreadable
 from rai_missions.profile.message_types import lacking
@@ -51,6 +58,7 @@ __all__ = (
     "plain",
     "profile_of",
     "read_program",
+    "recorded_profile",
     "terms",
     "unknown_fields",
     "wanted",

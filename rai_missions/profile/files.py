@@ -8,17 +8,21 @@ from __future__ import annotations
 
 import json
 import os
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
+
+from pydantic import ValidationError
 
 from rai_missions.errors import DefinitionError, Fault, UsageError
 from rai_missions.mission.file_kinds import object_of
 from rai_missions.mission.json_reader import parse_json, read_json
+from rai_missions.model import RECORDED
 from rai_missions.profile.profile import Robot
 from rai_missions.redaction import shown
 from rai_missions.validation_errors import validated
 
-__all__ = ("dump_profile", "identity_folder", "is_program", "load_profile", "parse_profile")
+__all__ = ("dump_profile", "identity_folder", "is_program", "load_profile", "parse_profile", "recorded_profile")
 
 
 def load_profile(path: str | os.PathLike[str]) -> Robot:
@@ -49,6 +53,21 @@ def parse_profile(text: str, source: str = "") -> Robot:
         DefinitionError: The profile is at fault.
     """
     return _robot(parse_json(text.encode("utf-8", "surrogatepass"), source), source)
+
+
+def recorded_profile(text: str, source: str) -> tuple[Robot, tuple[Fault, ...]]:
+    """The robot profile in a journal, and what in it would be refused today where its run was accepted.
+
+    Raises:
+        DefinitionError: No run was made with it.
+    """
+    try:
+        return parse_profile(text, source), ()
+    except DefinitionError as error:
+        data = parse_json(text.encode("utf-8", "surrogatepass"), source)
+        with suppress(ValidationError):
+            return Robot.model_validate(data, context=RECORDED), error.faults
+        raise
 
 
 def dump_profile(robot: Robot) -> str:

@@ -9,12 +9,12 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Annotated, Any, ClassVar, Literal, NamedTuple, Self
 
-from pydantic import Field, field_validator, model_validator
+from pydantic import Field, ValidationInfo, field_validator, model_validator
 
 from rai_missions.engine.robot_facts import RobotFacts
 from rai_missions.errors import suggestion
 from rai_missions.guards.guard import Guard
-from rai_missions.model import LISTED, AnyOf, Format, Json, MissionModel, Name, Text, fault, without_schema
+from rai_missions.model import LISTED, AnyOf, Format, Json, MissionModel, Name, Text, fault, is_recorded, without_schema
 from rai_missions.profile.conversation import ConversationPolicy
 from rai_missions.profile.entries import ActionEntry, AliveEntry, OneService, ServiceEntry, TopicEntry
 from rai_missions.profile.sources import EventSource, Source
@@ -52,8 +52,8 @@ class ToolPolicy(MissionModel):
     """What is not touched, nor anything below it."""
 
     @model_validator(mode="after")
-    def _has_patterns_of_whole_names(self) -> Self:
-        for word in ("read", "write", "never"):
+    def _has_patterns_of_whole_names(self, info: ValidationInfo) -> Self:
+        for word in () if is_recorded(info) else ("read", "write", "never"):
             for at, pattern in enumerate(getattr(self, word)):
                 if not pattern:
                     raise fault(word, f"an empty pattern in '{word}' is no name; drop it", at=(word, at))

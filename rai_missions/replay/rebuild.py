@@ -20,7 +20,7 @@ from rai_missions.guards.guard import Truth
 from rai_missions.journal import Record, StepRow
 from rai_missions.mission.json_reader import parse_json
 from rai_missions.mission.mission import Mission
-from rai_missions.profile import Robot, parse_profile, terms
+from rai_missions.profile import Robot, parse_profile, recorded_profile, terms
 from rai_missions.validation_errors import validated
 
 __all__ = ("JournalReplayer", "Predicates", "mission_of", "robot_of")
@@ -42,7 +42,8 @@ class JournalReplayer:
     def __init__(
         self, record: Record, mission: Mission, ticker: Trees | None = None, named: Predicates | None = None
     ) -> None:
-        robot = robot_of(record)
+        robot, self.outdated = _recorded_robot(record)
+        """What in the profile of the run would be refused today; of it a replay needs the actions and services."""
         self.reworded: tuple[str, ...] = ()
         """The fields of steps that mean the same in other words than when they were recorded. After an e-stop `why` is
         made of that event alone, and earlier versions had another word for the stop."""
@@ -120,7 +121,17 @@ def _of_other_versions(mission: Mission, then: Mapping[str, str]) -> Iterator[Fa
             yield Fault("", f"the run was made with {was}, and {now} is installed; {remedy}")
 
 
+def _recorded_robot(record: Record) -> tuple[Robot | None, tuple[Fault, ...]]:
+    """The profile of a run by the rules of its day, and what in it would be refused today; None without one."""
+    profile = record.header.profile
+    return recorded_profile(profile, f"{record.path}, row 0") if profile else (None, ())
+
+
 def robot_of(record: Record) -> Robot | None:
-    """The profile that a journal's run was made with; None for a run without one."""
+    """The profile that a journal's run was made with, for a run that continues with it; None for one without.
+
+    Raises:
+        DefinitionError: It would be refused today.
+    """
     profile = record.header.profile
     return parse_profile(profile, source=f"{record.path}, row 0") if profile else None

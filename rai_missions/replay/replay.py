@@ -12,6 +12,7 @@ from typing import NamedTuple
 
 from rai_missions.engine.activities.ticker import Trees
 from rai_missions.engine.step import Step, step_count
+from rai_missions.errors import Fault
 from rai_missions.journal import difference, read
 from rai_missions.mission.mission import Mission
 from rai_missions.replay.rebuild import JournalReplayer, mission_of
@@ -30,6 +31,8 @@ class Replay(NamedTuple):
     why: str = ""
     rows: int = 0
     """The rows of the journal that hold them."""
+    outdated: tuple[Fault, ...] = ()
+    """What in the profile of the run would be refused at the start of a run today."""
 
     @property
     def holds(self) -> bool:
@@ -69,4 +72,4 @@ def replay(
             progress(count, total)
             if on_step is not None:
                 on_step(got)
-        return Replay(count, found, chart.outcome, chart.why, rows)
+        return Replay(count, found, chart.outcome, chart.why, rows, replayer.outdated)

@@ -76,6 +76,34 @@ def test_a_mission_that_has_changed_is_reported_by_what_changed_and_what_to_do(
     assert remedy.endswith("with a map of its states and keys: --migrate MAP")
 
 
+OUTDATED = {
+    "name": "bench", "actions": {"go": {"start": "", "cancel": "/stop", "succeeded": {"key": "at", "==": 1}}},
+    "services": {"horn": {"service": ""}}, "topics": {"lamp": {"topic": "", "type": "std_msgs/msg/Bool"}},
+    "tools": {"never": ["/e_stop", "cmd_vel"]},
+}  # fmt: skip
+"""A profile as it was accepted before empty names and patterns without a slash were refused."""
+SINCE = ("/actions/go/start", "/services/horn/service", "/topics/lamp/topic", "/tools/never/1")
+"""The places at which it is refused."""
+
+
+def test_a_profile_that_was_accepted_then_is_replayed_with_a_warning_and_begins_no_run(
+    killed: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    profile = json.dumps(OUTDATED)
+    with Journal.create("old.journal", Header(dump(load("lamp.json")), profile=profile)) as journal:
+        journal.write(Chart(load("lamp.json")).start(), since=0.0)
+    assert main(["replay", "old.journal"]) == 0
+    shown = capsys.readouterr()
+    assert "1 step done again from 1 row, all the same" in shown.out
+    prefix = "old.journal, row 0: warning: the profile of this run would be refused today: "
+    assert [line.removeprefix(prefix).partition(": ")[0] for line in shown.err.splitlines()] == list(SINCE)
+    Path("robot.json").write_text(profile)
+    for words in (["run", "lamp.json", "--robot", "robot.json"], ["run", "--resume", "old.journal"]):
+        assert main(words) == 2
+        refused = capsys.readouterr().err
+        assert all(place in refused for place in SINCE)
+
+
 def test_a_disk_that_is_full_is_reported_in_a_sentence(killed: Path) -> None:
     reported = subprocess.run([sys.executable, "-c", FULL], capture_output=True, text=True, check=False)
     assert reported.returncode == 2

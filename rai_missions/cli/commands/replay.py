@@ -113,10 +113,14 @@ def _replay(journal: str, mission: Mission | None, follow: Follow | None = None)
             with read(found.path) as record:
                 mission = mission_of(record)
         if follow is not None:
-            return repeat(found.path, on_step=follow(mission), mission=mission)
-        pace = WorkPace()
-        with LongWork(lambda: f"{pace.percent} % of {pace.total:,} steps done again, {pace.rate:,.0f} steps/s"):
-            return repeat(found.path, mission=mission, progress=pace.set)
+            result = repeat(found.path, on_step=follow(mission), mission=mission)
+        else:
+            pace = WorkPace()
+            with LongWork(lambda: f"{pace.percent} % of {pace.total:,} steps done again, {pace.rate:,.0f} steps/s"):
+                result = repeat(found.path, mission=mission, progress=pace.set)
+    for each in result.outdated:
+        warn(f"{journal}, row 0: warning: the profile of this run would be refused today: {each}")
+    return result
 
 
 def _holds(result: Replay) -> bool:
@@ -131,7 +135,9 @@ def _as_json(result: Replay) -> dict[str, object]:
 
 
 def _sentence(name: str, result: Replay) -> str:
-    again = f"{result.steps} steps done again from {result.rows} rows"
+    from rai_missions.errors import counted
+
+    again = f"{counted(result.steps, 'step')} done again from {counted(result.rows, 'row')}"
     if not result.holds:
         return f"{again}, the same so far, then: {result.difference}"
     if not result.steps:
