@@ -9,12 +9,13 @@ from __future__ import annotations
 import time
 import uuid
 from collections.abc import Iterable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 
 from rai_missions.agents.other_missions import RUNS_TOPIC, OtherMissions, RunClaim, warning_of
 from rai_missions.connectors.connector import Close, Connector, Message
 from rai_missions.connectors.registry import connector_offer
 from rai_missions.connectors.worker import Worker
+from rai_missions.errors import ConnectorError
 from rai_missions.plain_data import carried
 from rai_missions.profile import Robot, commanded_names
 from rai_missions.redaction import logger
@@ -88,7 +89,10 @@ def claiming(runner: Runner, robot: Robot | None, connector: Connector | None, i
     closes = list[Close]()
 
     def exchange() -> None:
-        if connector.running:
+        # A broker that is away is the connector's to report; the claim is made again once it is back.
+        with suppress(ConnectorError):
+            if not connector.running:
+                return
             if not closes:
                 closes.append(connector.subscribe(RUNS_TOPIC, STRING, claims.receive))
             claims.exchange(runner, commands)

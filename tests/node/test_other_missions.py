@@ -15,9 +15,10 @@ import pytest
 from rai_missions.agents.mission import MissionAgent, RunConfig, prepare
 from rai_missions.agents.other_missions import FORGET_S, MOST, RUNS_TOPIC, OtherMissions, RunClaim
 from rai_missions.agents.run_claims import claiming, full_name
-from rai_missions.connectors.connector import Message
+from rai_missions.connectors.connector import Data, Message
 from rai_missions.connectors.contract import Inbox
 from rai_missions.connectors.local import LocalConnector
+from rai_missions.errors import ConnectorError
 from rai_missions.node import MissionNode
 from rai_missions.node.diagnostics import OK, WARN
 from rai_missions.node.transport import Carrier
@@ -100,6 +101,32 @@ def test_two_runs_without_a_node_name_each_other(connector: LocalConnector, tmp_
             made = stack.enter_context(prepare(config))
             stack.enter_context(claiming(made.runner, profile, connector, name))
         warned.wait(lambda all_: len(all_) > 1, "each names the other")
+
+
+class Away(LocalConnector):
+    """Carries nothing at first, as where a broker is away."""
+
+    refused = 0
+
+    def publish(self, topic: str, type_name: str, message: Data) -> None:
+        if topic == RUNS_TOPIC and self.refused < 1:
+            self.refused += 1
+            raise ConnectorError(f"nothing can be published on {topic}: the broker is gone")
+        super().publish(topic, type_name, message)
+
+
+def test_a_claim_that_a_broker_does_not_carry_is_made_again_without_a_word(
+    tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    connector, profile, claims = Away(), robot({"kind": "mqtt"}, "/a"), Inbox[Message](PATIENCE_S)
+    connector.start()
+    connector.subscribe(RUNS_TOPIC, "std_msgs/msg/String", claims)
+    config = RunConfig(mission(), profile, connector=connector, journal=tmp_path / "run.journal")
+    with prepare(config) as made, claiming(made.runner, profile, connector, "only"):
+        claims.wait(bool, "the claim is made again")
+    connector.stop()
+    assert connector.refused == 1
+    assert caplog.messages == []
 
 
 def test_two_runs_of_programs_in_python_name_each_other(connector: LocalConnector, warned: Inbox[str]) -> None:
