@@ -18,7 +18,7 @@ from rai_missions.connectors.python_robot import PythonRobot
 from rai_missions.errors import DefinitionError, Fault, UsageError
 from rai_missions.mission.mission import Mission, given_mission
 from rai_missions.profile import Robot, identity_folder, is_program, load_whole_profile, missing
-from rai_missions.redaction import logger
+from rai_missions.redaction import logger, shown
 from rai_missions.runtime.arguments import accepted
 from rai_missions.runtime.clock import Clock, ContinuedClock
 
@@ -104,6 +104,9 @@ def read_plan(config: RunConfig, closing: CleanupStack) -> RunPlan:
         DefinitionError: The mission or the profile is at fault, every fault at once.
         UsageError: Something named is not there.
     """
+    speed: object = config.speed
+    if speed is not None and not (isinstance(speed, int | float) and speed > 0):
+        raise UsageError(f"{shown(speed)} is no speed; give a positive number such as 5, or infinity")
     mission = load_whole(config.mission) if isinstance(config.mission, str | Path) else config.mission
     given, identity = config.robot, None
     if isinstance(given, str | Path) and not is_program(given):

@@ -11,6 +11,7 @@ from typing import Any
 from pydantic import ValidationError
 
 from rai_missions.errors import DefinitionError, Fault, steps_of
+from rai_missions.mission.file_kinds import object_of
 from rai_missions.mission.json_reader import read_json
 from rai_missions.mission.mission import Mission
 from rai_missions.profile.connector_faults import connector_faults
@@ -50,7 +51,7 @@ def load_whole_profile(path: str | os.PathLike[str], mission: Mission | None) ->
 def _rest_faults(path: Path, mission: Mission | None) -> Iterator[Fault]:
     """What is wrong with a profile of which some entries cannot be read, whatever those turn out to be."""
     try:
-        document = read_json(path)
+        document = object_of("profile", read_json(path), str(path))
     except DefinitionError:
         return
     robot = legible_profile(document)

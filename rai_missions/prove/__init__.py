@@ -15,6 +15,7 @@ from typing import NamedTuple
 
 from rai_missions.engine.activities.ticker import Trees
 from rai_missions.engine.robot_facts import RobotFacts
+from rai_missions.errors import UsageError
 from rai_missions.journal import Header
 from rai_missions.mission.garbage import few_collections
 from rai_missions.mission.mission import Mission, given_mission
@@ -26,6 +27,7 @@ from rai_missions.prove.limits import MOST_STATES, Limits, Stopped
 from rai_missions.prove.loops import FEW, Loop, long_loops, may_rest, unlike, with_rounds
 from rai_missions.prove.properties import CLAIMS, Property, claims, lost, stuck
 from rai_missions.prove.unrolled import repeated, unrolled
+from rai_missions.redaction import shown
 
 __all__ = ("CLAIMS", "MOST_STATES", "Proof", "Property", "TraceStep", "prove", "record")
 
@@ -93,9 +95,13 @@ def prove(
         progress: Receives the number of states found and of states done, every hundred states.
 
     Raises:
-        UsageError: It is no mission.
+        UsageError: It is no mission, or a limit is not above 0.
     """
     given_mission(mission, "prove")
+    limits: dict[str, object] = {"most": most, "seconds": seconds, "memory_mb": memory_mb, "work": work}
+    for word, limit in limits.items():
+        if not (isinstance(limit, int | float) and limit > 0):
+            raise UsageError(f"{word}={shown(limit)} leaves nothing to explore; give a number above 0")
     with few_collections():  # what is explored is kept, and in no circles
         return _ProofRun(mission, ticker, terms, Limits(most, seconds, memory_mb, work, continues), progress).proof()
 

@@ -52,6 +52,12 @@ def robot(**words: Any) -> Robot:
     return Robot.model_validate({"name": "tried", "events": {"go": {"posted": True}}, **words})
 
 
+@pytest.mark.parametrize("speed", [0, -1, float("nan"), "fast"])
+def test_what_is_no_speed_is_refused_before_anything_is_opened(speed: Any) -> None:
+    with pytest.raises(UsageError, match="is no speed; give a positive number such as 5, or infinity"):
+        run("none.json", speed=speed)
+
+
 def test_a_run_from_files_writes_a_journal_that_verifies(tmp_path: Path) -> None:
     (tmp_path / "mission.json").write_text(json.dumps({"format": 1, **ASKING}))
     rules = {"asks": [{"when": {"key": "low", "==": True}, "answer": "left"}]}

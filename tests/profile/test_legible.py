@@ -72,6 +72,17 @@ def test_what_a_profile_lacks_is_reported_next_to_what_cannot_be_read(
     assert len(printed) == 3 + (command == "check")
 
 
+@pytest.mark.parametrize("command", ["check", "run", "prove"])
+def test_of_a_file_of_another_kind_that_is_all_that_is_reported(
+    command: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    other = tmp_path / "robot.json"
+    other.write_bytes((TRACTOR / "mission.json").read_bytes())
+    assert main([command, str(TRACTOR / "mission.json"), "--robot", str(other)]) == 2
+    faults = [line for line in capsys.readouterr().err.splitlines() if line.startswith(f"{other}: /")]
+    assert len(faults) == 1 and "this is a mission; --robot takes a robot's profile" in faults[0]
+
+
 @pytest.mark.parametrize("data", [[], "text", None, {"format": 7, "name": 3, "blackboard": 5, "connector": []}])
 def test_of_what_is_hardly_a_profile_as_much_is_read_as_there_is(data: Any) -> None:
     found = legible_profile(data)

@@ -10,6 +10,7 @@ from typing import Any
 import pytest
 
 from rai_missions.cli.main import main
+from rai_missions.errors import UsageError
 from rai_missions.mission.mission import Mission
 from rai_missions.prove import prove
 from rai_missions.prove.environment import Environment
@@ -30,6 +31,14 @@ def counting(**invariants: Any) -> Json:
         },
         "transitions": [{"on": "stop", "when": {"key": "n", "==": 7}, "to": "over"}],
     }  # fmt: skip
+
+
+@pytest.mark.parametrize("word", ["most", "seconds", "memory_mb", "work"])
+@pytest.mark.parametrize("limit", [0, -1, "x", float("nan"), None])
+def test_a_limit_that_leaves_nothing_to_explore_is_refused(word: str, limit: Any) -> None:
+    words: dict[str, Any] = {word: limit}
+    with pytest.raises(UsageError, match=f"{word}=.* leaves nothing to explore; give a number above 0"):
+        prove(Mission.model_validate(counting()), **words)
 
 
 def test_a_refutation_ends_the_search_for_more_of_its_claim(monkeypatch: pytest.MonkeyPatch) -> None:

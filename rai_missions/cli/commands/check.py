@@ -31,7 +31,7 @@ def check(
     be read hides none of the rest.
 
     Args:
-        mission: A .json file, or a .py file with a function mission().
+        mission: A .json file, or a .py file with a mission or a function mission().
         robot: Check the profile as well, and that it has every name that the mission uses; a robot in Python is not
             executed here.
         guards: A Python file with the predicates of 'named' guards. It is executed.

@@ -33,7 +33,7 @@ def draw(
     """Draw a mission, with the path of a run in bold.
 
     Args:
-        mission: A .json file, or a .py file with a function mission().
+        mission: A .json file, or a .py file with a mission or a function mission().
         output: The file to write. Its ending decides the kind: .html is a page for review; .svg .png .dot .mmd .md
             are pictures. Without it: NAME.svg.
         journal: Draw the path of this run in bold; may be repeated.

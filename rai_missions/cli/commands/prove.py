@@ -27,7 +27,7 @@ def prove(
     """Explore every run of a mission: each claim is proved, or refuted by a shortest run.
 
     Args:
-        mission: A .json file, or a .py file with a function mission().
+        mission: A .json file, or a .py file with a mission or a function mission().
         robot: The profile, for which actions exclude each other and what composed actions depend on.
         states: The most states to explore; without it, a million.
         max_seconds: The most wall time, in seconds.

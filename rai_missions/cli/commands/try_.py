@@ -30,7 +30,7 @@ def try_(
     states that it was played. In the browser, or at the terminal where the input is piped.
 
     Args:
-        mission: A .json file, or a .py file with a function mission().
+        mission: A .json file, or a .py file with a mission or a function mission().
         terminal: Play at the terminal; no page is served.
         no_browser: Print the page's address, and do not open it.
         port: The page's port; without it, any that is free.

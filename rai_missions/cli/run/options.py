@@ -33,7 +33,7 @@ class RunOptions(NamedTuple):
     """What a run takes.
 
     Args:
-        mission: A .json file, or a .py file with a function mission().
+        mission: A .json file, or a .py file with a mission or a function mission().
         resume: Resume a run that was cut short. Its mission and profile are in its journal.
         migrate: A .json file that maps the states and keys of the run of --resume to those of MISSION, which has
             changed (see: rai-missions schema map). What it does not name must be unchanged.
