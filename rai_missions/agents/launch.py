@@ -24,7 +24,7 @@ from rai_missions.kinds import PackageOffer
 from rai_missions.mission.files import dump
 from rai_missions.mission.mission import Mission
 from rai_missions.profile import Robot, dump_profile
-from rai_missions.redaction import Redaction, logger
+from rai_missions.redaction import Redaction, logger, shown
 from rai_missions.runtime.arguments import accepted
 from rai_missions.runtime.clock import Clock
 from rai_missions.runtime.run_options import NewRun, RunObserver
@@ -131,8 +131,10 @@ def prepare(config: RunConfig) -> PreparedRun:
 
     Raises:
         DefinitionError: The mission or the profile is at fault, every fault at once.
-        UsageError: Something named is not there.
+        UsageError: Something named is not there, or it is no `RunConfig`.
     """
+    if not isinstance(config, RunConfig):
+        raise UsageError(f"a run is prepared of a RunConfig, not {shown(config)}; write RunConfig(mission, robot)")
     with CleanupStack() as closing:
         plan = read_plan(config, closing)
         environment = open_environment(plan, closing)

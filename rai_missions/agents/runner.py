@@ -19,7 +19,7 @@ from rai_missions.agents.watched_agent import WatchedAgent
 from rai_missions.connectors.connector import Connector
 from rai_missions.connectors.worker import Worker
 from rai_missions.errors import UsageError
-from rai_missions.redaction import logger
+from rai_missions.redaction import logger, shown
 from rai_missions.runtime.interrupts import on_signals
 
 __all__ = ("AgentRunner", "exit_with")
@@ -43,13 +43,15 @@ class AgentRunner:
         stop_s: How long one may take to end that states nothing of it.
 
     Raises:
-        UsageError: Some are no agents; all of them are named.
+        UsageError: Some are no agents, and all of those are named; or they have no names.
     """
 
     def __init__(
         self, agents: Mapping[str, Agent], *, connector: Connector | None = None, name: str = "agents",
         start_s: float = 30.0, stop_s: float = 3.0,
     ) -> None:  # fmt: skip
+        if not isinstance(agents, Mapping):
+            raise UsageError(f'agents are given by their names, {{"lamp": Lamp()}}, not as {shown(agents)}')
         if wrong := [f"'{each}': {why}" for each, agent in agents.items() if (why := why_no_agent(agent))]:
             raise UsageError("; ".join(wrong))
         self._watched = [WatchedAgent(each, agent) for each, agent in agents.items()]

@@ -52,6 +52,13 @@ def robot(**words: Any) -> Robot:
     return Robot.model_validate({"name": "tried", "events": {"go": {"posted": True}}, **words})
 
 
+@pytest.mark.parametrize("given", ["mission.json", Path("mission.json"), {"mission": "mission.json"}, None])
+def test_what_is_no_configuration_of_a_run_is_refused(given: Any) -> None:
+    for prepared in (prepare, MissionAgent):
+        with pytest.raises(UsageError, match=r"a run is prepared of a RunConfig, not .*; write RunConfig\("):
+            prepared(given)
+
+
 @pytest.mark.parametrize("speed", [0, -1, float("nan"), "fast"])
 def test_what_is_no_speed_is_refused_before_anything_is_opened(speed: Any) -> None:
     with pytest.raises(UsageError, match="is no speed; give a positive number such as 5, or infinity"):

@@ -359,6 +359,9 @@ def test_what_is_no_agent_is_refused_before_any_begins(tmp_path: Path) -> None:
         "'unended': Unended has no 'stop'; an agent has run() and stop(); "
         "'class': Player is a class; give an agent of it, Player(…)"
     )
+    unnamed: Any = [first]
+    with pytest.raises(UsageError, match=r'agents are given by their names, {"lamp": Lamp\(\)}, not as \['):
+        AgentRunner(unnamed)
     wrapped: Any = Wrapped(first)
     runner = AgentRunner({"wrapped": wrapped})
     runner.run()
