@@ -76,6 +76,14 @@ def test_a_mission_that_has_changed_is_reported_by_what_changed_and_what_to_do(
     assert remedy.endswith("with a map of its states and keys: --migrate MAP")
 
 
+@pytest.mark.parametrize("words", [["--set", "x=1"], ["--talk", "--json"], ["--voice"]], ids=" ".join)
+def test_options_that_do_not_go_together_migrate_nothing(killed: Path, words: list[str]) -> None:
+    Path("map.json").write_text("{}")
+    before = killed.read_bytes(), {each.name for each in killed.parent.iterdir()}
+    assert main(["run", "--resume", "run.journal", "lamp.json", "--migrate", "map.json", *words]) == 2
+    assert (killed.read_bytes(), {each.name for each in killed.parent.iterdir()}) == before
+
+
 OUTDATED = {
     "name": "bench", "actions": {"go": {"start": "", "cancel": "/stop", "succeeded": {"key": "at", "==": 1}}},
     "services": {"horn": {"service": ""}}, "topics": {"lamp": {"topic": "", "type": "std_msgs/msg/Bool"}},

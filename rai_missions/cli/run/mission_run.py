@@ -62,6 +62,7 @@ def run_mission(options: RunOptions) -> int:
     distinct({"MISSION" if word == "mission" else f"--{word}": getattr(options, word) for word in words})
     if options.managed:
         return _run_managed(options, is_python=is_python)
+    _reject_beginning(options)  # ahead of a migration, which closes the run's journal
     named = load_guards(options.guards, python=not options.no_python)
     program = None
     if options.migrate:
@@ -231,13 +232,7 @@ def _config(options: RunOptions, mission: Mission, named: Named | None, journal:
 
 def _single_run(options: RunOptions, mission: Mission, named: Named | None, lines: Lines) -> RunConfig:
     """What the options mean for one run, whose steps are printed."""
-    if options.resume:
-        if options.set or options.journal:
-            word = "--set" if options.set else "--journal"
-            raise UsageError(f"{word} does not go with --resume: the run resumes in its journal as it began")
-        journal = Path(options.resume)
-    else:
-        journal = Path(options.journal or _journal_of(mission))
+    journal = Path(options.resume or options.journal or _journal_of(mission))
     return replace(
         _config(options, mission, named, journal),
         operator=_operator(options, lines),
@@ -246,6 +241,13 @@ def _single_run(options: RunOptions, mission: Mission, named: Named | None, line
         on_step=None if options.json else lines.step,
         on_status=None if options.json else lines.status,
     )
+
+
+def _reject_beginning(options: RunOptions) -> None:
+    """Refuse options of a run that begins where one resumes; one that migrates has a journal of its own."""
+    if options.resume and (options.set or (options.journal and not options.migrate)):
+        word = "--set" if options.set else "--journal"
+        raise UsageError(f"{word} does not go with --resume: the run resumes in its journal as it began")
 
 
 def _journal_of(mission: Mission) -> str:

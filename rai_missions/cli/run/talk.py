@@ -300,7 +300,7 @@ def normalise_voice_args(options: RunOptions) -> RunOptions:
     """The options, where `run --voice mission.json` means the mission, not a voice.
 
     Raises:
-        UsageError: There is no conversation to be spoken, or no voice or recogniser of a name.
+        UsageError: There is no conversation to be spoken, no room for one, or no voice or recogniser of a name.
     """
     if options.voice is not None and not (options.mission or options.resume):
         options = options._replace(mission=options.voice, voice="flite")
@@ -308,6 +308,8 @@ def normalise_voice_args(options: RunOptions) -> RunOptions:
         raise UsageError("--voice is the sound of a conversation: give --talk too")
     if options.wake_word and options.voice is None:
         raise UsageError("--wake-word is of this machine's microphone: give --voice too")
+    if options.talk and options.json:
+        raise UsageError("--talk does not go with --json: it writes what is talked on standard output")
     if options.talk:
         from rai_missions.voice.kind import known
         from rai_missions.voice.setup import split_options
@@ -323,8 +325,6 @@ def talk_of(options: RunOptions, config: RunConfig) -> Iterator[TalkSession | No
     if not options.talk:
         yield None
         return
-    if options.json:
-        raise UsageError("--talk does not go with --json: it writes what is talked on standard output")
     session = TalkSession(options, config, _checked_profile(config))
     try:
         yield session
