@@ -74,7 +74,7 @@ def faults_of(error: ValidationError, model: type[Any], data: Any, known: Iterab
         if seen in reported:
             continue
         reported.add(seen)
-        yield Fault(place, _sentence(item, _model_at(model, data, steps), known if len(steps) == 1 else ()))
+        yield Fault(place, _sentence(item, _model_at(model, data, steps), known if len(item["loc"]) == 1 else ()))
     if len(found) > MOST:
         yield Fault("", f"and {len(found) - MOST} more faults; mend these first")
 
@@ -190,7 +190,10 @@ def _sentence(item: Any, model: type[Any] | None, known: Iterable[str]) -> str:
     if "sentence" in ctx:
         return str(ctx["sentence"])
     if kind == "missing":
-        return f"'{item['loc'][-1]}' is missing; {_thing(model)} needs it"
+        word = str(item["loc"][-1])
+        fields = model.model_fields.items() if model is not None else ()
+        name = next((name for name, field in fields if field.alias == word and name in known), word)
+        return f"'{name}' is missing; {_thing(model)} needs it"
     if kind == "extra_forbidden":
         word = str(item["loc"][-1])
         if meant := getattr(model, "meant", {}).get(word):

@@ -34,6 +34,7 @@ from rai_missions import (
 )
 from rai_missions.guards import Guard
 from rai_missions.states import Action, Decision, Each, Final, Option, State
+from rai_missions.validation_errors import validated
 
 k = Keys(
     alleys=Key(int, source="argument", initial=6),
@@ -217,3 +218,12 @@ def test_references_can_be_copied_hashed_and_shown() -> None:
     assert repr(k).startswith("Keys(alleys, driven")
     assert len({k.battery, k.moving}) == 2
     assert isinstance(k.battery, Ref)
+
+
+def test_what_a_constructor_lacks_is_named_as_the_constructor_has_it() -> None:
+    words: dict[str, Any] = {"initial": "at", "states": {"at": Final("succeeded")}}
+    with pytest.raises(DefinitionError, match=r"Each\(…\): /: 'item' is missing; a state with 'each' needs it"):
+        Each("places", **words)
+    states = {"a": {"each": "places", "initial": "at", "states": {"at": {"final": "succeeded"}}}}
+    with pytest.raises(DefinitionError, match="/states/a: 'as' is missing; a state with 'each' needs it"):
+        validated(Mission, {"name": "m", "initial": "a", "states": states})
