@@ -166,6 +166,12 @@ def test_a_mode_that_the_server_refuses_gives_way_to_the_next_and_is_not_tried_a
     assert [sorted(bound)[0] for _, bound in model.received] == ["method", "tool_choice", "tool_choice"]
 
 
+@pytest.mark.parametrize("given", [3, None, "openai:gpt-4o", {}], ids=repr)
+def test_what_is_no_model_is_refused_before_it_is_asked(given: Any) -> None:
+    with pytest.raises(UsageError, match=r"a model is a chat model of langchain, .*; not "):
+        DecisionAgent(given)
+
+
 def test_a_model_that_is_wanted_in_one_mode_is_asked_in_no_other() -> None:
     model = ScriptedModel([Refusal("no schemas here"), "abort"])
     assert asked(model, mode="json_schema") == {"failed": "the model raised Refusal: no schemas here"}

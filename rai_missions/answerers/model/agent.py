@@ -24,7 +24,7 @@ from rai_missions.answerers.model.tool_calls import is_read_only
 from rai_missions.embodiment.identity import Identity
 from rai_missions.engine.decision import Question
 from rai_missions.errors import UsageError, suggestion
-from rai_missions.redaction import Redaction, cut, first_line
+from rai_missions.redaction import Redaction, cut, first_line, shown
 
 __all__ = ("DecisionAgent",)
 
@@ -44,7 +44,7 @@ class DecisionAgent:
         longest_s: Wall time for one question, where neither it nor its budget sets one.
 
     Raises:
-        UsageError: No such mode, or a tool that is not marked read-only.
+        UsageError: It is no model, no such mode, or a tool that is not marked read-only.
     """
 
     def __init__(
@@ -70,6 +70,10 @@ class DecisionAgent:
                 raise UsageError(
                     f"the tool '{tool.name}' is not marked as one that only looks ({marks}): a decision takes no other"
                 )
+        given_model: object = model
+        if not isinstance(given_model, BaseChatModel | Chat):
+            named = "in agents.run and RunConfig also a name, 'openai:gpt-4o'"
+            raise UsageError(f"a model is a chat model of langchain, {named}; not {shown(model)}")
         own = isinstance(model, BaseChatModel)
         self._redaction = Redaction(secrets_of(model) if own else ())
         self._chat: Chat = ThreadChat(model) if isinstance(model, BaseChatModel) else model
