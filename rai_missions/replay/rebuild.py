@@ -20,10 +20,10 @@ from rai_missions.guards.guard import Truth
 from rai_missions.journal import Record, StepRow
 from rai_missions.mission.json_reader import parse_json
 from rai_missions.mission.mission import Mission
-from rai_missions.profile import Robot, parse_profile, recorded_profile, terms
+from rai_missions.profile import Robot, recorded_profile, terms
 from rai_missions.validation_errors import validated
 
-__all__ = ("JournalReplayer", "Predicates", "mission_of", "robot_of")
+__all__ = ("JournalReplayer", "Predicates", "mission_of", "recorded_robot", "robot_of")
 
 Predicates = Mapping[str, Callable[..., Truth]]
 
@@ -42,7 +42,7 @@ class JournalReplayer:
     def __init__(
         self, record: Record, mission: Mission, ticker: Trees | None = None, named: Predicates | None = None
     ) -> None:
-        robot, self.outdated = _recorded_robot(record)
+        robot, self.outdated = recorded_robot(record)
         """What in the profile of the run would be refused today; of it a replay needs the actions and services."""
         self.reworded: tuple[str, ...] = ()
         """The fields of steps that mean the same in other words than when they were recorded. After an e-stop `why` is
@@ -121,7 +121,7 @@ def _of_other_versions(mission: Mission, then: Mapping[str, str]) -> Iterator[Fa
             yield Fault("", f"the run was made with {was}, and {now} is installed; {remedy}")
 
 
-def _recorded_robot(record: Record) -> tuple[Robot | None, tuple[Fault, ...]]:
+def recorded_robot(record: Record) -> tuple[Robot | None, tuple[Fault, ...]]:
     """The profile of a run by the rules of its day, and what in it would be refused today; None without one."""
     profile = record.header.profile
     return recorded_profile(profile, f"{record.path}, row 0") if profile else (None, ())
@@ -133,5 +133,8 @@ def robot_of(record: Record) -> Robot | None:
     Raises:
         DefinitionError: It would be refused today.
     """
-    profile = record.header.profile
-    return parse_profile(profile, source=f"{record.path}, row 0") if profile else None
+    robot, outdated = recorded_robot(record)
+    if outdated:
+        remedy = "a run that was made with it continues with a profile that is mended: --robot PROFILE --migrate MAP"
+        raise DefinitionError([*outdated, Fault("", remedy)], f"{record.path}, row 0")
+    return robot

@@ -84,7 +84,7 @@ def test_options_that_do_not_go_together_migrate_nothing(killed: Path, words: li
     assert (killed.read_bytes(), {each.name for each in killed.parent.iterdir()}) == before
 
 
-OUTDATED = {
+OUTDATED: dict[str, Any] = {
     "name": "bench", "actions": {"go": {"start": "", "cancel": "/stop", "succeeded": {"key": "at", "==": 1}}},
     "services": {"horn": {"service": ""}}, "topics": {"lamp": {"topic": "", "type": "std_msgs/msg/Bool"}},
     "tools": {"never": ["/e_stop", "cmd_vel"]},
@@ -110,6 +110,15 @@ def test_a_profile_that_was_accepted_then_is_replayed_with_a_warning_and_begins_
         assert main(words) == 2
         refused = capsys.readouterr().err
         assert all(place in refused for place in SINCE)
+    assert "continues with a profile that is mended: --robot PROFILE --migrate MAP" in refused
+    tools = {**OUTDATED["tools"], "never": ["/e_stop", "/cmd_vel"]}
+    named = json.loads(profile.replace('""', '"/bench"'))
+    Path("robot.json").write_text(json.dumps({**named, "tools": tools}))
+    Path("map.json").write_text("{}")
+    mended = ["--robot", "robot.json", "--migrate", "map.json"]
+    assert main(["run", "--resume", "old.journal", "lamp.json", *mended]) == 1, "it ends as the mission does"
+    assert main(["replay", "old-migrated.journal"]) == 0
+    assert "refused today" not in capsys.readouterr().err
 
 
 def test_a_disk_that_is_full_is_reported_in_a_sentence(killed: Path) -> None:

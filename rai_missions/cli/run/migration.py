@@ -60,10 +60,10 @@ def _robot_of_now(options: RunOptions, mission: Mission) -> tuple[Robot | None, 
     """
     from rai_missions.profile import check_functions, is_program, load_whole_profile, profile_of, read_program
     from rai_missions.profile.python_robot import KIND
-    from rai_missions.replay.rebuild import robot_of
+    from rai_missions.replay.rebuild import recorded_robot
 
     with opened(options.resume or "") as record:
-        before = robot_of(record)
+        before, _ = recorded_robot(record)
     if not options.robot and before is not None and before.connector["kind"] == KIND:
         file = shown(str(before.connector.get("file", "its robot")))
         raise UsageError(f"the run's robot is in Python; give its file as it is now: --robot {file}")

@@ -29,7 +29,7 @@ from rai_missions.replay.migrate.blackboard import board
 from rai_missions.replay.migrate.configuration import reached_states
 from rai_missions.replay.migrate.map import Map
 from rai_missions.replay.migrate.names import Naming
-from rai_missions.replay.rebuild import Predicates, mission_of, robot_of
+from rai_missions.replay.rebuild import Predicates, mission_of, recorded_robot, robot_of
 from rai_missions.replay.resume import Resumption, resumption
 
 __all__ = ("MigratedRun", "follow", "migrate")
@@ -131,7 +131,7 @@ def _birth(record: Record) -> str:
 
 def _other(record: Record, now: Robot, resumed: Resumption, naming: Naming) -> list[Fault]:
     """An action whose goal is under way must be what it was, under the keys' names of today."""
-    robot = robot_of(record)
+    robot, _ = recorded_robot(record)
     was = {name: _as_now(action, naming) for name, action in robot.actions.items()} if robot is not None else {}
     started = {each.action for each in resumed.under.open.values() if isinstance(each, StartGoal)}
     return [
