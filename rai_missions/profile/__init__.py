@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Robot profiles: the topics, services and actions of the names that a mission uses.
 
-Imports `check`, `connectors`, `engine`, `guards`, `mission`, `model`, `states` and `worlds`, and the modules of the root.
+Imports `check`, `connectors`, `engine`, `guards`, `mission`, `model`, `states` and `worlds`, and the modules of the
+root.
 """
 
 from rai_missions.profile.connector_faults import connector_faults
