@@ -6,10 +6,12 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
+from rai_missions.errors import UsageError
 from rai_missions.guards.guard import Guard, Site
 from rai_missions.guards.purity import impurity
 from rai_missions.keys import Key, Stamped
 from rai_missions.model import TaggedModel
+from rai_missions.redaction import shown
 
 __all__ = ("check_guard", "check_kind")
 
@@ -42,7 +44,11 @@ def check_kind(part: TaggedModel, sort: str, lines: Callable[[], Iterable[str]])
 
     Raises:
         AssertionError: A promise is broken; the text names it.
+        UsageError: It is none of a kind.
     """
+    given: object = part
+    if not isinstance(given, TaggedModel):
+        raise UsageError(f"to its contract is held one {sort}, made by its class, and not {shown(given)}")
     kind = type(part)
     why = impurity(kind) if kind in kind.foreign else ""
     assert not why, f"'{part.word}' is no pure {sort}: {why}"

@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterable
 
 from rai_missions.connectors.connector import Message
 from rai_missions.connectors.local import LocalConnector
+from rai_missions.errors import UsageError
 from rai_missions.worlds.world import World
 
 __all__ = ("check_world",)
@@ -22,7 +23,10 @@ def check_world(make: Callable[[], World], topics: Iterable[str], *, steps: int 
 
     Raises:
         AssertionError: A promise is broken; the text states which.
+        UsageError: The topics are no list of them.
     """
+    if isinstance(topics, str):
+        raise UsageError(f"the topics of a world are a list, [{topics!r}], not one text")
     names = tuple(topics)
     first, second = _published(make(), names, steps), _published(make(), names, steps)
     for name in names:

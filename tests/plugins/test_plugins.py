@@ -40,7 +40,7 @@ from rai_missions.profile import terms as facts_of
 from rai_missions.prove import prove
 from rai_missions.replay.replay import replay
 from rai_missions.states import State
-from rai_missions.testing import check_guard
+from rai_missions.testing import check_activity, check_guard, check_world
 from rai_missions.validation_errors import validated
 from rai_missions.voice.kind import known
 from rai_missions.worlds import open_world
@@ -318,6 +318,18 @@ def test_a_foreign_guard_and_ours_keep_the_contract_of_guards() -> None:
         between.held_for(2),
     ):
         check_guard(guard, keys, facts)
+
+
+@pytest.mark.parametrize("given", [Compare, 3, None, {"key": "humidity", "<": 1}], ids=repr)
+def test_what_is_none_of_a_kind_is_held_to_no_contract(given: Any) -> None:
+    for contract, sort in ((check_guard, "guard"), (check_activity, "activity")):
+        with pytest.raises(UsageError, match=f"to its contract is held one {sort}, made by its class, and not "):
+            contract(given, {}, [])
+
+
+def test_topics_of_a_world_that_are_one_text_are_refused() -> None:
+    with pytest.raises(UsageError, match=r"the topics of a world are a list, \['/humidity'\], not one text"):
+        check_world(lambda: open_world("orchard", seed=1), "/humidity")
 
 
 class Strange(Guard):
