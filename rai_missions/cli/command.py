@@ -70,16 +70,6 @@ class _Formatter(argparse.HelpFormatter):
         return "\n\n".join(block if "\n " in block else textwrap.fill(block, width) for block in blocks)
 
 
-class _Once(argparse.Action):
-    """An option with one value: given again, what was given first would be dropped without a word."""
-
-    def __call__(self, parser: Any, namespace: argparse.Namespace, values: Any, option_string: Any = None) -> None:
-        if hasattr(namespace, self.dest):
-            both = f"{getattr(namespace, self.dest)!r} and {values!r}"
-            raise argparse.ArgumentError(self, f"it is given twice, {both}; give one")
-        setattr(namespace, self.dest, values)
-
-
 class Parameter(NamedTuple):
     """A parameter of a command."""
 
@@ -94,6 +84,16 @@ class Parameter(NamedTuple):
     def flag(self) -> str:
         """Its name on the command line."""
         return self.name if self.argument.is_positional else f"--{self.name.rstrip('_').replace('_', '-')}"
+
+    @property
+    def flags(self) -> list[str]:
+        """Its names on the command line; none where it is given without a name."""
+        return [] if self.argument.is_positional else [*filter(None, [self.argument.short]), self.flag]
+
+    @property
+    def has_one_value(self) -> bool:
+        """Whether it is an option with one value."""
+        return not self.argument.is_positional and self.kind is not bool and get_origin(self.kind) is not tuple
 
     @property
     def usage(self) -> str:
@@ -119,13 +119,23 @@ class Parameter(NamedTuple):
             words |= {"nargs": "?", "const": self.argument.bare}
         if self.argument.is_positional:
             words |= {"default": self.default, "nargs": None if self.is_required else "?"}
-        elif self.kind is not bool and get_origin(self.kind) is not tuple:
-            words["action"] = _Once
+        elif self.has_one_value:
+            words["action"] = "append"  # so that one that is given again is seen
         shown = self.help.replace("%", "%%")
         if self.default not in (None, False, ()):
             shown += f" (default: {self.default})"
-        flags = [] if self.argument.is_positional else [*filter(None, [self.argument.short]), self.flag]
-        return parser.add_argument(*flags, help=shown, **words)
+        return parser.add_argument(*self.flags, help=shown, **words)
+
+    def value(self, given: Any, parser: argparse.ArgumentParser) -> Any:
+        """Its value, of what a parser has read; exits with 2 where there are several of an option that has one."""
+        if not isinstance(given, list):
+            return given
+        if not self.has_one_value:
+            return tuple(given)
+        if len(given) > 1:
+            several = " and ".join(map(repr, given))
+            parser.error(f"argument {'/'.join(self.flags)}: {several} are given, and it has one value; give one")
+        return given[0]
 
 
 class Command:
@@ -165,7 +175,8 @@ class Command:
 
             near = suggestion(unknown[0].partition("=")[0], [each.flag for each in self.parameters()])
             parser.error(f"unrecognized arguments: {' '.join(unknown)}{near if unknown[0].startswith('-') else ''}")
-        given = {name: tuple(value) if isinstance(value, list) else value for name, value in vars(namespace).items()}
+        made = {each.name: each for each in self.parameters()}
+        given = {name: made[name].value(value, parser) for name, value in vars(namespace).items()}
         options = self._options()
         return given if options is None else {"options": options(**given)}
 

@@ -126,8 +126,11 @@ def test_words_of_a_command_line_become_typed_arguments_in_any_order(
         ("count 1 --wurd=3", "rai-missions count: error: unrecognized arguments: --wurd=3; did you mean '--word'?"),
         ("count 1 --case Upper", "invalid choice: 'Upper' (choose from "),
         ("count 1 --word", "rai-missions count: error: argument -w/--word: expected one argument"),
-        ("count 1 --case upper --case lower", "argument --case: it is given twice, 'upper' and 'lower'; give one"),
-        ("count 1 --port --port 3", "argument --port: it is given twice, 80 and 3; give one"),
+        (
+            "count 1 --case upper --case lower",
+            "argument --case: 'upper' and 'lower' are given, and it has one value; give one",
+        ),
+        ("count 1 --port --port 3", "argument --port: 80 and 3 are given, and it has one value; give one"),
         ("--versiom", "rai-missions: error: unrecognized arguments: --versiom"),
     ],
 )
