@@ -11,7 +11,7 @@ from rai_missions.guards.guard import Guard, Site
 from rai_missions.guards.purity import impurity
 from rai_missions.keys import Key, Stamped
 from rai_missions.model import TaggedModel
-from rai_missions.redaction import shown
+from rai_missions.redaction import clipped, shown
 
 __all__ = ("check_guard", "check_kind")
 
@@ -48,7 +48,7 @@ def check_kind(part: TaggedModel, sort: str, lines: Callable[[], Iterable[str]])
     """
     given: object = part
     if not isinstance(given, TaggedModel):
-        raise UsageError(f"to its contract is held one {sort}, made by its class, and not {shown(given)}")
+        raise UsageError(f"to its contract is held one {sort}, made by its class, and not {shown(given, by=clipped)}")
     kind = type(part)
     why = impurity(kind) if kind in kind.foreign else ""
     assert not why, f"'{part.word}' is no pure {sort}: {why}"
