@@ -108,12 +108,12 @@ class ModelSide:
             return
         stream, whole = turn.stream.add(reply.text, is_end=reply.is_end)
         turn = turn._replace(stream=stream)
-        self._turns.turn = turn
+        self._turns.keep(turn)
         for sentence in whole:
             turn = self._let_out(sentence, turn)
         if reply.order is not None and not turn.has_order:
             turn = self._propose(reply.order, turn)
-        self._turns.turn = turn
+        self._turns.keep(turn)
         if reply.is_end or reply.failed or turn.is_full:
             self._end(turn, reply)
 
@@ -154,7 +154,7 @@ class ModelSide:
             self._talk.put(DropModel(turn.number))
         if not turn.spoken and not turn.has_order:
             self._do_not_know(turn.utterance, is_silent=bool(reply.failed))
-        self._turns.turn = None
+        self._turns.keep(None)
         self._next()
 
     def _next(self) -> None:
@@ -164,7 +164,7 @@ class ModelSide:
     def _drop(self) -> None:
         if self._turns.turn is not None:
             self._talk.put(DropModel(self._turns.turn.number))
-            self._turns.turn = None
+            self._turns.keep(None)
 
     def drop_all(self) -> None:
         """After a stop: neither the reply nor what waits is wanted."""

@@ -52,7 +52,6 @@ class ModelTurns:
         self._settings = settings
         self._number = 0
         self.turn: ModelTurn | None = None
-        """How far the reply is; None: none is expected."""
         self.waiting: deque[Utterance] = deque()
 
     def begin(self, utterance: Utterance, at: float) -> ModelTurn:
@@ -60,6 +59,10 @@ class ModelTurns:
         self._number += 1
         self.turn = ModelTurn(self._number, utterance, at + self._settings.model_s)
         return self.turn
+
+    def keep(self, turn: ModelTurn | None) -> None:
+        """How far the reply is; None: none is expected any more."""
+        self.turn = turn
 
     def late(self, utterance: Utterance) -> tuple[bool, list[Utterance]]:
         """A sentence that comes while the model answers.
