@@ -18,7 +18,7 @@ from rai_missions.conversation.senses import Sense
 from rai_missions.conversation.speech_side import SpeechSide
 from rai_missions.conversation.talk import Talk
 
-__all__ = ("CROSSING_S", "Confirmation")
+__all__ = ("CROSSING_S", "OrderConfirmation")
 
 CROSSING_S = 1.0
 """Seconds after the end of one question within which a person may still answer it, while the next is asked."""
@@ -51,7 +51,7 @@ class Confirmable(NamedTuple):
         return yes.at < self.read_at or yes.speaker in self.distracted or is_crossing
 
 
-class Confirmation:
+class OrderConfirmation:
     """What was read back, until it counts or is void.
 
     Args:

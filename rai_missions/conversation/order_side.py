@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import NamedTuple, TypeVar
 
-from rai_missions.conversation.confirmation import Confirmation
+from rai_missions.conversation.confirmation import OrderConfirmation
 from rai_missions.conversation.grammar import STOP
 from rai_missions.conversation.inputs import OrderEnd, SpeechEnd, Utterance
 from rai_missions.conversation.language import spoken
@@ -68,7 +68,7 @@ class OrderSide:
         self.taken: EarlierOrder | None = None
         """The start that was taken last."""
         self._requests = RequestQueue(talk, speaking)
-        self.confirmation = Confirmation(talk, speaking, self._requests)
+        self.confirmation = OrderConfirmation(talk, speaking, self._requests)
         self._under_way: dict[int, JudgedOrder] = {}
         self._ordered: dict[tuple[str, str], tuple[str, ...]] = {}
         self._starts: dict[tuple[str, str], Sense] = {}
