@@ -35,7 +35,6 @@ from rai_missions.prove.parts import guards_in, writes_in
 from rai_missions.prove.passed_nodes import ForgetsNodes, PassedNodes
 from rai_missions.prove.store import ALL_GOALS, MANY, Rivals
 from rai_missions.states.compound import Each
-from rai_missions.states.tree.tree import Tree
 
 __all__ = ("INDIFFERENT", "PURSUED", "Abstraction")
 
@@ -78,7 +77,7 @@ class Abstraction:
         triggers = {word for _, transition in mission.every_transition() for word in transition.on}
         self.live: LooksAhead = LiveReads(mission, chart.program.graph, facts, reads_all=bool(world.predicates))
         self.passed: dict[str, ForgetsNodes] = {
-            name: PassedNodes(state.tree) for _, name, state in mission.walk() if isinstance(state, Tree)
+            name: PassedNodes(root) for _, name, state in mission.walk() if (root := state.root()) is not None
         }
         self._rivals: dict[frozenset[str], Rivals] = {}
         self.names_orphans = "orphaned" in triggers
