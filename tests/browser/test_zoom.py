@@ -316,7 +316,7 @@ THROUGH = """[...document.querySelectorAll('.state.final')].flatMap((state) => {
 
 
 @pytest.mark.parametrize("size", [SCREEN, PHONE], ids=["screen", "phone"])
-@pytest.mark.parametrize("name", ["missions/tractor/mission", "missions/desk/arrange"])
+@pytest.mark.parametrize("name", ["missions/tractor/mission", "missions/rosbot/assist", "missions/desk/arrange"])
 def test_no_line_of_an_end_runs_through_its_name_and_no_part_of_a_name_is_broken(
     name: str, size: dict[str, int], opened: Open
 ) -> None:

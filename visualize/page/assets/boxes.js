@@ -69,6 +69,7 @@ function nameBox(state, detail, more = 0) {
     Object.assign(line, { whole,
       text: index === column.texts.length - 1 && detail.isShared(line.text) ? tailOf(whole, detail.limit)
         : line.text }));
+  column.w = Math.max(...column.texts.map(({ text }) => width(text, NAME, true)));  // an end may be the wider one
   const pad = (detail.lines > 1 && !detail.whole ? 8 : 5) + (state.kind === "final" ? SECOND / 2 : 0),
     w = column.w + 2 * pad + more;
   return { w: Math.max(w, 36 + more), h: column.h + 9, texts: column.texts, cells: [], tree: null, at: [pad, 3],
