@@ -133,7 +133,7 @@ class ConversationalAgent:
         self._attached = run = AttachedRun(runner, journal, self._robot, self._note_news, self._take_speech)
         if earlier := run.orders.earlier:
             view = self._view()
-            self._worker.post(lambda: self._perform(self._dialogue.on_earlier_answers(earlier, view, self._now())))
+            self._post(lambda: self._dialogue.on_earlier_answers(earlier, view, self._now()))
             for order in earlier:
                 run.orders.await_judgment(order, self._order_end(order))
         self._note_news()
