@@ -90,12 +90,13 @@ class GoalWriter:
     def _check_swapped(self, found: Sequence[Plain]) -> None:
         """A thing that is swapped or shifted, and moved otherwise, too: where it comes to depends on which is first."""
         for at, each in enumerate(found):
-            others = {name for index, other in enumerate(found) if index != at for name in _moved(other)}
-            if moved := [name for name in each.get("swapped", ()) if name in others]:
+            others = [*found[:at], *found[at + 1 :]]
+            elsewhere = {name for other in others for name in _moved(other)}
+            if moved := [name for name in each.get("swapped", ()) if name in elsewhere]:
                 text = self._things.lexicon.text("swapped_and_moved", self._listed(tuple(moved[:1])))
                 raise Unread("order", text)
-            places = (other for index, other in enumerate(found) if index != at and other.keys() & PLACED)
-            if "shifted" in each and any(each["shifted"] in _moved(other) for other in places):
+            placed = (other for other in others if other.keys() & PLACED)
+            if "shifted" in each and any(each["shifted"] in _moved(other) for other in placed):
                 text = self._things.lexicon.text("shifted_and_moved", self._listed((each["shifted"],)))
                 raise Unread("order", text)
 
