@@ -64,10 +64,10 @@ class Place:
 
     def watch(self, *commands: Sequence[str]) -> Done:
         """Run commands in the given folder, which is where an unwary program would import from."""
-        environment = {**os.environ, "PYTHONPATH": str(ROOT), "TMPDIR": str(self.out)}
+        own = {"PYTHONPATH": str(ROOT), "PYTHONDONTWRITEBYTECODE": "1", "TMPDIR": str(self.out)}
         done = subprocess.run(
             [sys.executable, "-W", "ignore", "-P", str(ROOT / "tests/security/watched.py")], input=json.dumps(commands),
-            capture_output=True, text=True, cwd=self.given, env=environment, timeout=300, check=False,
+            capture_output=True, text=True, cwd=self.given, env=os.environ | own, timeout=300, check=False,
         )  # fmt: skip
         assert done.returncode == 0, done.stderr
         assert "Traceback" not in done.stderr, done.stderr
