@@ -11,10 +11,12 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from rai_missions.embodiment import Library
 from rai_missions.embodiment.chunks import passages_of
+from rai_missions.embodiment.index import build_index
 from rai_missions.embodiment.reading_process import ReadingProcess
 from rai_missions.redaction import Redaction
 from tests.rigs.documents import docx, markdown, pdf
@@ -114,3 +116,19 @@ def test_no_piece_of_a_secret_is_left_where_a_reader_leaves_out_marks_of_it(
     document = reader.read(name, frame.replace("{}", secret).encode())
     left = document.title, *(redaction.text(str(each)) for each in passages_of(name, document))
     assert_whole({str(number): each for number, each in enumerate(left)}, secret)
+
+
+@settings(max_examples=4)
+@given(secret=MARKED, frame=FRAMES, name=st.sampled_from(["a.md", "a.html"]))
+def test_an_index_that_was_built_where_a_secret_was_unknown_has_no_piece_of_it_where_it_is_known(
+    tmp_path_factory: pytest.TempPathFactory, secret: str, frame: str, name: str
+) -> None:
+    folder = tmp_path_factory.mktemp("identity")
+    (folder / name).write_text(frame.replace("{}", secret))
+    index = folder / "x.index"
+    build_index(folder, index, None)
+    redaction = Redaction([secret])
+    library = Library(folder, index)
+    left = {f"{number}": str(each) for number, each in enumerate(library.passages())}
+    assert redaction and left
+    assert_whole(left, secret)

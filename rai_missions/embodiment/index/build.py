@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import NamedTuple
 
@@ -19,6 +20,7 @@ from rai_missions.embodiment.passage import DocumentPassage
 from rai_missions.embodiment.readers import FORMATS
 from rai_missions.embodiment.reading_process import ReadingProcess
 from rai_missions.errors import Fault, UsageError
+from rai_missions.redaction import Redaction
 
 __all__ = ("BuildReport", "build_index", "is_current")
 
@@ -63,7 +65,7 @@ def build_index(folder: Path, path: Path, embedder: TextEmbedder | None, *, long
     with ReadingProcess(longest_s) as process:
         for file in files.files:
             document = earlier[file][0] if file in earlier else None
-            if document is None or document.fault or document.sha256 != _digest(files, file):
+            if document is None or document.fault or document.sha256 != _digest_of(files, file):
                 document, kept[file] = _read(files, file, process)
                 read.append(file)
             else:
@@ -90,7 +92,7 @@ def is_current(folder: Path, reader: IndexReader, embedder: TextEmbedder | None)
     if embedder is not None and reader.about().get("embedder") != embedder.name:
         return False
     known = {each.name: each.sha256 for each in reader.documents()}
-    return known == {file: _digest(files, file) for file in files.files}
+    return known == {file: _digest_of(files, file) for file in files.files}
 
 
 def _opened(folder: Path) -> IdentityFolder:
@@ -121,7 +123,7 @@ def _read(
     digest = ""
     try:
         data = files.data(file)
-        digest = hashlib.sha256(data).hexdigest()
+        digest = _digest(data)
         document = process.read(file, data)
     except ValueError as error:
         return IndexedDocument(file, digest, "", str(error)), ()
@@ -130,12 +132,19 @@ def _read(
     )
 
 
-def _digest(files: IdentityFolder, file: str) -> str:
-    """Of a file's bytes; empty for one that cannot be read, as in the index."""
+def _digest_of(files: IdentityFolder, file: str) -> str:
+    """Of a file of the folder; empty for one that cannot be read, as in the index."""
     try:
-        return hashlib.sha256(files.data(file)).hexdigest()
+        return _digest(files.data(file))
     except ValueError:
         return ""
+
+
+def _digest(data: bytes) -> str:
+    """Of a document without the secrets that are known: once one in its text becomes known, it is read again."""
+    with suppress(UnicodeDecodeError):  # a format that is no text, or a fault that the reader reports
+        data = Redaction().known(data.decode()).encode()
+    return hashlib.sha256(data).hexdigest()
 
 
 def _vectors(
