@@ -7,8 +7,9 @@ Rule: what a key holds is judged by `planning`, by rule; a goal or a sight that 
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterator
-from functools import cache, lru_cache
+from collections.abc import Iterator
+from functools import lru_cache
+from importlib import import_module
 from typing import Any, Literal, Self
 
 from pydantic import Field, model_validator
@@ -68,7 +69,7 @@ class GoalIs(Guard, word="goal"):
         return self
 
     def compile(self, site: Site) -> Test:
-        _judge()  # loaded before the run
+        import_module("rai_missions.planning.planner")  # before the run
         aspect, goal = self.is_, Operand(self.goal, site)
         over, request = (Operand(path, site) if path is not None else None for path in (self.over, self.in_))
 
@@ -108,30 +109,28 @@ class GoalIs(Guard, word="goal"):
         return f"{self.goal} is {self.is_} over {self.over}"
 
 
-@cache
-def _judge() -> Callable[[str, str, str, str], Truth]:
-    """Judges one aspect of a goal by the planner, which is loaded where a mission has a goal."""
+@lru_cache(maxsize=256)
+def _judge(aspect: str, wanted: str, seen: str, request: str) -> Truth:
+    """Judges one aspect of a goal by the planner; all are JSON, for a guard is looked at more often than facts change.
+
+    Planner and grammar are imported here, so that a mission without goals does without them.
+    """
     from rai_missions.planning import Goal, feasible, reached, read_goal, read_scene
 
-    @lru_cache(maxsize=256)
-    def judge(aspect: str, wanted: str, seen: str, request: str) -> Truth:
-        """All are JSON, for a guard is looked at more often than facts change."""
-        try:
-            goal, sight = read_goal(json.loads(wanted)), json.loads(seen)
-            scene = None if sight is None else read_scene(sight)
-        except DefinitionError:
-            return None
-        if not isinstance(goal, Goal):
-            return None
-        if aspect == "said":
-            from rai_missions.planning.reading import is_said  # a grammar with its languages
+    try:
+        goal, sight = read_goal(json.loads(wanted)), json.loads(seen)
+        scene = None if sight is None else read_scene(sight)
+    except DefinitionError:
+        return None
+    if not isinstance(goal, Goal):
+        return None
+    if aspect == "said":
+        from rai_missions.planning.reading import is_said
 
-            return is_said(goal, json.loads(request), scene)
-        if scene is None:
-            return None
-        return reached(goal, scene) if aspect == "reached" else feasible(goal, scene) is None
-
-    return judge
+        return is_said(goal, json.loads(request), scene)
+    if scene is None:
+        return None
+    return reached(goal, scene) if aspect == "reached" else feasible(goal, scene) is None
 
 
 def judged(aspect: str, wanted: Any, seen: Any, request: Any = None) -> Truth:
@@ -148,6 +147,6 @@ def judged(aspect: str, wanted: Any, seen: Any, request: Any = None) -> Truth:
     if aspect == "said" and not isinstance(request, str):
         return None
     try:
-        return _judge()(aspect, json.dumps(wanted), json.dumps(seen), json.dumps(request))
+        return _judge(aspect, json.dumps(wanted), json.dumps(seen), json.dumps(request))
     except (TypeError, ValueError, RecursionError):
         return None
