@@ -19,7 +19,7 @@ from rai_missions.mission.include import expanded, read_mission
 from rai_missions.mission.json_reader import read_json
 from rai_missions.mission.legible import LegiblePart, legible_part
 from rai_missions.mission.mission import Mission
-from rai_missions.mission.origins import origin
+from rai_missions.mission.origins import Origins
 from rai_missions.states import Include
 
 __all__ = ("CheckedFile", "FileFinding", "check_file", "errors_of", "load_whole")
@@ -100,8 +100,9 @@ def _located(path: str, mission: Mission, findings: Collection[Finding]) -> Iter
     """Findings in an expanded mission, each in the file and at the place where it is written."""
     includes = path.endswith(".json") and any("/" in name for _, name, _ in mission.walk())
     written = read_mission(Path(path)) if includes and findings else mission
+    origins = Origins(path, written)
     for each in findings:
-        there = origin(path, each.place, written)
+        there = origins.of(each.place)
         yield FileFinding(there.file, each._replace(place=there.place))
 
 

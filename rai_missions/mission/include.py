@@ -51,7 +51,7 @@ def read_mission(file: Path) -> Mission:
 
 
 def expanded(mission: Mission, file: Path) -> Mission:
-    """A mission without inclusions.
+    """A mission without inclusions, of no more states than a mission may have.
 
     Args:
         mission: As it was written.
@@ -60,7 +60,8 @@ def expanded(mission: Mission, file: Path) -> Mission:
     Raises:
         DefinitionError: An inclusion is at fault; its place is that of the inclusion.
     """
-    if not any(isinstance(state, Include) for _, _, state in mission.walk()):
+    states = [state for _, _, state in mission.walk()]
+    if len(states) <= MAX_STATES and not any(isinstance(state, Include) for state in states):
         return mission
     whole = _without_inclusions(mission, Chain((file.resolve(),), {"states": 0, "bytes": 0}), str(file))
     if (levels := _levels(whole.written())) > MAX_DEPTH:
@@ -80,7 +81,7 @@ def _without_inclusions(mission: Mission, chain: Chain, source: str) -> Mission:
             except DefinitionError as error:
                 faults += [Fault(place + fault.place, fault.sentence) for fault in error.faults]
         if chain.total["states"] > MAX_STATES:
-            faults.append(Fault(place, f"more than {MAX_STATES} states with all that is included; include less"))
+            faults.append(Fault(place, f"more than {MAX_STATES} states with all that is included; make it smaller"))
             break
     if faults:
         raise DefinitionError(faults, source)

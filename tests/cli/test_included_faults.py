@@ -4,10 +4,13 @@
 from __future__ import annotations
 
 import json
+import sys
 from pathlib import Path
+from typing import Any
 
 import pytest
 
+from rai_missions.check import check_file
 from rai_missions.cli.main import main
 
 COMMANDS = (("check",), ("prove",), ("run",), ("try", "--terminal"))
@@ -46,3 +49,31 @@ def test_what_a_profile_lacks_is_reported_in_the_profile(
     Path("robot.json").write_text(json.dumps({"format": 1, "name": "mute", "connector": {"kind": "local"}}))
     assert main(["prove", "mission.json", "--robot", "robot.json"]) == 2
     assert "robot.json: /services/bell: missing" in capsys.readouterr().err
+
+
+def calls_to_check(file: Path, parts: int) -> int:
+    """How many functions are called to find a fault in each of so many states and inclusions."""
+    states: dict[str, Any] = {f"s{number}": {"mission": "parts/inner.json"} for number in range(parts)}
+    file.write_text(json.dumps({"format": 1, "name": "outer", "initial": "s0", "states": states}))
+    calls = 0
+
+    def count(frame: object, event: str, argument: object) -> None:
+        nonlocal calls
+        calls += event == "call"
+
+    sys.setprofile(count)
+    try:
+        found = check_file(str(file)).findings
+    finally:
+        sys.setprofile(None)
+    assert {each.file for each in found} == {str(file), str(file.parent / "parts/inner.json")}
+    assert len(found) >= parts
+    return calls
+
+
+def test_the_place_of_a_fault_is_found_as_fast_among_many(tmp_path: Path) -> None:
+    (tmp_path / "parts").mkdir()
+    (tmp_path / "parts/inner.json").write_text(json.dumps(INNER))
+    calls_to_check(tmp_path / "outer.json", 2)  # what is loaded by the first is not counted
+    few, many = (calls_to_check(tmp_path / "outer.json", parts) for parts in (10, 100))
+    assert many < 11 * few

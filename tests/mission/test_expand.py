@@ -375,6 +375,16 @@ def test_what_grows_without_end_is_refused(tmp_path: Path, monkeypatch: pytest.M
     assert f"more than {most} states with all that is included" in "".join(faults_in(tmp_path / "m0.json"))
 
 
+def test_a_mission_that_includes_nothing_has_the_same_limit(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(include, "MAX_STATES", 3)
+    states = {name: {"transitions": [{"after_s": 1, "to": "a"}]} for name in "abcd"}
+    large = {"format": 1, "name": "large", "initial": "a", "states": states}
+    assert faults_in(written(tmp_path, top=large)) == [
+        "/states/d: more than 3 states with all that is included; make it smaller"
+    ]
+    assert len(load(written(tmp_path, top=large | {"states": dict(list(states.items())[:3])})).states) == 3
+
+
 def test_missions_inside_each_other_are_counted(tmp_path: Path) -> None:
     for depth in range(30):
         states = {"a": {"mission": f"m{depth + 1}.json"}}
