@@ -3,13 +3,14 @@
 
 from __future__ import annotations
 
+import json
 import re
 from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from rai_missions.cli.long_work import WorkPace
-from rai_missions.errors import UsageError
+from rai_missions.errors import ConnectorError, UsageError
 from rai_missions.event import Event
 from rai_missions.journal import Header
 from rai_missions.mission.files import dump
@@ -57,13 +58,16 @@ def how_far(pace: WorkPace) -> str:
 def write_journals(proof: Proof, mission: Mission, robot: Robot | None, output: str | None) -> dict[str, Any]:
     """Claim that was refuted → the journal of the run that refutes it, and whether it shows there too.
 
+    A journal that cannot be written takes no proof away: it is None, and `unwritten` has the reason.
+
     Args:
         proof: What was found.
         mission: The mission.
         robot: Its profile.
         output: The file to write; without it, one is named for the mission and the claim.
     """
-    written, profile, of_robot = {}, "", None
+    written: dict[str, Any] = {}
+    profile, of_robot = "", None
     if proof.ways and robot is not None:
         from rai_missions.profile import dump_profile, terms  # few proofs need it, and it takes 20 ms
 
@@ -76,8 +80,12 @@ def write_journals(proof: Proof, mission: Mission, robot: Robot | None, output: 
         whole = "" if mission.behaviours() else dump(mission)
         header = Header(whole, profile, arguments, versions=mission.packages())
         path = _path(output, mission, name, only=len(proof.ways) == 1)
-        shows = record(path, header, mission, scenes, terms=of_robot)
-        written[name] = {"journal": str(path), "shows": shows}
+        try:
+            shows = record(path, header, mission, scenes, terms=of_robot)
+        except (UsageError, ConnectorError) as error:
+            written[name] = {"journal": None, "unwritten": str(error)}
+        else:
+            written[name] = {"journal": str(path), "shows": shows}
     return written
 
 
@@ -142,7 +150,9 @@ def _refutation(sentence: str, scenes: Iterable[Any], journal: dict[str, Any] | 
         happens = scene.words + _brought(scene.event)
         yield f"      {number}. {happens}" + (f"  → {ends}" if ends else "") + (f"  [{known}]" if known else "")
         before = scene.active
-    if journal is not None:
+    if journal is not None and journal["journal"] is None:
+        yield f"      {journal['unwritten']}"
+    elif journal is not None:
         shows = "" if journal["shows"] else "; with the times as written it comes to something else there"
         yield f"      journal: {journal['journal']}{shows}"
 
@@ -157,7 +167,9 @@ def _brought(event: Event | None) -> str:
 
 
 def _value_text(value: Any) -> str:
-    return "unknown" if value is None else str(value).lower() if isinstance(value, bool) else str(value)
+    if value is None:
+        return "unknown"
+    return value if isinstance(value, str) else json.dumps(plain(value), ensure_ascii=False)
 
 
 def _limits(proof: Proof) -> Iterable[str]:

@@ -54,6 +54,31 @@ def test_a_refutation_is_reported_and_written_down(
     assert main(["draw", mission, "--journal", "runs/flaw.journal", "-o", "flaw.dot"]) == 0
 
 
+def test_a_journal_that_cannot_be_written_takes_no_proof_away(
+    written: Callable[..., str], capsys: pytest.CaptureFixture[str]
+) -> None:
+    mission = written(over_people)
+    Path("full").write_text("a file where a folder is wanted")
+    assert main(["prove", mission, "-o", "full/flaw.journal"]) == 1
+    reported = capsys.readouterr().out
+    assert "  refuted        invariants:" in reported and reported.count("  proved ") == 8
+    assert "      a journal cannot be written at full/flaw.journal: Not a directory; name another file" in reported
+    assert main(["prove", mission, "-o", "full/flaw.journal", "--json"]) == 1
+    (flaw,) = [each for each in json.loads(capsys.readouterr().out)["claims"] if each["verdict"] == "refuted"]
+    assert flaw["journal"] is None and flaw["unwritten"].startswith("a journal cannot be written") and flaw["run"]
+
+
+def test_the_facts_of_a_refutation_are_written_as_in_a_mission(
+    written: Callable[..., str], capsys: pytest.CaptureFixture[str]
+) -> None:
+    def at_a_place(given: Json) -> None:
+        given["blackboard"]["gate"] = {"type": "pose", "source": "argument", "frame": "map"}
+        given["invariants"]["away"] = {"key": "gate.x", "!=": 0}
+
+    assert main(["prove", written(at_a_place)]) == 1
+    assert 'gate {"x": 0.0, "y": 0.0, "frame": "map"}' in capsys.readouterr().out
+
+
 def test_a_journal_that_is_there_is_left_alone(written: Callable[..., str]) -> None:
     mission = written(over_people)
     for _ in range(2):
