@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import TypeVar
 
 from rai_missions.errors import DefinitionError, Fault, irregular, pointer
+from rai_missions.plain_data import file_text
 
 __all__ = ("DESCRIPTION", "IdentityFolder")
 
@@ -47,7 +48,7 @@ class IdentityFolder:
             raise DefinitionError([Fault("", why)], self._shown) from None
         if len(paths) > most:
             raise DefinitionError([Fault("", f"has {len(paths)} files; at most {most} are read")], self._shown)
-        self.files = {_name(path.relative_to(self.root)): path for path in paths}
+        self.files = {file_text(path.relative_to(self.root)): path for path in paths}
 
     def fault(self, name: str, sentence: str) -> None:
         """Keep what is wrong with a file, or with the folder where the name is empty."""
@@ -103,11 +104,6 @@ class IdentityFolder:
                 elif path.suffix.lower() in self.largest and not path.name.startswith("."):
                     found.append(path)
         return sorted(found)
-
-
-def _name(path: Path) -> str:
-    """A file's name as a text; bytes that are no UTF-8 are written out."""
-    return os.fsencode(path.as_posix()).decode("utf-8", "backslashreplace")
 
 
 def resolved(path: Path) -> Path:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import ast
 import hashlib
+import os
 import sys
 import traceback
 from collections.abc import Callable
@@ -58,7 +59,7 @@ def run_file(file: Path, source: bytes) -> ModuleType:
         DefinitionError: It cannot be executed.
     """
     path, name = file.resolve(), str(file)
-    module = ModuleType(f"_program_{hashlib.sha256(str(path).encode()).hexdigest()[:16]}")
+    module = ModuleType(f"_program_{hashlib.sha256(os.fsencode(path)).hexdigest()[:16]}")
     module.__file__ = str(path)
     # By its name there, dataclasses and type hints of the file find their way home.
     sys.modules[module.__name__] = module

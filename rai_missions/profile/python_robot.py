@@ -21,6 +21,7 @@ from rai_missions.errors import DefinitionError, Fault
 from rai_missions.mission.json_reader import file_bytes
 from rai_missions.mission.mission import Mission
 from rai_missions.mission.python_file import call_offered, run_file
+from rai_missions.plain_data import file_text
 from rai_missions.profile.coverage import missing
 from rai_missions.profile.profile import Robot
 from rai_missions.redaction import shown
@@ -139,7 +140,7 @@ def profile_of(
     Raises:
         DefinitionError: Its rules are at fault.
     """
-    origin = {} if program is None else {"file": program.file.name, "sha256": program.sha256}
+    origin = {} if program is None else {"file": file_text(program.file.name), "sha256": program.sha256}
     facts = {
         name: {"topic": FACTS + name, "field": "value"}
         for name in _facts(robot, mission, known)

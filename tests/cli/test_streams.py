@@ -103,3 +103,23 @@ def test_an_argument_has_the_limits_of_a_file(
     error = capsys.readouterr().err
     assert error.startswith("--set stops: /") and sentence in error
     assert not os.path.exists("a.journal")
+
+
+def test_a_name_that_is_no_text_is_a_file_as_any_other(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert main(["new", "made", "--template", "python"]) == 0
+    folder, mission, robot, journal, page = (
+        os.fsdecode(name) for name in (b"m\xfc", b"m\xfc.py", b"r\xfc.py", b"j\xfc.journal", b"p\xfc.html")
+    )
+    Path("made").rename(folder)
+    monkeypatch.chdir(folder)
+    Path("mission.py").rename(mission)
+    Path("robot.py").rename(robot)
+    assert main(["run", mission, "--robot", robot, "--speed", "max", "--no-operator", "--journal", journal]) == 0
+    for command in (["check", mission], ["replay", journal], ["draw", mission, "--journal", journal, "-o", page]):
+        assert main(command) == 0, command
+    assert "all the same; succeeded" in capsys.readouterr().out
+    with read(journal) as record:
+        assert json.loads(record.header.profile)["connector"]["file"] == r"r\xfc.py"
