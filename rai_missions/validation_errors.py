@@ -183,6 +183,15 @@ def _home(word: str, model: type[Any] | None) -> str:
     return homes[0] if len(homes) == 1 else ""
 
 
+def _other_form(word: str, model: type[Any] | None, known: Iterable[str]) -> str:
+    """How a field is called here, of which a word is the name in Python, or JSON's: `as`, which is `item` in Python."""
+    fields = model.model_fields.items() if model is not None else ()
+    python = next((name for name, field in fields if field.alias == word.rstrip("_") and name != word), "")
+    if known:
+        return python if python in known else ""
+    return next((field.alias for name, field in fields if name == word and field.alias), "")
+
+
 def _sentence(item: Any, model: type[Any] | None, known: Iterable[str]) -> str:
     kind, given, ctx = item["type"], item["input"], item.get("ctx", {})
     if kind == "int_type" and item["loc"][-1] == "int":
@@ -196,7 +205,7 @@ def _sentence(item: Any, model: type[Any] | None, known: Iterable[str]) -> str:
         return f"'{name}' is missing; {_thing(model)} needs it"
     if kind == "extra_forbidden":
         word = str(item["loc"][-1])
-        if meant := getattr(model, "meant", {}).get(word):
+        if meant := getattr(model, "meant", {}).get(word) or _other_form(word, model, known):
             example = getattr(model, "example", "")
             like = f", as in {example % meant}" if example else ""
             return f"{_thing(model)} has no {shown(word)}; did you mean '{meant}'{like}?"

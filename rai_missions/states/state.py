@@ -164,6 +164,7 @@ class State(TaggedModel, family="state", group="rai_missions.activities", word="
     meant: ClassVar[Mapping[str, str]] = {
         "on": "transitions", "outcomes": "transitions", "regions": "parallel", "children": "states",
         "on_entry": "entry", "on_exit": "exit", "invoke": "action", "description": "about",
+        "service": "call", "behavior_tree": "tree", "behaviour_tree": "tree", "question": "decision",
     }  # fmt: skip
 
     yields: ClassVar[bool] = True
@@ -223,9 +224,11 @@ class State(TaggedModel, family="state", group="rai_missions.activities", word="
         if len(given) > 1:
             raise fault("kinds", f"a state is one thing, this is {len(given)}: {', '.join(given)}; nest or split it")
         if not given:
-            for word in unknown:
+            for word in sorted(unknown, key=lambda each: each not in cls.meant):
                 known = {*cls.known_kinds(), *cls.known_words()}
                 near = f"; did you mean '{cls.meant[word]}'?" if word in cls.meant else suggestion(word, known)
+                if not near.endswith("?") and len(owners := cls.kinds_with(word)) == 1:
+                    near = f"; it belongs to one with '{owners[0]}'"
                 raise fault("kind", f"a state has no '{word}'{near}")
         return given[0] if given else ""
 
@@ -236,6 +239,12 @@ class State(TaggedModel, family="state", group="rai_missions.activities", word="
             return "; write {…}"
         word = "mission" if data.endswith(".json") else "action"
         return f"; write {json.dumps({word: data}, ensure_ascii=False)}, or {{}} for a state that waits"
+
+    @classmethod
+    def kinds_with(cls, word: str) -> list[str]:
+        """The words of the format's kinds that have a word, as `call` has `request`."""
+        fields = {each: kind.model_fields.items() for each, kind in cls.kinds.items() if each}
+        return [each for each, has in fields.items() if any((field.alias or name) == word for name, field in has)]
 
     @classmethod
     def known_words(cls) -> frozenset[str]:

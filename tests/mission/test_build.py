@@ -227,3 +227,12 @@ def test_what_a_constructor_lacks_is_named_as_the_constructor_has_it() -> None:
     states = {"a": {"each": "places", "initial": "at", "states": {"at": {"final": "succeeded"}}}}
     with pytest.raises(DefinitionError, match="/states/a: 'as' is missing; a state with 'each' needs it"):
         validated(Mission, {"name": "m", "initial": "a", "states": states})
+
+
+def test_a_word_is_known_by_its_form_in_python_and_in_json() -> None:
+    inside: dict[str, Any] = {"initial": "a", "states": {"a": State()}, "as_": "place"}
+    with pytest.raises(DefinitionError, match=r"/as_: .* has no 'as_'; did you mean 'item'\?"):
+        Each("places", item="place", **inside)
+    listed = {"each": "places", "item": "place", "initial": "a", "states": {"a": {}}}
+    with pytest.raises(DefinitionError, match=r"/states/b/item: .* has no 'item'; did you mean 'as'\?"):
+        validated(Mission, {"format": 1, "name": "m", "initial": "b", "states": {"b": listed}}, "m.json")

@@ -131,6 +131,8 @@ TRANSITION, ENTRY = "/states/a/transitions/0", "/states/a/entry/0"
         (state(acton="go"), "/states/a: a state has no 'acton'; did you mean 'action'?"),
         (state(regions={}), "/states/a: a state has no 'regions'; did you mean 'parallel'?"),
         (state(on={}), "/states/a: a state has no 'on'; did you mean 'transitions'?"),
+        (state(request={}, service="horn"), "/states/a: a state has no 'service'; did you mean 'call'?"),
+        (state(request={}), "/states/a: a state has no 'request'; it belongs to one with 'call'"),
         (state(action="go", on={}), "/states/a/on: a state with 'action' has no 'on'; did you mean 'transitions'?"),
         (transition(on="e", target="a"), f"{TRANSITION}/target: a transition has no 'target'; did you mean 'to'?"),
         (
