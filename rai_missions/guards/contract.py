@@ -67,20 +67,27 @@ def check_guard(guard: Guard, keys: Mapping[str, Key], facts: Iterable[Mapping[s
         facts: Blackboards that make it true, false and unknown.
 
     Raises:
-        AssertionError: A promise is broken; the text has which.
+        AssertionError: A promise is broken, or the facts make no difference to the guard; the text has which.
+        UsageError: There are no facts.
     """
     check_kind(guard, "guard", lambda: (guard.words(),))
+    boards = [*facts]
+    if not boards:
+        raise UsageError("a guard is held to its contract on facts: give blackboards on which it is true and false")
     first, second = Site("/when", keys), Site("/when", keys)
     tests, site = (guard.compile(first), guard.compile(second)), first
     named = {path.partition(".")[0] for each in guard.walk() for path in each.paths()}
     assert site.reads - {"*"} <= named, f"'{guard.word}' reads what none of its fields names: {site.reads - named}"
-    for number, known in enumerate(facts):
+    seen = {tests[0](_View({}, 0.0))}
+    for number, known in enumerate(boards):
         view = _View(known, float(number))
         before = dict(view.board)
         values = [test(view) for test in (*tests, *tests)]
         assert all(value is values[0] for value in values), f"'{guard.word}' differs from look to look: {values}"
         assert values[0] in (True, False, None), f"'{guard.word}' is neither true, false nor unknown: {values[0]!r}"
         assert view.board == before, f"'{guard.word}' changes the blackboard"
+        seen.add(values[0])
+    assert len(seen) > 1, f"'{guard.word}' is {values[0]} whatever is known; give facts on which it is another"
     if guard.fades and named and named <= keys.keys():
         missing = tests[0](_View({}, 0.0))
         assert missing is None, f"'{guard.word}' is {missing} while nothing is known; or set `fades = False`"

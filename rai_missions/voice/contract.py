@@ -10,6 +10,7 @@ from array import array
 from collections.abc import Callable, Iterable
 
 from rai_missions.connectors.sound.connector import RATE_HZ
+from rai_missions.errors import UsageError
 from rai_missions.voice.kind import Reading, Recogniser, Voice
 
 __all__ = ("check_recogniser", "check_voice")
@@ -54,9 +55,12 @@ def check_voice(make: Callable[[], Voice], texts: Iterable[str] = TEXTS) -> None
 
     Raises:
         AssertionError: A promise is broken; the text names it.
+        UsageError: There are no texts.
     """
+    if not (spoken := tuple(texts)):
+        raise UsageError("a voice is held to its contract by what it speaks: give texts")
     voices = make(), make()
-    for voice, text in itertools.product((*voices, *voices), texts):
+    for voice, text in itertools.product((*voices, *voices), spoken):
         pieces = list(voice.speak(text))
         assert all(isinstance(piece, bytes) for piece in pieces), "sound comes as bytes"
         assert all(len(piece) % 2 == 0 for piece in pieces), "a sample has two bytes, and a piece whole samples"

@@ -23,11 +23,13 @@ def check_world(make: Callable[[], World], topics: Iterable[str], *, steps: int 
 
     Raises:
         AssertionError: A promise is broken; the text states which.
-        UsageError: The topics are no list of them.
+        UsageError: The topics are no list of them, or there are none: nothing would be compared.
     """
     if isinstance(topics, str):
         raise UsageError(f"the topics of a world are a list, [{topics!r}], not one text")
     names = tuple(topics)
+    if not names:
+        raise UsageError("a world is held to its contract by what it publishes: give topics of it")
     first, second = _published(make(), names, steps), _published(make(), names, steps)
     for name in names:
         assert any(message.topic == name for message in first), f"nothing is published on {name}"

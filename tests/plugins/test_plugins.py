@@ -40,7 +40,7 @@ from rai_missions.profile import terms as facts_of
 from rai_missions.prove import prove
 from rai_missions.replay.replay import replay
 from rai_missions.states import State
-from rai_missions.testing import check_activity, check_guard, check_world
+from rai_missions.testing import check_activity, check_guard, check_voice, check_world
 from rai_missions.validation_errors import validated
 from rai_missions.voice.kind import known
 from rai_missions.worlds import open_world
@@ -325,6 +325,20 @@ def test_what_is_none_of_a_kind_is_held_to_no_contract(given: Any) -> None:
     for contract, sort in ((check_guard, "guard"), (check_activity, "activity")):
         with pytest.raises(UsageError, match=f"to its contract is held one {sort}, made by its class, and not "):
             contract(given, {}, [])
+
+
+def test_a_contract_that_is_given_nothing_to_look_at_is_not_kept() -> None:
+    with pytest.raises(UsageError, match="on facts: give blackboards"):
+        check_guard(Fresh("humidity"), {"humidity": Key(float, source="robot")}, [])
+    with pytest.raises(UsageError, match="by what it publishes: give topics"):
+        check_world(lambda: open_world("orchard", seed=1), [])
+    with pytest.raises(UsageError, match="by what it speaks: give texts"):
+        check_voice(lambda: pytest.fail("a voice is opened"), iter(()))
+
+
+def test_facts_that_make_no_difference_to_a_guard_hold_it_to_nothing() -> None:
+    with pytest.raises(AssertionError, match="'key' is None whatever is known; give facts on which it is another"):
+        check_guard(Compare(key="humidity", less=0.5), {"humidity": Key(float, source="robot")}, [{}, {"other": 1.0}])
 
 
 def test_topics_of_a_world_that_are_one_text_are_refused() -> None:
