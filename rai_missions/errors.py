@@ -8,6 +8,7 @@ Rule: a refused proposal, an ignored event and a failed action are values, never
 
 from __future__ import annotations
 
+import errno
 import os
 import stat
 from collections.abc import Callable, Iterable, Mapping
@@ -28,6 +29,7 @@ __all__ = (
     "install_command",
     "irregular",
     "lazy_names",
+    "make_folder_of",
     "meant",
     "nearest",
     "pointer",
@@ -185,6 +187,20 @@ def irregular(path: Path | str) -> str:
     except (OSError, ValueError):
         return ""
     return next((name for is_so, name in SORTS if is_so(mode)), "")
+
+
+def make_folder_of(path: Path | str) -> None:
+    """Make the folder of a file that is to be written, and those around it, where there are none.
+
+    Raises:
+        NotADirectoryError: One of them is a file; the system reports the innermost as one that exists.
+        OSError: They cannot be made.
+    """
+    folder = Path(path).parent
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except FileExistsError:
+        raise NotADirectoryError(errno.ENOTDIR, os.strerror(errno.ENOTDIR), str(folder)) from None
 
 
 def lazy_names(

@@ -190,5 +190,5 @@ def _write(path: str | os.PathLike[str], endings: Iterable[str], made: Callable[
     try:
         write_atomically(target, data)
     except OSError as error:
-        raise UsageError(f"'{target}' cannot be written: {error.strerror or error}") from None
+        raise UsageError(f"'{target}' cannot be written: {error.strerror or error}; name another file") from None
     return target

@@ -24,7 +24,7 @@ from rai_missions.campaign.records import (
     QuestionRecord,
     SceneRecord,
 )
-from rai_missions.errors import UsageError, irregular
+from rai_missions.errors import UsageError, irregular, make_folder_of
 
 __all__ = ("DroppedUse", "LostParts", "ResultStore")
 
@@ -287,7 +287,7 @@ TABLE_OF: Mapping[type[Any], str] = {record: table for table, record in RECORDS.
 def _locked(path: Path) -> int:
     """The right to write: held by one process, given back by its end, however it ends."""
     try:
-        path.parent.mkdir(parents=True, exist_ok=True)
+        make_folder_of(path)
         descriptor = os.open(path, os.O_RDWR | os.O_CREAT, 0o644)
     except OSError as error:
         raise UsageError(f"results cannot be written at {path}: {error.strerror}; name another file") from None

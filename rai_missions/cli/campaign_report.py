@@ -11,7 +11,7 @@ from rai_missions.campaign.report.scene_pictures import pictures_of
 from rai_missions.campaign.report.table import COLUMNS, write_table
 from rai_missions.campaign.report.wrong_answers import wrong_answers
 from rai_missions.campaign.store import ResultStore
-from rai_missions.errors import UsageError, irregular
+from rai_missions.errors import UsageError, irregular, make_folder_of
 from rai_missions.redaction import shown
 
 __all__ = ("report_files", "write_report")
@@ -74,7 +74,7 @@ def write_report(store: Path | str, html: Path | str) -> tuple[Path, ...]:
         pictures = pictures_of(results, (each.cell.scene for each in wrong.shown))
         name = str(meta.get("name") or Path(store).stem)
         try:
-            page.parent.mkdir(parents=True, exist_ok=True)
+            make_folder_of(page)
             page.write_bytes(report_page(figures, comparisons, wrong, pictures, meta, name=name))
             listed.write_bytes(markdown(figures, comparisons, name=name))
             write_table(results, figures, table)

@@ -16,7 +16,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from rai_missions.errors import UsageError
+from rai_missions.errors import UsageError, make_folder_of
 from rai_missions.mission.json_reader import MAX_BYTES
 from rai_missions.plain_data import json_value
 
@@ -118,7 +118,7 @@ def _blob(top: Path, name: str) -> bytes:
 
 
 def _put(path: Path, data: bytes) -> None:
-    path.parent.mkdir(parents=True, exist_ok=True)
+    make_folder_of(path)
     path.write_bytes(data)
 
 

@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import NamedTuple
 from unicodedata import combining, normalize
 
-from rai_missions.errors import UsageError, suggestion
+from rai_missions.errors import UsageError, make_folder_of, suggestion
 
 __all__ = ("Template", "copy_template", "templates", "tutorial_folder")
 
@@ -130,7 +130,7 @@ def _copied(template: Template, directory: Path) -> Iterator[Path]:
         if not source.is_file() or "__pycache__" in source.parts:
             continue
         target = directory / source.relative_to(template.folder)
-        target.parent.mkdir(parents=True, exist_ok=True)
+        make_folder_of(target)
         content = source.read_bytes()
         target.write_bytes(content if template.is_example else content.replace(PLACEHOLDER.encode(), name.encode()))
         yield target

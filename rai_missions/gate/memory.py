@@ -11,7 +11,7 @@ import os
 from collections.abc import Mapping
 from pathlib import Path
 
-from rai_missions.errors import irregular
+from rai_missions.errors import irregular, make_folder_of
 from rai_missions.redaction import logger
 from rai_missions.runtime.lifecycle import HOLDERS
 
@@ -47,7 +47,7 @@ class Memory:
     def note(self, holder: str) -> None:
         """Control is with another holder from now on; a file that cannot be written is logged."""
         try:
-            self.path.parent.mkdir(parents=True, exist_ok=True)
+            make_folder_of(self.path)
             temporary = self.path.with_name(f"{self.path.name}.{os.getpid()}")
             temporary.write_text(json.dumps({"holder": holder}), encoding="utf-8")
             temporary.replace(self.path)

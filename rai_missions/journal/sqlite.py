@@ -19,7 +19,7 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Self
 
-from rai_missions.errors import DefinitionError, Fault, UsageError, irregular
+from rai_missions.errors import DefinitionError, Fault, UsageError, irregular, make_folder_of
 from rai_missions.redaction import cut
 
 __all__ = (
@@ -144,7 +144,7 @@ class Lock:
             raise UsageError(f"no journal at {path}: {_instead(path)}")
         if new:
             with writing_at(path):
-                path.parent.mkdir(parents=True, exist_ok=True)
+                make_folder_of(path)
         try:
             if not new and _identity(path) in self.held:
                 raise UsageError(f"{path} is being written by this process already; close that journal first")

@@ -13,6 +13,7 @@ import stat
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from rai_missions.errors import make_folder_of
 from rai_missions.mission.garbage import few_collections
 
 if TYPE_CHECKING:
@@ -89,7 +90,7 @@ def write_atomically(path: Path, data: bytes) -> None:
         OSError: It cannot be written; nothing is left behind.
     """
     part = path.with_name(f".{path.name}.{secrets.token_hex(8)}")
-    part.parent.mkdir(parents=True, exist_ok=True)
+    make_folder_of(part)
     try:
         with part.open("xb") as file:
             if path.exists():

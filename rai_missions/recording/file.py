@@ -11,7 +11,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import IO, NamedTuple
 
-from rai_missions.errors import UsageError, install_command
+from rai_missions.errors import UsageError, install_command, make_folder_of
 from rai_missions.journal import free_name
 
 __all__ = ("ENDING", "MAGIC", "RecordingFile", "cannot_write", "check_name", "is_mcap", "make_file")
@@ -77,7 +77,7 @@ def make_file(path: Path) -> RecordingFile:
     check_name(path)
     aside = None
     try:
-        path.parent.mkdir(parents=True, exist_ok=True)
+        make_folder_of(path)
         if path.exists():
             aside = _set_aside(path)
         stream = path.open("xb")

@@ -40,6 +40,17 @@ TAKES = {
     "campaign report FILE": set(),
 }
 """Command → what it has use for."""
+WRITES = (
+    "run m.json --journal FOLDER/a.journal",
+    "run m.json --record FOLDER/a.mcap",
+    "run m.json --picture FOLDER/a.dot",
+    "draw m.json -o FOLDER/a.md",
+    "draw m.json -o FOLDER/a.html",
+    "diff m.json m.json -o FOLDER/a.json",
+    "try m.json --terminal --journal FOLDER/a.journal",
+    "try m.json --terminal --as-test FOLDER/test_a.py",
+)
+"""Commands that write a file into a folder."""
 
 
 @pytest.fixture
@@ -72,24 +83,23 @@ def test_a_file_of_another_kind_is_refused_as_unusable(
         assert {path: path.is_file() and path.read_bytes() for path in folder.iterdir()} == before
 
 
-@pytest.mark.parametrize(
-    "command",
-    [
-        "run m.json --journal FOLDER/a.journal",
-        "run m.json --record FOLDER/a.mcap",
-        "run m.json --picture FOLDER/a.dot",
-        "draw m.json -o FOLDER/a.md",
-        "draw m.json -o FOLDER/a.html",
-        "diff m.json m.json -o FOLDER/a.json",
-        "try m.json --terminal --journal FOLDER/a.journal",
-        "try m.json --terminal --as-test FOLDER/test_a.py",
-    ],
-)
+@pytest.mark.parametrize("command", WRITES)
 def test_what_a_command_writes_has_its_folder_made(command: str, folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("sys.stdin", io.StringIO("start\n"))
     main([word.replace("FOLDER", "new/und Größe") for word in command.split()])
     (written,) = (path for path in Path("new/und Größe").iterdir() if "a." in path.name)
     assert written.stat().st_size
+
+
+@pytest.mark.parametrize("command", WRITES)
+def test_a_file_where_a_folder_is_wanted_is_named_as_one(
+    command: str, folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr("sys.stdin", io.StringIO("start\nq\n"))
+    capsys.readouterr()
+    main([word.replace("FOLDER", "empty") for word in command.split()])
+    assert capsys.readouterr().err.endswith(": Not a directory; name another file\n")
+    assert not Path("empty").stat().st_size
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])

@@ -32,7 +32,7 @@ def test_an_unknown_ending_is_refused_with_those_there_are(tmp_path: Path) -> No
 
 def test_a_file_that_cannot_be_written_is_reported_and_leaves_nothing(tmp_path: Path) -> None:
     (tmp_path / "file").touch()
-    with pytest.raises(UsageError, match=r"a.dot' cannot be written: File exists"):
+    with pytest.raises(UsageError, match=r"a.dot' cannot be written: Not a directory; name another file"):
         draw(tractor(), tmp_path / "file" / "a.dot")
     (tmp_path / "folder.dot").mkdir()
     with pytest.raises(UsageError, match="cannot be written"):

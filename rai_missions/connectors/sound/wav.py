@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from rai_missions.connectors.sound.connector import RATE_HZ
-from rai_missions.errors import UsageError, install_command, irregular
+from rai_missions.errors import UsageError, install_command, irregular, make_folder_of
 from rai_missions.redaction import cut
 
 __all__ = ("check_wav_name", "converted", "read_wav", "write_wav")
@@ -100,7 +100,7 @@ def write_wav(path: Path | str, samples: bytes) -> None:
         UsageError: They cannot be written there.
     """
     try:
-        Path(path).parent.mkdir(parents=True, exist_ok=True)
+        make_folder_of(path)
         with open(path, "wb") as raw, wave.open(raw, "wb") as file:
             file.setnchannels(1)
             file.setsampwidth(2)

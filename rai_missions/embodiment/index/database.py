@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import Any, NamedTuple, Self
 
 from rai_missions.embodiment.passage import DocumentPassage
-from rai_missions.errors import UsageError, irregular
+from rai_missions.errors import UsageError, irregular, make_folder_of
 
 __all__ = ("IndexReader", "IndexedDocument", "IndexedPassage", "write_index")
 
@@ -168,7 +168,7 @@ def write_index(
             raise UsageError(
                 f"{path} is no index, and stays as it is; name another place with --index FILE, or delete it"
             )
-        path.parent.mkdir(parents=True, exist_ok=True)
+        make_folder_of(path)
         handle, made = tempfile.mkstemp(prefix=f".{path.name}.", dir=path.parent)
         os.close(handle)
         _fill(made, about, documents, passages)

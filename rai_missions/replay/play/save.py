@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from rai_missions.engine.step import Step
-from rai_missions.errors import UsageError
+from rai_missions.errors import UsageError, make_folder_of
 from rai_missions.event import Tick
 from rai_missions.journal import Header, Journal, make_way, writing_at
 from rai_missions.journal.sqlite import log_of
@@ -40,7 +40,7 @@ def save(play: Play, path: Path, *, replaces: bool = False) -> Path | None:
         raise UsageError("nothing has been played yet; there is nothing to save")
     mission = play.mission
     with writing_at(path):
-        path.parent.mkdir(parents=True, exist_ok=True)
+        make_folder_of(path)
     part = path.with_name(f".{path.name}.{secrets.token_hex(4)}.part")
     text = "" if mission.behaviours() else dump(mission)
     try:

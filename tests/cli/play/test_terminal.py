@@ -158,7 +158,7 @@ def test_a_person_is_asked_for_values_and_asked_again_after_a_fault(door: Path) 
 @pytest.mark.parametrize(
     ("order", "refusal"),
     [
-        ("test taken/door.py", "a test cannot be written at taken/door.py: File exists; name another file"),
+        ("test taken/door.py", "a test cannot be written at taken/door.py: Not a directory; name another file"),
         ("test folder", "a test cannot be written at folder: Is a directory; name another file"),
         ("s folder", "a journal cannot be written at folder: Is a directory; name another file"),
     ],
