@@ -25,6 +25,7 @@ __all__ = (
     "UsageError",
     "counted",
     "escaped",
+    "file_text",
     "in_words",
     "install_command",
     "irregular",
@@ -166,6 +167,11 @@ def pointer(steps: Iterable[str | int]) -> str:
     """A JSON pointer (RFC 6901); a lone surrogate, which no output can show, is written as its escape."""
     text = "".join(f"/{escaped(step)}" for step in steps)
     return text.encode("utf-8", "backslashreplace").decode()
+
+
+def file_text(path: str | os.PathLike[str]) -> str:
+    """The name of a file as a text, for what is stored or sent; bytes of it that are no UTF-8 are written out."""
+    return os.fsencode(path).decode("utf-8", "backslashreplace")
 
 
 SORTS = (

@@ -9,7 +9,6 @@ from __future__ import annotations
 import base64
 import json
 import math
-import os
 from collections.abc import Mapping, Sequence
 from collections.abc import Set as AbstractSet
 from typing import Any, TypeGuard
@@ -20,7 +19,6 @@ __all__ = (
     "apart",
     "are_finite",
     "carried",
-    "file_text",
     "is_number",
     "json_object",
     "json_value",
@@ -76,11 +74,6 @@ def text_fault(text: str) -> str:
     except UnicodeEncodeError as fault:
         return f"character {fault.start} is half a surrogate pair, which is no text"
     return ""
-
-
-def file_text(path: str | os.PathLike[str]) -> str:
-    """The name of a file as a text, for what is stored or sent; bytes of it that are no UTF-8 are written out."""
-    return os.fsencode(path).decode("utf-8", "backslashreplace")
 
 
 def carried(value: Any) -> Any:

@@ -11,8 +11,7 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TypeVar
 
-from rai_missions.errors import DefinitionError, Fault, irregular, pointer
-from rai_missions.plain_data import file_text
+from rai_missions.errors import DefinitionError, Fault, file_text, irregular, pointer
 
 __all__ = ("DESCRIPTION", "IdentityFolder")
 

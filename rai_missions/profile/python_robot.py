@@ -17,11 +17,10 @@ from typing import Any
 
 from rai_missions.connectors.python_robot import PythonRobot
 from rai_missions.connectors.python_robot.robot import EVENTS, FACTS, MESSAGES
-from rai_missions.errors import DefinitionError, Fault
+from rai_missions.errors import DefinitionError, Fault, file_text
 from rai_missions.mission.json_reader import file_bytes
 from rai_missions.mission.mission import Mission
 from rai_missions.mission.python_file import call_offered, run_file
-from rai_missions.plain_data import file_text
 from rai_missions.profile.coverage import missing
 from rai_missions.profile.profile import Robot
 from rai_missions.redaction import shown
