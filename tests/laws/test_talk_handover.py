@@ -37,8 +37,8 @@ from tests.rigs.turns import Turns, sooner_ended
 
 Json = dict[str, Any]
 OVER_S, CANCELED_S, KILLED_S = 60.0, 20.0, 30.0
-MOST_CUTS = 100
-"""Steps after which one run is cut: a mission that goes round in one instant makes ten thousand."""
+MOST_REPLAYED = 100_000
+"""Steps that are done again in all cuts of one run: a mission that goes round in one instant makes ten thousand."""
 SENTENCES = (
     *("answer left", "left", "right", "wait here", "1", "1", "1", "option 2", "option 1", "yes", "no"),
     *("pause", "pause", "resume", "resume", "continue", "continue", "stop", "cancel the mission", "start drawn"),
@@ -230,7 +230,7 @@ def is_true(given: Given) -> bool:
 
 def resumes_anywhere(path: Path, talked: Held) -> None:
     """A process that was killed after any step is continued with all that it remembered; of many steps, some."""
-    every = len(talked.steps) // MOST_CUTS + 1
+    every = len(talked.steps) ** 2 // (2 * MOST_REPLAYED) + 1
     for step, cut in cut_after_each(path, lambda step: step.outcome is None and step.seq % every == 0):
         with read(cut) as record:
             found = resumption(record, talked.mission, named=NAMED)
