@@ -53,8 +53,10 @@ class RunStatus:
         self._missions = (mission_view(self._mission),)
         self._happened: deque[RunEvent] = deque(maxlen=MOST_HAPPENINGS)
         self._status: Status | None = None
+        self._next: Status | None = None
+        """A run reports its status ahead of the step that made it so; they are seen together."""
         self._entered = dict[str, float]()
-        self._mode, self._mode_by = runner.view.mode, runner.view.resumed_mode_by
+        self._mode, self._mode_by = runner.view.outcome or runner.view.mode, runner.view.resumed_mode_by
         self._mode_since = runner.view.paused_at
         self._began: float | None = None
         self._asked: tuple[int, ...] = ()
@@ -79,12 +81,15 @@ class RunStatus:
             self._mode, self._mode_since = mode, step.at
             self._mode_by = str(step.event.data.get("by", "")) if step.event.kind == "command" else ""
         asked = tuple(question.number for question in self._runner.view.questions)
-        is_news, self._asked = is_news or asked != self._asked, asked
+        is_news = is_news or asked != self._asked or self._next is not self._status
+        self._asked, self._status = asked, self._next
         return is_news or bool(step.moves or step.outcome)
 
     def status(self, status: Status) -> None:
         """The run's status has changed."""
-        self._status = status
+        self._next = status
+        if self._status is None:  # of a run that is resumed, whose last step was reported to others
+            self._status = status
 
     # -- from any thread ----------------------------------------------------------------------------------------------
 
@@ -100,7 +105,7 @@ class RunStatus:
         return StatusView(
             at=now, run=self._runner.run_id, is_resumed=self._runner.is_resumed,
             revision=status.revision if status is not None else 0,
-            mode=run.outcome or run.mode, awaits_start=self._runner.waits, control=run.holder,
+            mode=self._mode, awaits_start=self._runner.waits, control=run.holder,
             active=active, state=state,
             outcome=run.outcome, why=mission.end_words(run.outcome, active) or run.why, began=self._began,
             wanted=tuple(sorted(run.wanted)), held_by=run.held_by, held_since=run.held_since,

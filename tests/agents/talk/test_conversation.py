@@ -18,15 +18,17 @@ from rai_missions.agents.talk.doors import OnSpoken, TalkLine, TextDoor
 from rai_missions.agents.talk.happenings import happenings
 from rai_missions.agents.talk.hri_door import HRIDoor
 from rai_missions.agents.talk.model import MOST_LOOKS, TalkModel
+from rai_missions.agents.talk.run_status import RunStatus
 from rai_missions.connectors.hri.connector import FROM_HUMAN, TO_HUMAN, HRIConnector
 from rai_missions.connectors.hri.message import HRIMessage
 from rai_missions.connectors.local import LocalConnector
-from rai_missions.conversation import Settings, Speech, permissions
+from rai_missions.conversation import Settings, Speech, StatusView, permissions
 from rai_missions.event import Role
 from rai_missions.runtime.clock import WallClock
+from rai_missions.runtime.lifecycle import Status
 from rai_missions.testing import Inbox
 from tests.agents.talk.scenes import RepliesModel, Screen, Talk
-from tests.rigs.runs import KEYS, asking, mission, robot
+from tests.rigs.runs import KEYS, Rig, asking, mission, robot
 
 MOVING: dict[str, Any] = {
     "moving": {"about": "moves to the shed", "action": "move", "timeout_s": 600,
@@ -447,6 +449,22 @@ def test_the_state_that_acts_is_named_where_a_region_waits() -> None:
         running(talk)
         assert "in the state 'moving': it works." in talk.ask("what are you doing?").text
         assert "It has been in the state 'moving' for" in talk.ask("how long have you been doing this?").text
+
+
+def test_a_mode_is_seen_with_what_led_to_it_in_whatever_order_a_run_reports_them() -> None:
+    views = list[StatusView]()
+
+    def changed(status: Status) -> None:
+        seen.status(status)
+        views.append(seen.view())
+
+    rig = Rig(mission(MOVING), on_step=lambda step: seen.step(step), on_status=changed)
+    seen = RunStatus(rig.runner)
+    rig.post("go")
+    rig.run()
+    views.append(seen.view())
+    assert [view.mode for view in views][-1] == "aborted" and len(views) > 2
+    assert all(view.began is not None and view.since is not None for view in views if view.mode == "running")
 
 
 def test_two_regions_ask_at_the_same_time_and_each_is_answered_by_its_own_option() -> None:
