@@ -28,7 +28,7 @@ from rai_missions.replay.resume import resumption
 from rai_missions.runtime.clock import Clock
 from rai_missions.runtime.run_options import NewRun, RunObserver
 from rai_missions.runtime.runner import Runner
-from tests.agents.talk.scenes import HeldOpen
+from tests.agents.talk.scenes import HeldOpen, settle
 from tests.laws.drawn import EVENTS, document
 from tests.laws.test_cut_short import plain, remembered
 from tests.laws.test_side_by_side import NAMED, Surroundings, Thinker, robot, without_request
@@ -114,6 +114,8 @@ class Held:
             self._perform = RunOrders.perform
             patch.setattr(RunOrders, "perform", lambda *given: self._note(*given))
             self.orders, self.agent = RunOrders(self.runner), self._talk() if orders is None else None
+            if self.agent is not None:
+                turns.settle = partial(settle, self.agent)
             turns.play(OVER_S)
             if self.agent is not None:
                 self.agent.conclude(5.0)

@@ -7,6 +7,7 @@ import random
 import shutil
 from collections import Counter
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -26,7 +27,7 @@ from rai_missions.runtime.clock import Clock
 from rai_missions.runtime.requests import OVER
 from rai_missions.runtime.run_options import RunObserver
 from rai_missions.runtime.runner import Runner
-from tests.agents.talk.scenes import HeldOpen
+from tests.agents.talk.scenes import HeldOpen, settle
 from tests.laws.drawn import EVENTS
 from tests.laws.test_side_by_side import NAMED, Surroundings, Thinker
 from tests.laws.test_talk_handover import SETTINGS, Held
@@ -71,6 +72,7 @@ class Resumed:
         self.agent = ConversationalAgent(SETTINGS, doors=[TextDoor("terminal", self.lines.append)], now=turns.now)
         self.agent.attach(self.runner)
         self.agent.run()
+        turns.settle = partial(settle, self.agent)
         self._schedule(random.Random(seed), began)
         turns.play(began + OVER_S)
         self.agent.conclude(5.0)

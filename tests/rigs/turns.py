@@ -113,6 +113,8 @@ class Turns:
         self._seats: list[Seat] = []
         self._moments: list[tuple[float, int, Callable[[], object]]] = []
         self._order = itertools.count()
+        self.settle: Callable[[], object] = lambda: None
+        """Called after each turn: what other threads make of it is over before the next, and before time moves."""
 
     def now(self) -> float:
         return self.at
@@ -141,6 +143,7 @@ class Turns:
             for seat in tuple(self._seats):
                 if seat.is_due:
                     seat.turn()
+                    self.settle()
             if any(seat.is_due for seat in self._seats):
                 continue
             due = min([seat.until for seat in self._seats if not (seat.is_over or seat.is_left)], default=math.inf)

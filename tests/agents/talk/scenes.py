@@ -64,6 +64,12 @@ class Screen:
         return line
 
 
+def settle(agent: ConversationalAgent) -> None:
+    """Wait until a conversation has done all that follows: what is spoken, its end, a look at the doors after that."""
+    for _ in range(3):
+        agent.wait_answered(PATIENCE_S)
+
+
 class HeldOpen:
     """The operator, who is met by talk."""
 
