@@ -59,7 +59,7 @@ class RunStatus:
         self._mode, self._mode_by = runner.view.outcome or runner.view.mode, runner.view.resumed_mode_by
         self._mode_since = runner.view.paused_at
         self._began: float | None = None
-        self._asked: tuple[int, ...] = ()
+        self._questions = runner.view.questions
 
     @property
     def run(self) -> str:
@@ -80,9 +80,9 @@ class RunStatus:
         if is_news:
             self._mode, self._mode_since = mode, step.at
             self._mode_by = str(step.event.data.get("by", "")) if step.event.kind == "command" else ""
-        asked = tuple(question.number for question in self._runner.view.questions)
-        is_news = is_news or asked != self._asked or self._next is not self._status
-        self._asked, self._status = asked, self._next
+        questions = self._runner.view.questions
+        is_news = is_news or questions != self._questions or self._next is not self._status
+        self._questions, self._status = questions, self._next
         return is_news or bool(step.moves or step.outcome)
 
     def status(self, status: Status) -> None:
@@ -97,7 +97,7 @@ class RunStatus:
         """The run now."""
         run, status, mission = self._runner.view, self._status, self._mission
         now, board = run.now(), run.board
-        questions = tuple(each for each in run.questions if each.asked == "operator")
+        questions = tuple(each for each in self._questions if each.asked == "operator")
         active = status.active if status is not None else tuple(
             name for _, name, _ in mission.walk() if name in run.active
         )  # fmt: skip
