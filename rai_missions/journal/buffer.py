@@ -15,7 +15,7 @@ import queue
 import threading
 import time
 import weakref
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 from typing import Any, Protocol
 
@@ -45,7 +45,7 @@ class JournalSink(Protocol):
 
     path: Path
 
-    def write(self, step: Step, *, since: float, quiet: Any = ()) -> int: ...
+    def write(self, step: Step, *, since: float, quiet: Any = (), performed: Iterable[int] = ()) -> int: ...
 
     def confirm(self, number: int, how: str) -> int: ...
 
@@ -186,8 +186,8 @@ class BufferedWriter:
 
     def write(self, step: Step, since: float) -> None:
         """Write a step with what travels."""
-        quiet = tuple(self._carried.values())
-        self._write(lambda journal: journal.write(step, since=since, quiet=quiet))
+        quiet, performed = tuple(self._carried.values()), self._no_longer_travels()
+        self._write(lambda journal: journal.write(step, since=since, quiet=quiet, performed=performed))
         self.silent_from = step.at + QUIET_S if self._journal is not None else math.inf
         self._clear()
 
@@ -235,6 +235,11 @@ class BufferedWriter:
         self._carried.clear()
         self._since = math.inf
 
+    def _no_longer_travels(self) -> Sequence[int]:
+        """The steps whose confirmation is written now."""
+        performed, self._performed = self._performed, []
+        return performed
+
     def _write(self, write: Callable[[JournalSink], object]) -> None:
         """Have something written, behind the confirmation that travels, and wait until it is."""
         if (journal := self._journal) is None:
@@ -242,7 +247,7 @@ class BufferedWriter:
         if self._is_lost:
             raise _unanswered()
         begun_at, outcome = list[float](), list[BaseException | None]()
-        performed, self._performed = self._performed, []
+        performed = self._no_longer_travels()
 
         def do() -> None:
             begun_at.append(time.monotonic())

@@ -43,6 +43,8 @@ LEFT_OUT = ("migrated", "programs", "played")
 """Fields of row 0 that are written only where they hold something."""
 Raw = tuple[int, Any, Any, Any]
 """A row as it is in the file: number, kind, content and hash."""
+ENCODER = json.JSONEncoder(separators=(",", ":"), allow_nan=False)
+"""Writes a row's content; `json.dumps` would make one for each row."""
 Blob = tuple[str, str, bytes]
 """Bytes that a journal keeps: their SHA-256 in hex, their media type, and they themselves."""
 
@@ -125,7 +127,7 @@ def text_of(content: Any) -> str:
         UsageError: Something in it that JSON has not.
     """
     try:
-        return json.dumps(content, separators=(",", ":"), allow_nan=False)
+        return ENCODER.encode(content)
     except (ValueError, TypeError) as error:
         raise UsageError(
             f"a journal holds plain data: {error}; make plain data of it before it becomes a step"

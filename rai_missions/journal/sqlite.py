@@ -27,6 +27,7 @@ __all__ = (
     "FILES",
     "FORMAT",
     "LONGEST_BYTES",
+    "MORE",
     "ROW",
     "Closable",
     "Connection",
@@ -59,6 +60,8 @@ COLUMNS = {
     "blobs": "sha256 TEXT PRIMARY KEY, media_type TEXT NOT NULL, bytes BLOB NOT NULL",
 }
 ROW = "INSERT INTO rows VALUES (?, ?, ?, ?)"
+MORE = ", (?, ?, ?, ?)"
+"""Another row in the same statement, which is a transaction by itself."""
 BLOB = "INSERT OR IGNORE INTO blobs VALUES (?, ?, ?)"
 TABLES = {name: f"CREATE TABLE {name} ({columns})" for name, columns in COLUMNS.items()}
 SCHEMA = sorted(

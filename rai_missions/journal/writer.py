@@ -12,9 +12,10 @@ import platform
 import threading
 import time
 import uuid
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
 from functools import cache
+from itertools import chain
 from pathlib import Path
 from typing import Any, Self
 
@@ -27,6 +28,7 @@ from rai_missions.journal.open_files import OPEN
 from rai_missions.journal.rows import GENESIS, Blob, Header, Raw, chained, text_of, written_header
 from rai_missions.journal.sqlite import (
     BLOB,
+    MORE,
     ROW,
     Closable,
     Connection,
@@ -44,6 +46,7 @@ from rai_missions.journal.sqlite import (
 __all__ = ("Journal", "versions")
 
 CLOSE_S = 1.0
+NO_PICTURES: Mapping[str, Image] = {}
 LAST = "SELECT number, hash FROM rows ORDER BY number DESC LIMIT 1"
 Redact = Callable[[str], str]
 """Takes secrets out of a row's JSON text before it is written; what it gives must be JSON of the same shape."""
@@ -104,7 +107,7 @@ class Journal(Closable):
         lock, journal = Lock(path, new=True), None
         try:
             journal = cls(path, lock, new=True, redact=redact, witness=witness)
-            journal._append("header", written_header(_filled(header)))
+            journal._append([("header", written_header(_filled(header)))])
             OPEN.opened(journal)
         except BaseException:
             if journal is not None:
@@ -148,13 +151,17 @@ class Journal(Closable):
             raise
         return journal
 
-    def write(self, step: Step, *, since: float, quiet: Iterable[tuple[str, Any, float]] = ()) -> int:
+    def write(
+        self, step: Step, *, since: float, quiet: Iterable[tuple[str, Any, float]] = (), performed: Iterable[int] = ()
+    ) -> int:
         """Writes a step, and gives the number of its row.
 
         Args:
             step: What an event did.
             since: The engine's clock right before the event was taken, seconds.
             quiet: The blackboard writes that enabled nothing since the last row: key, value, stamp; newest of a key.
+            performed: The numbers of steps whose effects were carried out. Each is confirmed by a row of its own before
+                this one, and is lost with it.
 
         Raises:
             ConnectorError: The row was not written: the disk is full or gone. Nothing of the step may be performed.
@@ -164,15 +171,16 @@ class Journal(Closable):
         before = [[key, to_json(value), at] for key, value, at in quiet]
         content: dict[str, Any] = {"since": since, **({"before": before} if before else {})}
         content["step"] = encode(step, lambda image: _digest(image, pictures))
-        return self._append("step", text_of(content), pictures)
+        confirmed = [_confirmation(number, "performed") for number in performed]
+        return self._append([*confirmed, ("step", text_of(content))], pictures)
 
     def confirm(self, number: int, how: str) -> int:
         """Writes that the effects of a step, named by its number, were carried out; raises as `write` does."""
-        return self._append("confirmation", text_of({"number": number, "how": how}))
+        return self._append([_confirmation(number, how)])
 
     def note(self, text: str, data: Any = None) -> int:
         """Writes something that a reader should know; raises as `write` does."""
-        return self._append("note", text_of({"text": text, "data": to_json(data)}))
+        return self._append([("note", text_of({"text": text, "data": to_json(data)}))])
 
     def close(self) -> None:
         """Ends the writing; doing so twice changes nothing.
@@ -245,24 +253,34 @@ class Journal(Closable):
             self._is_new_log = False
             end_of_opening(database)
 
-    def _append(self, kind: str, content: str, pictures: dict[str, Image] | None = None) -> int:
-        if self._redact is not None:
-            content = self._redact(content)
+    def _append(self, contents: Iterable[tuple[str, str]], pictures: Mapping[str, Image] = NO_PICTURES) -> int:
+        """Write rows, all or none, and give the number of the last.
+
+        Args:
+            contents: Of each its kind and its content.
+            pictures: What comes with the last, by SHA-256.
+        """
+        blobs = tuple(
+            (name, media_type(image.encoding, image.width, image.height), image.data)
+            for name, image in pictures.items()
+        )
         with self._alone:
-            number = self._number + 1
-            digest = chained(self._hash, number, kind, content)
-            blobs = tuple(
-                (name, media_type(image.encoding, image.width, image.height), image.data)
-                for name, image in (pictures or {}).items()
-            )
-            raw = (number, kind, content, digest)
-            self._run([*((BLOB, blob) for blob in blobs), (ROW, raw)], f"row {number}")
+            number, digest, rows = self._number, self._hash, list[Raw]()
+            for kind, content in contents:
+                text = content if self._redact is None else self._redact(content)
+                number += 1
+                digest = chained(digest, number, kind, text)
+                rows.append((number, kind, text, digest))
+            statement = ROW + MORE * (len(rows) - 1)
+            lost = f"row {number} is lost" if len(rows) == 1 else f"rows {rows[0][0]} to {number} are lost"
+            self._run([*((BLOB, blob) for blob in blobs), (statement, [*chain(*rows)])], lost)
             self._number, self._hash = number, digest
             if self._witness is not None:
-                self._witness(raw, blobs)
+                for row in rows:
+                    self._witness(row, blobs if row is rows[-1] else ())
         return number
 
-    def _run(self, statements: list[tuple[str, tuple[Any, ...]]], what: str) -> None:
+    def _run(self, statements: list[tuple[str, Sequence[Any]]], lost: str) -> None:
         """All or nothing; a single statement is a transaction by itself."""
         if not self._open:
             raise UsageError(f"the journal {self.path} is closed; open it again to write")
@@ -284,7 +302,7 @@ class Journal(Closable):
                 if database is not None:
                     database.rollback()
             why = out_of_files() or error
-            raise ConnectorError(f"the journal {self.path} cannot be written: {why}; {what} is lost") from error
+            raise ConnectorError(f"the journal {self.path} cannot be written: {why}; {lost}") from error
         self.written = time.monotonic()
 
 
@@ -294,6 +312,11 @@ def _filled(header: Header) -> Header:
         started=header.started or datetime.datetime.now(datetime.UTC).isoformat(timespec="milliseconds"),
         versions=versions() | dict(header.versions),
     )
+
+
+def _confirmation(number: int, how: str) -> tuple[str, str]:
+    """Kind and content of the row that reports what became of a step's effects."""
+    return "confirmation", text_of({"number": number, "how": how})
 
 
 def _digest(image: Image, pictures: dict[str, Image]) -> str:

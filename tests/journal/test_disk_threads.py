@@ -30,7 +30,7 @@ class Disk:
         self.path, self.hangs, self.notes = Path("none"), hangs, list[str]()
         self.is_waiting = threading.Event()
 
-    def write(self, step: Step, *, since: float, quiet: Any = ()) -> int:
+    def write(self, step: Step, *, since: float, quiet: Any = (), performed: Any = ()) -> int:
         return 0
 
     def confirm(self, number: int, how: str) -> int:

@@ -18,9 +18,9 @@ from rai_missions.errors import ConnectorError, DefinitionError, MissionError, U
 from rai_missions.event import Event
 from rai_missions.image import Image
 from rai_missions.journal import Confirmation, Header, Journal, Note, Record, StepRow, make_way, read, verify
-from rai_missions.journal.rows import GENESIS, chained
+from rai_missions.journal.rows import GENESIS, Blob, Raw, chained
 from rai_missions.journal.sqlite import LONGEST_BYTES
-from tests.rigs.journals import anomalies, blackboard_writes, listing, shown, steps
+from tests.rigs.journals import anomalies, blackboard_writes, listing, raw_rows_of, shown, steps
 
 HEADER = Header('{"format": 1}', profile="{}", arguments={"alleys": 6}, run="r1")
 
@@ -57,6 +57,28 @@ def test_a_run_that_was_written_is_the_run_that_is_read(
     with read(path) as record:
         assert list(record.steps()) == [step for step, _ in run]
         assert [row.before for row in record.entries()] == [tuple(quiet) for _, quiet in run]
+
+
+@settings(max_examples=settings.default.max_examples * 2 // 5)
+@given(st.lists(st.tuples(steps, st.lists(st.integers(0, 9), max_size=3)), max_size=4))
+def test_confirmations_written_with_a_step_are_the_rows_of_those_written_before_it(
+    tmp_path_factory: pytest.TempPathFactory, run: list[tuple[Step, list[int]]]
+) -> None:
+    folder, seen = tmp_path_factory.mktemp("run"), list[tuple[Raw, tuple[Blob, ...]]]()
+    header = HEADER._replace(started="2026-01-01T00:00:00.000+00:00")
+    with (
+        Journal.create(folder / "j", header, witness=lambda *row: seen.append(row)) as journal,
+        Journal.create(folder / "twin", header) as twin,
+    ):
+        for step, performed in run:
+            journal.write(step, since=1.25, performed=performed)
+            for number in performed:
+                twin.confirm(number, "performed")
+            twin.write(step, since=1.25)
+    assert raw_rows_of(folder / "j") == raw_rows_of(folder / "twin") == [raw for raw, _ in seen]
+    with read(folder / "j") as record:
+        assert {blob[0] for blob in record.pictures()} == {blob[0] for _, blobs in seen for blob in blobs}
+    assert all(raw[1] == "step" for raw, blobs in seen if blobs)
 
 
 def test_every_row_is_read_in_its_order(path: Path) -> None:
@@ -153,6 +175,15 @@ def test_a_row_that_was_not_written_leaves_the_chain_whole(tmp_path: Path) -> No
         with pytest.raises(ConnectorError, match=r"j cannot be written: database or disk is full; row 1 is lost"):
             journal.note("x" * 100_000)
         assert journal.note("short") == 1
+    assert verify(path) == ()
+
+
+def test_a_step_that_was_not_written_takes_its_confirmations_with_it(tmp_path: Path) -> None:
+    path = tmp_path / "j"
+    with Journal.create(path, HEADER) as journal:
+        with pytest.raises(ConnectorError, match="too big; rows 1 to 3 are lost"):
+            journal.write(anomalies(1)[0]._replace(why="x" * LONGEST_BYTES), since=0.0, performed=(4, 5))
+        assert journal.confirm(4, "performed") == 1
     assert verify(path) == ()
 
 

@@ -118,7 +118,7 @@ class MemoryJournal:
         self.notes: list[str] = []
         self.on_write: Callable[[Step], None] = lambda step: None
 
-    def write(self, step: Step, *, since: float, quiet: Any = ()) -> int:
+    def write(self, step: Step, *, since: float, quiet: Any = (), performed: Any = ()) -> int:
         self.on_write(step)
         if step.event.name == self._hangs_at:
             self.hangs.set()
