@@ -36,6 +36,10 @@ class Language(LanguageTexts):
         self.normaliser = Normaliser(data, by=cut)
         self.articles = frozenset(data["articles"])
         self._plural_ending: str = data["plural_ending"]
+        verbs: Mapping[str, Sequence[str]] = data["verbs"]
+        senses = {_part(verb): "|".join(each) for verb, each in verbs.items()}
+        self.parts: Mapping[str, str] = {**data["parts"], **senses}
+        self._verb = re.compile(rf"(?<![\w{{<])({'|'.join(sorted(verbs, key=len, reverse=True))})(?![\w}}>])")
         self.orders, self.warnings, self.questions = map(self._named_phrases, ("orders", "warnings", "questions"))
         self.yes, self.no, self.quiet, self.withdraw = map(self._phrases, ("yes", "no", "quiet", "withdraw"))
         self.again, self.other = self._phrases("again"), self._phrases("other")
@@ -46,10 +50,10 @@ class Language(LanguageTexts):
         self.statement, self.wish = self._phrases("statement"), self._phrases("wish")
 
     def _phrases(self, name: str) -> Phrases:
-        return Phrases(self.data[name], self.data["parts"])
+        return Phrases(self.data[name], self.parts)
 
     def _named_phrases(self, name: str) -> dict[str, Phrases]:
-        return {each: Phrases(phrases, self.data["parts"]) for each, phrases in self.data[name].items()}
+        return {each: Phrases(phrases, self.parts) for each, phrases in self.data[name].items()}
 
     def vocabulary(self) -> frozenset[str]:
         """Every word of the grammar: what a misspelled word may be meant as."""
@@ -80,9 +84,20 @@ class Language(LanguageTexts):
         Raises:
             UsageError: One is not closed, or names a part that does not exist.
         """
+        return Phrases(map(self._own, phrases), self.parts)
+
+    def order_phrases(self, phrases: Iterable[str]) -> Phrases:
+        """The same of orders: a verb that the language lists is any verb of its sense, as `head` is for `go`.
+
+        Raises:
+            UsageError: One is not closed, or names a part that does not exist.
+        """
         return Phrases(
-            [WORD.sub(lambda found: self.written_out(found[0]), each) for each in phrases], self.data["parts"]
+            [self._verb.sub(lambda found: f"<{_part(found[0])}>", self._own(each)) for each in phrases], self.parts
         )
+
+    def _own(self, phrase: str) -> str:
+        return WORD.sub(lambda found: self.written_out(found[0]), phrase)
 
     def written_out(self, text: str) -> str:
         """The words as a sentence has them once it is read; a slot or a part as it is."""
@@ -120,6 +135,11 @@ class Language(LanguageTexts):
         """The word of a table for a name of the format; the name itself where it has none."""
         found: str = self.data[table].get(name, spoken(name))
         return found
+
+
+def _part(verb: str) -> str:
+    """The name of a verb as a part of phrases: `look_around`."""
+    return verb.replace(" ", "_")
 
 
 def languages() -> tuple[str, ...]:

@@ -86,10 +86,12 @@ class Phrases:
     """
 
     def __init__(self, phrases: Iterable[str], parts: Mapping[str, str]) -> None:
+        phrases = list(phrases)
         compiled = [_compiled(phrase, parts) for phrase in phrases]
         self._each = [re.compile(each) for each in compiled]
         slotless = [f"(?:{re.sub(r'[(][?]P<[^>]+>', '(?:', each)})" for each in compiled]
-        self._any = re.compile("|".join(slotless) or NOTHING)
+        self.pattern = "|".join(slotless) or NOTHING
+        self._any = re.compile(self.pattern)
         self.slots = frozenset(slot for each in self._each for slot in each.groupindex)
         sources = " ".join([*phrases, *parts.values()])
         self.words = frozenset(re.findall(r"[^\W\d_]+", re.sub(r"\{\w+\}|<\w+>", " ", sources)))

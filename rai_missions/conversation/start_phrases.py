@@ -83,7 +83,7 @@ class StartPhrases:
         self.words = frozenset(named).union(*(each.phrases.words for each in self._each))
 
     def _compiled(self, given: StartPhrase) -> CompiledPhrase:
-        phrases = self._language.own_phrases([given.phrase])
+        phrases = self._language.order_phrases([given.phrase])
         is_value = example_of(given.phrase) == VALUE
         return CompiledPhrase(phrases, given, arguments_of(phrases.slots, given.arguments), is_value)
 
