@@ -270,10 +270,16 @@ class Grammar:
         for slots in self.language.indirect.match(words) if depth else ():
             inner = (slots.get("question") or slots["clause"]).split()
             forms = self._direct(inner) if "clause" in slots else [inner]
-            each = (tuple(self._questions(form, view)) for form in forms)
+            each = (self._asked(form, view) for form in forms)
             if found := next(filter(None, each), ()) or self._indirect(inner, view, depth - 1):
                 return found
         return ()
+
+    def _asked(self, words: list[str], view: StatusView) -> tuple[Sense, ...]:
+        """The question that words are; with the order to look for its thing, where a phrase of the robot has one."""
+        asked = list(self._questions(words, view))
+        is_order = any(each.thing for each in asked)
+        return tuple(self._asked_or_ordered(asked, self._phrased(words, view))) if is_order else tuple(asked)
 
     def _direct(self, words: list[str]) -> Iterator[list[str]]:
         """The words of a clause, then with a verb of it or an auxiliary ahead of the subject: `where are you`."""

@@ -183,10 +183,11 @@ class SentenceSide:
         """
         if self._talk.settings.has_model or utterance.is_spoken or self._orders.confirmation.order is not None:
             return ()
-        sense = self._suggestions.suggested(cut(utterance.text, 10_000), self._talk.view)
-        if sense is None or any(not each.lacks or set(each.lacks) - sense.arguments.keys() for each in faults):
+        senses = self._suggestions.suggested(cut(utterance.text, 10_000), self._talk.view)
+        if not senses or any(not each.lacks or set(each.lacks) - senses[-1].arguments.keys() for each in faults):
             return ()
-        return (sense,) if sense.kind != "order" or self._is_possible(sense, utterance) else ()
+        is_order = senses[-1].kind == "order"
+        return self._answerable(senses) if not is_order or self._is_possible(senses[-1], utterance) else ()
 
     def _answerable(self, senses: Sequence[Sense]) -> tuple[Sense, ...]:
         """The question, where a fact answers it; else the order that it is, too, to be read back: `where is my cup`."""

@@ -24,6 +24,8 @@ VALUE = "…"
 """The plainest sentence of a phrase that needs no word but a value."""
 SLOT = re.compile(r"\{(\w+)\}")
 """The place of a value in a text: `stack {rest}`."""
+MOST_DESCRIBING = 4
+"""Words ahead of a listed value that may describe it."""
 
 Names = Mapping[str, Mapping[str, Any]]
 """Argument → the words for each of its values, where it has no other values."""
@@ -78,6 +80,10 @@ class StartPhrases:
 
     def __init__(self, given: Sequence[StartPhrase], names: Names, language: Language) -> None:
         self._names, self._language = names, language
+        data = language.data
+        spatial = frozenset(data["parts"]["spatial"].replace("|", " ").split()) - frozenset(data["prepositions"])
+        joints = frozenset([*data["order_joints"], language.text("or")])
+        self._undecided = spatial | joints | frozenset(data["no_thing"]["any"])
         self._each = [self._compiled(each) for each in given]
         named = (word for choices in names.values() for name in choices for word in self._called(name).split())
         self.words = frozenset(named).union(*(each.phrases.words for each in self._each))
@@ -126,7 +132,7 @@ class StartPhrases:
             ]
             if fitting:
                 slots, each = max(fitting, key=lambda one: len(one[0]) or math.inf)
-                yield self._start(mission, slots, each.given.arguments, keys)
+                yield self._start(mission, slots, each, keys)
 
     def _texts(self, keys: Mapping[str, KeyView]) -> frozenset[str]:
         """The arguments that take any words."""
@@ -139,15 +145,18 @@ class StartPhrases:
         return words[is_article] not in excluded["first"] and not set(words) & set(excluded["any"])
 
     def _start(
-        self, mission: MissionView, slots: Mapping[str, str], given: Mapping[str, Any], keys: Mapping[str, KeyView]
+        self, mission: MissionView, slots: Mapping[str, str], phrase: CompiledPhrase, keys: Mapping[str, KeyView]
     ) -> Sense:
-        values: dict[str, Any] = {name: _filled(value, slots) for name, value in given.items()}
+        values: dict[str, Any] = {name: _filled(value, slots) for name, value in phrase.given.arguments.items()}
         faults = dict[str, str]()
         for name, words in ((name, words.split()) for name, words in slots.items() if name in keys):
             try:
                 values[name] = self.value(words, keys[name])
             except BadValue as error:
-                faults[name] = str(error)
+                if meant := [] if phrase.is_value else self._ending(words, keys[name]):
+                    values[name] = meant[0]
+                else:
+                    faults[name] = str(error)
         sense = Sense(
             "order",
             "start",
@@ -195,6 +204,16 @@ class StartPhrases:
         called = ((value, {name.lower(), self._called(name)}) for name, value in self.choices(key.name).items())
         return [value for value, names in called if given in {name.replace(" ", "") for name in names}]
 
+    def _ending(self, words: Sequence[str], key: KeyView) -> list[Any]:
+        """The values of an argument that words end with, after a few that describe it: `mum in the kitchen`.
+
+        None where they may be another place: `the office next to the kitchen`, `the kitchen or the study`.
+        """
+        if set(words) & self._undecided:
+            return []
+        starts = range(1, min(len(words), MOST_DESCRIBING + 1))
+        return next(filter(None, (self._meant(words[at:], key) for at in starts)), [])
+
     def argument(self, words: Sequence[str], key: KeyView, language: Language) -> Any:
         """The value of an argument that is named: by its words, or as the mission has it.
 
@@ -226,7 +245,7 @@ class StartPhrases:
             raise BadValue(self._language.text("pronoun", given=given, name=self._language.name_of(key.name)), key.name)
         bare = list(words[1:] if len(words) > 1 and words[0] in articles else words)
         if key.name not in self._names:
-            return key_value(bare, key, self._language)
+            return key_value(bare if key.type == "string" else words, key, self._language)
         if meant := self._meant(bare, key):
             return meant[0]
         known = self._language.listed([spoken(name) for name in self._names[key.name]], "or")

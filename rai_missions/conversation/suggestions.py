@@ -47,36 +47,48 @@ class Suggestions:
         self._requesting = frozenset(data["requesting"])
         self._asking = frozenset(data["asking"]) - self._requesting
 
-    def suggested(self, text: str, view: StatusView) -> Sense | None:
-        """The one order in it, or else its first question, or what an order in it lacks; None with a condition.
+    def suggested(self, text: str, view: StatusView) -> tuple[Sense, ...]:
+        """The one order in it, or else its first question, or what an order in it lacks; empty with a condition.
+
+        A question for a thing comes with the order to look for it.
 
         Args:
             text: The sentence, as it was received, which means nothing as a whole, or has values that do not fit.
             view: The run.
         """
-        clauses = list(self._clauses(text)) if QUOTING not in text else []
+        clauses = self._joined(list(self._clauses(text)), view) if QUOTING not in text else []
         if len(clauses) > MOST_CLAUSES or any(words[0] in self._conditions for words in clauses):
-            return None
-        orders, others = dict[str, Sense](), list[Sense]()
+            return ()
+        orders, others = dict[str, tuple[Sense, ...]](), list[Sense]()
         is_question = text.rstrip().endswith("?")
         is_addressed = any(self._addressing & set(words) for words in clauses)
         for at, words in enumerate(clauses):
             senses = self._clause(words, view) or (() if is_question else self._bidden(words, view))
             if any(sense.kind in REPLIES or sense == STOP for sense in senses):
-                return None
+                return ()
             order = _order(senses) or self._resolved(words, clauses[:at], senses, view)
             order = order or self._inside(words, view, is_addressed=is_addressed, is_question=is_question)
-            if order is not None:
-                orders[order.identity] = order._replace(is_partial=True)
+            if order:
+                orders[order[-1].identity] = (*order[:-1], order[-1]._replace(is_partial=True))
             elif senses and senses[0].kind in ("question", "fault") and senses[0].name not in ALWAYS:
                 others.append(senses[0])
         if orders:
-            return next(iter(orders.values())) if len(orders) == 1 else None
-        return min(others, key=lambda sense: sense.kind == "fault", default=None)
+            return next(iter(orders.values())) if len(orders) == 1 else ()
+        return tuple(sorted(others, key=lambda sense: sense.kind == "fault")[:1])
+
+    def _joined(self, clauses: list[list[str]], view: StatusView) -> list[list[str]]:
+        """The clauses; two that are an order together are one: `it would be nice, if you went home`."""
+        made = list[list[str]]()
+        for words in clauses:
+            is_second = bool(made) and words[0] in self._conditions
+            if is_second and _order(self._grammar.sentence([*made[-1], *words], view)):
+                words = [*made.pop(), *words]
+            made.append(words)
+        return made
 
     def _clauses(self, text: str) -> Iterator[list[str]]:
         """The words of each clause: what is between commas, and around the words that join clauses."""
-        for clause in self._language.normaliser.clauses(text):
+        for clause in self._language.normaliser.remarks(text):
             part = list[str]()
             for word in self._language.normaliser.words(clause):
                 if word not in self._joints:
@@ -90,7 +102,8 @@ class Suggestions:
     def _clause(self, words: list[str], view: StatusView) -> tuple[Sense, ...]:
         """What a clause means; nothing where it is one word that has to be mended: no launch of `since lunch`."""
         is_word = len(words) > 1 or self._grammar.knows(words[0])
-        return self._grammar.sentence(words, view) if is_word else ()
+        senses = self._grammar.sentence(words, view) if is_word else ()
+        return tuple(each for each in senses if each.kind not in ("yes", "no")) or senses
 
     def _bidden(self, words: list[str], view: StatusView) -> tuple[Sense, ...]:
         """What a clause orders that begins with whom it bids: `you go home`."""
@@ -99,27 +112,27 @@ class Suggestions:
 
     def _resolved(
         self, words: list[str], before: Sequence[list[str]], senses: Sequence[Sense], view: StatusView
-    ) -> Sense | None:
+    ) -> tuple[Sense, ...]:
         """The order of a clause that lacks a value and has a pronoun, with the thing that was named last in its place.
 
         One that a fact has a word of comes before the others: the cup of `I put my cup down this morning. Find it!`
         """
         places = [at for at, word in enumerate(words) if word in self._pronouns]
         if len(places) != 1:
-            return None
+            return ()
         (at,) = places
         if not any(sense.lacks for sense in senses or self._grammar.sentence(words[: at + 1], view)):
-            return None
+            return ()
         named, known = self._things_of(before), self._words_of_facts(view)
         rests = (words[at + 1 :], []) if len(words) - at <= LONGEST_THING else (words[at + 1 :],)
         for thing in sorted(named, key=lambda thing: not known & set(thing)):
             for rest in rests:
                 order = _order(self._grammar.sentence([*words[:at], *thing, *rest], view))
-                if order is not None and " ".join(thing) in self._grammar.open_texts(order):
+                if order and " ".join(thing) in self._grammar.open_texts(order[-1]):
                     return order
-        return None
+        return ()
 
-    def _inside(self, words: list[str], view: StatusView, *, is_addressed: bool, is_question: bool) -> Sense | None:
+    def _inside(self, words: list[str], view: StatusView, *, is_addressed: bool, is_question: bool) -> tuple[Sense, ...]:
         """The one start within a clause that has more words; None with a negation or in a question.
 
         Args:
@@ -130,7 +143,7 @@ class Suggestions:
         """
         is_request = bool(self._requesting & set(words))
         if self._negations & set(words) or words[0] in self._asking or (is_question and not is_request):
-            return None
+            return ()
         found, at = dict[str, Sense](), 0
         while at < len(words):
             may_begin = at == 0 or (is_addressed and words[at - 1] not in self._no_order_after)
@@ -138,14 +151,14 @@ class Suggestions:
             if sense is not None:
                 found[sense.identity] = sense
             at += size or 1
-        return next(iter(found.values())) if len(found) == 1 else None
+        return tuple(found.values()) if len(found) == 1 else ()
 
     def _longest(self, words: list[str], view: StatusView) -> tuple[Sense | None, int]:
         """The longest start that the words begin with, and how many words it has; None and 0 where there is none."""
         for size in range(len(words), 1, -1) if self._grammar.begins_a_start(words) else ():
             sense = self._grammar.start_in(words[:size], view)
             if sense is None and size == len(words):
-                sense = _order([each for each in self._grammar.sentence(words, view) if each.name == "start"])
+                sense = next(iter(_order([each for each in self._grammar.sentence(words, view) if each.name == "start"])), None)
             if sense is not None and self._is_whole(sense, words[size:]):
                 return sense, size
         return None, 0
@@ -185,7 +198,11 @@ class Suggestions:
             yield words
 
 
-def _order(senses: Sequence[Sense]) -> Sense | None:
-    """What a clause orders, where it can mean nothing else; an answer is none, for it needs its question."""
-    is_order = len(senses) == 1 and senses[0].kind == "order" and senses[0].name != "answer"
-    return senses[0] if is_order else None
+def _order(senses: Sequence[Sense]) -> tuple[Sense, ...]:
+    """What a clause orders, where it can mean nothing else, after the question for its thing that it may be as well.
+
+    An answer is none, for it needs its question.
+    """
+    orders = [sense for sense in senses if sense.kind == "order" and sense.name != "answer"]
+    is_else = any(not sense.thing for sense in senses if sense not in orders)
+    return tuple(senses) if len(orders) == 1 and senses[-1] in orders and not is_else else ()

@@ -65,6 +65,7 @@ class Normaliser:
         self._lead = _by_length(data["lead"])
         self._tail = _by_length(data["tail"])
         self._reporting = frozenset(data["reporting"])
+        self._quoting = frozenset(data["quoting"])
         self._articles = frozenset(data["articles"])
 
     def words(self, text: str) -> list[str]:
@@ -128,14 +129,18 @@ class Normaliser:
 
     def parts(self, text: str) -> list[str]:
         """The sentences of an utterance; one alone where it quotes or reports the words of others."""
-        return self._split(text, SENTENCES)
+        return self._split(text, SENTENCES, self._reporting)
 
     def clauses(self, text: str) -> list[str]:
         """The parts of an utterance between its commas; one alone where it quotes or reports the words of others."""
-        return self._split(text, CLAUSES)
+        return self._split(text, CLAUSES, self._reporting)
 
-    def _split(self, text: str, at: re.Pattern[str]) -> list[str]:
-        if QUOTES.search(text) or self._reporting & set(self.words(text)):
+    def remarks(self, text: str) -> list[str]:
+        """The same where others may be named, and only their words are left whole: `he wants his ball, find it`."""
+        return self._split(text, CLAUSES, self._quoting)
+
+    def _split(self, text: str, at: re.Pattern[str], reporting: frozenset[str]) -> list[str]:
+        if QUOTES.search(text) or reporting & set(self.words(text)):
             return [text]
         return [each for each in at.split(text.strip()) if each]
 
