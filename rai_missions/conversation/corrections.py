@@ -69,7 +69,9 @@ class Corrections:
         return self._fault(sense, bare, named)
 
     def _is_text(self, words: Sequence[str], key: KeyView, draft: Draft) -> bool:
-        """Whether any words may be the text: it is asked for, or they are marked as a correction or by an article."""
+        """Whether words may be the text: they name a thing, and it is asked for, or marked as a correction."""
+        if not self._phrases.may_be_thing(words):
+            return False
         return not draft.is_asked_for or key.name in draft.sense.lacks or words[0] in self._language.articles
 
     def completed(self, words: Sequence[str], draft: Draft, view: StatusView) -> Sense | None:

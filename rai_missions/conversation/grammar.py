@@ -66,6 +66,7 @@ class Grammar:
         self._own_questions = [(language.own_phrases([each]), path) for each, path in questions.items()]
         words = frozenset(word for each, _ in self._own_questions for word in each.words)
         self._things = frozenset(language.data["thing_pronouns"]) - frozenset(language.data["articles"])
+        self._subjects = frozenset(language.data["pronouns"]) - frozenset(language.data["thing_pronouns"])
         self._persons = frozenset(language.data["pronouns"]) - language.articles
         self._vocabulary = language.vocabulary() | self._phrases.words | words
 
@@ -103,9 +104,11 @@ class Grammar:
         return [value for value in values if isinstance(value, str)]
 
     def is_complete(self, sense: Sense, rest: Sequence[str]) -> bool:
-        """Whether words behind a start cannot belong to its values: it has none, or only such as a list has."""
-        return not rest or all(
-            self._phrases.choices(name) or isinstance(sense.arguments[name], str) for name in sense.named
+        """Whether words behind a start cannot belong to its values: all are of a list, or another subject follows."""
+        return (
+            not rest
+            or rest[0] in self._subjects
+            or all(self._phrases.choices(name) or isinstance(sense.arguments[name], str) for name in sense.named)
         )
 
     def begins_a_start(self, words: Sequence[str]) -> bool:
@@ -239,11 +242,11 @@ class Grammar:
         """What of a sentence may be what is meant, the likeliest first; what is not asked for is not worked out."""
         normaliser, called = self.language.normaliser, _called(view.robot)
         yield bare
+        yield from self._polite(words, called)
         yield words
         yield self._unnamed(bare, view)
         yield normaliser.bare(words, called, is_tail_first=True)
         yield from self._ungreeted(words)
-        yield from self._polite(words, called)
         yield from self._infinitive(words)
         yield from normaliser.openings(words, called)
 
@@ -282,14 +285,14 @@ class Grammar:
         return tuple(self._asked_or_ordered(asked, self._phrased(words, view))) if is_order else tuple(asked)
 
     def _direct(self, words: list[str]) -> Iterator[list[str]]:
-        """The words of a clause, then with a verb of it or an auxiliary ahead of the subject: `where are you`."""
-        yield words
+        """The words of a clause with a verb ahead of the subject, `where are you`; then as they are."""
         subjects = self.language.data["subjects"]
         at = next((at for at, word in enumerate(words) if word in subjects), len(words))
-        for verb in range(at + 1, len(words)):
+        for verb in range(len(words) - 1, at, -1):
             yield [*words[:at], words[verb], *words[at:verb], *words[verb + 1 :]]
         for auxiliary in self.language.data["auxiliaries"] if at < len(words) else ():
             yield [*words[:at], auxiliary, *words[at:]]
+        yield words
 
     def _ungreeted(self, words: list[str]) -> Iterator[list[str]]:
         """The words after a greeting: `good morning, who are you?`; then the greeting, where they are but a name."""

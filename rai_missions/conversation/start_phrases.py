@@ -7,6 +7,7 @@ Rule: a sentence of this kind is a start like any other: read back, confirmed, a
 
 from __future__ import annotations
 
+import contextlib
 import math
 import re
 from collections.abc import Iterator, Mapping, Sequence
@@ -128,7 +129,7 @@ class StartPhrases:
                 for each in phrases
                 if each.keys <= keys.keys()
                 for slots in each.phrases.match(words)
-                if all(self._may_be_thing(slots[name].split()) for name in slots.keys() & texts)
+                if all(self.may_be_thing(slots[name].split()) for name in slots.keys() & texts)
             ]
             if fitting:
                 slots, each = max(fitting, key=lambda one: len(one[0]) or math.inf)
@@ -138,7 +139,7 @@ class StartPhrases:
         """The arguments that take any words."""
         return frozenset(name for name, key in keys.items() if key.type == "string" and name not in self._names)
 
-    def _may_be_thing(self, words: Sequence[str]) -> bool:
+    def may_be_thing(self, words: Sequence[str]) -> bool:
         """Whether words may name something: not `out what the time is`, of `find out what the time is`."""
         excluded = self._language.data["no_thing"]
         is_article = len(words) > 1 and words[0] in self._language.articles
@@ -204,6 +205,17 @@ class StartPhrases:
         called = ((value, {name.lower(), self._called(name)}) for name, value in self.choices(key.name).items())
         return [value for value, names in called if given in {name.replace(" ", "") for name in names}]
 
+    def _given(self, words: Sequence[str], bare: Sequence[str], key: KeyView) -> Any:
+        """The value of words with their article, where that is a number: `eine Minute`; else of those without it.
+
+        Raises:
+            BadValue: They are none.
+        """
+        with contextlib.suppress(BadValue):
+            if key.type != "string":
+                return key_value(words, key, self._language)
+        return key_value(bare, key, self._language)
+
     def _ending(self, words: Sequence[str], key: KeyView) -> list[Any]:
         """The values of an argument that words end with, after a few that describe it: `mum in the kitchen`.
 
@@ -245,7 +257,7 @@ class StartPhrases:
             raise BadValue(self._language.text("pronoun", given=given, name=self._language.name_of(key.name)), key.name)
         bare = list(words[1:] if len(words) > 1 and words[0] in articles else words)
         if key.name not in self._names:
-            return key_value(bare if key.type == "string" else words, key, self._language)
+            return self._given(words, bare, key)
         if meant := self._meant(bare, key):
             return meant[0]
         known = self._language.listed([spoken(name) for name in self._names[key.name]], "or")

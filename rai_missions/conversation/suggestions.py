@@ -40,6 +40,8 @@ class Suggestions:
         self._conditions, self._pronouns = frozenset(data["conditions"]), frozenset(data["thing_pronouns"])
         self._articles, self._ends = self._language.articles, frozenset(data["thing_ends"])
         self._determiners = self._articles | frozenset(data["owners"])
+        self._spatial = frozenset(data["parts"]["spatial"].replace("|", " ").split())
+        self._fillers = frozenset(data["fillers"])
         self._openings = frozenset(data["lead"])
         self._joints, self._addressed = frozenset(data["clause_joints"]), frozenset(data["addressed"])
         self._addressing, self._no_order_after = frozenset(data["addressing"]), frozenset(data["no_order_after"])
@@ -81,9 +83,8 @@ class Suggestions:
         made = list[list[str]]()
         for words in clauses:
             is_second = bool(made) and words[0] in self._conditions
-            if is_second and _order(self._grammar.sentence([*made[-1], *words], view)):
-                words = [*made.pop(), *words]
-            made.append(words)
+            is_joined = is_second and bool(_order(self._grammar.sentence([*made[-1], *words], view)))
+            made.append([*made.pop(), *words] if is_joined else words)
         return made
 
     def _clauses(self, text: str) -> Iterator[list[str]]:
@@ -132,7 +133,9 @@ class Suggestions:
                     return order
         return ()
 
-    def _inside(self, words: list[str], view: StatusView, *, is_addressed: bool, is_question: bool) -> tuple[Sense, ...]:
+    def _inside(
+        self, words: list[str], view: StatusView, *, is_addressed: bool, is_question: bool
+    ) -> tuple[Sense, ...]:
         """The one start within a clause that has more words; None with a negation or in a question.
 
         Args:
@@ -144,9 +147,10 @@ class Suggestions:
         is_request = bool(self._requesting & set(words))
         if self._negations & set(words) or words[0] in self._asking or (is_question and not is_request):
             return ()
-        found, at = dict[str, Sense](), 0
+        before = [at and words[at - 1] for at, word in enumerate(words) if word not in self._fillers]
+        words, found, at = self._language.normaliser.spoken(words), dict[str, Sense](), 0
         while at < len(words):
-            may_begin = at == 0 or (is_addressed and words[at - 1] not in self._no_order_after)
+            may_begin = at == 0 or (is_addressed and before[at] not in self._no_order_after)
             sense, size = self._longest(words[at:], view) if may_begin else (None, 0)
             if sense is not None:
                 found[sense.identity] = sense
@@ -158,21 +162,24 @@ class Suggestions:
         for size in range(len(words), 1, -1) if self._grammar.begins_a_start(words) else ():
             sense = self._grammar.start_in(words[:size], view)
             if sense is None and size == len(words):
-                sense = next(iter(_order([each for each in self._grammar.sentence(words, view) if each.name == "start"])), None)
+                sense = next(
+                    iter(_order([each for each in self._grammar.sentence(words, view) if each.name == "start"])), None
+                )
             if sense is not None and self._is_whole(sense, words[size:]):
                 return sense, size
         return None, 0
 
     def _is_whole(self, sense: Sense, rest: list[str]) -> bool:
-        """Whether a start has all words of its values, its texts name things, and no condition is behind it."""
+        """Whether a start has all words of its values, its texts name things, and nothing behind it changes it."""
         texts = [self._language.without_articles(text.split()) for text in self._grammar.open_texts(sense)]
         are_things = all(0 < len(words) <= LONGEST_THING and not self._ends & set(words) for words in texts)
-        is_conditional = bool(rest) and rest[0] in self._conditions
-        return are_things and not is_conditional and self._grammar.is_complete(sense, rest)
+        is_open = bool(rest) and rest[0] in self._conditions | {self._language.text("or")}
+        return are_things and not is_open and self._grammar.is_complete(sense, rest)
 
     def _things_of(self, clauses: Sequence[list[str]]) -> list[list[str]]:
-        """The names of things in clauses, the last first."""
-        return [thing for clause in reversed(clauses) for thing in self._things(clause)]
+        """The names of things in clauses, the last first; those where something is come after the others."""
+        named = [(thing, is_place) for clause in reversed(clauses) for thing, is_place in self._things(clause)]
+        return [thing for thing, _ in sorted(named, key=lambda each: each[1])]
 
     def _words_of_facts(self, view: StatusView) -> frozenset[str]:
         """The words of all texts that the run has: what one of them names is a thing rather than a time or a person."""
@@ -183,8 +190,10 @@ class Suggestions:
             - self._articles
         )
 
-    def _things(self, words: list[str]) -> Iterator[list[str]]:
+    def _things(self, words: list[str]) -> Iterator[tuple[list[str], bool]]:
         """The names of things, the last first: each article with the words behind it, up to one that names nothing.
+
+        Each comes with whether something is there: `in the box`.
 
         A clause of a word or two that the grammar has not is such a name itself: `lamp? find it`.
         """
@@ -193,9 +202,9 @@ class Suggestions:
                 rest = words[at + 1 : at + 1 + LONGEST_THING]
                 size = next((place for place, word in enumerate(rest) if word in self._ends), len(rest))
                 if size and rest[size - 1] not in self._pronouns:
-                    yield rest[:size]
+                    yield rest[:size], at > 0 and words[at - 1] in self._spatial
         if len(words) < LONGEST_THING and not any(map(self._grammar.knows, words)):
-            yield words
+            yield words, False
 
 
 def _order(senses: Sequence[Sense]) -> tuple[Sense, ...]:

@@ -74,11 +74,13 @@ POLITE = {
     "en": (
         "Would you mind {noun}?", "Rob, do you mind {noun} now, please?", "Mind {noun}?", "It's time you {finite}.",
         "I'd be glad if you'd {order}.", "Hey, I was hoping you could {order}", "Any chance you could {order}?",
-        "When you have a minute, {order}", "Forget it, {order}!",
+        "When you have a minute, {order}", "Forget it, {order}!", "It would be lovely if you {finite}",
+        "{order} and show me what you see", "{order} and report back, please", "Right mate, {order}",
     ),
     "de": (
         "Könntest du bitte {noun}?", "Rob, kannst du mal {noun}", "Du kannst jetzt {noun}.",
         "Ich möchte, dass du {finite}.", "Wenn du Zeit hast, {order}", "Vergiss es, {order}!",
+        "Wären Sie so freundlich und {order}?", "{order} und sag mir, was du siehst", "{order} und berichte.",
     ),
 }  # fmt: skip
 MARKS = {

@@ -151,6 +151,60 @@ def test_a_stop_that_is_cried_again_needs_no_comma(code: str, text: str) -> None
     assert [each.name for each in replies(text, code) if isinstance(each, Order)] == ["stop"]
 
 
+@pytest.mark.parametrize(
+    ("code", "text"),
+    [
+        ("en", "Do you know where my ball is?"),
+        ("en", "Could you show me where my ball is?"),
+        ("de", "Weißt du, wo mein Ball ist?"),
+    ],
+)
+def test_a_question_inside_another_is_the_order_to_look_as_well(code: str, text: str) -> None:
+    assert read_back(replies(text, code)) == [{"task": "find", "object": "ball"}]
+
+
+@pytest.mark.parametrize(
+    ("code", "text"),
+    [
+        ("en", "It would be nice, if you went to the kitchen"),
+        ("en", "you are needed, go to mum in the kitchen"),
+        ("de", "Es wäre schön, wenn du in die Küche fahren könntest, da brauche ich dich"),
+        ("de", "fahr in unsere gute Küche"),
+    ],
+)
+def test_an_order_in_two_clauses_and_a_place_that_is_described_are_read_back(code: str, text: str) -> None:
+    assert read_back(replies(text, code)) == [{"task": "go", "place": "kitchen"}]
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "go to the office next to the kitchen",
+        "go to the living room or the kitchen",
+        "It would be nice, if it went to the kitchen",
+        "It would be nice, if you never went to the kitchen",
+    ],
+)
+def test_a_place_of_which_another_may_be_meant_is_not_read_back(text: str) -> None:
+    assert read_back(replies(text, "en")) == []
+
+
+@pytest.mark.parametrize(
+    ("code", "text", "wait_s"),
+    [
+        ("de", "warte eine Minute", 60),
+        ("de", "Warte eine Minute, ich muss noch die Tür aufmachen", 60),
+        ("en", "wait 2 minutes I am on the phone", 120),
+    ],
+)
+def test_a_number_may_be_an_article_and_ends_where_another_subject_follows(code: str, text: str, wait_s: int) -> None:
+    assert read_back(replies(text, code)) == [{"task": "wait", "wait_s": wait_s}]
+
+
+def test_what_is_no_thing_corrects_none() -> None:
+    assert read_back(replies("Find the book. No hurry.", "en")) == [{"task": "find", "object": "book"}]
+
+
 @pytest.mark.parametrize(("code", "text"), [("en", "go to the livingroom"), ("de", "fahr in die hinterediele")])
 def test_a_value_of_two_words_may_be_written_as_one(code: str, text: str) -> None:
     started = [each.arguments for each in replies(text, code) if isinstance(each, Order)]

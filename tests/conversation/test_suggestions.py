@@ -60,10 +60,13 @@ LOST = {
         ("The ball is gone.", "Find it!", "ball"), ("My red cup has vanished,", "could you look for it?", "red cup"),
         ("I do not know where I left my book,", "so find it", "book"),
         ("The dog's ball is missing,", "look for it please", "dog's ball"), ("Where is my cup?", "Find it!", "cup"),
+        ("The dog is going crazy, he wants his ball,", "can you look for it?", "ball"),
+        ("My keys were not in the hall, so find them.", "", "keys"),
     ),
     "de": (
         ("Der Ball ist weg.", "Such ihn!", "ball"), ("Mein roter Becher ist verschwunden,", "such ihn", "roter becher"),
         ("Ich weiß nicht, wo mein Buch liegt,", "also such es", "buch"), ("Wo ist mein Ball?", "Such ihn!", "ball"),
+        ("Im Keller war sie nicht, also muss die Lampe in der Wohnung sein.", "Such sie bitte.", "lampe"),
     ),
 }  # fmt: skip
 CONDITIONS = {"en": ("When {talk}, {order}", "{talk}, if so, {order}"), "de": ("Wenn {talk}, {order}",)}
