@@ -32,7 +32,7 @@ from rai_missions.conversation.values import capital
 from rai_missions.conversation.view import StatusView
 from rai_missions.redaction import cut
 
-__all__ = ("EarlierOrder", "OrderSide")
+__all__ = ("SPEAKERS", "EarlierOrder", "OrderSide", "remember")
 
 K = TypeVar("K")
 V = TypeVar("V")
@@ -218,10 +218,10 @@ class OrderSide:
         sense, utterance = judged.sense, judged.utterance
         if sense.name == "start":
             self._starting_until = self._talk.now + STARTING_S
-            _remember(self._starts, utterance.speaker, sense, SPEAKERS)
-        _remember(self._under_way, self._count, judged, REMEMBERED)
+            remember(self._starts, utterance.speaker, sense, SPEAKERS)
+        remember(self._under_way, self._count, judged, REMEMBERED)
         orders = (*self.ordered_by(utterance.speaker), judged.words)[-REMEMBERED:]
-        _remember(self._ordered, utterance.speaker, orders, SPEAKERS)
+        remember(self._ordered, utterance.speaker, orders, SPEAKERS)
         self._talk.note(
             "ordered", order_number=self._count, number=utterance.number, order=order_data(sense), role=utterance.role,
             mapper=judged.mapper, confirmed=judged.confirmed,
@@ -380,7 +380,7 @@ def _is_locked(view: StatusView) -> bool:
     return view.has_ended and view.control == "nobody"
 
 
-def _remember(known: dict[K, V], key: K, value: V, most: int) -> None:
+def remember(known: dict[K, V], key: K, value: V, most: int) -> None:
     """Note what is newest, and forget what is older than so many others."""
     known.pop(key, None)
     known[key] = value

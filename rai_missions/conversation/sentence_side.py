@@ -16,7 +16,7 @@ from rai_missions.conversation.inputs import Utterance
 from rai_missions.conversation.language import spoken
 from rai_missions.conversation.names import option_place
 from rai_missions.conversation.order_rules import is_request, may, must_confirm, why_not_now
-from rai_missions.conversation.order_side import LONGEST_REASON, EarlierOrder, OrderSide
+from rai_missions.conversation.order_side import LONGEST_REASON, SPEAKERS, EarlierOrder, OrderSide, remember
 from rai_missions.conversation.outputs import TalkTurn
 from rai_missions.conversation.senses import Sense
 from rai_missions.conversation.settings import ORDERS
@@ -52,8 +52,8 @@ class SentenceSide:
         self._talk, self._speaking, self._orders = talk, speaking, orders
         self._grammar = Grammar(talk.language, talk.starts, talk.settings.questions)
         self._suggestions = Suggestions(self._grammar)
-        self._unfinished: EarlierOrder | None = None
-        """The order that the last sentence of its speaker had refused or dropped, and which the next may complete."""
+        self._unfinished = dict[tuple[str, str], EarlierOrder]()
+        """Speaker → the order that its last sentence had refused or dropped, and which its next may complete."""
         self._closed, self._closed_at = tuple[Question, ...](), float("-inf")
 
     def follow(self, before: StatusView) -> None:
@@ -72,7 +72,7 @@ class SentenceSide:
 
     def _draft(self, utterance: Utterance) -> Draft | None:
         """The order that this sentence may correct: its speaker's last, one that is read back, or one just taken."""
-        unfinished = self._of(utterance, self._unfinished, self._talk.settings.confirm_s)
+        unfinished = self._of(utterance, self._unfinished.get(utterance.speaker), self._talk.settings.confirm_s)
         if unfinished is not None:
             return Draft(unfinished, is_asked_for=True)
         if (read_back := self._orders.confirmation.order) is not None:
@@ -88,13 +88,12 @@ class SentenceSide:
 
     def _keep(self, sense: Sense, speaker: tuple[str, str]) -> None:
         """The next sentence of this speaker may correct or complete this order."""
-        self._unfinished = EarlierOrder(speaker, sense, self._talk.now)
+        remember(self._unfinished, speaker, EarlierOrder(speaker, sense, self._talk.now), SPEAKERS)
 
     def on_utterance(self, utterance: Utterance) -> Handling:
         """A person's sentence."""
         each = self._senses(utterance)
-        if self._unfinished is not None and self._unfinished.speaker == utterance.speaker:
-            self._unfinished = None
+        self._unfinished.pop(utterance.speaker, None)
         if any(STOP in senses for senses in each):
             return "stopped" if self._orders.stop(utterance) else "handled"
         self._speaking.speak_due(now=True)

@@ -14,11 +14,12 @@ from typing import Any
 
 import pytest
 
+from rai_missions.agents.talk.doors import TextDoor
 from rai_missions.conversation import Settings
 from rai_missions.conversation.settings import MAY
 from rai_missions.engine.step import Step
 from rai_missions.event import Role
-from tests.agents.talk.scenes import HeldOpen, RepliesModel, Talk
+from tests.agents.talk.scenes import HeldOpen, RepliesModel, Screen, Talk
 from tests.rigs.runs import Plan, PlannedServer, ReplyingAnswerer, mission
 
 KEYS: dict[str, Any] = {
@@ -300,3 +301,41 @@ def test_each_event_of_talk_is_an_order_that_was_judged() -> None:
 @pytest.mark.parametrize("first", range(0, 1000, MANY))
 def test_each_event_of_talk_is_an_order_that_was_judged_in_a_thousand_runs(first: int) -> None:
     check_orders(range(first, first + MANY))
+
+
+UNCONFIRMED = (
+    "cancel the mission", "start errand with speed 3", "start errand with speed 99", "no", "what are you doing?",
+    "left", "how far are you?", "what did I order?", "forget it", "again please", "start",
+)  # fmt: skip
+"""What operators utter, of which nothing counts without a yes."""
+
+
+@pytest.mark.parametrize("seed", range(700, 703))
+def test_two_who_talk_at_two_doors_change_no_step_and_each_door_shows_each_report_once(seed: int) -> None:
+    silent, page, uttered, over = run_silent(seed), Screen(), threading.Semaphore(0), threading.Event()
+    talk = errand(seed, doors=[TextDoor("page", page.show)])
+    talk.rig.stage.each = lambda: uttered.acquire(timeout=WORLD_WAITS_S)
+
+    def chatter(channel: str, author: str) -> None:
+        draw = random.Random(f"{seed}{channel}")
+        while not over.is_set():
+            talk.agent.receive(draw.choice(UNCONFIRMED), role="operator", channel=channel, author=author)
+            uttered.release()
+            over.wait(PAUSE_S)
+
+    threads = [threading.Thread(target=chatter, args=each, daemon=True) for each in (("terminal", "A"), ("page", "B"))]
+    with talk:
+        try:
+            for thread in threads:
+                thread.start()
+            talk.end()
+        finally:
+            over.set()
+        for thread in threads:
+            thread.join()
+        talk.agent.conclude(15.0)
+    assert list(map(plain, talk.book.steps)) == silent
+    assert {row["channel"] for row in talk.talk() if row["kind"] == "heard"} == {"terminal", "page"}
+    for screen in (talk.screen, page):
+        reports = Counter(line.report for line in screen.of_robot() if line.report and not line.spoken)
+        assert set(reports.values()) == {1} and any(each.endswith(":end") for each in reports), reports
