@@ -88,13 +88,14 @@ class Grammar:
         if is_open and STOP not in several and self._is_cried(text, words, edges, view):
             return (STOP,)
         if len(parts) < 2:
-            found = several or whole
+            clauses = self.language.normaliser.remarks(text) if any(each.thing for each in whole) else []
+            found = several or tuple(each for each in whole if not each.thing or self._is_within(each, clauses))
         else:
             found = self._in_parts(parts, view, draft) or tuple(each for each in whole if self._is_within(each, parts))
         return (self._pause_at_first(text, edges) if _is_fault(found or FAULT) else ()) or found
 
     def _is_within(self, sense: Sense, parts: Sequence[str]) -> bool:
-        """Whether each text that a sense has is in one sentence: not the thing of `Find the cup. I am here`."""
+        """Whether each text that a sense has is in one part: not the thing of `Find the cup. I am here`."""
         texts = [" ".join(self.language.normaliser.words(part)) for part in parts]
         return all(any(value in text for text in texts) for value in (*self.open_texts(sense), sense.thing))
 
@@ -281,7 +282,7 @@ class Grammar:
     def _asked(self, words: list[str], view: StatusView) -> tuple[Sense, ...]:
         """The question that words are; with the order to look for its thing, where a phrase of the robot has one."""
         asked = list(self._questions(words, view))
-        is_order = any(each.thing for each in asked)
+        is_order = any(each.thing for each in asked) or (not asked and words[0] in self.language.data["asking"])
         return tuple(self._asked_or_ordered(asked, self._phrased(words, view))) if is_order else tuple(asked)
 
     def _direct(self, words: list[str]) -> Iterator[list[str]]:
@@ -526,7 +527,7 @@ class Grammar:
         for name, phrases in self.language.questions.items():
             for slots in phrases.match(words):
                 if thing := slots.get("thing", "").split():
-                    if thing[0] in self.language.data["pronouns"]:
+                    if thing[0] in self.language.data["pronouns"] or not self.language.without_articles(thing):
                         continue
                     yield self._thing(name, thing, view)
                     return

@@ -8,7 +8,7 @@ Rule: an order that is suggested is read back, whatever it is; other talk never 
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 
 from rai_missions.conversation.grammar import STOP, Grammar
 from rai_missions.conversation.senses import Sense
@@ -59,7 +59,7 @@ class Suggestions:
             view: The run.
         """
         clauses = self._joined(list(self._clauses(text)), view) if QUOTING not in text else []
-        if len(clauses) > MOST_CLAUSES or any(words[0] in self._conditions for words in clauses):
+        if len(clauses) > MOST_CLAUSES or any(self._is_conditional(words, view) for words in clauses):
             return ()
         orders, others = dict[str, tuple[Sense, ...]](), list[Sense]()
         is_question = text.rstrip().endswith("?")
@@ -78,6 +78,10 @@ class Suggestions:
             return next(iter(orders.values())) if len(orders) == 1 else ()
         return tuple(sorted(others, key=lambda sense: sense.kind == "fault")[:1])
 
+    def _is_conditional(self, words: list[str], view: StatusView) -> bool:
+        """Whether a clause is a condition, and nothing by itself as `if not, go home` is."""
+        return words[0] in self._conditions and not self._grammar.sentence(words, view)
+
     def _joined(self, clauses: list[list[str]], view: StatusView) -> list[list[str]]:
         """The clauses; two that are an order together are one: `it would be nice, if you went home`."""
         made = list[list[str]]()
@@ -89,9 +93,10 @@ class Suggestions:
 
     def _clauses(self, text: str) -> Iterator[list[str]]:
         """The words of each clause: what is between commas, and around the words that join clauses."""
+        alone: Mapping[str, str] = self._language.data["questions_alone"]
         for clause in self._language.normaliser.remarks(text):
-            part = list[str]()
-            for word in self._language.normaliser.words(clause):
+            part, words = list[str](), self._language.normaliser.words(clause)
+            for word in alone.get(" ".join(words), "").split() or words:
                 if word not in self._joints:
                     part.append(word)
                 elif part:
