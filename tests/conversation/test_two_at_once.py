@@ -37,19 +37,19 @@ SETTINGS = Settings(
 )
 PERSONS = (("terminal", "Anna"), ("page", "Ben"))
 MOST_CONFIRMED = 3
-"""Requests that may wait; a start is refused after them."""
+"""Requests that may wait; a new run follows, since a start is refused after them."""
 
 turns = st.lists(
     st.tuples(
         st.sampled_from((0, 1)),
-        st.sampled_from((0.5, 2.0, 2.0, 25.0)),
-        st.sampled_from(
-            ("order", "order", "value", "value", "value", "unknown", "unknown", "yes", "yes", "no", "asks")
-        ),
+        st.sampled_from((0.5, 2.0, 2.0, 2.0, 25.0)),
+        st.sampled_from(("order", "value", "unknown", "asks", "yes", "yes", "no")),
         st.sampled_from(PLACES),
     ),
-    max_size=14,
+    min_size=25,
+    max_size=30,
 )
+"""Enough turns that one person's order is followed by the other's sentence, and by its own yes or value."""
 SENTENCES = {
     "order": "go to the {}", "value": "the {}", "unknown": "go to the attic", "yes": "yes", "no": "no",
     "asks": "what are you doing?",
@@ -121,26 +121,26 @@ def place_of(kind: str, outputs: Sequence[Output]) -> str:
 
 def play(script: Sequence[tuple[int, float, str, str]]) -> None:
     """Hold each reply against the oracle: what it led to, and at which doors it is shown."""
-    dialogue, oracle, confirmed = Dialogue(SETTINGS, VIEW), Oracle(), 0
+    dialogue, oracle, confirmed, at = Dialogue(SETTINGS, VIEW), Oracle(), 0, 0.0
     for person, after, kind, place in script:
-        oracle.at += after
+        if confirmed == MOST_CONFIRMED:
+            dialogue, oracle, confirmed = Dialogue(SETTINGS, VIEW), Oracle(), 0
+        at = oracle.at = at + after
         before = oracle.owner
-        dialogue.on_time(oracle.at)
+        dialogue.on_time(at)
         channel, author = PERSONS[person]
-        received = Utterance(SENTENCES[kind].format(place), "operator", channel, author, oracle.at)
-        outputs = dialogue.on_utterance(received, VIEW._replace(at=oracle.at))
+        received = Utterance(SENTENCES[kind].format(place), "operator", channel, author, at)
+        outputs = dialogue.on_utterance(received, VIEW._replace(at=at))
         expected = oracle.turn(person, kind, place)
         assert Read(place_of("read_back", outputs), place_of("confirmed", outputs)) == expected, (received, expected)
         doors = {each.to for each in outputs if isinstance(each, Speech) and not each.report}
         assert doors and doors <= {channel, PERSONS[before][0]}, (received, doors)
         confirmed += bool(expected.confirmed)
-        if confirmed == MOST_CONFIRMED:
-            return
 
 
-test_what_is_open_belongs_to_whom_the_design_names = settings(max_examples=150, deadline=None)(given(turns)(play))
+test_what_is_open_belongs_to_whom_the_design_names = settings(max_examples=100, deadline=None)(given(turns)(play))
 test_what_is_open_belongs_to_whom_the_design_names_often = drill(
-    play, turns, tried=settings(max_examples=20_000, deadline=None)
+    play, turns, tried=settings(max_examples=5_000, deadline=None)
 )
 
 
