@@ -62,8 +62,8 @@ class Language(LanguageTexts):
             self.rejected, self.polite, self.indirect,
         )  # fmt: skip
         every = (*self.orders.values(), *self.questions.values(), *alone)
-        around = (word for name in ("fillers", "lead", "tail") for each in self.data[name] for word in each.split())
-        return frozenset(around).union(*(each.words for each in every))
+        around = (*self.normaliser.lead, *self.normaliser.tail)
+        return frozenset(self.data["fillers"]).union(*around, *(each.words for each in every))
 
     def imperative(self, words: Sequence[str]) -> list[str]:
         """An order whose verb has another form, as it is in an order: `go home` of `going home`.

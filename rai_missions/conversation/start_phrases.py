@@ -86,17 +86,15 @@ class StartPhrases:
         joints = frozenset([*data["order_joints"], language.text("or")])
         self._undecided = spatial | joints | frozenset(data["no_thing"]["any"])
         self._each = [self._compiled(each) for each in given]
-        named = (word for choices in names.values() for name in choices for word in self._called(name).split())
+        self._called = {name: language.written_out(spoken(name)) for choices in names.values() for name in choices}
+        """Name of a value → its words, as a sentence has them."""
+        named = (word for called in self._called.values() for word in called.split())
         self.words = frozenset(named).union(*(each.phrases.words for each in self._each))
 
     def _compiled(self, given: StartPhrase) -> CompiledPhrase:
         phrases = self._language.order_phrases([given.phrase])
         is_value = example_of(given.phrase) == VALUE
         return CompiledPhrase(phrases, given, arguments_of(phrases.slots, given.arguments), is_value)
-
-    def _called(self, name: str) -> str:
-        """The words for a value, as a sentence has them."""
-        return self._language.written_out(spoken(name))
 
     def examples(self, missions: Sequence[MissionView]) -> tuple[str, ...]:
         """A plain sentence for each phrase that starts one of the missions: `go to …`."""
@@ -202,7 +200,7 @@ class StartPhrases:
     def _meant(self, words: Sequence[str], key: KeyView) -> list[Any]:
         """The values of an argument that are called so; `livingroom` is one of two words."""
         given = "".join(words)
-        called = ((value, {name.lower(), self._called(name)}) for name, value in self.choices(key.name).items())
+        called = ((value, {name.lower(), self._called[name]}) for name, value in self.choices(key.name).items())
         return [value for value, names in called if given in {name.replace(" ", "") for name in names}]
 
     def _given(self, words: Sequence[str], bare: Sequence[str], key: KeyView) -> Any:

@@ -42,7 +42,7 @@ class Suggestions:
         self._determiners = self._articles | frozenset(data["owners"])
         self._spatial = frozenset(data["parts"]["spatial"].replace("|", " ").split())
         self._fillers = frozenset(data["fillers"])
-        self._openings = frozenset(data["lead"])
+        self._openings = frozenset(map(tuple, self._language.normaliser.lead))
         self._joints, self._addressed = frozenset(data["clause_joints"]), frozenset(data["addressed"])
         self._addressing, self._no_order_after = frozenset(data["addressing"]), frozenset(data["no_order_after"])
         self._negations = frozenset(data["claims"]["negations"])
@@ -102,7 +102,7 @@ class Suggestions:
                 elif part:
                     yield part
                     part = []
-            if part and " ".join(part) not in self._openings:
+            if part and tuple(part) not in self._openings:
                 yield part
 
     def _clause(self, words: list[str], view: StatusView) -> tuple[Sense, ...]:
@@ -167,9 +167,8 @@ class Suggestions:
         for size in range(len(words), 1, -1) if self._grammar.begins_a_start(words) else ():
             sense = self._grammar.start_in(words[:size], view)
             if sense is None and size == len(words):
-                sense = next(
-                    iter(_order([each for each in self._grammar.sentence(words, view) if each.name == "start"])), None
-                )
+                starts = [each for each in self._grammar.sentence(words, view) if each.name == "start"]
+                sense = starts[0] if _order(starts) else None
             if sense is not None and self._is_whole(sense, words[size:]):
                 return sense, size
         return None, 0

@@ -70,8 +70,9 @@ def test_an_option_before_a_pronoun_is_that_option(code: str, words: str) -> Non
     offers = (Offer("drive_over", "drive on, over the branch"), Offer("replan", "find another way around the branch"),
               Offer("signal", "honk and wait"))  # fmt: skip
     for pronoun in language(code).data["thing_pronouns"]:
-        meant = option_named(words.split(), offers, language(code))
-        named = option_named([*words.split(), pronoun], offers, language(code))
+        read = language(code).normaliser.words(words)
+        meant = option_named(read, offers, language(code))
+        named = option_named([*read, pronoun], offers, language(code))
         assert meant is not None and named is not None and named.offer == meant.offer
         assert named.is_partial or pronoun in language(code).articles
         assert option_named(["fly", pronoun], offers, language(code)) is None

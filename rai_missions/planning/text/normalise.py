@@ -6,6 +6,7 @@ from __future__ import annotations
 import re
 import unicodedata
 from collections.abc import Callable, Iterable, Iterator, Mapping
+from itertools import product
 from typing import Any
 
 from rai_missions.redaction import clipped
@@ -62,8 +63,8 @@ class Normaliser:
         self._contractions: Mapping[str, str] = data["contractions"]
         self._endings: Mapping[str, str] = data["contraction_endings"]
         self._fillers = frozenset(data["fillers"])
-        self._lead = _by_length(data["lead"])
-        self._tail = _by_length(data["tail"])
+        self.lead, self.tail = _by_length(data["lead"]), _by_length(data["tail"])
+        """Politeness and addresses that may come first, or last, the longest first."""
         self._reporting = frozenset(data["reporting"])
         self._quoting = frozenset(data["quoting"])
         self._articles = frozenset(data["articles"])
@@ -95,7 +96,7 @@ class Normaliser:
             words: Of one sentence.
             names: How the robot is called.
         """
-        lead, left = [*(name.lower().split() for name in names if name.strip()), *self._lead], self.spoken(words)
+        lead, left = [*(name.lower().split() for name in names if name.strip()), *self.lead], self.spoken(words)
         while left:
             yield left
             first = next((each for each in lead if left[: len(each)] == each), left)
@@ -111,7 +112,7 @@ class Normaliser:
         """
         called = [name.lower().split() for name in names if name.strip()]
         words = self.spoken(words)
-        lead, tail = [*called, *self._lead], [*called, *self._tail]
+        lead, tail = [*called, *self.lead], [*called, *self.tail]
         ways = (lambda each: self._without_tail(each, tail), lambda each: _without_lead(each, lead))
         before: list[str] = []
         while words != before:
@@ -153,7 +154,13 @@ def _without_lead(words: list[str], lead: list[list[str]]) -> list[str]:
 
 
 def _by_length(given: Iterable[str]) -> list[list[str]]:
-    return sorted((each.split() for each in given), key=len, reverse=True)
+    return sorted((words for each in given for words in _each_way(each)), key=len, reverse=True)
+
+
+def _each_way(phrase: str) -> Iterator[list[str]]:
+    """The words of a phrase with each of its alternatives: `if you can` and `when you can` of `(if|when) you can`."""
+    parts = (part.split("|") for part in re.split(r"[()]", phrase))
+    return ("".join(way).split() for way in product(*parts))
 
 
 def once(words: list[str]) -> Iterator[str]:
