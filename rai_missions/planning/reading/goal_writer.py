@@ -469,7 +469,7 @@ def _stackable(phrases: Sequence[Phrase]) -> tuple[Phrase, ...]:
     """A colour alone in a tower is that of something that can be stacked, and so is the rest."""
     return tuple(
         replace(each, types=STACKED.types, has_noun=True)
-        if each.kind == "rest" or (each.kind == "things" and each.colour and not each.has_noun)
+        if each.kind == "rest" or (each.kind == "things" and (each.colour or each.rank) and not each.has_noun)
         else each
         for each in phrases
     )

@@ -254,7 +254,7 @@ class Rules:
             return [Clause("at", subjects, x=x, y=y)]
         if gap_m is None and (placed := self._placed(relation, subjects)) is not None:
             return [placed]
-        target = self._thing()
+        target = self._reference(relation)
         if relation == "place_of":
             cursor.skip("is")
         cursor.skip("put")
@@ -276,6 +276,17 @@ class Rules:
         if relation == "off" and (cursor.kind() == "relation" or has_place(cursor)):
             return [first, *self._about(THOSE, is_held=False)]  # `the apple from the tray to the bin`
         return [first]
+
+    def _reference(self, relation: ClauseKind) -> Phrase:
+        """What a relation is to, which must be here.
+
+        Raises:
+            Unread: It is a side of the desk.
+        """
+        target = self._thing()
+        if target.kind == "desk" and relation in NEAR_IT:
+            raise Unread("coordinates", self.lexicon.text("coordinates"))
+        return target
 
     def _ends(self) -> tuple[Phrase, ...]:
         """The two that a thing is to be between: `the red and the blue cube`, `both apples`."""

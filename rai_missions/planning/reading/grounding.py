@@ -17,14 +17,16 @@ from rai_missions.planning.reading.rewrites import rewritten
 from rai_missions.planning.reading.symbols import Quantity, Symbol
 from rai_missions.planning.scene import CONTAINERS, Scene, Thing, has_colour
 
-__all__ = ("is_said", "unsaid")
+__all__ = ("RANKS", "is_said", "unsaid")
 
 NEAR = 1e-6
 """Metres within which two numbers are the same."""
 SAME_PLACE = 1e-3
 """Metres within which a place is that of a thing."""
 ARTICLES = ("the", "a", "any", "number", "generic")
-MEANING_MORE = frozenset({"all", "any", "other"})
+RANKS = ("rank", "compared", "ordinal", "counted_from")
+"""Kinds of symbols by which a thing is meant by its place in an order."""
+MEANING_MORE = frozenset({"all", "any", "other", *RANKS})
 """Kinds of symbols before a noun without whose colour it may mean any thing of its type."""
 EVERY = frozenset({"everything", "rest", "empty"})
 
@@ -92,6 +94,7 @@ class _Evidence:
         for at, symbol in enumerate(found):
             made._add(symbol, at, found)
         made._add_towers(found)
+        made._add_ranked(found)
         made.relations = relations_in(found)
         if any(symbol.kind == "with" and symbol.text in words.data["out_of"] for symbol in found):
             made.relations |= {"on"}
@@ -128,6 +131,14 @@ class _Evidence:
         if stacks and colours < 2 and not self.one - CONTAINERS:
             self.every.add("cube")
 
+    def _add_ranked(self, found: Sequence[Symbol]) -> None:
+        """Of the kind that is named any thing may be the leftmost; without a kind, anything."""
+        if any(symbol.kind in RANKS for symbol in found):
+            self.every |= self.one
+            self.is_every = self.is_every or any(
+                symbol.kind in RANKS and not _has_noun(found, at) for at, symbol in enumerate(found)
+            )
+
     def has_number(self, number: float) -> bool:
         """Whether the text has the number, in metres, whatever the unit."""
         units = {each.unit for each in self.numbers if each.unit is not None}
@@ -157,7 +168,7 @@ def _heads(found: Sequence[Symbol], at: int) -> Iterator[frozenset[str] | None]:
 
 def _before(found: Sequence[Symbol], at: int) -> set[str]:
     kinds, back = set[str](), at - 1
-    while back >= 0 and found[back].kind in ("all", "other", "colour", *ARTICLES):
+    while back >= 0 and found[back].kind in ("all", "other", "colour", *RANKS, *ARTICLES):
         kinds.add(found[back].kind)
         back -= 1
     return kinds

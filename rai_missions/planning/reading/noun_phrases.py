@@ -3,11 +3,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import Any
 
-from rai_missions.planning.reading.phrases import Phrase
+from rai_missions.planning.reading.phrases import Phrase, Rank
 from rai_missions.planning.reading.symbols import Symbol
 
 __all__ = ("Cursor", "noun_phrase", "noun_phrases", "ordered_phrases", "with_limits")
@@ -94,10 +94,11 @@ def _with_heads(found: Sequence[Phrase]) -> tuple[Phrase, ...]:
         found = [replace(found[0], is_all=False, count=None), found[1]]  # `both the apple and the carrot`
     done, head = list[Phrase](), None
     for phrase in reversed(found):
-        if head is not None and phrase.kind == "things" and phrase.colour and not phrase.has_noun:
+        is_short = phrase.kind == "things" and bool(phrase.colour or phrase.rank) and not phrase.has_noun
+        if head is not None and is_short:
             done.append(replace(phrase, types=head.types, has_noun=True))
             continue
-        if phrase.has_noun and phrase.colour:
+        if phrase.has_noun and (phrase.colour or phrase.rank):
             head = phrase
         done.append(phrase)
     return tuple(reversed(done))
@@ -141,42 +142,89 @@ def _single(cursor: Cursor) -> Phrase | None:
 
 def _things(cursor: Cursor) -> Phrase | None:
     before = cursor.at
-    all_, any_, free, other, count = False, False, False, False, None
-    before_many = True
-    while cursor.kind() in ("the", "a", "any", "all", "other", "number", "pronoun") or _counts(cursor):
-        symbol = cursor.take()
-        free = free or symbol.kind == "any"
-        any_ = any_ or symbol.kind in ("a", "any")
-        before_many = before_many if symbol.kind == "number" else symbol.value == "many"
-        other = other or symbol.kind == "other"
-        all_ = all_ or symbol.kind == "all"
-        if symbol.kind == "all" and symbol.value == "two":
-            count = 2
-        if symbol.kind == "any" and symbol.value == "one":
-            count = 1
-        if symbol.kind == "generic":
-            count, any_ = 1, True
-        if symbol.kind == "number":
-            if symbol.value.unit is not None or not symbol.value.is_whole or cursor.kind() not in NOUNS:
-                return None
-            count = int(symbol.value.value)
+    words = _before_noun(cursor)
+    if words is None:
+        return None
     if cursor.kind() == "desk":
         return Phrase("desk", cursor.take().text)
+    kinds = {each.kind for each in words}
     colour = cursor.take().value if cursor.kind() == "colour" else ""
     noun, is_many, is_one = None, False, False
     if cursor.kind() == "noun":
         noun = cursor.take().value
-        is_many = before_many if noun.is_many is None else noun.is_many
-    elif not colour and not other:
+        is_many = _are_many(words) if noun.is_many is None else noun.is_many
+    elif not (colour or kinds & {"other", *RANKS} or (cursor.kind() == "generic" and _is_rank(cursor, 1))):
         return None  # `the one` alone may be any
     elif cursor.kind() == "generic":
         is_many, is_one = cursor.take().value == "many", True
+    ranks = [*_ranks(words), *_rank_after(cursor)]
+    is_any, place = bool(kinds & {"a", "any", "generic"}), max(map(_place, words), default=1)
+    if len(ranks) > 1 or (ranks and is_any) or (place > 1 and not ranks):
+        return None  # the leftmost and the nearest; a cube and the leftmost; the second of what?
     phrase = Phrase(
         "things", cursor.text(before), types=noun.types if noun else frozenset(), has_noun=noun is not None,
-        colour=colour, is_many=is_many, is_all=all_, is_any=any_, count=count, is_other=other,
-        is_one=is_one, is_free=free,
+        colour=colour, is_many=is_many, is_all="all" in kinds, is_any=is_any, is_one=is_one, is_free="any" in kinds,
+        count=next((count for each in reversed(words) if (count := _count(each)) is not None), None),
+        is_other="other" in kinds, rank=replace(ranks[0], place=place) if ranks else None,
     )  # fmt: skip
     return with_limits(cursor, phrase)
+
+
+def _before_noun(cursor: Cursor) -> list[Symbol] | None:
+    """What is before the colour and the noun of a phrase; None where a number in it counts nothing."""
+    found = list[Symbol]()
+    while cursor.kind() in BEFORE_NOUN or _counts(cursor):
+        found.append(cursor.take())
+        number = found[-1].value if found[-1].kind == "number" else None
+        if number is not None and (number.unit is not None or not number.is_whole or cursor.kind() not in NOUNS):
+            return None
+    return found
+
+
+def _are_many(words: Sequence[Symbol]) -> bool:
+    """Whether a noun that may be of one or many is of many, by the words before it."""
+    return next((each.value == "many" for each in reversed(words) if each.kind not in ("number", *RANKING)), True)
+
+
+def _count(word: Symbol) -> int | None:
+    """How many things a word before a noun counts; None where it counts none."""
+    if word.kind == "number":
+        return int(word.value.value)
+    return 1 if word.kind == "generic" else {("all", "two"): 2, ("any", "one"): 1}.get((word.kind, word.value))
+
+
+def _place(word: Symbol) -> int:
+    return int(word.value) if word.kind == "ordinal" else 1
+
+
+def _ranks(words: Sequence[Symbol]) -> list[Rank]:
+    return [Rank(each.value, is_of_two=each.kind == "compared") for each in words if each.kind in RANKS]
+
+
+def _is_rank(cursor: Cursor, ahead: int = 0) -> bool:
+    """Whether a rank begins here or so many symbols ahead: `… that is closest to the tray`."""
+    ahead += cursor.kind(ahead) == "pronoun"
+    ahead += cursor.kind(ahead) == "is"
+    return cursor.kind(ahead) in ("rank", "compared", "counted_from")
+
+
+def _rank_after(cursor: Cursor) -> Iterator[Rank]:
+    """A rank after what it is about, if one is here: `… closest to the tray`, `… on the left`, `… from the right`."""
+    if not _is_rank(cursor):
+        return
+    before = cursor.at
+    cursor.skip("pronoun", "is")
+    symbol = cursor.take()
+    rank = Rank(symbol.value, is_of_two=symbol.kind == "compared", is_after=True)
+    if symbol.value not in DISTANCES:
+        yield rank
+        return
+    other = noun_phrase(cursor)
+    if other is None or other.kind != "things":
+        cursor.back_to(before)
+        return
+    cursor.skip("is")
+    yield replace(rank, of=other)
 
 
 def _excluded(cursor: Cursor) -> frozenset[str]:
@@ -186,7 +234,7 @@ def _excluded(cursor: Cursor) -> frozenset[str]:
 
 def _other_colours(cursor: Cursor, phrase: Phrase) -> tuple[Phrase, ...]:
     """What is left out by `that is not blue or red`: the same things of these colours."""
-    whole = replace(phrase, is_many=True, is_all=True, count=None, is_any=False)
+    whole = replace(phrase, is_many=True, is_all=True, count=None, is_any=False, rank=None)
     return tuple(replace(whole, text=each.text, colour=each.value) for each in _limits(cursor, "colour"))
 
 
@@ -208,7 +256,13 @@ def _limits(cursor: Cursor, kind: str) -> list[Symbol]:
     return found
 
 
-NOUNS = ("noun", "colour", "generic", "other", "any")
+RANKS = ("rank", "compared")
+"""Kinds of symbols that name an order before a noun."""
+RANKING = (*RANKS, "ordinal")
+DISTANCES = ("near", "far")
+"""Ranks that are measured from another thing."""
+BEFORE_NOUN = ("the", "a", "any", "all", "other", "number", "pronoun", *RANKING)
+NOUNS = ("noun", "colour", "generic", "other", "any", *RANKING)
 
 
 def _counts(cursor: Cursor) -> bool:
@@ -236,6 +290,11 @@ def with_limits(cursor: Cursor, phrase: Phrase) -> Phrase:
         if without and not any(each.without for each in without):
             if comma and cursor.kind() == "," and cursor.kind(1) in ("relation", "put"):
                 cursor.take()
-            return replace(phrase, without=without)
+            return replace(phrase, without=tuple(_of_types(each, phrase.types) for each in without))
         cursor.back_to(place)
     return phrase
+
+
+def _of_types(phrase: Phrase, types: frozenset[str]) -> Phrase:
+    """`… but not the leftmost` is of the things from which it is excepted."""
+    return replace(phrase, types=types, has_noun=True) if phrase.rank is not None and not phrase.has_noun else phrase

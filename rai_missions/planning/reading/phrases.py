@@ -6,7 +6,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Literal
 
-__all__ = ("Clause", "ClauseKind", "Phrase", "PhraseKind", "Unread")
+__all__ = ("Clause", "ClauseKind", "Phrase", "PhraseKind", "Rank", "Unread")
 
 PhraseKind = Literal["things", "everything", "rest", "pronoun", "those", "there", "desk", "tower"]
 """`those` has no words: the things of the clause before, whatever their number."""
@@ -33,6 +33,22 @@ class Unread(Exception):
 
 
 @dataclass(frozen=True, slots=True)
+class Rank:
+    """Which of several things is meant, in an order of them: `the leftmost`, `the second nearest to the tray`."""
+
+    measure: str
+    """What they are in order by, such as `left`, `big`, `near`."""
+    place: int = 1
+    """The place of the first that is meant, counted from 1."""
+    is_of_two: bool = False
+    """Whether it is said of two things: `the left cube`, `the smaller one`."""
+    is_after: bool = False
+    """Whether it comes after its noun: it may be where a thing is to be, unless it chooses among several."""
+    of: Phrase | None = None
+    """What a distance is measured from."""
+
+
+@dataclass(frozen=True, slots=True)
 class Phrase:
     """Words about things: `the red cube`, `both apples`, `everything except the corn`, `it`."""
 
@@ -55,6 +71,7 @@ class Phrase:
     """Whether `one` or `ones` stands for a noun: `the red ones`."""
     count: int | None = None
     is_other: bool = False
+    rank: Rank | None = None
     others: tuple[Phrase, ...] = ()
     """Other things that may be meant in its place: `the red or the blue cube`."""
     without: tuple[Phrase, ...] = ()

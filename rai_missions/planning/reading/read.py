@@ -234,8 +234,8 @@ def _is_part_of_place(found: Sequence[Symbol]) -> bool:
 
 
 def _covers_all(wishes: Sequence[Clause], goal: Goal) -> bool:
-    """Whether a thing that is seen later would belong to the goal; swaps and shifts are of what is seen first."""
-    if any(True for _ in goal.of_kind(*FIRST_SEEN)):
+    """Whether a thing that is seen later belongs to the goal; swaps, shifts and ranks are of what is seen first."""
+    if any(True for _ in goal.of_kind(*FIRST_SEEN)) or any(each.rank for each in _phrases(wishes)):
         return False
     is_bare_tower = any(wish.kind == "stack" and not wish.subjects for wish in wishes)
     return is_bare_tower or any((each.is_many or each.is_all) and each.count is None for each in _phrases(wishes))

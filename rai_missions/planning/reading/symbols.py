@@ -37,7 +37,7 @@ HYPHEN = re.compile(r"(?<=[^\W\d_])[-‐‑–](?=[^\W\d_])")
 ENDS = (".", ",", "and", "then", "too", "empty")
 SUBJECTS = frozenset({"noun", "colour", "generic", "pronoun", "all", "rest", "everything"})
 """Kinds of symbols that end a phrase about things."""
-NAMING = SUBJECTS | {"the", "a", "any", "other", "number"}
+NAMING = SUBJECTS | {"the", "a", "any", "other", "number", "rank", "compared", "ordinal"}
 """Kinds of symbols of which such a phrase consists."""
 
 
@@ -78,7 +78,7 @@ def symbols(request: str, lexicon: Vocabulary) -> list[Symbol]:
         count, symbol = _symbol(words, at, lexicon)
         found.append(symbol)
         at += count
-    found = _without_noise(_with_other_wishes(list(_asking(found, lexicon.data))))
+    found = _compared(_without_noise(_with_other_wishes(list(_asking(found, lexicon.data)))))
     return _without_contrast(_clearing(found), lexicon.data["contrast"])
 
 
@@ -115,6 +115,25 @@ def _clearing(found: list[Symbol]) -> list[Symbol]:
             if is_container and (end + 1 == len(found) or found[end + 1].kind in (*ENDS, "particle")):
                 found[at] = symbol._replace(kind="empty", value="")
     return found
+
+
+def _compared(found: list[Symbol]) -> list[Symbol]:
+    """With a side of the thing itself as what it is there: `the left cube`, `the cube on the left`."""
+    kept = list[Symbol]()
+    for at, symbol in enumerate(found):
+        before, after = found[at - 1].kind if at else "", found[at + 1].kind if at + 1 < len(found) else ""
+        if symbol.kind != "side" or before != "the" or symbol.value not in ("left", "right"):
+            kept.append(symbol)
+        elif after in ("noun", "colour", "generic"):
+            kept.append(symbol._replace(kind="compared"))
+        elif [each.kind for each in kept[-3:]] in (["noun", "relation", "the"], ["generic", "relation", "the"]):
+            text = " ".join(each.text for each in (*kept[-2:], symbol))
+            is_on = kept[-2].value == "on"
+            kept[-2:] = [] if is_on else kept[-2:]
+            kept.append(Symbol("compared", symbol.value, text) if is_on else symbol)
+        else:
+            kept.append(symbol)
+    return kept
 
 
 def _asking(found: Sequence[Symbol], data: Mapping[str, Any]) -> Iterator[Symbol]:

@@ -10,7 +10,8 @@ from collections.abc import Iterable, Sequence
 from contextlib import suppress
 
 from rai_missions.planning.reading.lexicon import Vocabulary
-from rai_missions.planning.reading.phrases import Phrase, Unread
+from rai_missions.planning.reading.phrases import Phrase, Rank, Unread
+from rai_missions.planning.reading.ranks import choices
 from rai_missions.planning.relations import covers
 from rai_missions.planning.scene import CONTAINERS, DESK, Scene, Thing, has_colour
 from rai_missions.planning.text.language_file import spoken
@@ -74,6 +75,8 @@ class Things:
             matching = [each for each in matching if each.name not in self._named | taken]
         if not matching:
             raise self._absent(phrase)
+        if phrase.rank is not None:
+            return self._ranked(phrase, phrase.rank, matching, perhaps)
         if phrase.is_free and (phrase.count is not None or not phrase.is_many):
             return (self._chosen(phrase, matching, taken),)
         if self._means_all(phrase, matching):
@@ -83,6 +86,43 @@ class Things:
         if len(matching) > 1 and (phrase.is_many or (phrase.count or 1) > 1 or phrase.is_all):
             raise Unread("ambiguous", self._which(phrase, matching))
         return tuple((each.name,) for each in matching)
+
+    def _ranked(
+        self, phrase: Phrase, rank: Rank, matching: Sequence[Thing], perhaps: Sequence[Thing]
+    ) -> tuple[Names, ...]:
+        """What comes first of what a phrase may mean, in each sense of it.
+
+        `The leftmost` may be of the kind that was named before, or of all.
+
+        Raises:
+            Unread: There are fewer than it counts, or it does not count several.
+        """
+        heads = self._heads.get(phrase, frozenset()) if not phrase.has_noun else frozenset[str]()
+        senses = [matching, [*matching, *perhaps], [each for each in matching if each.type in heads] or matching]
+        others = self._references(rank.of) if rank.of is not None else [None]
+        found = dict.fromkeys(
+            names
+            for sense in senses
+            for other in others
+            for names in choices(self._among(phrase, sense, other), rank, phrase.count or 1, other)
+        )
+        if not found or (phrase.is_many and phrase.count is None):
+            raise Unread("ambiguous", self._which(phrase, matching))
+        return tuple(found)
+
+    def _among(self, phrase: Phrase, things: Sequence[Thing], other: Thing | None) -> list[Thing]:
+        return [self.scene.thing(name) for name in self._set(phrase, [each for each in things if each != other])]
+
+    def _references(self, phrase: Phrase) -> list[Thing]:
+        """What a distance may be measured from.
+
+        Raises:
+            Unread: It is measured from several things.
+        """
+        meant = self.alternatives(phrase)
+        if any(len(names) > 1 for names in meant):
+            raise Unread("ambiguous", self._which(phrase, [self.scene.thing(name) for name in meant[0]]))
+        return [self.scene.thing(name) for (name,) in meant]
 
     def _chosen(self, phrase: Phrase, matching: Sequence[Thing], taken: frozenset[str]) -> Names:
         """What the arm chooses where it may: of what is meant by no other words, first what nothing lies on.
