@@ -65,7 +65,10 @@ class LineReader:
                 termios.tcflush(self.fd, termios.TCIFLUSH)
 
     def line(self, until: float) -> str | None:
-        """The next line without its end; None once it is woken, or at `until` on `time.monotonic`.
+        """The next line without its end, which the last of a pipe may lack; None once woken, or at `until`.
+
+        Args:
+            until: On `time.monotonic`.
 
         Raises:
             EOFError: No one types here any more, or the program is in the background.
@@ -78,7 +81,9 @@ class LineReader:
             ready = readable(self.fd, self._woken, within_s=left)
             if self.fd in ready:  # first, so that a line that has begun to come is not left there in halves
                 byte = self._byte()
-                if byte == b"\n":
+                if not byte and not typed:
+                    raise EOFError("the operator passed")
+                if byte in (b"\n", b""):
                     return typed.decode("utf-8", "replace").rstrip("\r")
                 typed += byte if len(typed) < LONGEST else b""
             elif ready:
@@ -90,9 +95,6 @@ class LineReader:
         if not in_foreground(self.fd):
             raise EOFError("the program is in the background")
         try:
-            byte = os.read(self.fd, 1)
+            return os.read(self.fd, 1)
         except OSError as error:  # the other end of the terminal is gone
             raise EOFError(f"the terminal is gone: {error.strerror}") from None
-        if not byte:
-            raise EOFError("the operator passed")
-        return byte

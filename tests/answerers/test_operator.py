@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import io
+import math
 import os
 import select
 import threading
@@ -281,6 +282,18 @@ def test_a_line_is_read_to_its_end_and_not_beyond() -> None:
     os.close(writing)
     with pytest.raises(EOFError, match="the operator passed"):
         reader.line(float("inf"))
+    reader.close()
+    os.close(reading)
+
+
+def test_the_last_line_needs_no_end() -> None:
+    reading, writing = os.pipe()
+    os.write(writing, b"go home\nstop")
+    os.close(writing)
+    reader = LineReader(reading)
+    assert [reader.line(math.inf), reader.line(math.inf)] == ["go home", "stop"]
+    with pytest.raises(EOFError, match="the operator passed"):
+        reader.line(math.inf)
     reader.close()
     os.close(reading)
 

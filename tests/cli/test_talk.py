@@ -253,6 +253,7 @@ def test_who_pipes_the_orders_of_a_run_that_waits_has_it_started_and_ended(missi
 
     assert "'errand' was aborted" in run(1, "start with rounds 2\nyes\n")
     assert "canceled by operator (end of input)" in run(2, "")
+    assert "robot: Stop." in run(3, "stop"), "a last line without an end is lost"
 
 
 @pytest.mark.long
