@@ -79,6 +79,11 @@ class AgentRunner:
         return AgentHealth("running" if any(each.lives for each in found.values()) else "ended", "; ".join(bad))
 
     @property
+    def may_act(self) -> bool:
+        """Whether one may still do something after its `stop`."""
+        return any(each.may_act for each in self._watched)
+
+    @property
     def stop_s(self) -> float:
         """As long as all of them may take, one after the other, and a moment."""
         return sum(each.patience_s(self._stop_s) for each in self._watched) + 1.0
@@ -126,7 +131,7 @@ class AgentRunner:
             each.end(self._stop_s, self._hurries)
             log.info("%s: %s", each.name, each.health.state)
         for each in reversed(self._watched):
-            if each.health.state == "hangs":
+            if each.may_act:
                 each.cut_off()
         self._report()
         self._is_running = False
@@ -182,9 +187,9 @@ class AgentRunner:
 
 
 def exit_with(runner: AgentRunner) -> NoReturn:
-    """Serve, and end the process, also where an agent that hangs would keep it alive."""
+    """Serve, and end the process, also where an agent that hangs, or was not waited for, would keep it alive."""
     status = runner.serve()
-    if any(each.state == "hangs" for each in runner.agents.values()):
+    if runner.may_act:
         sys.stdout.flush()
         sys.stderr.flush()
         os._exit(status)

@@ -39,6 +39,7 @@ class WatchedAgent:
         self.name, self.agent = name, agent
         self._health = AgentHealth("ready")
         self._asked_at: float | None = None
+        self._is_given_up = False
         self._has_returned = threading.Event()
         self._awaited: set[threading.Thread] = set()
         self._worker = Worker(f"health of {name}")
@@ -50,6 +51,11 @@ class WatchedAgent:
         if self._health.state == "running" and asked_at is not None and time.monotonic() - asked_at > LOOK_S:
             return AgentHealth("hangs", f"it has not reported how it fares for {LOOK_S:g} s")
         return self._health
+
+    @property
+    def may_act(self) -> bool:
+        """Whether it may still do something after its `stop`: it hangs, or that was waited for no longer."""
+        return self._is_given_up or self.health.state == "hangs"
 
     @property
     def is_caller(self) -> bool:
@@ -80,7 +86,12 @@ class WatchedAgent:
     def end(self, within_s: float, leaving: threading.Event) -> None:
         """Stop it; where that fails or hangs, or its `run` does not return either, its health states why.
 
-        Of one that died the first reason stays: what cannot begin often cannot end either.
+        Of one that died the first reason stays: what cannot begin often cannot end either. One that is waited for no
+        longer does not hang: it had its time.
+
+        Args:
+            within_s: How long it may take, where it states nothing else.
+            leaving: Once it is set, nothing is waited for.
         """
         before = self.health
         if before.state == "ready":
@@ -88,7 +99,10 @@ class WatchedAgent:
         patience_s = self.patience_s(within_s)  # first: an agent may take its time to state it
         until = time.monotonic() + patience_s
         failure = self._attempt("stop", partial(_stop, self.agent), patience_s, leaving)
-        if failure is not None and failure.state == before.state == "died":
+        self._is_given_up = failure is not None and failure.state == "hangs" and time.monotonic() < until
+        if self._is_given_up and before.state == "running":
+            failure = AgentHealth("stopped", "it was not waited for to the end")
+        elif self._is_given_up or (failure is not None and failure.state == before.state == "died"):
             failure = None
         has_begun_late = before.state == "hangs" and failure is None and self._returns(until, leaving)
         is_stopped = before.state == "running" or has_begun_late
@@ -119,11 +133,11 @@ class WatchedAgent:
         )
 
     def cut_off(self) -> None:
-        """Close its ways to robots and people: it hangs, and must move nothing later."""
+        """Close its ways to robots and people: it `may_act`, and must move nothing later."""
         for purpose, connector in self.connectors.items():
             failure = self._attempt(f"stop of '{purpose}'", partial(_stop, connector), LOOK_S, threading.Event())
             become = failure.why if failure is not None else "was stopped"
-            log.warning("%s hangs; its connector '%s': %s", self.name, purpose, become)
+            log.warning("%s is cut off; its connector '%s': %s", self.name, purpose, become)
 
     def _ask(self, agent: ReportsHealth) -> None:
         try:

@@ -103,7 +103,7 @@ def test_one_that_hangs_is_named_and_all_end_within_seconds(troupe: Any) -> None
     assert status == 1 and took_s < 6.0, took_s
     assert ran.lines()[-3:] == ["stop 3_mute", "stop 1_hangs", "stop 0_plain"]
     assert any("1_hangs hangs: stop has not returned within" in line for line in ran.log.all)
-    assert any("1_hangs hangs; its connector 'stage': was stopped" in line for line in ran.log.all)
+    assert any("1_hangs is cut off; its connector 'stage': was stopped" in line for line in ran.log.all)
 
 
 def test_one_that_dies_is_named_with_its_reason_and_takes_no_other_with_it(troupe: Any) -> None:
@@ -126,6 +126,8 @@ def test_a_second_signal_waits_for_no_one(troupe: Any) -> None:
     ran.process.send_signal(signal.SIGTERM)
     ran.wait_for("2_hangs: hangs")
     assert ran.signal_and_wait()[1] < 1.5
+    assert not any("0_hangs hangs" in line for line in ran.log.all), "it had its time to end, and was not waited for"
+    assert any("0_hangs is cut off; its connector 'stage': was stopped" in line for line in ran.log.all)
 
 
 def test_when_no_agent_lives_it_is_over(troupe: Any) -> None:
