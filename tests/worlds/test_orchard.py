@@ -8,6 +8,7 @@ import random
 from contextlib import closing
 from typing import Any
 
+import mujoco
 import numpy as np
 import pytest
 
@@ -15,7 +16,8 @@ from rai_missions.worlds import open_world
 from rai_missions.worlds.contract import check_world
 from rai_missions.worlds.orchard.kinds import KINDS
 from rai_missions.worlds.orchard.layout import Layout
-from rai_missions.worlds.orchard.obstacles import place
+from rai_missions.worlds.orchard.obstacles import Obstacle, place
+from rai_missions.worlds.orchard.scene import build
 
 
 def digest(orchard: Any) -> str:
@@ -116,3 +118,12 @@ def test_what_lies_in_an_alley_stays_there(kind: str) -> None:
             while world.at < 2.0:
                 world.step()
             assert np.linalg.norm(world.data.xpos[bodies] - begun, axis=1).max() < 0.1
+
+
+@pytest.mark.parametrize("size", [1.0, 1.25])
+@pytest.mark.parametrize("kind", KINDS)
+def test_every_mesh_of_a_scene_is_that_of_a_body_in_it(kind: str, size: float) -> None:
+    layout = Layout(alleys=2, length_m=14.0)
+    model = build(layout, [Obstacle(kind, 0, size=size)])
+    is_mesh = model.geom_type == mujoco.mjtGeom.mjGEOM_MESH
+    assert {*model.geom_dataid[is_mesh]} == {*range(model.nmesh)}

@@ -128,15 +128,12 @@ def _turned(kind: str, turn_deg: float) -> str:
     return f'quat="{w:.6f} {x:.6f} {y:.6f} {z:.6f}"'
 
 
-def meshes() -> dict[str, bytes]:
-    """The mesh files of every figure, by name."""
+def meshes() -> dict[str, Mesh]:
+    """The meshes of every figure, by name."""
     rng = np.random.default_rng(11)
     made = {"branch": _branch(rng), "twigs": _twigs(rng), "log": _log(rng), "fallen": _fallen(rng)}
     made["fallen_crown"] = Mesh().ellipsoid((1.7, 0, 0.34), (0.95, 0.75, 0.55), lumps=8, rng=rng)
-    return {
-        f"{name}.obj": mesh.obj()
-        for name, mesh in {**made, **person_meshes(), **_animal(rng), **misleading.meshes(rng)}.items()
-    }
+    return {**made, **person_meshes(), **_animal(rng), **misleading.meshes(rng)}
 
 
 def _branch(rng: np.random.Generator) -> Mesh:

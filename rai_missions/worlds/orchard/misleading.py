@@ -60,7 +60,7 @@ def companion(kind: str, variant: str, name: str, place: str) -> str:
 
 
 def meshes(rng: np.random.Generator) -> dict[str, Mesh]:
-    """The mesh files by name."""
+    """The meshes by name."""
     return {"blades": _blades(rng), "bag": _film(rng), "cat": _curled(rng), "straw": _straw(rng)}
 
 

@@ -7,6 +7,7 @@ tractor as they collide.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from functools import cache
 from typing import Any
@@ -26,6 +27,7 @@ __all__ = ("TIMESTEP_S", "build")
 TIMESTEP_S = 0.005
 CROWNS, TRUNKS = 5, 3
 OBSTACLE_GROUP, TRUNK_GROUP = 3, 4
+MESH, FILE = re.compile(r'mesh="(\w+)"'), re.compile(r'file="(\w+)\.obj"')
 TREE_GHOST = 'contype="0" conaffinity="0"'
 
 
@@ -42,6 +44,10 @@ def build(
     """
     air = conditions or Conditions()
     middle = layout.length_m / 2, layout.centre_m(layout.alleys - 1) / 2
+    bodies = f"""{_trees(layout)}
+ {"".join(_obstacle(number, obstacle, layout) for number, obstacle in enumerate(obstacles))}
+ {tractor.body(*layout.home)}"""
+    meshes = _named_meshes(bodies) + _sized_meshes(obstacles)
     xml = f"""<mujoco model="orchard"><compiler angle="degree"/>
 <option timestep="{TIMESTEP_S}" integrator="implicitfast" cone="elliptic" impratio="3"/>
 <visual><global offwidth="1280" offheight="960"/>
@@ -50,21 +56,20 @@ def build(
  <headlight {air.headlight} specular="0 0 0"/>
  <rgba fog="{air.colour}" haze="{air.colour}"/></visual>{air.marks}
 <default><default class="tyre"><geom condim="4" friction="1.0 .01 .01" solref=".02 1.2"/></default></default>
-<asset>{_materials(air)}{_mesh_list()}{_sized_meshes(obstacles)}</asset>
+<asset>{_materials(air)}{meshes}</asset>
 <statistic extent="12" center="{middle[0]} {middle[1]} 1"/>
 <worldbody>
  <light directional="true" pos="10 6 20" dir="{air.sun}" diffuse="{air.sunlight}" specular=".2 .2 .2"
   castshadow="{str(shadows).lower()}"/>
  <geom name="ground" type="plane" size="120 120 1" material="grass" friction="1 .01 .01"/>
- {_trees(layout)}
- {"".join(_obstacle(number, obstacle, layout) for number, obstacle in enumerate(obstacles))}
- {tractor.body(*layout.home)}
+ {bodies}
 </worldbody>
 <contact>{tractor.CONTACT}</contact><actuator>{tractor.ACTUATORS}</actuator></mujoco>"""
-    model = mujoco.MjModel.from_xml_string(xml, _assets())
+    files = {f"{name}.obj": _file(name) for name in FILE.findall(meshes)}
+    model = mujoco.MjModel.from_xml_string(xml, files)
     excluded = _grown_together(model)
     if excluded:
-        model = mujoco.MjModel.from_xml_string(xml.replace("</contact>", f"{excluded}</contact>"), _assets())
+        model = mujoco.MjModel.from_xml_string(xml.replace("</contact>", f"{excluded}</contact>"), files)
     return model
 
 
@@ -117,15 +122,23 @@ def _square(size: int) -> str:
     return f'width="{size}" height="{size}"'
 
 
-def _mesh_list() -> str:
-    return "".join(f'<mesh name="{name[:-4]}" file="{name}" inertia="shell"/>' for name in _assets())
+def _named_meshes(bodies: str) -> str:
+    """The meshes that bodies name. A file that no body names takes as long to write and to read as any other."""
+    named = {*MESH.findall(bodies)}
+    return "".join(f'<mesh name="{name}" file="{name}.obj" inertia="shell"/>' for name in _meshes() if name in named)
 
 
 @cache
-def _assets() -> dict[str, bytes]:
-    """Every file that the model names, made once a process."""
-    crowns = {f"crown{k}.obj": _crown(k) for k in range(CROWNS)}
-    trunks = {f"trunk{k}.obj": _trunk(k) for k in range(TRUNKS)}
+def _file(name: str) -> bytes:
+    """The file of a mesh, made once a process."""
+    return _meshes()[name].obj()
+
+
+@cache
+def _meshes() -> dict[str, Mesh]:
+    """Every mesh that there is, by name."""
+    crowns = {f"crown{k}": _crown(k) for k in range(CROWNS)}
+    trunks = {f"trunk{k}": _trunk(k) for k in range(TRUNKS)}
     return {**crowns, **trunks, **tractor.meshes(), **figures.meshes()}
 
 
@@ -144,14 +157,14 @@ def _trees(layout: Layout) -> str:
     return "".join(out)
 
 
-def _crown(seed: int) -> bytes:
+def _crown(seed: int) -> Mesh:
     rng = np.random.default_rng(100 + seed)
     radii = (rng.uniform(0.95, 1.15), rng.uniform(0.95, 1.15), rng.uniform(1.0, 1.25))
     mesh = Mesh().ellipsoid((0, 0, 0), radii, lumps=9, rng=rng)
-    return mesh.leaves(radii, 46, rng).fruit(radii, 9, rng).obj()
+    return mesh.leaves(radii, 46, rng).fruit(radii, 9, rng)
 
 
-def _trunk(seed: int) -> bytes:
+def _trunk(seed: int) -> Mesh:
     rng = np.random.default_rng(200 + seed)
     spine = np.zeros((4, 3))
     spine[:, 2] = (-0.05, 0.4, 0.85, 1.3)
@@ -161,4 +174,4 @@ def _trunk(seed: int) -> bytes:
         turn = k * 1.57 + rng.random()
         out = np.array([np.cos(turn) * 0.22, np.sin(turn) * 0.22, 0.24])
         mesh.tube([(spine[3 - k % 2] + out * step).tolist() for step in (0, 1.2, 2.6)], [0.07, 0.05, 0.025], 4)
-    return mesh.obj()
+    return mesh

@@ -105,13 +105,13 @@ class Tractor:
             self._data.ctrl[steer] = math.atan2(bend * WHEELBASE_M, 1 + side * bend * FRONT_TRACK_M / 2)
 
 
-def meshes() -> dict[str, bytes]:
-    """The tractor's mesh files by name."""
+def meshes() -> dict[str, Mesh]:
+    """The tractor's meshes by name."""
     return {
-        "rear_tyre.obj": _tyre(REAR_RADIUS_M, 0.42, 22).obj(),
-        "front_tyre.obj": _tyre(FRONT_RADIUS_M, 0.30, 18).obj(),
-        "bonnet.obj": _bonnet().obj(),
-        "mudguard.obj": _mudguard().obj(),
+        "rear_tyre": _tyre(REAR_RADIUS_M, 0.42, 22),
+        "front_tyre": _tyre(FRONT_RADIUS_M, 0.30, 18),
+        "bonnet": _bonnet(),
+        "mudguard": _mudguard(),
     }
 
 
