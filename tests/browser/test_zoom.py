@@ -109,6 +109,27 @@ def test_at_fit_all_names_are_read(name: str, opened: Open) -> None:
     assert window.evaluate(MEETING) == []
 
 
+def test_names_that_begin_alike_differ_at_every_level(opened: Open) -> None:
+    name = "a_very_long_name_of_a_state_that_its_author_from_the_warehouse_wrote_in_full_{}"
+    states: dict[str, Any] = {
+        name.format(number): {"action": "go", "timeout_s": 1, "transitions": [{"on": "succeeded", "to": "done"}]}
+        for number in range(9)
+    }
+    states["done"] = {"final": "aborted"}
+    document = {"format": 1, "name": "alike", "initial": name.format(0), "states": states}
+    window = opened(review(Mission.model_validate(document)), viewport={"width": 1000, "height": 640})
+    drawn = """[...document.querySelectorAll('.state > .texts')].map((each) =>
+      [...each.querySelectorAll('text')].map((line) => line.lastChild.data || line.firstChild.data).join(' '))"""
+    seen = set()
+    for _ in range(60):
+        seen.add(window.evaluate("review.chart.svg.dataset.detail"))
+        written = window.evaluate(drawn)
+        assert len(written) == len(set(written)) == 10, written
+        assert window.evaluate(SPILLED) == []
+        window.keyboard.press("+")
+    assert {"triggers", "all"} <= seen
+
+
 def test_where_arrows_are_left_out_their_target_has_a_tip_that_counts_them(opened: Open) -> None:
     window = opened(review(flat(200)), viewport={"width": 1000, "height": 640})
     assert window.evaluate("review.chart.view.signs") is False

@@ -53,7 +53,7 @@ function lookOf(state) {
 /** The words at the head of every state, with room for a number behind the name. */
 function headed(column, state, detail) {
   const was = state.was ? ` (was ${state.was})` : "";
-  column.add(marked(state.mark, state.name) + was, NAME, { bold: true });
+  named(column, state, marked(state.mark, state.name) + was, detail);
   column.w += detail.counted ? COUNT : 0;
   const [word] = lookOf(state);
   column.add(state.kind === "final" ? `final: ${word}` : state.title || word, 11, { most: detail.all ? 2 : 1 });
@@ -64,16 +64,20 @@ function nameBox(state, detail, more = 0) {
   const name = state.kind === "history" ? (state.outcome === "deep" ? "H*" : "H") : state.name;
   const whole = marked(state.mark, name);
   const column = new Column(limitOf(name, detail) + (state.mark ? width(`${state.mark} `, NAME, true) : 0));
-  column.add(whole, NAME, { bold: true, most: detail.lines });
-  if (column.texts.some((line) => line.whole)) column.texts.forEach((line, index) =>
-    Object.assign(line, { whole,
-      text: index === column.texts.length - 1 && detail.isShared(line.text) ? tailOf(whole, detail.limit)
-        : line.text }));
-  column.w = Math.max(...column.texts.map(({ text }) => width(text, NAME, true)));  // an end may be the wider one
+  named(column, state, whole, detail);
   const pad = (detail.lines > 1 && !detail.whole ? 8 : 5) + (state.kind === "final" ? SECOND / 2 : 0),
     w = column.w + 2 * pad + more;
   return { w: Math.max(w, 36 + more), h: column.h + 9, texts: column.texts, cells: [], tree: null, at: [pad, 3],
     words: w };
+}
+
+/** A name in the lines that there are for it; where others begin alike, its end is in the last of them. */
+function named(column, state, whole, { limit, lines = 2, isShared }) {
+  column.add(whole, NAME, { bold: true, most: lines });
+  if (!column.texts.some((line) => line.whole)) return;
+  column.texts.forEach((line) => Object.assign(line, { whole }));
+  if (isShared(state.name, limit, lines)) column.texts.at(-1).text = tailOf(whole, column.limit);
+  column.w = Math.max(...column.texts.map(({ text }) => width(text, NAME, true)));  // an end may be the wider one
 }
 
 /** How wide a name may be: as wide as its widest part that is not broken, where the level leaves parts whole. */

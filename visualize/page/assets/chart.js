@@ -85,7 +85,7 @@ class Chart {
     return new Plans(this.model, this.open,
       (level, turned) => this.content(
         { ...level, turned, counted: Boolean(this.state.counts),
-          isShared: this.model.sharing(level.limit, level.lines) }));
+          isShared: this.model.sharing() }));
   }
 
   /** Opens or closes states; what `still` names stays where it is on the screen. */

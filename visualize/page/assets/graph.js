@@ -39,16 +39,21 @@ class Model {
     return this.chain(name).reduce((wanted, each) => (this.states.get(each) || {}).control || wanted, "");
   }
 
-  /** Whether a name that is cut to so many lines begins as another does. */
-  sharing(limit, lines) {
-    const last = (name) => wrapped(name, NAME, { bold: true, limit, most: lines }).lines[lines - 1];
-    let found = null;
-    return (line) => {
-      if (!found) {
-        found = new Map();
-        for (const name of this.states.keys()) found.set(last(name), (found.get(last(name)) || 0) + 1);
+  /** Whether a name that is cut to lines of a level's width begins as another does. */
+  sharing() {
+    const found = new Map();
+    const last = (name, limit, lines) => wrapped(name, NAME, { bold: true, limit, most: lines }).lines[lines - 1];
+    return (name, limit, lines) => {
+      const cut = `${limit} ${lines}`;
+      if (!found.has(cut)) {
+        const counts = new Map();
+        for (const each of this.states.keys()) {
+          const line = last(each, limit, lines);
+          counts.set(line, (counts.get(line) || 0) + 1);
+        }
+        found.set(cut, counts);
       }
-      return found.get(line) > 1;
+      return found.get(cut).get(last(name, limit, lines)) > 1;
     };
   }
 
