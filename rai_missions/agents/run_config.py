@@ -69,6 +69,8 @@ class RunConfig:
     """The simulated world's, instead of the profile's."""
     connector: Connector | None = None
     """Used instead of the profile's."""
+    opened: Connector | None = None
+    """The profile's connector, where a node that it carries has opened it already."""
     clock: Clock | None = None
     on_step: Callable[[Step], None] | None = None
     on_status: Callable[[Status], None] | None = None

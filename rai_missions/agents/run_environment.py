@@ -17,7 +17,7 @@ from rai_missions.connectors.python_robot import PythonRobot, PythonRobotConnect
 from rai_missions.connectors.registry import check_connector, open_offered
 from rai_missions.errors import UsageError
 from rai_missions.kinds import PackageOffer
-from rai_missions.profile import Robot, lacking, misnamed, unknown_fields
+from rai_missions.profile import Robot, middleware_faults
 from rai_missions.profile.python_robot import KIND
 from rai_missions.runtime.clock import Clock, PublishedClock, SimulatedClock, WallClock
 from rai_missions.runtime.robot_clock import RobotClock
@@ -46,8 +46,10 @@ def open_environment(plan: RunPlan, closing: CleanupStack) -> RunEnvironment:
     config = plan.config
     if plan.python is not None and config.connector is None:
         return _open_python(plan, plan.python)
-    if config.connector is not None or plan.robot is None:
-        return RunEnvironment(None, config.connector, plan.continued(config.clock or WallClock()))
+    if config.opened is not None and plan.robot is not None:
+        plan.refuse(middleware_faults(plan.mission, plan.robot), config.robot)
+    if (connector := config.connector or config.opened) is not None or plan.robot is None:
+        return RunEnvironment(None, connector, plan.continued(config.clock or WallClock()))
     options = dict(plan.robot.connector)
     kind, world = str(options.pop("kind")), options.pop("world", None)
     if (offer := check_connector(kind)) is not None:
@@ -78,13 +80,9 @@ def _open_connector(
     """A robot that is reached by a middleware."""
     given = plan.config.clock
     published = PublishedClock() if given is None and options.get("sim_time") is True else None
-    clock, package = plan.continued(published or given or WallClock()), offer.load()
+    clock = plan.continued(published or given or WallClock())
     connector = open_offered(offer, options, now=clock.now)
-    if hasattr(package, "why_no_name"):
-        plan.refuse(misnamed(robot, package.why_no_name), plan.config.robot)
-    if hasattr(package, "why_absent"):
-        absent = lacking(plan.mission, robot, package.why_absent)
-        plan.refuse((*absent, *unknown_fields(plan.mission, robot, package.fields_of)), plan.config.robot)
+    plan.refuse(middleware_faults(plan.mission, robot), plan.config.robot)
     if published is not None:
         connector.start()
         closing.closes(connector.stop)

@@ -17,7 +17,7 @@ from rai_missions.connectors.python_robot import PythonRobot
 from rai_missions.engine.decision import Question
 from rai_missions.errors import DefinitionError, MissionError, UsageError
 from rai_missions.mission.mission import Mission
-from rai_missions.profile import Robot, RobotProgram, check_functions, missing
+from rai_missions.profile import Robot, RobotProgram, check_functions, middleware_faults, missing
 
 __all__ = ("Clients", "about", "readied")
 
@@ -63,8 +63,10 @@ def readied(setting: RunConfig) -> tuple[Mission, Robot | None]:
     if faults := errors_of(mission, source, named=setting.named or {}):
         raise DefinitionError(faults, source)
     robot = profile_of(replace(setting, mission=mission))
-    if robot is not None and (lacks := missing(mission, robot)):
-        raise DefinitionError(lacks, "" if isinstance(setting.robot, Robot) else str(setting.robot))
+    if robot is not None:
+        lacks = missing(mission, robot) or (middleware_faults(mission, robot) if setting.connector is None else ())
+        if lacks:
+            raise DefinitionError(lacks, "" if isinstance(setting.robot, Robot) else str(setting.robot))
     if isinstance(setting.robot, PythonRobot | RobotProgram):
         _cover(setting.robot, mission)
     if setting.journal is not None:

@@ -109,7 +109,7 @@ class RunHost:
         """A setting whose run the node carries, reports and answers for."""
         if carrier.robots:
             self._clock = self.published_clock or WallClock()
-            setting = replace(setting, connector=carrier.connector, clock=self._clock)
+            setting = replace(setting, connector=None, opened=carrier.connector, clock=self._clock)
         setting = replace(setting, arguments={**self.arguments(), **setting.arguments})
         if setting.operator is None and self._is_operator:
             setting = replace(setting, operator=Clients())

@@ -5,7 +5,7 @@ Imports `check`, `connectors`, `engine`, `guards`, `mission`, `model`, `states` 
 root.
 """
 
-from rai_missions.profile.connector_faults import connector_faults
+from rai_missions.profile.connector_faults import connector_faults, middleware_faults
 from rai_missions.profile.conversation import GRANTED, ORDERS, ConversationPolicy, OrderName
 from rai_missions.profile.convert import plain
 from rai_missions.profile.coverage import actions_of, commanded_names, missing
@@ -52,6 +52,7 @@ __all__ = (
     "legible_profile",
     "load_profile",
     "load_whole_profile",
+    "middleware_faults",
     "misnamed",
     "missing",
     "missing_anyway",

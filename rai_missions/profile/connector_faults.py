@@ -4,14 +4,18 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import Any
 
-from rai_missions.connectors.registry import check_connector, check_options
+from rai_missions.connectors.registry import check_connector, check_options, connector_offer
 from rai_missions.errors import Fault, UsageError
+from rai_missions.mission.mission import Mission
+from rai_missions.profile.message_fields import unknown_fields
+from rai_missions.profile.message_types import lacking
 from rai_missions.profile.profile import Robot
 from rai_missions.profile.robot_names import misnamed
 from rai_missions.worlds.world import check_local
 
-__all__ = ("connector_faults",)
+__all__ = ("connector_faults", "middleware_faults")
 
 
 def connector_faults(robot: Robot) -> Iterator[Fault]:
@@ -32,3 +36,22 @@ def connector_faults(robot: Robot) -> Iterator[Fault]:
             check_local(options)
     except UsageError as error:
         yield Fault("/connector", str(error))
+
+
+def middleware_faults(mission: Mission, robot: Robot) -> tuple[Fault, ...]:
+    """What the robot's middleware on this machine has no place for: names, types of messages, and fields of these.
+
+    Args:
+        mission: What is to run.
+        robot: On which robot; what is inside this process has no middleware.
+
+    Raises:
+        UsageError: The package of its connector does not load.
+    """
+    offer = connector_offer(str(robot.connector["kind"]))
+    package: Any = offer.load() if offer is not None else None
+    if hasattr(package, "why_no_name") and (found := misnamed(robot, package.why_no_name)):
+        return found
+    if not hasattr(package, "why_absent"):
+        return ()
+    return (*lacking(mission, robot, package.why_absent), *unknown_fields(mission, robot, package.fields_of))

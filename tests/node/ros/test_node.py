@@ -10,13 +10,16 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+from rai_missions.agents.mission import RunConfig, prepare
 from rai_missions.connectors.connector import Message
 from rai_missions.connectors.contract import Inbox
 from rai_missions.connectors.ros2.config import read_options
-from rai_missions.errors import UsageError
+from rai_missions.errors import DefinitionError, UsageError
 from rai_missions.node import MissionNode
 from rai_missions.node.node import LOOK_S
-from tests.node.scenes import Client, FakeRobot
+from rai_missions.node.prerequisites import readied
+from rai_missions.profile import Robot
+from tests.node.scenes import Client, FakeRobot, mission, robot
 from tests.node.test_node import ORDERS, obeys, revisions_rise
 
 OpenNode = Callable[..., MissionNode]
@@ -49,6 +52,20 @@ def test_a_client_runs_the_mission_with_standard_messages(
     assert client.await_status("it is over", outcome="succeeded")["why"] == "'done' was reached, and there is true"
     client.steps.wait(lambda steps: any(step.get("outcome") == "succeeded" for step in steps), "the last step")
     revisions_rise(client)
+
+
+@pytest.mark.parametrize("managed", [True, False], ids=["managed", "of one run"])
+def test_a_profile_that_names_a_field_that_is_not_there_begins_no_run_of_a_node(domain: int, managed: bool) -> None:
+    written = robot({"kind": "ros2", "domain_id": domain, "discovery_s": 1.0}).written()
+    written["blackboard"]["there"]["field"] = "dta"
+    setting = RunConfig(mission(), Robot.model_validate(written))
+    node = MissionNode(setting, "misled", managed=managed)
+    node.run()
+    try:
+        with pytest.raises(DefinitionError, match="/blackboard/there/field: a std_msgs/msg/Bool has no field 'dta'"):
+            readied(setting) if managed else prepare(node.joined(setting))
+    finally:
+        node.stop()
 
 
 def test_a_client_that_joins_late_receives_the_latest(errand: Client, open_client: OpenClient) -> None:
