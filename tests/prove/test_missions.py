@@ -43,6 +43,10 @@ def test_the_shipped_missions_are_proved(name: str) -> None:
     assert [(claim.name, claim.sentence) for claim in proof.claims if claim.verdict != "proved"] == []
     assert proof.never == () and proof.sampled == ()
     assert proof.states <= 2 * STATES[name], "holds cost no more than as many states again"
+    guide = (ROOT / "docs/guide/proofs.md").read_text(encoding="utf-8")
+    assert f"({proof.states:,} states)" in guide
+    if f"{mission.name} {mission.version}: " in guide:
+        assert f"{mission.name} {mission.version}: {proof.states} states, {proof.steps} steps, " in guide
 
 
 def test_the_design_s_mission_is_proved_without_a_profile() -> None:
