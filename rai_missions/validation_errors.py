@@ -15,7 +15,7 @@ from pydantic import BaseModel, ValidationError
 from rai_missions.errors import DefinitionError, Fault, pointer, suggestion
 from rai_missions.redaction import shown
 
-__all__ = ("KEY", "faults_of", "place_of", "validated")
+__all__ = ("KEY", "faults_of", "model_at", "place_of", "validated", "words_of")
 
 MOST = 1000
 """How many faults are listed one by one; anyone who has more reads no further."""
@@ -74,7 +74,7 @@ def faults_of(error: ValidationError, model: type[Any], data: Any, known: Iterab
         if seen in reported:
             continue
         reported.add(seen)
-        yield Fault(place, _sentence(item, _model_at(model, data, steps), known if len(item["loc"]) == 1 else ()))
+        yield Fault(place, _sentence(item, model_at(model, data, steps), known if len(item["loc"]) == 1 else ()))
     if len(found) > MOST:
         yield Fault("", f"and {len(found) - MOST} more faults; mend these first")
 
@@ -112,7 +112,7 @@ def _steps(loc: tuple[str | int, ...], data: Any) -> tuple[list[str | int], bool
     return steps, len(steps) < len(loc)
 
 
-def _model_at(model: type[Any], data: Any, steps: Iterable[str | int]) -> type[Any] | None:
+def model_at(model: type[Any], data: Any, steps: Iterable[str | int]) -> type[Any] | None:
     """The model as which a place, or what holds it, is read."""
     kind: Any = model
     found: type[Any] | None = None
@@ -166,7 +166,8 @@ def _noun(class_name: str) -> str:
     return " ".join(words[:-1] if len(words) > 1 and words[-1] in DESCRIBING else words).lower()
 
 
-def _words(model: type[Any] | None) -> list[str]:
+def words_of(model: type[Any] | None) -> list[str]:
+    """The words that an object of a model may have."""
     return [field.alias or name for name, field in model.model_fields.items()] if model else []
 
 
@@ -178,7 +179,7 @@ def _home(word: str, model: type[Any] | None) -> str:
     homes = [
         name
         for name, kind in inner.items()
-        if isinstance(kind, type) and issubclass(kind, BaseModel) and word in _words(kind)
+        if isinstance(kind, type) and issubclass(kind, BaseModel) and word in words_of(kind)
     ]
     return homes[0] if len(homes) == 1 else ""
 
@@ -209,7 +210,7 @@ def _sentence(item: Any, model: type[Any] | None, known: Iterable[str]) -> str:
             example = getattr(model, "example", "")
             like = f", as in {example % meant}" if example else ""
             return f"{_thing(model)} has no {shown(word)}; did you mean '{meant}'{like}?"
-        near, example = suggestion(word, tuple(known) or _words(model)), getattr(model, "example", "")
+        near, example = suggestion(word, tuple(known) or words_of(model)), getattr(model, "example", "")
         if not near.endswith("?") and (home := _home(word, model)):
             near = f"; it belongs in '{home}'"
         like = f"; write it like {example % '<'}" if example and not near.endswith("?") else ""

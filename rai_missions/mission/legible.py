@@ -7,15 +7,16 @@ Rule: what cannot be read is replaced by something neutral at the same place; no
 from __future__ import annotations
 
 import copy
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
 
 from pydantic import ValidationError
 
 from rai_missions.errors import Fault, pointer, steps_of
 from rai_missions.mission.mission import BUILT_IN_EVENTS, Mission, declared_events
+from rai_missions.mission.readings import sure_faults
 from rai_missions.mission.schema import STRONGER
-from rai_missions.validation_errors import KEY, faults_of, place_of
+from rai_missions.validation_errors import KEY, faults_of, model_at, place_of
 
 __all__ = ("LegiblePart", "is_entry", "legible_part", "words_in")
 
@@ -93,8 +94,9 @@ def legible_part(data: Mapping[str, Any]) -> LegiblePart | None:
         except ValidationError as error:
             if error.error_count() > MOST_FAULTS:
                 return None
-            found = faults_of(error, Mission, document)
+            found = tuple(faults_of(error, Mission, document))
             faults += [each for each in found if _is_original(each.place, original, document)]
+            faults += repair.sure_faults({each.place for each in found})
             if not repair.attempt(error):
                 return None
         else:
@@ -125,6 +127,8 @@ class _Repair:
     def __init__(self, document: dict[str, Any], original: dict[str, Any]) -> None:
         self._document, self._original = document, original
         self.unread: list[Steps] = []
+        self._unknown: dict[Steps, list[tuple[str, Any]]] = {}
+        """The place of an object → the words of it that are unknown, with their values."""
         self._tried: set[Steps] = set()
         self._misnamed: set[Steps] = set()
         self.names: set[str] = set()
@@ -137,10 +141,28 @@ class _Repair:
             steps = tuple(place_of(item["loc"], self._document))
             if item["loc"] and item["loc"][-1] == KEY:
                 self._misnamed.add(steps)
+            if item["type"] == "extra_forbidden":
+                self._unknown.setdefault(steps[:-1], []).append((str(steps[-1]), item["input"]))
             targets.add(self._target(steps, item["type"]))
         inside = (each for each in targets if any(each[:length] in targets for length in range(len(each))))
         outermost = targets - {(), *inside}
         return bool(outermost) and not targets & UNREADABLE and all(map(self._replace, outermost))
+
+    def sure_faults(self, places: Collection[str]) -> Iterator[Fault]:
+        """What is wrong with objects of which nothing but an unknown word was left out, whatever it was meant to be.
+
+        Args:
+            places: Where there is a fault now; other objects have none.
+        """
+        for steps, unknown in self._unknown.items():
+            if pointer(steps) not in places:
+                continue
+            kind = model_at(Mission, self._document, steps)
+            (word, value), here = unknown[0], _at(self._document, steps)
+            is_left_out = isinstance(here, Mapping) and {**here, word: value} == _at(self._original, steps)
+            if kind is not None and len(unknown) == 1 and is_left_out:
+                place = pointer(steps)
+                yield from (Fault(place + each.place, each.sentence) for each in sure_faults(kind, here, word, value))
 
     def _target(self, steps: Steps, kind: str) -> Steps:
         """The smallest thing around a fault that can be replaced or left out."""
@@ -235,6 +257,16 @@ class _Repair:
             here = here[step]
         inner = here.get("states")
         return next(iter(inner), None) if isinstance(inner, Mapping) else None
+
+
+def _at(document: Any, steps: Steps) -> Any:
+    """What is at a place; None where there is nothing."""
+    for step in steps:
+        try:
+            document = document[step]
+        except (KeyError, IndexError, TypeError):
+            return None
+    return document
 
 
 def _flags(state: Mapping[str, Any]) -> frozenset[str]:

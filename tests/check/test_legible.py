@@ -87,6 +87,48 @@ def test_what_cannot_be_read_anywhere_is_the_cause_of_no_other_finding() -> None
             assert_nothing_is_invented(*place, word=word)
 
 
+READINGS: list[tuple[Steps, dict[str, Any], str]] = [
+    (("blackboard", "k"), {"type": "integer", "sorce": "mission", "initial": 1.5}, "/blackboard/k: 'initial' does not"),
+    (("blackboard", "k"), {"type": "integer", "sorce": "argument", "minimum": 1}, ""),
+    (("blackboard", "k"), {"type": "integer", "sorce": "argment", "minimum": 1}, ""),
+    (("blackboard", "k"), {"type": "integer", "sorce": "argument", "abut": "k", "initial": 1.5}, ""),
+    (
+        ("transitions", 0),
+        {"on": "go", "after_s": 3, "tto": "end"},
+        "/transitions/0: a transition has 'on' or 'after_s'",
+    ),
+    (("transitions", 0), {"to": "end", "wehn": {"key": "k", "==": 1}}, ""),
+]
+"""An object with an unknown word, and the fault next to it that is there whatever the word was meant to be."""
+
+
+@pytest.mark.parametrize(("steps", "item", "fault"), READINGS)
+def test_an_unknown_word_hides_no_fault_that_is_there_whatever_it_means(
+    steps: Steps, item: dict[str, Any], fault: str
+) -> None:
+    document = document_of({})
+    document["blackboard"] = {"k": {"type": "integer"}}
+    document["transitions"] = [{"on": "go", "to": "end"}]
+    document[str(steps[0])][steps[1]] = item
+    part = legible_part(document)
+    assert part is not None
+    found = [str(each) for each in part.faults if str(each.place) not in unread_places(document)]
+    assert len(found) == bool(fault) and "".join(found).startswith(fault)
+
+
+@given(st.data())
+def test_a_fault_next_to_an_unknown_word_is_there_once_the_word_is_mended(data: st.DataObject) -> None:
+    """Each word of each key of the shipped missions is misspelled, and each value is replaced by another's."""
+    keys = [dict(each) for document in SHIPPED.values() for each in document["blackboard"].values()]
+    key = data.draw(st.sampled_from(keys)) | data.draw(st.sampled_from(keys))
+    word = data.draw(st.sampled_from(sorted(key)))
+    document = document_of({}) | {"blackboard": {"k": key}}
+    mended = unread_places(document)
+    document["blackboard"]["k"] = {f"{each}x" if each == word else each: value for each, value in key.items()}
+    part = legible_part(document)
+    assert part is None or {each.place for each in part.faults} <= mended | unread_places(document)
+
+
 def test_a_comparison_whose_key_cannot_be_read_is_not_taken_for_a_question_about_a_state() -> None:
     guard = {"key": [[1.5]], "in": [1, 4]}
     document = document_of({"transitions": [{"on": "go", "when": guard, "to": "end"}]})
