@@ -18,6 +18,16 @@ from tests.workers import ByFile
 def pytest_xdist_make_scheduler(config, log):
     return ByFile(config, log)
 """
+DEAD_BEFORE = """
+import pytest
+
+def pytest_runtest_logreport(report):
+    if report.nodeid.endswith("test_alone.py::test_it[19]") and report.when == "call" and hasattr(report, "node"):
+        with pytest.raises(EOFError):
+            report.node.channel.waitclose(60)
+        report.node._down = False
+"""
+"""The test before the fatal one is over once its worker is dead, and that has yet to be received."""
 ALONE = """
 import os, pytest
 
@@ -40,8 +50,8 @@ def test_it(once, number):
 """
 
 
-def run(folder: Path, workers: int) -> str:
-    (folder / "conftest.py").write_text(HOW)
+def run(folder: Path, workers: int, conftest: str = HOW) -> str:
+    (folder / "conftest.py").write_text(conftest)
     tried = subprocess.run(
         [sys.executable, "-m", "pytest", "-p", "no:cacheprovider", "-p", "xdist", "-q", "-n", str(workers),
          "-c", "/dev/null", "--rootdir", str(folder), str(folder)],
@@ -59,3 +69,8 @@ def test_the_only_one_that_dies_is_replaced_and_runs_what_is_left(tmp_path: Path
     (tmp_path / "test_alone.py").write_text(ALONE.format(fatal=20))
     (tmp_path / "test_together.py").write_text(TOGETHER)
     assert "2 failed, 144 passed" in run(tmp_path, 1)
+
+
+def test_one_that_is_dead_before_it_would_get_its_next_test_leaves_the_others_with_work(tmp_path: Path) -> None:
+    (tmp_path / "test_alone.py").write_text(ALONE.format(fatal=20))
+    assert "1 failed, 139 passed" in run(tmp_path, 1, HOW + DEAD_BEFORE)

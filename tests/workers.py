@@ -8,6 +8,7 @@ which nothing is left to run never ends, and a worker that waits for its end wai
 
 from __future__ import annotations
 
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -73,6 +74,11 @@ class ByFile(LoadScopeScheduling):  # type: ignore[misc, unused-ignore]
         name = self._split_scope(self.registered_collections[node][item_index])
         if all(self.assigned_work[node][name].values()):
             del self.assigned_work[node][name]
+
+    def _assign_work_unit(self, node: Any) -> None:
+        """Give a worker a unit; one that is dead, whose end is received next, leaves it with all that it had."""
+        with suppress(OSError):
+            super()._assign_work_unit(node)
 
     def _reschedule(self, node: Any) -> None:
         """Two tests at least, where there are: a worker begins one only once it knows the next."""

@@ -91,6 +91,12 @@ def drawn(rng: random.Random, folder: Path, made: Json, *, is_included: bool) ->
     return load(folder / "outer.json"), frozenset({*KEYS, *EVENTS} - outer["states"]["part"]["with"].keys())
 
 
+def private_as(event: Event, private: frozenset[str]) -> Event:
+    """An event as the mission that includes another knows it; of what is private in that one."""
+    is_private = event.kind in ("event", "write") and event.name in private
+    return event._replace(name=f"part/{event.name}") if is_private else event
+
+
 def plain(value: Any) -> Any:
     """A value with its old names, in an order of its own."""
     if isinstance(value, Mapping):
@@ -163,9 +169,7 @@ def agree(folder: Path, seed: int, *, is_included: bool = False, wishes: bool = 
     assert Mission.model_validate_json(dump(mission)) == mission
 
     def happened(happening: DrawnEvent) -> Event:
-        event = answers.event(*happening)
-        is_private = event.kind in ("event", "write") and event.name in private
-        return event._replace(name=f"part/{event.name}") if is_private else event
+        return private_as(answers.event(*happening), private)
 
     cut = rng.randint(0, len(script))
     whole, answers = Chart(mission, terms=facts, named=NAMED), ScriptedRobot("agent")
