@@ -65,8 +65,8 @@ def is_far(known: Json, margin: int) -> bool | None:
 class _Draft:
     """One mission as it is drawn."""
 
-    def __init__(self, rng: random.Random, *, alone: bool, wishes: bool = False) -> None:
-        self.rng, self.alone, self.wishes = rng, alone, wishes
+    def __init__(self, rng: random.Random, *, alone: bool, wishes: bool = False, trees: bool = False) -> None:
+        self.rng, self.alone, self.wishes, self.trees = rng, alone, wishes, trees
         self.count = 0
         self.names: list[str] = []
         """States that a transition may name."""
@@ -154,7 +154,7 @@ class _Draft:
         rng = self.rng
         kinds = ["wait"] if self.lean else ["wait", "wait", "decision", "tree", "read", "plan"]
         kinds += ["action", "call"] if not (self.lean or self.alone) else []
-        kinds += ["read", "read", "plan"] * 3 * self.wishes
+        kinds += ["read", "read", "plan"] * 3 * self.wishes + ["tree"] * 12 * self.trees
         chosen = [
             rng.choice(kinds + (["compound", "parallel", "each"] if depth else []))
             for _ in range(rng.randint(1 + self.lean, 3 + self.lean))
@@ -380,15 +380,16 @@ def wished(then: str) -> Json:
     }  # fmt: skip
 
 
-def document(rng: random.Random, *, alone: bool = False, wishes: bool = False) -> Json:
+def document(rng: random.Random, *, alone: bool = False, wishes: bool = False, trees: bool = False) -> Json:
     """A mission as JSON has it.
 
     Args:
         rng: What it follows from.
         alone: It needs no robot, so that nothing comes back of what it does.
         wishes: It mostly reads requests, which change, and plans, once it sees something.
+        trees: Most of its states run trees.
     """
-    draft = _Draft(rng, alone=alone, wishes=wishes)
+    draft = _Draft(rng, alone=alone, wishes=wishes, trees=trees)
     states = draft.room(1 if draft.lean else 2, top=True)
     for state, kind, later in draft.done:
         if transitions := draft.transitions(kind, state, later):

@@ -7,6 +7,7 @@ import json
 import random
 from collections import Counter
 from collections.abc import Callable, Iterator
+from contextlib import suppress
 from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -19,6 +20,7 @@ from rai_missions.agents.talk.orders import RunOrders
 from rai_missions.conversation import Order, Settings
 from rai_missions.engine import Chart
 from rai_missions.engine.step import Ask, Handover, Step
+from rai_missions.errors import DefinitionError
 from rai_missions.event import Event, Tick
 from rai_missions.journal import Header, Journal, read
 from rai_missions.mission.files import dump
@@ -30,13 +32,15 @@ from rai_missions.runtime.run_options import NewRun, RunObserver
 from rai_missions.runtime.runner import Runner
 from tests.agents.talk.scenes import HeldOpen, settle
 from tests.laws.drawn import EVENTS, document
-from tests.laws.test_cut_short import plain, remembered
+from tests.laws.test_cut_short import drawn, plain, private_as, remembered
 from tests.laws.test_side_by_side import NAMED, Surroundings, Thinker, robot, without_request
 from tests.rigs.journals import assert_whole, cut_after_each
 from tests.rigs.turns import Turns, sooner_ended
 
 Json = dict[str, Any]
 OVER_S, CANCELED_S, KILLED_S = 60.0, 20.0, 30.0
+INCLUDED = 0.5
+"""Which share of the missions is a part of another."""
 MOST_REPLAYED = 100_000
 """Steps that are done again in all cuts of one run: a mission that goes round in one instant makes ten thousand."""
 SENTENCES = (
@@ -58,21 +62,28 @@ class Given(NamedTuple):
     """The step that took it."""
 
 
-def asking(rng: random.Random) -> Mission:
-    """A drawn mission that needs control, lasts, and asks a person."""
+def asking(rng: random.Random, folder: Path) -> tuple[Mission, frozenset[str]]:
+    """A drawn mission that needs control, lasts, and asks a person; and what is private in the one that it includes."""
     while True:
         text = json.dumps(document(rng))
         if '"decision"' not in text or '"control"' not in text:
             continue
         ask = rng.choice(['["operator", "rules"]', '["operator"]'])
-        mission = Mission.model_validate_json(text.replace('["agent", "rules"]', ask))
-        chart = Chart(mission, named=NAMED)
-        steps = [chart.start(0.0)]
-        for at in (0.0, 0.0, 1.0, 1.0, 2.0, 3.0):
-            wanted = [each.to for each in steps[-1].effects if isinstance(each, Handover)]
-            steps.append(chart.send(Event(wanted[0], at, {"by": "mission"}, "control") if wanted else Tick(at)))
-        if chart.outcome is None and any(isinstance(each, Ask) for step in steps for each in step.effects):
-            return mission
+        made = json.loads(text.replace('["agent", "rules"]', ask))
+        with suppress(DefinitionError):  # it cannot be included
+            mission, private = drawn(rng, folder, made, is_included=rng.random() < INCLUDED)
+            if lasts(mission):
+                return mission, private
+
+
+def lasts(mission: Mission) -> bool:
+    """Whether a mission asks a person something in its first seconds, and has not ended then."""
+    chart = Chart(mission, named=NAMED)
+    steps = [chart.start(0.0)]
+    for at in (0.0, 0.0, 1.0, 1.0, 2.0, 3.0):
+        wanted = [each.to for each in steps[-1].effects if isinstance(each, Handover)]
+        steps.append(chart.send(Event(wanted[0], at, {"by": "mission"}, "control") if wanted else Tick(at)))
+    return chart.outcome is None and any(isinstance(each, Ask) for step in steps for each in step.effects)
 
 
 class Held:
@@ -95,7 +106,7 @@ class Held:
         self._taking: list[Step] = []
         self.lines: list[TalkLine] = []
         rng = random.Random(seed)
-        self.mission = mission = asking(rng)
+        self.mission, self._private = mission, _ = asking(rng, path.parent)
         self.robot = robot(rng, mission)
         land = Surroundings(turns, seed)
         journal = Journal.create(path, Header(dump(mission), dump_profile(self.robot), run="held"))
@@ -186,7 +197,7 @@ class Held:
         self.runner.control(who, by="operator Eve")
 
     def _post(self, name: str, k: int) -> None:
-        self.runner.post(Event(name, self.turns.at, {"k": k}))
+        self.runner.post(private_as(Event(name, self.turns.at, {"k": k}), self._private))
 
     def _utter(self, text: str) -> None:
         self._place += 1

@@ -143,7 +143,7 @@ def agree(seed: int, folder: Path) -> Counter[str]:
     return found
 
 
-@pytest.mark.parametrize("seed", [4, 5, 45, 60])
+@pytest.mark.parametrize("seed", [2, 6, 9, 42])
 def test_the_judgment_of_an_answer_is_reported_by_the_process_that_judges_it(seed: int, tmp_path: Path) -> None:
     assert agree(seed, tmp_path).total()
 

@@ -6,11 +6,9 @@ Amid regions, timeouts, holds, histories and inclusions, and with what was writt
 
 from __future__ import annotations
 
-import json
 import random
 from collections import Counter
 from pathlib import Path
-from typing import Any
 
 import pytest
 
@@ -25,23 +23,14 @@ from tests.laws.test_instants import AFTER_S
 from tests.rigs.charts import ScriptedRobot
 from tests.rigs.turns import sooner_ended
 
-Json = dict[str, Any]
 KINDS = (CompiledTrees, PyTrees)
-
-
-def with_trees(rng: random.Random) -> Json:
-    """A drawn mission in which there is a tree."""
-    while True:
-        made = document(rng)
-        if '"tree"' in json.dumps(made):
-            return made
 
 
 @sooner_ended()
 def agree(folder: Path, seed: int) -> str:
     """Run a mission on both, and on one whose trees change hands after each step; gives whether a tree ran."""
     rng = random.Random(seed)
-    made, script, facts = with_trees(rng), happenings(rng), terms(rng)
+    made, script, facts = document(rng, trees=True), happenings(rng), terms(rng)
     try:
         mission, private = drawn(rng, folder, made, is_included=bool(seed % 2))
     except DefinitionError:
