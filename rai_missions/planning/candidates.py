@@ -17,6 +17,7 @@ from rai_missions.planning.scene import Thing
 
 __all__ = (
     "LEAST_M",
+    "about_a_place",
     "aligned",
     "amid",
     "around",
@@ -32,6 +33,8 @@ LEAST_M = 0.004
 SLACK_M = 0.0003
 """What rounding may take from a clearance, metres."""
 DIRECTIONS = 16
+NEARBY_M = (0.004, 0.008, 0.012)
+"""How far from a place that was named a thing may be put, with room to spare for an arm that is not exact, metres."""
 STEP_IN_M = 0.012
 """The raster of places in a container."""
 QUARTERS = (0.0, math.pi / 2)
@@ -56,6 +59,17 @@ def around(thing: Thing, partner: Thing, clearance: float) -> Iterator[Thing]:
             there = thing.moved(partner.x + distance * cos, partner.y + distance * sin, thing.size[2] / 2)
             distance -= gap(there.footprint, partner.footprint) - clearance - 0.002
         yield thing.moved(partner.x + distance * cos, partner.y + distance * sin, thing.size[2] / 2)
+
+
+def about_a_place(there: Thing) -> Iterator[Thing]:
+    """Places all round one that was named, the same within the tolerance of a place.
+
+    Args:
+        there: The thing at the place.
+    """
+    for away, turn in product(NEARBY_M, range(DIRECTIONS)):
+        angle = turn * 2 * math.pi / DIRECTIONS
+        yield there.moved(there.x + away * math.cos(angle), there.y + away * math.sin(angle), there.z)
 
 
 def to_a_side(thing: Thing, partner: Thing, wanted: Beyond, clearance: float) -> Iterator[Thing]:

@@ -173,7 +173,7 @@ def _two_places(goal: Goal, scene: Scene, workspace: Workspace) -> Found:
         elif one.at != other.at and _in_one_column(goal, one.at, other.at):
             if off > AT:
                 yield "two_places", "column_at_two_places", one.at, other.at
-        elif one.at != other.at and gap(_there(one, scene).footprint, _there(other, scene).footprint) < 0:
+        elif one.at != other.at and gap(_there(one, scene).footprint, _there(other, scene).footprint) < -AT:
             yield "same_place", "same_place", one.at, other.at
 
 

@@ -85,4 +85,9 @@ def _hand(thing: Thing, yaw: float) -> Iterator[tuple[Footprint, float]]:
 
 def _is_blocked(part: tuple[Footprint, float], others: list[Thing]) -> bool:
     footprint, from_z = part
-    return any(other.top > from_z and gap(footprint, other.footprint) < GAP_M for other in others)
+    return any(other.top > from_z and gap(footprint, _outline(other)) < GAP_M for other in others)
+
+
+def _outline(thing: Thing) -> Footprint:
+    """What fingers keep clear of: the box of a thing, for an arm takes a ball for one too."""
+    return box(thing.x, thing.y, thing.size[:2], thing.yaw)

@@ -11,6 +11,7 @@ from collections.abc import Collection, Iterator, Sequence
 
 from rai_missions.planning.candidates import (
     LEAST_M,
+    about_a_place,
     aligned,
     amid,
     around,
@@ -172,6 +173,12 @@ class Placement:
                 return each.x, each.y
         return None
 
+    def _is_next_to_another_place(self, there: Thing) -> bool:
+        """Whether a thing at its named place leaves the fingers too little room at the named place of another."""
+        others = (self.present[each.at].moved(each.x, each.y, there.z) for each in self.goal.of_kind(AtPlace)
+                  if each.at != there.name and (each.x, each.y) != self._named_place(there.name))  # fmt: skip
+        return any(_is_near(there, other, self.clearance) for other in others)
+
     # -- candidates ----------------------------------------------------------------------------------------------------
 
     def _candidates(self, name: str) -> Iterator[tuple[Thing, str]]:
@@ -185,7 +192,10 @@ class Placement:
             return
         level = thing.size[2] / 2
         if (place := self._named_place(name)) is not None:
-            yield thing.moved(*place, level), DESK
+            there = thing.moved(*place, level)
+            yield there, DESK
+            if self._is_next_to_another_place(there):
+                yield from ((each, DESK) for each in about_a_place(there))
             return
         later = list[Thing]()
         for each in self._on_desk(thing):

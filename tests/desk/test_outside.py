@@ -52,8 +52,17 @@ def test_all_of_them_are_meant_also_one_that_was_hidden_at_first() -> None:
 @pytest.mark.long
 @pytest.mark.parametrize(
     "seed",
-    [100012, 100013, 100119, 910037, 100176],
-    ids=["unstacked", "leaning", "palm", "set down neither there nor back", "both places filled by a push"],
+    [100012, 100013, 100119, 910037, 100176, 100105, 910000, 910072],
+    ids=[
+        "unstacked",
+        "leaning",
+        "palm",
+        "set down neither there nor back",
+        "both places filled by a push",
+        "an apple next to a cube",
+        "swapped, touching",
+        "swapped, a finger apart",
+    ],
 )
 def test_a_desk_that_was_not_drawn_for_the_arm_is_arranged(seed: int) -> None:
     end = played_hard(hard_case(seed))

@@ -52,7 +52,7 @@ CASES: list[tuple[str, list[dict[str, Any]], str]] = [
      "'a' cannot be at (0.5, 0) and at (0.4, 0)"),
     ("two_places", [{"on": ["a", "b"]}, {"at": "a", "x": 0.5, "y": 0}, {"at": "b", "x": 0.4, "y": 0}],
      "'a' and 'b' are one on the other and at two places"),
-    ("same_place", [{"at": "a", "x": 0.5, "y": 0}, {"at": "b", "x": 0.52, "y": 0}],
+    ("same_place", [{"at": "a", "x": 0.5, "y": 0}, {"at": "b", "x": 0.51, "y": 0}],
      "'a' and 'b' would be in the same place"),
     ("contradiction", [{"next_to": ["a", "b"]}, {"apart": ["b", "a"]}],
      "'b' and 'a' cannot be close together and apart"),

@@ -22,6 +22,7 @@ from rai_missions.planning import (
     planned,
     reached,
 )
+from rai_missions.planning.candidates import LEAST_M
 from rai_missions.planning.feasibility import REASONS
 from rai_missions.planning.fingers import can_take
 from tests.planning.drawn import KINDS, any_goal, arrangement, goal_from, goal_of_kind, names_for, target_goal
@@ -145,6 +146,24 @@ def test_a_swap_is_three_moves_by_a_free_place() -> None:
     assert [move.object for move in plan.moves] == ["a", "b", "a"]
     executed(plan, goal, seen)
     assert feasible(goal_from([{"swapped": ["a", "b"]}]), seen) is None
+
+
+@pytest.mark.parametrize("gap_m", [-0.002, 0.0, 0.002, 0.01, 0.03])
+def test_things_that_touch_are_swapped_within_the_tolerance_of_a_place(gap_m: float) -> None:
+    """A camera may measure a little less than nothing between them."""
+    seen = scene(thing("a", 0.45, 0.0), thing("b", 0.45 + CUBE + gap_m, 0.0))
+    goal = at_first_poses(goal_from([{"swapped": ["a", "b"]}]), seen)
+    plan = planned(goal, seen)
+    assert isinstance(plan, Plan) and len(plan.moves) == 3
+    executed(plan, goal, seen)
+    (a, b) = (move.place for move in (plan.moves[2], plan.moves[1]))
+    assert math.dist(a[:2], b[:2]) > CUBE + LEAST_M - 1e-3
+
+
+@pytest.mark.parametrize(("other_x", "moves"), [(0.7, 1), (0.554, 2)], ids=["far", "in the way"])
+def test_a_place_with_no_other_place_next_to_it_is_met_exactly(other_x: float, moves: int) -> None:
+    plan = plan_of([{"at": "a", "x": 0.5, "y": 0.1}], thing("a", 0.4, -0.2), thing("b", other_x, 0.1))
+    assert len(plan.moves) == moves and plan.moves[-1].place[:2] == (0.5, 0.1)
 
 
 def test_the_naive_swap_is_forbidden() -> None:
