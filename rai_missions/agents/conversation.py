@@ -38,9 +38,10 @@ from rai_missions.conversation import (
     TalkNote,
     Utterance,
 )
-from rai_missions.conversation.grammar import STOP, Grammar
+from rai_missions.conversation.grammar import Grammar
 from rai_missions.conversation.inputs import SpeechResult
 from rai_missions.conversation.language import language
+from rai_missions.conversation.senses import STOP
 from rai_missions.engine.step import Step
 from rai_missions.event import Role
 from rai_missions.redaction import cut, logger, redacted

@@ -11,7 +11,7 @@ from rai_missions.conversation.view import KeyView, MissionView, StatusView
 from rai_missions.engine.decision import Offer
 from rai_missions.planning.text.numbers import ordinal
 
-__all__ = ("NamedOption", "key_named", "missions_named", "option_named", "option_place")
+__all__ = ("NamedOption", "called", "key_named", "missions_named", "option_named", "option_place")
 
 SHORTEST = 4
 """Letters of a word that alone may mean a key by its `about`."""
@@ -107,3 +107,10 @@ def _ways(offer: Offer, language: Language) -> Iterator[list[str]]:
 
 def _every_word(offer: Offer, language: Language) -> set[str]:
     return {*spoken(offer.name).split(), *language.normaliser.words(offer.about)}
+
+
+def called(robot: str) -> tuple[str, ...]:
+    """How people address a robot: `tractor1` as `tractor`, too, and `ROSbot XL, simulated` as `ROSbot`."""
+    name = robot.partition(",")[0]
+    first = name.split()[:1]
+    return tuple(dict.fromkeys([robot, spoken(robot), name, *first, *(each.rstrip("0123456789") for each in first)]))

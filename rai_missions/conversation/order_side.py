@@ -10,7 +10,6 @@ from collections.abc import Sequence
 from typing import NamedTuple, TypeVar
 
 from rai_missions.conversation.confirmation import OrderConfirmation
-from rai_missions.conversation.grammar import STOP
 from rai_missions.conversation.inputs import OrderEnd, SpeechEnd, Utterance
 from rai_missions.conversation.language import spoken
 from rai_missions.conversation.order_rules import (
@@ -25,7 +24,7 @@ from rai_missions.conversation.order_rules import (
 from rai_missions.conversation.order_words import order_words
 from rai_missions.conversation.outputs import Mapper, Order
 from rai_missions.conversation.request_queue import JudgedOrder, RequestQueue, order_data
-from rai_missions.conversation.senses import Sense
+from rai_missions.conversation.senses import STOP, Sense
 from rai_missions.conversation.speech_side import SpeechSide
 from rai_missions.conversation.talk import Talk
 from rai_missions.conversation.values import capital

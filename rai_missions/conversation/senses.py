@@ -4,10 +4,10 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any, Literal, NamedTuple
 
-__all__ = ("Sense", "SenseKind")
+__all__ = ("FAULT", "STOP", "Sense", "SenseKind", "is_fault")
 
 SenseKind = Literal["order", "yes", "no", "quiet", "withdraw", "again", "other", "question", "fault"]
 
@@ -56,3 +56,12 @@ class Sense(NamedTuple):
             self.thing,
         ]
         return json.dumps(data, sort_keys=True, default=str)
+
+
+STOP = Sense("order", "stop")
+FAULT = (Sense("fault"),)
+
+
+def is_fault(senses: Sequence[Sense]) -> bool:
+    """Whether it gives values that do not fit, and means nothing else."""
+    return bool(senses) and all(sense.kind == "fault" for sense in senses)

@@ -11,14 +11,14 @@ from typing import Literal
 
 from rai_missions.conversation.confirmation import CROSSING_S
 from rai_missions.conversation.corrections import Draft
-from rai_missions.conversation.grammar import STOP, Grammar
+from rai_missions.conversation.grammar import Grammar
 from rai_missions.conversation.inputs import Utterance
 from rai_missions.conversation.language import spoken
 from rai_missions.conversation.names import option_place
 from rai_missions.conversation.order_rules import is_request, may, must_confirm, why_not_now
 from rai_missions.conversation.order_side import LONGEST_REASON, SPEAKERS, EarlierOrder, OrderSide, remember
 from rai_missions.conversation.outputs import TalkTurn
-from rai_missions.conversation.senses import Sense
+from rai_missions.conversation.senses import STOP, Sense
 from rai_missions.conversation.settings import ORDERS
 from rai_missions.conversation.speech_side import SpeechSide
 from rai_missions.conversation.state_answers import Asker
@@ -51,7 +51,7 @@ class SentenceSide:
     def __init__(self, talk: Talk, speaking: SpeechSide, orders: OrderSide) -> None:
         self._talk, self._speaking, self._orders = talk, speaking, orders
         self._grammar = Grammar(talk.language, talk.starts, talk.settings.questions)
-        self._suggestions = Suggestions(self._grammar)
+        self._suggestions = Suggestions(self._grammar.sentence)
         self._unfinished = dict[tuple[str, str], EarlierOrder]()
         """Speaker → the order that its last sentence had refused or dropped, and which its next may complete."""
         self._closed, self._closed_at = tuple[Question, ...](), float("-inf")

@@ -10,8 +10,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 
-from rai_missions.conversation.grammar import STOP, Grammar
-from rai_missions.conversation.senses import Sense
+from rai_missions.conversation.senses import STOP, Sense
+from rai_missions.conversation.sentence_grammar import SentenceGrammar
 from rai_missions.conversation.state_answers import ALWAYS
 from rai_missions.conversation.view import StatusView
 
@@ -34,7 +34,7 @@ class Suggestions:
         grammar: Reads the clauses.
     """
 
-    def __init__(self, grammar: Grammar) -> None:
+    def __init__(self, grammar: SentenceGrammar) -> None:
         self._grammar, self._language = grammar, grammar.language
         data = self._language.data
         self._conditions, self._pronouns = frozenset(data["conditions"]), frozenset(data["thing_pronouns"])
@@ -80,14 +80,14 @@ class Suggestions:
 
     def _is_conditional(self, words: list[str], view: StatusView) -> bool:
         """Whether a clause is a condition, and nothing by itself as `if not, go home` is."""
-        return words[0] in self._conditions and not self._grammar.sentence(words, view)
+        return words[0] in self._conditions and not self._grammar.senses(words, view)
 
     def _joined(self, clauses: list[list[str]], view: StatusView) -> list[list[str]]:
         """The clauses; two that are an order together are one: `it would be nice, if you went home`."""
         made = list[list[str]]()
         for words in clauses:
             is_second = bool(made) and words[0] in self._conditions
-            is_joined = is_second and bool(_order(self._grammar.sentence([*made[-1], *words], view)))
+            is_joined = is_second and bool(_order(self._grammar.senses([*made[-1], *words], view)))
             made.append([*made.pop(), *words] if is_joined else words)
         return made
 
@@ -108,13 +108,13 @@ class Suggestions:
     def _clause(self, words: list[str], view: StatusView) -> tuple[Sense, ...]:
         """What a clause means; nothing where it is one word that has to be mended: no launch of `since lunch`."""
         is_word = len(words) > 1 or self._grammar.knows(words[0])
-        senses = self._grammar.sentence(words, view) if is_word else ()
+        senses = self._grammar.senses(words, view) if is_word else ()
         return tuple(each for each in senses if each.kind not in ("yes", "no")) or senses
 
     def _bidden(self, words: list[str], view: StatusView) -> tuple[Sense, ...]:
         """What a clause orders that begins with whom it bids: `you go home`."""
         first, *rest = self._language.normaliser.spoken(words) or [""]
-        return self._grammar.sentence(rest, view) if first in self._addressed else ()
+        return self._grammar.senses(rest, view) if first in self._addressed else ()
 
     def _resolved(
         self, words: list[str], before: Sequence[list[str]], senses: Sequence[Sense], view: StatusView
@@ -127,13 +127,13 @@ class Suggestions:
         if len(places) != 1:
             return ()
         (at,) = places
-        if not any(sense.lacks for sense in senses or self._grammar.sentence(words[: at + 1], view)):
+        if not any(sense.lacks for sense in senses or self._grammar.senses(words[: at + 1], view)):
             return ()
         named, known = self._things_of(before), self._words_of_facts(view)
         rests = (words[at + 1 :], []) if len(words) - at <= LONGEST_THING else (words[at + 1 :],)
         for thing in sorted(named, key=lambda thing: not known & set(thing)):
             for rest in rests:
-                order = _order(self._grammar.sentence([*words[:at], *thing, *rest], view))
+                order = _order(self._grammar.senses([*words[:at], *thing, *rest], view))
                 if order and " ".join(thing) in self._grammar.open_texts(order[-1]):
                     return order
         return ()
@@ -167,7 +167,7 @@ class Suggestions:
         for size in range(len(words), 1, -1) if self._grammar.begins_a_start(words) else ():
             sense = self._grammar.start_in(words[:size], view)
             if sense is None and size == len(words):
-                starts = [each for each in self._grammar.sentence(words, view) if each.name == "start"]
+                starts = [each for each in self._grammar.senses(words, view) if each.name == "start"]
                 sense = starts[0] if _order(starts) else None
             if sense is not None and self._is_whole(sense, words[size:]):
                 return sense, size

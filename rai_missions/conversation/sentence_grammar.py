@@ -1,0 +1,283 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The grammar of one sentence: what its words may mean now.
+
+Rule: the word to stop comes first, whatever else it could be; it needs no question, no state and no confirmation.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from itertools import groupby
+
+from rai_missions.conversation.corrections import Corrections, Draft
+from rai_missions.conversation.free_answers import text_option
+from rai_missions.conversation.language import Language, spoken
+from rai_missions.conversation.mission_starts import MissionStarts
+from rai_missions.conversation.names import called, missions_named
+from rai_missions.conversation.option_answers import OptionAnswers
+from rai_missions.conversation.senses import FAULT, STOP, Sense, is_fault
+from rai_missions.conversation.start_phrases import StartPhrases
+from rai_missions.conversation.state_questions import StateQuestions
+from rai_missions.conversation.view import StatusView
+from rai_missions.engine.decision import Question
+from rai_missions.planning.text.normalise import LONGEST_WORD, is_near, once
+
+__all__ = ("MOST_MENDED", "MOST_WORDS", "NONE", "SentenceGrammar")
+
+MOST_WORDS = 40
+"""Words of the longest sentence that may be an order or a question of state."""
+MOST_MENDED = 12
+"""Words of the longest sentence in which misspelled words are mended, and of the longest correction inside one."""
+DRAWN_OUT = re.compile(r"([^\W\d_])\1{2,}")
+"""A letter that is written as long as it is drawn out: `stooop`; a digit counts as often as it is written."""
+POLITE, LONGEST_GREETING = ("hello", "thanks", "sorry"), 3
+"""Questions that are none and may be ahead of any sentence, and the words of the longest."""
+MOST_NESTED = 3
+"""Questions and tags that are read inside one another."""
+NEAREST = 5
+"""Letters of the shortest word whose misspelling is mended."""
+NONE: Mapping[str, str] = {}
+
+
+class SentenceGrammar:
+    """Reads single sentences of one language.
+
+    Args:
+        language: Its data.
+        phrases: Sentences of the robot's own that start a mission.
+        questions: Questions of the robot's own → the key, or the field of one, whose value answers them.
+
+    Raises:
+        UsageError: A question is not closed, or names a part that does not exist.
+    """
+
+    def __init__(self, language: Language, phrases: StartPhrases | None, questions: Mapping[str, str]) -> None:
+        self.language = language
+        self._phrases = phrases or StartPhrases((), {}, language)
+        self._corrections = Corrections(language, self._phrases)
+        self._answers, self._starts = OptionAnswers(language), MissionStarts(language, self._phrases)
+        self._questions = StateQuestions(language, questions)
+        pronouns = frozenset(language.data["pronouns"])
+        self._subjects = pronouns - frozenset(language.data["thing_pronouns"])
+        self._persons = pronouns - language.articles
+        self._vocabulary = language.vocabulary() | self._phrases.words | self._questions.words
+
+    def senses(self, words: list[str], view: StatusView, draft: Draft | None = None) -> tuple[Sense, ...]:
+        """What the words may mean in this moment; several where they are ambiguous, empty for other talk.
+
+        Args:
+            words: Of one sentence.
+            view: The run: which options, missions and keys there are.
+            draft: The order that it may correct.
+        """
+        normaliser = self.language.normaliser
+        if not words or len(words) > MOST_WORDS or max(map(len, words)) > LONGEST_WORD:
+            return ()
+        bare = list(once(normaliser.bare(words, called(view.robot))))
+        found = next(filter(None, (self._words(each, view, draft) for each in self._forms(words, bare, view))), ())
+        found = found or self._indirect(bare, view)
+        mended = self._mended(bare, view, draft) if len(bare) <= MOST_MENDED and is_fault(found or FAULT) else ()
+        return mended if mended and not is_fault(mended) else found or mended
+
+    def open_texts(self, sense: Sense) -> list[str]:
+        """The texts that a start has from the sentence for arguments that take any words."""
+        values = (sense.arguments.get(name) for name in sense.named if not self._phrases.choices(name))
+        return [value for value in values if isinstance(value, str)]
+
+    def is_complete(self, sense: Sense, rest: Sequence[str]) -> bool:
+        """Whether words behind a start cannot belong to its values: all are of a list, or another subject follows."""
+        return (
+            not rest
+            or rest[0] in self._subjects
+            or all(self._phrases.choices(name) or isinstance(sense.arguments[name], str) for name in sense.named)
+        )
+
+    def begins_a_start(self, words: Sequence[str]) -> bool:
+        """Whether the words begin with a phrase of the robot's own that starts a mission."""
+        return self._phrases.begin(words)
+
+    def start_in(self, words: Sequence[str], view: StatusView) -> Sense | None:
+        """The start that the words are by a phrase of the robot's own; None where there is none, or several."""
+        found = list(self._phrases.senses(words, view.missions))
+        return found[0] if len(found) == 1 and found[0].kind == "order" else None
+
+    def knows(self, word: str) -> bool:
+        """Whether a word is in a phrase of the language or of the robot."""
+        return word in self._vocabulary
+
+    def answers(self, words: list[str], questions: Sequence[Question]) -> bool:
+        """Whether the words would answer one of these questions, as a whole or as a correction."""
+        ways = [words, *self._corrections.instead(words)] if words and len(words) <= MOST_MENDED else []
+        return any(self._answers.fits(each, questions) for each in ways)
+
+    def _forms(self, words: list[str], bare: list[str], view: StatusView) -> Iterator[list[str]]:
+        """What of a sentence may be what is meant, the likeliest first; what is not asked for is not worked out."""
+        normaliser, names = self.language.normaliser, called(view.robot)
+        yield bare
+        yield from self._polite(words, names)
+        yield words
+        yield self._unnamed(bare, view)
+        yield normaliser.bare(words, names, is_tail_first=True)
+        yield from self._ungreeted(words)
+        yield from self._infinitive(words)
+        yield from normaliser.openings(words, names)
+
+    def _polite(self, words: list[str], names: Sequence[str]) -> Iterator[list[str]]:
+        """The order inside a polite sentence, in the form of an order: `go home` of `would you mind going home`."""
+        for opening in self.language.normaliser.openings(words, names):
+            for slots in self.language.polite.match(opening):
+                yield self.language.imperative(self.language.normaliser.bare(slots["order"].split(), names))
+
+    def _infinitive(self, words: list[str]) -> Iterator[list[str]]:
+        """The order that ends with an infinitive, in languages that have such: `in die Küche fahren`; no statement."""
+        data, bare = self.language.data, self.language.normaliser.spoken(words)
+        if data["infinitive_orders"] and bare[-1:] != bare[:1] and not self._persons & set(bare):
+            yield self.language.imperative(bare)
+
+    def _indirect(self, words: list[str], view: StatusView, depth: int = MOST_NESTED) -> tuple[Sense, ...]:
+        """The question inside another or with a tag: `where are you` of `I wonder where you are, roughly`.
+
+        Args:
+            words: Of the sentence, without politeness.
+            view: The run.
+            depth: How many questions may still be inside one another.
+        """
+        for slots in self.language.indirect.match(words) if depth else ():
+            inner = (slots.get("question") or slots["clause"]).split()
+            forms = self._direct(inner) if "clause" in slots else [inner]
+            each = (self._asked(form, view) for form in forms)
+            if found := next(filter(None, each), ()) or self._indirect(inner, view, depth - 1):
+                return found
+        return ()
+
+    def _asked(self, words: list[str], view: StatusView) -> tuple[Sense, ...]:
+        """The question that words are; with the order to look for its thing, where a phrase of the robot has one."""
+        asked = list(self._questions.senses(words, view))
+        is_order = any(each.thing for each in asked) or (not asked and words[0] in self.language.data["asking"])
+        return tuple(self._asked_or_ordered(asked, self._phrased(words, view))) if is_order else tuple(asked)
+
+    def _direct(self, words: list[str]) -> Iterator[list[str]]:
+        """The words of a clause with a verb ahead of the subject, `where are you`; then as they are."""
+        subjects = self.language.data["subjects"]
+        at = next((at for at, word in enumerate(words) if word in subjects), len(words))
+        for verb in range(len(words) - 1, at, -1):
+            yield [*words[:at], words[verb], *words[at:verb], *words[verb + 1 :]]
+        for auxiliary in self.language.data["auxiliaries"] if at < len(words) else ():
+            yield [*words[:at], auxiliary, *words[at:]]
+        yield words
+
+    def _ungreeted(self, words: list[str]) -> Iterator[list[str]]:
+        """The words after a greeting: `good morning, who are you?`; then the greeting, where they are but a name."""
+        for at in range(min(LONGEST_GREETING, len(words) - 1), 0, -1):
+            if any(self.language.questions[name].fits(words[:at]) for name in POLITE):
+                yield words[at:]
+                yield words[:at] if len(words) - at == 1 else []
+                return
+
+    def _unnamed(self, words: list[str], view: StatusView) -> list[str]:
+        """The words with `mission` in place of the running mission's name: `pause the patrol`."""
+        name, word = set(spoken(view.mission).split()), self.language.data["mission_word"]
+        runs = [(is_name, list(run)) for is_name, run in groupby(words, key=name.__contains__)]
+        named = [run for is_name, run in runs if is_name]
+        if not named or not all(_is_own(run, view, self.language) for run in named):
+            return []
+        return [each for is_name, run in runs for each in ([word] if is_name else run)]
+
+    def _mended(self, words: list[str], view: StatusView, draft: Draft | None) -> tuple[Sense, ...]:
+        """As after small errors of a recogniser or a keyboard."""
+        known = {*self._vocabulary, *_words_of(view)}
+        misheard = self.language.data["mishearings"]
+        short = [word if word in known else DRAWN_OUT.sub(r"\1", word) for word in words]
+        mended = [misheard.get(word, word) if word not in known else word for word in short]
+        if len(words) == 1:
+            mended = [misheard.get(short[0], short[0])]
+        mended = [self._nearest(word, known) for word in mended]
+        bare = self.language.normaliser.bare(mended, called(view.robot))
+        return self._words(bare, view, draft) if mended != words else ()
+
+    def _nearest(self, word: str, known: set[str]) -> str:
+        if word in known or len(word) < NEAREST:
+            return word
+        near = [each for each in known if len(each) >= NEAREST - 1 and is_near(word, each)]
+        near = [each for each in near if each[0] == word[0]] or near
+        return near[0] if len(near) == 1 else word
+
+    def _words(self, words: list[str], view: StatusView, draft: Draft | None = None) -> tuple[Sense, ...]:
+        language = self.language
+        if not words:
+            return ()
+        if language.quiet.fits(words):
+            return (Sense("quiet"),)
+        if language.withdraw.fits(words):
+            return (Sense("withdraw"),)
+        if language.orders["stop"].fits(words):
+            return (STOP,)
+        found = [Sense("yes")] if language.yes.fits(words) else [Sense("no")] if language.no.fits(words) else []
+        found += self._answers.senses(words, view)
+        found += [Sense("order", name) for name, each in language.orders.items() if each.fits(words)]
+        found += [Sense("again")] if language.again.fits(words) else []
+        found += self._phrased(words, view)
+        found += self._starts.senses(words, view)
+        if is_fault(found):  # `go to the kitchen instead` has no place of that name in it
+            found = [each for each in self._corrected(words, view, draft) if each.kind == "order"] or found
+        found = found or self._corrected(words, view, draft)
+        if not found and text_option(view.questions) is None:
+            found = list(self._phrases.valued(words, view.missions))
+        if not found or words[0] in self.language.data["asking"]:
+            found = self._asked_or_ordered(list(self._questions.senses(words, view)), found)
+        return tuple({sense.identity: sense for sense in found}.values())
+
+    def _phrased(self, words: list[str], view: StatusView) -> list[Sense]:
+        """A start by a phrase of the profile; where a text is asked for, it may be that as well."""
+        found, option = list(self._phrases.senses(words, view.missions)), text_option(view.questions)
+        return [*found, option.free(words)] if found and option is not None else found
+
+    def _asked_or_ordered(self, asked: list[Sense], found: list[Sense]) -> list[Sense]:
+        """A question alone, where nothing else fits; with the order to look for its thing: `where is my cup`."""
+        if not found or is_fault(found):
+            return asked or found
+        return [*(each for each in asked if each.thing), *found]
+
+    def _corrected(self, words: list[str], view: StatusView, draft: Draft | None) -> list[Sense]:
+        """What it has in place of what was ordered: another order, or the draft's with another value."""
+        if self.language.other.fits(words):
+            return [self._corrections.other(draft, view) if draft is not None else Sense("other")]
+        completed = self._corrections.completed(words, draft, view) if draft is not None else None
+        if completed is not None:
+            return [completed]
+        faults = list[Sense]()
+        for instead in self._corrections.instead(words):
+            inner = self._words(instead, view)
+            if is_fault(inner):
+                faults += inner
+                continue
+            if inner and (inner[0].kind == "order" or inner[0].name not in ("key", "value")):
+                return [
+                    each._replace(is_partial=each.is_partial or each.name == "answer", is_correction=draft is not None)
+                    for each in inner
+                ]
+            corrected = self._corrections.corrected(instead, draft, view) if draft is not None else None
+            if corrected is not None and corrected.kind == "order":
+                return [corrected]
+            if inner:
+                return list(inner)
+            faults += [corrected] if corrected is not None else []
+        if draft is not None and draft.is_read_back and self.language.rejected.fits(words):
+            return [self._corrections.other(draft, view)]
+        return faults[:1]
+
+
+def _is_own(words: list[str], view: StatusView, language: Language) -> bool:
+    """Whether they name the mission that runs, and no other."""
+    return [each.name for each in missions_named(words, view, language)] == [view.mission]
+
+
+def _words_of(view: StatusView) -> Iterator[str]:
+    for name in (*view.keys, *(each.name for each in view.missions)):
+        yield from spoken(name).split()
+    for mission in view.missions:
+        yield from (word for key in mission.arguments for word in spoken(key.name).split())
+    for offer in (offer for question in view.questions for offer in question.options):
+        yield from spoken(offer.name).split()
+        yield from offer.about.lower().split()
