@@ -6,8 +6,11 @@ Rule: a page is opened once for each size and kind, and asked for all that is pr
 
 from __future__ import annotations
 
+from typing import Any
+
 import pytest
 
+from rai_missions.check import check
 from rai_missions.engine import Chart
 from rai_missions.engine.trees import CompiledTrees
 from rai_missions.mission.files import load
@@ -191,3 +194,29 @@ def test_on_a_phone_a_long_name_leaves_the_search_and_the_menu_apart(opened: Ope
     assert menu[1] <= PHONE["width"]
     assert window.inner_text(".purpose").startswith("What this mission is for is not written")
     assert window.text_content(".any .texts") == "From every state", "not cut"
+
+
+def test_findings_beyond_a_few_are_folded_with_errors_before_warnings(opened: Open) -> None:
+    states: dict[str, Any] = {
+        f"s{number}": {"action": "go", "timeout_s": 1, "transitions": [{"on": "succeeded", "to": f"s{number + 1}"}]}
+        for number in range(8)
+    }
+    states["s8"] = {"transitions": [{"after_s": 1, "to": "nowhere"}, {"after_s": 2, "to": "done"}]}
+    document = {"format": 1, "name": "wrong", "initial": "s0", "states": states | {"done": {"final": "aborted"}}}
+    mission = Mission.model_validate(document)
+    window = opened(review(mission, findings=check(mission)), viewport=SCREEN)
+    found = window.locator("#summary section:has(h3:text('Found by the check'))")
+    assert "no state 'nowhere'" in found.locator("li").first.inner_text()
+    seen, more = found.locator("> ul > li"), found.locator("details li")
+    assert seen.count() == 5 and found.locator("summary").inner_text() == f"and {more.count()} more"
+    assert not more.first.is_visible()
+    found.locator("summary").click()
+    assert more.last.is_visible()
+
+
+def test_the_legend_explains_the_fallback_where_a_decision_has_one(opened: Open) -> None:
+    window = opened(review(load(ROOT / "missions/tractor/mission.json")), viewport=SCREEN)
+    key = window.locator("#legend li:has-text('fallback: without an answer') .form")
+    fill = "(form) => getComputedStyle(form).fill"
+    window.evaluate(NEARER)
+    assert key.evaluate(fill) == window.locator(".cell.fallback rect").first.evaluate(fill)

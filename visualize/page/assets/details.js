@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // All that is written of a state or a transition: its definition, what leads here and away, its keys and its times.
 
+const FOUND = 5; // as many as leave the rest of a page in sight
+
 class Details {
   /** @param host element  @param model Model  @param more {findings, coverage, runs, go(kind, name)} */
   constructor(host, model, more) {
@@ -32,11 +34,19 @@ class Details {
     );
   }
 
+  /** What the check found, errors first; what is more than a reader takes in is folded. */
   faults(found) {
-    return found.length ? listed("Found by the check",
-      found.map((each) => make("li", { class: each.severity === "error" ? "fault" : "warning" },
+    const sorted = [...found].sort((a, b) => (b.severity === "error") - (a.severity === "error"));
+    const items = sorted.map((each) => make("li", { class: each.severity === "error" ? "fault" : "warning" },
       make("b", {}, each.severity === "error" ? "⚠ error " : "△ warning "), make("code", {}, each.place || "/"), " ",
-      each.sentence))) : "";
+      each.sentence));
+    const more = items.splice(FOUND);
+    if (!items.length) return "";
+    const section = listed("Found by the check", items);
+    if (more.length) {
+      section.append(make("details", {}, make("summary", {}, `and ${more.length} more`), make("ul", {}, more)));
+    }
+    return section;
   }
 
   own() {

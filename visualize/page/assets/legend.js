@@ -4,6 +4,8 @@
 
 const LEGEND = [
   [(state) => state.kind === "decision", { kind: "decision" }, "decision"],
+  [(state) => (state.choices || []).some((choice) => choice.fallback), { kind: "", look: "fallback" },
+    "fallback: without an answer"],
   [(state) => state.kind === "action", { kind: "action" }, "action"],
   [(state) => state.kind === "call", { kind: "call" }, "service call"],
   [(state) => state.kind === "tree", { kind: "tree" }, "tree"],
