@@ -30,16 +30,22 @@ CLOSES_S = 3.0
 
 
 class SpokenMessage(NamedTuple):
-    """A message that is spoken, and how often it was."""
+    """A message that is spoken."""
 
     text: str
+    is_report: bool = False
+    """It begins a communication; an answer, which has none of its own, is nothing to the person who cut it."""
+    uncut: bool = False
+    """A person cut it before."""
     tries: int = 1
+    """How often the voice was asked for it."""
 
 
 class TextToSpeech:
     """Speaks through a connector to sound, which its owner starts and stops.
 
     A message of `hri` at which the voice fails is spoken again, marked as repeated: for its sender it counts as spoken.
+    So is a report that a person cut, once and uncut: one with a `communication_id`.
 
     Args:
         sound: What plays.
@@ -142,18 +148,20 @@ class TextToSpeech:
 
     def _receive(self, message: HRIMessage) -> None:
         if message.text:
-            self._speak_message(SpokenMessage(message.text))
+            self._speak_message(SpokenMessage(message.text, is_report=bool(message.communication_id)))
 
     def _speak_message(self, message: SpokenMessage) -> None:
         key = f"{self._topic}:{next(self._numbers)}"
         self._messages[key] = message
         text = message.text if message.tries == 1 else self._language.text("repeated", text=message.text)
-        self.speak(SpokenText(key, text))
+        self.speak(SpokenText(key, text, uncut=message.uncut))
 
     def _ended(self, key: str, how: SpokenEnd) -> None:
         message = self._messages.pop(key, None)
         if message is not None and how == "failed" and message.tries < MOST_TRIES and self._closes:
             self._speak_message(message._replace(tries=message.tries + 1))
+        elif message is not None and how == "cut" and message.is_report and not message.uncut and self._closes:
+            self._speak_message(message._replace(uncut=True))
         elif message is not None:
             self._on_message_end(message.text, how)
         self._on_end(key, how)
@@ -162,6 +170,7 @@ class TextToSpeech:
 
     def _steer(self, word: str) -> None:
         if word == "stop":
+            self._messages = {key: each._replace(is_report=False) for key, each in self._messages.items()}
             self.silence()
             return
         self._is_paused = word == "pause" or (word == "tog_play" and not self._is_paused)

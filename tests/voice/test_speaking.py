@@ -231,6 +231,36 @@ def test_a_message_at_which_the_voice_dies_is_spoken_again_and_is_reported_once(
         agent.stop()
 
 
+@needs_voice
+@pytest.mark.parametrize(
+    ("communication", "command", "how"), [("run:end", "", "whole"), ("run:end", "stop", "cut"), ("", "", "cut")]
+)
+def test_a_report_that_a_person_cuts_is_spoken_again_uncut(
+    hri: HRIConnector, communication: str, command: str, how: str
+) -> None:
+    """No answer is, and none of what is silenced by a command."""
+    stage, ends, text = Stage(FileSound(), Inbox()), list[tuple[str, str]](), "The mission has ended. I am at home."
+    agent = TextToSpeech(
+        stage.sound, hri, on_message_end=lambda text, how: ends.append((text, how)), patience_s=math.inf
+    )
+    agent.run()
+    try:
+        hri.send(HRIMessage(text, author="ai", communication_id=communication), TO_HUMAN)
+        for is_again in (False, True):
+            stage.pass_until(lambda: bool(ends) or stage.is_loud)
+            if command:
+                hri.send_voice_command(command)
+                stage.pass_until(lambda: bool(ends))
+            agent.interrupt()
+            stage.sound.step()
+            assert stage.is_loud == (is_again and not ends)
+            agent.resume(cut=True)
+        stage.pass_until(lambda: not agent.speaking)
+        assert ends == [(text, how)]
+    finally:
+        agent.stop()
+
+
 def test_a_message_that_no_voice_speaks_has_failed_once(hri: HRIConnector) -> None:
     ends = Ends()
     agent = TextToSpeech(FileSound(), hri, voice="nightingale", on_message_end=lambda text, how: ends((text, how)))

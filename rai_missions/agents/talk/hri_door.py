@@ -10,7 +10,7 @@ from collections.abc import Callable
 
 from rai_missions.agents.talk.doors import OnSpoken, TakesSentence, TalkLine
 from rai_missions.connectors.hri.connector import FROM_HUMAN, TO_HUMAN, HRIConnector
-from rai_missions.connectors.hri.message import HRIMessage
+from rai_missions.connectors.hri.message import MOST_NAME, HRIMessage
 from rai_missions.conversation import Speech
 from rai_missions.errors import MissionError
 from rai_missions.redaction import cut, logger
@@ -56,9 +56,10 @@ class HRIDoor:
         self._hri.close()
 
     def speak(self, speech: Speech, on_end: OnSpoken) -> None:
-        """Publish; whether anyone was reached, no topic reports."""
+        """Publish; whether anyone was reached, no topic reports. A report is a communication of its own."""
+        report = cut(speech.report, MOST_NAME)
         try:
-            self._hri.send(HRIMessage(speech.text, author="ai", name=self._name), self._to)
+            self._hri.send(HRIMessage(speech.text, author="ai", name=self._name, communication_id=report), self._to)
         except MissionError as error:
             log.warning("%s: %s", self._to, cut(error, 200))
             on_end("failed")

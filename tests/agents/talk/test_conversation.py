@@ -366,6 +366,9 @@ def test_a_person_on_the_topic_asks_and_stops_and_orders_nothing_else() -> None:
         talk.until(lambda: any("request" in step.event.data for step in talk.steps))  # a step is shown after its effect
         events = [step.event.data for step in talk.steps if "request" in step.event.data]
         assert [event["role"] for event in events] == ["person"], "the name grants nothing"
+        communications = {each.text: each.communication_id for each in received.all}
+        assert any(text.startswith("Stop.") and not number for text, number in communications.items())
+        assert any(number.endswith(":start") for number in communications.values()), "a report is known by its identity"
     hri.close()
     person.close()
     connector.stop()
