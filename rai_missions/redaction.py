@@ -90,6 +90,14 @@ def _hidden(text: str, secrets: KnownSecrets) -> str:
     return SHAPES.sub(HIDDEN, _without(text, secrets))
 
 
+def _json(value: Any, secrets: KnownSecrets) -> Any:
+    if isinstance(value, str):
+        return _hidden(value, secrets)
+    if isinstance(value, Mapping):
+        return {_hidden(name, secrets): _json(item, secrets) for name, item in value.items()}
+    return [_json(item, secrets) for item in value] if isinstance(value, list) else value
+
+
 def secrets_held() -> list[str]:
     """The values that the redactions in this process hide, besides those of variables."""
     with _turn:
@@ -128,12 +136,8 @@ class Redaction:
         return redacted(text)
 
     def json(self, value: Any) -> Any:
-        """A JSON value in which no text holds a secret."""
-        if isinstance(value, str):
-            return self.text(value)
-        if isinstance(value, Mapping):
-            return {self.text(name): self.json(item) for name, item in value.items()}
-        return [self.json(item) for item in value] if isinstance(value, list) else value
+        """A JSON value in which no text holds a secret; what is one is looked up once for all of it."""
+        return _json(value, _known())
 
     def known(self, value: Any, depth: int = 0) -> Any:
         """A value in which no text holds what was known for a secret when this was made; all else stays as it is.

@@ -6,8 +6,11 @@ from __future__ import annotations
 import gc
 import json
 import logging
+import os
 import re
 import string
+import sys
+from types import FrameType
 
 import pytest
 from hypothesis import given
@@ -39,6 +42,27 @@ def test_a_known_secret_is_hidden_in_every_part_of_a_value(secret: str) -> None:
     reported = Redaction([secret]).json(value)
     assert secret not in json.dumps(reported)
     assert (reported["n"], reported["t"], reported["none"]) == (1, True, None)
+
+
+def variables_read(value: object) -> int:
+    """How many variables of the environment are read while a value is made one without secrets."""
+    found, read = 0, type(os.environ).__getitem__.__code__
+
+    def count(frame: FrameType, event: str, _: object) -> None:
+        nonlocal found
+        found += event == "call" and frame.f_code is read
+
+    redaction = Redaction(["geheimes-wort"])
+    sys.setprofile(count)
+    try:
+        redaction.json(value)
+    finally:
+        sys.setprofile(None)
+    return found
+
+
+def test_a_value_of_many_texts_has_the_variables_read_once() -> None:
+    assert variables_read({f"name {each}": ["text"] * 3 for each in range(100)}) == variables_read("text") > 0
 
 
 @pytest.mark.parametrize("header", ["Authorization: Bearer ", "basic ", "api_key=", "API-Key: "])
