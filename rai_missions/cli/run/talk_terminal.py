@@ -117,8 +117,6 @@ class LineInput:
         self._to = to
         self._thread = threading.Thread(target=self._work, name="typing", daemon=True)
         self._is_over = False
-        self.is_open = True
-        """Someone may still write and read here."""
 
     def start(self) -> None:
         self._thread.start()
