@@ -36,6 +36,19 @@ class RobotWords(NamedTuple):
     """Its build, where a description has it."""
 
 
+class ReportedRun(NamedTuple):
+    """What a run has reported of itself, as of one step."""
+
+    mode: str
+    mode_by: str
+    mode_since: float | None
+    questions: tuple[Question, ...]
+    waits: bool
+    """For the order to start."""
+    status: Status | None = None
+    began: float | None = None
+
+
 class RunStatus:
     """Follows one run.
 
@@ -52,14 +65,13 @@ class RunStatus:
         self._events = {name: event.about for name, event in self._mission.events.items()}
         self._missions = (mission_view(self._mission),)
         self._happened: deque[RunEvent] = deque(maxlen=MOST_HAPPENINGS)
-        self._status: Status | None = None
-        self._next: Status | None = None
-        """A run reports its status ahead of the step that made it so; they are seen together."""
         self._entered = dict[str, float]()
-        self._mode, self._mode_by = runner.view.outcome or runner.view.mode, runner.view.resumed_mode_by
-        self._mode_since = runner.view.paused_at
-        self._began: float | None = None
-        self._questions = runner.view.questions
+        self._status: Status | None = None
+        """A run reports its status ahead of the step that made it so; they are seen together."""
+        run = runner.view
+        self._reported = ReportedRun(
+            run.outcome or run.mode, run.resumed_mode_by, run.paused_at, run.questions, runner.waits
+        )  # fmt: skip
 
     @property
     def run(self) -> str:
@@ -73,31 +85,31 @@ class RunStatus:
         for each in happenings(step, self._states, self._events):
             self._happened.append(each)
         self._entered.update(dict.fromkeys(step.entered, step.at))
-        if step.event.kind == "command" and step.event.name == "start" and not step.refusal:
-            self._began = step.at
-        mode = str(step.outcome or step.mode or self._mode)
-        is_news = mode != self._mode
-        if is_news:
-            self._mode, self._mode_since = mode, step.at
-            self._mode_by = str(step.event.data.get("by", "")) if step.event.kind == "command" else ""
-        questions = self._runner.view.questions
-        is_news = is_news or questions != self._questions or self._next is not self._status
-        self._questions, self._status = questions, self._next
-        return is_news or bool(step.moves or step.outcome)
+        was, event = self._reported, step.event
+        now = was._replace(questions=self._runner.view.questions, waits=self._runner.waits, status=self._status)
+        if event.kind == "command" and event.name == "start" and not step.refusal:
+            now = now._replace(began=step.at)
+        mode = str(step.outcome or step.mode or was.mode)
+        if mode != was.mode:
+            by = str(event.data.get("by", "")) if event.kind == "command" else ""
+            now = now._replace(mode=mode, mode_since=step.at, mode_by=by)
+        self._reported = now  # at once: another thread looks at any moment
+        return now != was or bool(step.moves or step.outcome)
 
     def status(self, status: Status) -> None:
         """The run's status has changed."""
-        self._next = status
-        if self._status is None:  # of a run that is resumed, whose last step was reported to others
-            self._status = status
+        self._status = status
+        if self._reported.status is None:  # of a run that is resumed, whose last step was reported to others
+            self._reported = self._reported._replace(status=status)
 
     # -- from any thread ----------------------------------------------------------------------------------------------
 
     def view(self) -> StatusView:
         """The run now."""
-        run, status, mission = self._runner.view, self._status, self._mission
+        run, reported, mission = self._runner.view, self._reported, self._mission
+        status = reported.status
         now, board = run.now(), run.board
-        questions = tuple(each for each in self._questions if each.asked == "operator")
+        questions = tuple(each for each in reported.questions if each.asked == "operator")
         active = status.active if status is not None else tuple(
             name for _, name, _ in mission.walk() if name in run.active
         )  # fmt: skip
@@ -105,9 +117,9 @@ class RunStatus:
         return StatusView(
             at=now, run=self._runner.run_id, is_resumed=self._runner.is_resumed,
             revision=status.revision if status is not None else 0,
-            mode=self._mode, awaits_start=self._runner.waits, control=run.holder,
+            mode=reported.mode, awaits_start=reported.waits, control=run.holder,
             active=active, state=state,
-            outcome=run.outcome, why=mission.end_words(run.outcome, active) or run.why, began=self._began,
+            outcome=run.outcome, why=mission.end_words(run.outcome, active) or run.why, began=reported.began,
             wanted=tuple(sorted(run.wanted)), held_by=run.held_by, held_since=run.held_since,
             open_goals=tuple(dict.fromkeys(goal.action for goal in run.loose_goals)),
             questions=questions, confirm=frozenset(one for each in questions for one in _confirmed(mission, each)),
@@ -115,7 +127,7 @@ class RunStatus:
             states=self._abouts, events=self._events, mission=mission.name, about=mission.about,
             robot=self._robot.name, identity=self._robot.identity, build=self._robot.build, missions=self._missions,
             progress=tuple(progress(mission, frozenset(active), board)), happened=tuple(self._happened),
-            since=self._entered.get(state), mode_by=self._mode_by, mode_since=self._mode_since,
+            since=self._entered.get(state), mode_by=reported.mode_by, mode_since=reported.mode_since,
         )  # fmt: skip
 
 

@@ -119,8 +119,8 @@ class Talk:
         self._thread = threading.Thread(target=self._run, daemon=True)
 
     def _step(self, step: Step) -> None:
-        self.steps.append(step)
         self.agent.step(step)
+        self.steps.append(step)
 
     def _run(self) -> None:
         self.result = self.rig.run()
@@ -139,7 +139,8 @@ class Talk:
         assert self.agent.receive(text, role=role, channel="terminal", author=author) == ""
 
     def ask(self, text: str, role: Role = "operator") -> TalkLine:
-        """A sentence, and the robot's next line."""
+        """A sentence, and the robot's next line once what came before is answered."""
+        settle(self.agent)
         before = len(self.screen.of_robot())
         self.order(text, role)
         return self.screen.until(lambda line: self.screen.of_robot().index(line) >= before)

@@ -79,7 +79,7 @@ def test_a_stop_before_the_start_keeps_the_robot_where_it_is_until_it_is_resumed
     needed = {**KEYS, "there": {"type": "boolean", "source": "robot"}}
     with Talk(mission(MOVING, blackboard=needed), clock=WallClock()) as talk:
         talk.order(order, role)
-        talk.until(lambda: talk.rig.runner.view.mode == "paused")
+        talk.until(lambda: talk.steps and talk.steps[-1].mode == "paused")
         talk.rig.publish("/there", data=False)
         assert "paused" in talk.ask("what are you doing?").text
         assert not talk.rig.move.goals and not any("started" in text for text in talk.screen.texts())
