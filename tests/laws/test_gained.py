@@ -36,8 +36,8 @@ Json = dict[str, Any]
 IS_ON: Json = {"key": "extra", "==": True}
 """Never so: nothing sets the key."""
 NEVER: list[Json] = [
-    {"on": "never"}, {"when": IS_ON}, {"when": {"held": IS_ON, "for_s": 0.5}}, {"after_s": 0.5 + 1 / 1024, "when": IS_ON},
-    {"on": "never", "when": IS_ON},
+    {"on": "never"}, {"when": IS_ON}, {"when": {"held": IS_ON, "for_s": 0.5}},
+    {"after_s": 0.5 + 1 / 1024, "when": IS_ON}, {"on": "never", "when": IS_ON},
 ]  # fmt: skip
 """What triggers an addition. Its time is at an instant of its own: within one either order is right, and `*` would keep
 an event that comes in a hold."""
