@@ -10,12 +10,13 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 
 from rai_missions.planning.goal import Goal, OnTop
+from rai_missions.planning.reading.rows import ROW
 from rai_missions.planning.reading.symbols import Symbol
 from rai_missions.planning.scene import DESK
 
 __all__ = ("left_out",)
 
-ANY = frozenset({"on", "in", "at", "left_of", "next_to", "grouped", "apart", "swapped"})
+ANY = frozenset({"on", "in", "at", "left_of", "between", "next_to", "grouped", "apart", "swapped"})
 GROUPS = frozenset({"grouped", "next_to", "in"})
 SORTED = frozenset({"grouped", "apart", "in", "on", "left_of"})
 NEEDED: Mapping[tuple[str, str], frozenset[str]] = {
@@ -25,7 +26,7 @@ NEEDED: Mapping[tuple[str, str], frozenset[str]] = {
     ("apart", ""): frozenset({"apart"}), ("each_other", "apart"): frozenset({"apart"}),
     ("sort", ""): SORTED, ("by", "colour"): SORTED, ("by", "type"): SORTED,
     ("left_to_right", "left"): frozenset({"left_of"}), ("left_to_right", "right"): frozenset({"left_of"}),
-    ("put", "line"): frozenset({"left_of"}), ("put", "arrange"): ANY,
+    ("put", "line"): ROW | {"left_of"}, ("each_other", "row"): ROW, ("put", "arrange"): ANY,
 }  # fmt: skip
 """Kind and value of a word → the predicates of which the goal has one; to lie on the desk is none of them."""
 

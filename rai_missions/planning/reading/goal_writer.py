@@ -13,6 +13,7 @@ from typing import Any
 
 from rai_missions.planning.reading.phrases import Clause, Phrase, Unread
 from rai_missions.planning.reading.picks import Picks
+from rai_missions.planning.reading.rows import row
 from rai_missions.planning.reading.things import Names, Things
 from rai_missions.planning.scene import CONTAINERS, DESK
 from rai_missions.planning.text.language_file import spoken
@@ -108,7 +109,7 @@ class GoalWriter:
             "at": self._at, "stack": self._stack, "swap": self._swap, "group": self._group, "spread": self._spread,
             "side_by_side": self._side_by_side, "in_order": self._in_order, "by": self._by, "held": self._held,
             "too": self._too, "under": self._under, "unstack": self._unstack,
-            "towers": self._tower_each,
+            "towers": self._tower_each, "row": self._row,
         }  # fmt: skip
         return list(rules[clause.kind](clause))
 
@@ -423,6 +424,9 @@ class GoalWriter:
     def _side_by_side(self, clause: Clause) -> Iterator[Plain]:
         names = self._several(clause.subjects)
         yield {"next_to": list(names)} if len(names) == 2 else {"grouped": list(names)}
+
+    def _row(self, clause: Clause) -> Iterator[Plain]:
+        yield from row([self._things.scene.thing(name) for name in self._several(clause.subjects)])
 
     def _in_order(self, clause: Clause) -> Iterator[Plain]:
         each = [self._names([phrase]) for phrase in clause.subjects]

@@ -27,7 +27,7 @@ __all__ = ("clauses",)
 
 BETWEEN = (",", ".", "and", "then")
 MUTUAL: dict[str, ClauseKind] = {
-    "stack": "stack", "next_to": "side_by_side", "group": "group", "apart": "spread", "swap": "swap",
+    "stack": "stack", "next_to": "side_by_side", "group": "group", "apart": "spread", "swap": "swap", "row": "row",
 }  # fmt: skip
 SIDES = frozenset({"left_of", "right_of", "behind", "in_front_of"})
 """Relations that may have a gap."""
@@ -186,8 +186,8 @@ class Rules:
             cursor.take()  # `lass ihn, wo er ist`
         if cursor.kind() in ("relation", "number", "gap"):
             return self._related(subjects)
-        if is_held and cursor.kind() in ("", *BETWEEN):
-            return [Clause("held", subjects)]
+        if cursor.kind() in ("", *BETWEEN) and (is_held or self._is_after("line")):
+            return [Clause("held" if is_held else "row", subjects)]  # `line up the cubes`
         raise self.unread()
 
     def _shift(self) -> tuple[float, float] | None:
@@ -197,12 +197,16 @@ class Rules:
             Unread: `Move it 30 cm ahead and 10 cm to the left` may be both; `to 30 cm ahead` is a place.
         """
         cursor = self.cursor
-        is_shift = any(each.kind == "put" and each.value == "shift" for each in cursor.symbols[: cursor.at])
-        if not (is_shift and cursor.kind() == "number" and cursor.kind(1) == "side"):
+        if not (self._is_after("shift") and cursor.kind() == "number" and cursor.kind(1) == "side"):
             return None
         if (metres := shift(cursor, self.lexicon)) is None:
             raise Unread("coordinates", self.lexicon.text("coordinates"))
         return metres
+
+    def _is_after(self, verb: str) -> bool:
+        """Whether a verb of putting of some kind came before."""
+        before = self.cursor.symbols[: self.cursor.at]
+        return any(each.kind == "put" and each.value == verb for each in before)
 
     def _skip_all(self) -> None:
         """Past a word that repeats that all are meant: `the red and the blue cube, both on the tray`."""

@@ -14,7 +14,7 @@ ClauseKind = Literal[
     "on", "in", "to", "left_of", "right_of", "behind", "in_front_of", "between", "next_to", "apart",
     "place_of", "off", "at", "stack", "swap", "group",
     "spread", "side_by_side", "in_order", "by", "held", "too", "under", "unstack",
-    "towers", "shift", "stay",
+    "towers", "shift", "stay", "row",
 ]  # fmt: skip
 
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 
+from rai_missions.planning.reading.rows import ROW
 from rai_missions.planning.reading.symbols import Symbol
 from rai_missions.planning.scene import CONTAINERS
 
@@ -30,9 +31,9 @@ VALUES: Mapping[str, frozenset[str]] = {
     "left_of": frozenset({"left_of"}), "right_of": frozenset({"left_of"}), "behind": frozenset({"behind"}),
     "in_front_of": frozenset({"behind"}), "between": frozenset({"between"}), "next_to": frozenset({"next_to"}),
     "apart": frozenset({"apart"}), "place_of": EXCHANGE | {"shifted"}, "swap": EXCHANGE, "stack": frozenset({"on"}),
-    "group": frozenset({"grouped"}), "unstack": frozenset({"on"}),
+    "group": frozenset({"grouped"}), "unstack": frozenset({"on"}), "row": ROW, "line": ROW,
 }  # fmt: skip
-"""Values of `relation` and `each_other` → the predicates that they may mean; on a tray is in it."""
+"""Values of `relation`, `each_other` and `put` → the predicates that they may mean; on a tray is in it."""
 
 
 def relations_in(found: Iterable[Symbol]) -> frozenset[str]:
@@ -48,6 +49,6 @@ def relations_in(found: Iterable[Symbol]) -> frozenset[str]:
         if symbol.kind == "no":
             return frozenset()
         meant |= KINDS.get(symbol.kind, frozenset())
-        if symbol.kind in ("relation", "each_other"):
+        if symbol.kind in ("relation", "each_other", "put"):
             meant |= VALUES.get(symbol.value, frozenset())
     return meant
