@@ -144,6 +144,26 @@ ASKS = Settings(may={**MAY, "person": frozenset()})
 """No one may order anything, a stop included: with it, a person's "yes" to a model's proposal to stop would count."""
 
 
+def end_while_talked_to(talk: Talk, over: threading.Event, threads: Sequence[threading.Thread]) -> None:
+    """Run to the end while threads talk.
+
+    Args:
+        talk: The run.
+        over: Set at its end; each thread returns then.
+        threads: Not started yet.
+    """
+    with talk:
+        try:
+            for thread in threads:
+                thread.start()
+            talk.end()
+        finally:
+            over.set()
+        for thread in threads:
+            thread.join()
+        talk.agent.conclude(15.0)
+
+
 def run_talked(
     seed: int, settings: Settings = ASKS, roles: Sequence[Role] = ROLES, sentences: Sequence[str] = SENTENCES
 ) -> tuple[list[Any], Talk]:
@@ -166,17 +186,7 @@ def run_talked(
             talk.agent.receive(draw.choice(sentences), role=draw.choice(roles), channel=f"door{number}", author=author)
             over.wait(PAUSE_S)
 
-    threads = [threading.Thread(target=chatter, args=(number,), daemon=True) for number in range(3)]
-    with talk:
-        try:
-            for thread in threads:
-                thread.start()
-            talk.end()
-        finally:
-            over.set()
-        for thread in threads:
-            thread.join()
-        talk.agent.conclude(15.0)
+    end_while_talked_to(talk, over, [threading.Thread(target=chatter, args=(n,), daemon=True) for n in range(3)])
     return list(map(plain, talk.book.steps)), talk
 
 
@@ -323,17 +333,8 @@ def test_two_who_talk_at_two_doors_change_no_step_and_each_door_shows_each_repor
             uttered.release()
             over.wait(PAUSE_S)
 
-    threads = [threading.Thread(target=chatter, args=each, daemon=True) for each in (("terminal", "A"), ("page", "B"))]
-    with talk:
-        try:
-            for thread in threads:
-                thread.start()
-            talk.end()
-        finally:
-            over.set()
-        for thread in threads:
-            thread.join()
-        talk.agent.conclude(15.0)
+    persons = (("terminal", "A"), ("page", "B"))
+    end_while_talked_to(talk, over, [threading.Thread(target=chatter, args=each, daemon=True) for each in persons])
     assert list(map(plain, talk.book.steps)) == silent
     assert {row["channel"] for row in talk.talk() if row["kind"] == "heard"} == {"terminal", "page"}
     for screen in (talk.screen, page):
