@@ -178,19 +178,14 @@ class _Repair:
 
     def _is_deciding(self, steps: Steps) -> bool:
         """Whether the object around a word would be read as another kind without it: `in` alone asks for a state."""
-        holder: Any = self._document
-        for step in steps[:-1]:
-            holder = holder[step]
+        holder = _inside(self._document, steps[:-1])
         return any(steps[-1] in stronger and word in holder for (_, word), stronger in STRONGER.items())
 
     def _is_listed(self, steps: Steps) -> bool:
         return len(steps) > 1 and isinstance(steps[-1], int) and steps[-2] in {"transitions", *EFFECTS}
 
     def _replace(self, steps: Steps) -> bool:
-        *outer, last = steps
-        holder: Any = self._document
-        for step in outer:
-            holder = holder[step]
+        holder, last = _inside(self._document, steps[:-1]), steps[-1]
         is_object = isinstance(holder, dict)
         if (not is_object and not isinstance(holder, list)) or (is_object and last not in holder):
             return False
@@ -213,10 +208,7 @@ class _Repair:
         return True
 
     def _replace_in_original(self, steps: Steps, neutral: Any) -> None:
-        holder: Any = self._original
-        for step in steps[:-1]:
-            holder = holder[step]
-        holder[steps[-1]] = neutral
+        _inside(self._original, steps[:-1])[steps[-1]] = neutral
 
     def _forget(self, steps: Steps, was: Any) -> None:
         """Remember what is not known any more."""
@@ -252,21 +244,23 @@ class _Repair:
         return {"type": "string", "initial": ""} if word == "blackboard" else None if again else {}
 
     def _first_child(self, steps: Steps) -> str | None:
-        here: Any = self._document
-        for step in steps:
-            here = here[step]
-        inner = here.get("states")
+        inner = _inside(self._document, steps).get("states")
         return next(iter(inner), None) if isinstance(inner, Mapping) else None
+
+
+def _inside(document: Any, steps: Steps) -> Any:
+    """What is at a place, which must be there."""
+    for step in steps:
+        document = document[step]
+    return document
 
 
 def _at(document: Any, steps: Steps) -> Any:
     """What is at a place; None where there is nothing."""
-    for step in steps:
-        try:
-            document = document[step]
-        except (KeyError, IndexError, TypeError):
-            return None
-    return document
+    try:
+        return _inside(document, steps)
+    except (KeyError, IndexError, TypeError):
+        return None
 
 
 def _flags(state: Mapping[str, Any]) -> frozenset[str]:
