@@ -23,7 +23,7 @@ from rai_missions.profile.message_fields import absent_field, unknown_fields, wh
 from rai_missions.profile.message_types import lacking
 from rai_missions.profile.profile import Robot, Rule, terms
 from rai_missions.profile.python_robot import RobotProgram, check_functions, profile_of, read_program
-from rai_missions.profile.robot_names import RobotEntry, misnamed, wanted
+from rai_missions.profile.robot_names import RobotEntry, wanted
 from rai_missions.profile.sources import EventSource, Source
 
 __all__ = (
@@ -53,7 +53,6 @@ __all__ = (
     "load_profile",
     "load_whole_profile",
     "middleware_faults",
-    "misnamed",
     "missing",
     "missing_anyway",
     "parse_profile",

@@ -30,8 +30,7 @@ def connector_faults(robot: Robot) -> Iterator[Fault]:
     try:
         if offer is not None:
             check_options(offer, options)
-            if why_no_name := getattr(offer.load(), "why_no_name", None):
-                yield from misnamed(robot, why_no_name)
+            yield from _name_faults(robot, offer.load())
         elif kind == "local":
             check_local(options)
     except UsageError as error:
@@ -50,8 +49,14 @@ def middleware_faults(mission: Mission, robot: Robot) -> tuple[Fault, ...]:
     """
     offer = connector_offer(str(robot.connector["kind"]))
     package: Any = offer.load() if offer is not None else None
-    if hasattr(package, "why_no_name") and (found := misnamed(robot, package.why_no_name)):
+    if found := _name_faults(robot, package):
         return found
     if not hasattr(package, "why_absent"):
         return ()
     return (*lacking(mission, robot, package.why_absent), *unknown_fields(mission, robot, package.fields_of))
+
+
+def _name_faults(robot: Robot, package: Any) -> tuple[Fault, ...]:
+    """The names that a middleware has no place for; none where its package names no rule for them."""
+    why_no_name = getattr(package, "why_no_name", None)
+    return misnamed(robot, why_no_name) if why_no_name is not None else ()
