@@ -14,19 +14,19 @@ from rai_missions.planning.goal import AtPlace, Beyond, Goal, Shifted
 from rai_missions.planning.reading.lexicon import Vocabulary, lexicon, lexicons
 from rai_missions.planning.reading.relation_words import relations_in
 from rai_missions.planning.reading.rewrites import rewritten
-from rai_missions.planning.reading.symbols import Quantity, Symbol
+from rai_missions.planning.reading.symbols import RANKING, Quantity, Symbol
 from rai_missions.planning.scene import CONTAINERS, Scene, Thing, has_colour
 
-__all__ = ("RANKS", "is_said", "unsaid")
+__all__ = ("IN_ORDER", "is_said", "unsaid")
 
 NEAR = 1e-6
 """Metres within which two numbers are the same."""
 SAME_PLACE = 1e-3
 """Metres within which a place is that of a thing."""
 ARTICLES = ("the", "a", "any", "number", "generic")
-RANKS = ("rank", "compared", "ordinal", "counted_from")
+IN_ORDER = (*RANKING, "counted_from")
 """Kinds of symbols by which a thing is meant by its place in an order."""
-MEANING_MORE = frozenset({"all", "any", "other", *RANKS})
+MEANING_MORE = frozenset({"all", "any", "other", *IN_ORDER})
 """Kinds of symbols before a noun without whose colour it may mean any thing of its type."""
 EVERY = frozenset({"everything", "rest", "empty"})
 
@@ -133,10 +133,10 @@ class _Evidence:
 
     def _add_ranked(self, found: Sequence[Symbol]) -> None:
         """Of the kind that is named any thing may be the leftmost; without a kind, anything."""
-        if any(symbol.kind in RANKS for symbol in found):
+        if any(symbol.kind in IN_ORDER for symbol in found):
             self.every |= self.one
             self.is_every = self.is_every or any(
-                symbol.kind in RANKS and not _has_noun(found, at) for at, symbol in enumerate(found)
+                symbol.kind in IN_ORDER and not _has_noun(found, at) for at, symbol in enumerate(found)
             )
 
     def has_number(self, number: float) -> bool:
@@ -168,7 +168,7 @@ def _heads(found: Sequence[Symbol], at: int) -> Iterator[frozenset[str] | None]:
 
 def _before(found: Sequence[Symbol], at: int) -> set[str]:
     kinds, back = set[str](), at - 1
-    while back >= 0 and found[back].kind in ("all", "other", "colour", *RANKS, *ARTICLES):
+    while back >= 0 and found[back].kind in ("all", "other", "colour", *IN_ORDER, *ARTICLES):
         kinds.add(found[back].kind)
         back -= 1
     return kinds

@@ -8,7 +8,7 @@ from dataclasses import replace
 from typing import Any
 
 from rai_missions.planning.reading.phrases import Phrase, Rank
-from rai_missions.planning.reading.symbols import Symbol
+from rai_missions.planning.reading.symbols import RANKING, RANKS, Symbol
 
 __all__ = ("Cursor", "noun_phrase", "noun_phrases", "ordered_phrases", "with_limits")
 
@@ -205,7 +205,7 @@ def _is_rank(cursor: Cursor, ahead: int = 0) -> bool:
     """Whether a rank begins here or so many symbols ahead: `… that is closest to the tray`."""
     ahead += cursor.kind(ahead) == "pronoun"
     ahead += cursor.kind(ahead) == "is"
-    return cursor.kind(ahead) in ("rank", "compared", "counted_from")
+    return cursor.kind(ahead) in (*RANKS, "counted_from")
 
 
 def _rank_after(cursor: Cursor) -> Iterator[Rank]:
@@ -256,9 +256,6 @@ def _limits(cursor: Cursor, kind: str) -> list[Symbol]:
     return found
 
 
-RANKS = ("rank", "compared")
-"""Kinds of symbols that name an order before a noun."""
-RANKING = (*RANKS, "ordinal")
 DISTANCES = ("near", "far")
 """Ranks that are measured from another thing."""
 BEFORE_NOUN = ("the", "a", "any", "all", "other", "number", "pronoun", *RANKING)

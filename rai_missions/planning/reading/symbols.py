@@ -37,7 +37,11 @@ HYPHEN = re.compile(r"(?<=[^\W\d_])[-‐‑–](?=[^\W\d_])")
 ENDS = (".", ",", "and", "then", "too", "empty")
 SUBJECTS = frozenset({"noun", "colour", "generic", "pronoun", "all", "rest", "everything"})
 """Kinds of symbols that end a phrase about things."""
-NAMING = SUBJECTS | {"the", "a", "any", "other", "number", "rank", "compared", "ordinal"}
+RANKS = ("rank", "compared")
+"""Kinds of symbols that name an order before a noun."""
+RANKING = (*RANKS, "ordinal")
+"""The same with a place in it."""
+NAMING = SUBJECTS | {"the", "a", "any", "other", "number", *RANKING}
 """Kinds of symbols of which such a phrase consists."""
 
 

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from benchmarks.bench_requests import LANGUAGES, Request, corpus
 from rai_missions.planning.reading import chosen, is_said, read_request, reading_of, unsaid
-from rai_missions.planning.reading.grounding import RANKS
+from rai_missions.planning.reading.grounding import IN_ORDER
 from rai_missions.planning.reading.lexicon import lexicon, lexicons
 from rai_missions.planning.scene import Scene
 from tests.planning.reading.stored import SCENES, goal
@@ -24,7 +24,7 @@ MEANS_A_CUBE = {
     word
     for code in lexicons()
     for phrase, sense in lexicon(code).phrases.items()
-    if sense.kind in ("everything", "rest", "other", "stack", "upward", "unstack", "empty", *RANKS)
+    if sense.kind in ("everything", "rest", "other", "stack", "upward", "unstack", "empty", *IN_ORDER)
     or (sense.kind == "noun" and "cube" in sense.value.types)
     or sense == ("colour", "red")
     for word in phrase
