@@ -35,6 +35,8 @@ class Language(LanguageTexts):
         super().__init__(data)
         self.normaliser = Normaliser(data, by=cut)
         self.articles = frozenset(data["articles"])
+        self.spatial = frozenset(data["parts"]["spatial"].replace("|", " ").split())
+        """The words that relate a thing to a place: `in`, `next`, `to`."""
         self._plural_ending: str = data["plural_ending"]
         verbs: Mapping[str, Sequence[str]] = data["verbs"]
         senses = {_part(verb): "|".join(each) for verb, each in verbs.items()}

@@ -82,7 +82,7 @@ class StartPhrases:
     def __init__(self, given: Sequence[StartPhrase], names: Names, language: Language) -> None:
         self._names, self._language = names, language
         data = language.data
-        spatial = frozenset(data["parts"]["spatial"].replace("|", " ").split()) - frozenset(data["prepositions"])
+        spatial = language.spatial - frozenset(data["prepositions"])
         joints = frozenset([*data["order_joints"], language.text("or")])
         self._undecided = spatial | joints | frozenset(data["no_thing"]["any"])
         self._each = [self._compiled(each) for each in given]

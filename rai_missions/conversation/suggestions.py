@@ -40,7 +40,6 @@ class Suggestions:
         self._conditions, self._pronouns = frozenset(data["conditions"]), frozenset(data["thing_pronouns"])
         self._articles, self._ends = self._language.articles, frozenset(data["thing_ends"])
         self._determiners = self._articles | frozenset(data["owners"])
-        self._spatial = frozenset(data["parts"]["spatial"].replace("|", " ").split())
         self._fillers = frozenset(data["fillers"])
         self._openings = frozenset(map(tuple, self._language.normaliser.lead))
         self._joints, self._addressed = frozenset(data["clause_joints"]), frozenset(data["addressed"])
@@ -206,7 +205,7 @@ class Suggestions:
                 rest = words[at + 1 : at + 1 + LONGEST_THING]
                 size = next((place for place, word in enumerate(rest) if word in self._ends), len(rest))
                 if size and rest[size - 1] not in self._pronouns:
-                    yield rest[:size], at > 0 and words[at - 1] in self._spatial
+                    yield rest[:size], at > 0 and words[at - 1] in self._language.spatial
         if len(words) < LONGEST_THING and not any(map(self._grammar.knows, words)):
             yield words, False
 
