@@ -33,6 +33,7 @@ from rai_missions.model import (
 from rai_missions.model.references import PATH, TRIGGER, Refers, fields_of
 from rai_missions.redaction import clipped, shown
 from rai_missions.states.effects import Effect
+from rai_missions.validation_errors import words_of
 
 if TYPE_CHECKING:
     from rai_missions.states.decision import DecisionSpec, Option
@@ -243,8 +244,7 @@ class State(TaggedModel, family="state", group="rai_missions.activities", word="
     @classmethod
     def kinds_with(cls, word: str) -> list[str]:
         """The words of the format's kinds that have a word, as `call` has `request`."""
-        fields = {each: kind.model_fields.items() for each, kind in cls.kinds.items() if each}
-        return [each for each, has in fields.items() if any((field.alias or name) == word for name, field in has)]
+        return [each for each, kind in cls.kinds.items() if each and word in words_of(kind)]
 
     @classmethod
     def known_words(cls) -> frozenset[str]:
