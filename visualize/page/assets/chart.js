@@ -82,10 +82,9 @@ class Chart {
   }
 
   planned() {
+    const isShared = this.model.sharing();  // for all levels: what is cut alike is counted once
     return new Plans(this.model, this.open,
-      (level, turned) => this.content(
-        { ...level, turned, counted: Boolean(this.state.counts),
-          isShared: this.model.sharing() }));
+      (level, turned) => this.content({ ...level, turned, counted: Boolean(this.state.counts), isShared }));
   }
 
   /** Opens or closes states; what `still` names stays where it is on the screen. */
