@@ -6,8 +6,8 @@ Rule: it rests on what the engine and the robot report alone; the run's thread l
 
 from __future__ import annotations
 
-from collections import deque
 from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple
 
 from rai_missions.agents.talk.happenings import happenings
@@ -36,17 +36,22 @@ class RobotWords(NamedTuple):
     """Its build, where a description has it."""
 
 
-class ReportedRun(NamedTuple):
-    """What a run has reported of itself, as of one step."""
+@dataclass(frozen=True)
+class ReportedRun:
+    """What a run has reported of itself, as of one step: replaced as a whole, so that no reader sees parts of two."""
 
-    mode: str
-    mode_by: str
-    mode_since: float | None
-    questions: tuple[Question, ...]
+    status: Status
     waits: bool
     """For the order to start."""
-    status: Status | None = None
+    questions: tuple[Question, ...]
+    mode_by: str
+    mode_since: float | None
     began: float | None = None
+    # what changes without anything for a dialogue to do
+    wanted: frozenset[str] = field(default=frozenset(), compare=False)
+    board: Blackboard = field(default_factory=dict, compare=False)
+    entered: Mapping[str, float] = field(default_factory=dict, compare=False)
+    happened: tuple[RunEvent, ...] = field(default=(), compare=False)
 
 
 class RunStatus:
@@ -64,13 +69,15 @@ class RunStatus:
         self._acting = tuple(name for _, name, state in self._mission.walk() if state.activity())
         self._events = {name: event.about for name, event in self._mission.events.items()}
         self._missions = (mission_view(self._mission),)
-        self._happened: deque[RunEvent] = deque(maxlen=MOST_HAPPENINGS)
-        self._entered = dict[str, float]()
-        self._status: Status | None = None
-        """A run reports its status ahead of the step that made it so; they are seen together."""
         run = runner.view
+        self._status = Status(
+            0, run.mode, run.holder, tuple(name for name in self._states if name in run.active), run.outcome, run.why,
+            open_goals=run.loose_goals, held_by=run.held_by, held_since=run.held_since,
+        )  # fmt: skip
+        """A run reports its status ahead of the step that made it so; they are seen together."""
         self._reported = ReportedRun(
-            run.outcome or run.mode, run.resumed_mode_by, run.paused_at, run.questions, runner.waits
+            self._status, runner.waits, run.questions, run.resumed_mode_by, run.paused_at, wanted=run.wanted,
+            board=run.board,
         )  # fmt: skip
 
     @property
@@ -82,52 +89,47 @@ class RunStatus:
 
     def step(self, step: Step) -> bool:
         """Follow a step; whether a dialogue is to look again."""
-        for each in happenings(step, self._states, self._events):
-            self._happened.append(each)
-        self._entered.update(dict.fromkeys(step.entered, step.at))
-        was, event = self._reported, step.event
-        now = was._replace(questions=self._runner.view.questions, waits=self._runner.waits, status=self._status)
+        run, was, status, event = self._runner.view, self._reported, self._status, step.event
+        now = replace(
+            was, status=status, waits=self._runner.waits, questions=run.questions, wanted=run.wanted, board=run.board
+        )
         if event.kind == "command" and event.name == "start" and not step.refusal:
-            now = now._replace(began=step.at)
-        mode = str(step.outcome or step.mode or was.mode)
-        if mode != was.mode:
+            now = replace(now, began=step.at)
+        if status.mode != was.status.mode:
             by = str(event.data.get("by", "")) if event.kind == "command" else ""
-            now = now._replace(mode=mode, mode_since=step.at, mode_by=by)
-        self._reported = now  # at once: another thread looks at any moment
+            now = replace(now, mode_since=step.at, mode_by=by)
+        if step.entered:
+            now = replace(now, entered={**was.entered, **dict.fromkeys(step.entered, step.at)})
+        if happened := tuple(happenings(step, self._states, self._events)):
+            now = replace(now, happened=(*was.happened, *happened)[-MOST_HAPPENINGS:])
+        self._reported = now
         return now != was or bool(step.moves or step.outcome)
 
     def status(self, status: Status) -> None:
-        """The run's status has changed."""
+        """The run's status has changed; it is seen with the step that follows."""
         self._status = status
-        if self._reported.status is None:  # of a run that is resumed, whose last step was reported to others
-            self._reported = self._reported._replace(status=status)
 
     # -- from any thread ----------------------------------------------------------------------------------------------
 
     def view(self) -> StatusView:
-        """The run now."""
-        run, reported, mission = self._runner.view, self._reported, self._mission
-        status = reported.status
-        now, board = run.now(), run.board
+        """The run as of its last step, at the time that it is now."""
+        reported, now, mission = self._reported, self._runner.view.now(), self._mission
+        status, board = reported.status, reported.board
         questions = tuple(each for each in reported.questions if each.asked == "operator")
-        active = status.active if status is not None else tuple(
-            name for _, name, _ in mission.walk() if name in run.active
-        )  # fmt: skip
+        active = status.active
         state = next((name for name in self._acting if name in active), active[-1] if active else "")
         return StatusView(
-            at=now, run=self._runner.run_id, is_resumed=self._runner.is_resumed,
-            revision=status.revision if status is not None else 0,
-            mode=reported.mode, awaits_start=reported.waits, control=run.holder,
-            active=active, state=state,
-            outcome=run.outcome, why=mission.end_words(run.outcome, active) or run.why, began=reported.began,
-            wanted=tuple(sorted(run.wanted)), held_by=run.held_by, held_since=run.held_since,
-            open_goals=tuple(dict.fromkeys(goal.action for goal in run.loose_goals)),
+            at=now, run=self._runner.run_id, is_resumed=self._runner.is_resumed, revision=status.revision,
+            mode=status.mode, awaits_start=reported.waits, control=status.control, active=active, state=state,
+            outcome=status.outcome, why=mission.end_words(status.outcome, active) or status.why, began=reported.began,
+            wanted=tuple(sorted(reported.wanted)), held_by=status.held_by, held_since=status.held_since,
+            open_goals=tuple(dict.fromkeys(goal.action for goal in status.open_goals)),
             questions=questions, confirm=frozenset(one for each in questions for one in _confirmed(mission, each)),
             keys={name: key_view(name, key, board, now) for name, key in mission.blackboard.items()},
             states=self._abouts, events=self._events, mission=mission.name, about=mission.about,
             robot=self._robot.name, identity=self._robot.identity, build=self._robot.build, missions=self._missions,
-            progress=tuple(progress(mission, frozenset(active), board)), happened=tuple(self._happened),
-            since=self._entered.get(state), mode_by=reported.mode_by, mode_since=reported.mode_since,
+            progress=tuple(progress(mission, frozenset(active), board)), happened=reported.happened,
+            since=reported.entered.get(state), mode_by=reported.mode_by, mode_since=reported.mode_since,
         )  # fmt: skip
 
 
