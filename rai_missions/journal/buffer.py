@@ -2,7 +2,8 @@
 """Writes a run down: steps at once, blackboard writes that enabled nothing along with the next row.
 
 Rule: of each key only the newest value travels, and none travels longer than a second.
-Rule: a confirmation travels only while the event is taken that waits already, and has its own row before the next.
+Rule: a confirmation travels only while the event is taken that waits already, and has its own row before the next. It
+is lost with that event's row only where the disk takes neither.
 Rule: a run continues only when its row is written, but a disk that hangs holds up no e-stop. A wait behind the rows of
 others ends no run.
 """
@@ -16,6 +17,7 @@ import threading
 import time
 import weakref
 from collections.abc import Callable, Iterable, Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import Any, Protocol
 
@@ -185,9 +187,18 @@ class BufferedWriter:
             self._since = min(self._since, step.at)
 
     def write(self, step: Step, since: float) -> None:
-        """Write a step with what travels."""
+        """Write a step with what travels; if its row cannot be written, the confirmation may still be."""
         quiet, performed = tuple(self._carried.values()), self._no_longer_travels()
-        self._write(lambda journal: journal.write(step, since=since, quiet=quiet, performed=performed))
+
+        def write(journal: JournalSink) -> None:
+            try:
+                journal.write(step, since=since, quiet=quiet, performed=performed)
+            except Exception:
+                with suppress(Exception):  # a disk that takes no row at all: the step's own failure is raised
+                    _confirm(journal, performed)
+                raise
+
+        self._write(write)
         self.silent_from = step.at + QUIET_S if self._journal is not None else math.inf
         self._clear()
 
@@ -252,8 +263,7 @@ class BufferedWriter:
         def do() -> None:
             begun_at.append(time.monotonic())
             try:
-                for seq in performed:
-                    journal.confirm(seq, "performed")
+                _confirm(journal, performed)
                 write(journal)
                 outcome.append(None)
             except BaseException as error:  # noqa: BLE001 - raised below, on the thread that waits
@@ -285,6 +295,11 @@ class BufferedWriter:
                 continue
             if is_call:
                 self._called()
+
+
+def _confirm(journal: JournalSink, performed: Iterable[int]) -> None:
+    for seq in performed:
+        journal.confirm(seq, "performed")
 
 
 def _unanswered() -> ConnectorError:

@@ -161,7 +161,7 @@ class Journal(Closable):
             since: The engine's clock right before the event was taken, seconds.
             quiet: The blackboard writes that enabled nothing since the last row: key, value, stamp; newest of a key.
             performed: The numbers of steps whose effects were carried out. Each is confirmed by a row of its own before
-                this one, and is lost with it.
+                this one, or not at all: where it raises, they may be confirmed by themselves.
 
         Raises:
             ConnectorError: The row was not written: the disk is full or gone. Nothing of the step may be performed.

@@ -15,6 +15,8 @@ from rai_missions.event import Event
 from rai_missions.journal import Header, Journal, buffer
 from rai_missions.journal.buffer import BufferedWriter
 from rai_missions.journal.rows import Confirmation, StepRow
+from rai_missions.journal.sqlite import LONGEST_BYTES
+from rai_missions.journal.verify import verify
 from tests.rigs.journals import MemoryJournal, rows_of
 
 
@@ -56,3 +58,14 @@ def test_a_confirmation_travels_for_one_event_and_no_longer(tmp_path: Path) -> N
         quiet = Step(2, 2.0, Event("battery", 2.0, {"value": 0.5}, "write"))
         writer.confirm(quiet, may_travel=True)
         assert rows_of(path) == [StepRow(1, performed(1), 0.0), Confirmation(2, 1, "performed")]
+
+
+def test_a_row_that_cannot_be_written_leaves_what_was_performed_confirmed(tmp_path: Path) -> None:
+    path = tmp_path / "run.journal"
+    with Journal.create(path, Header("{}")) as journal, closing(BufferedWriter(journal)) as writer:
+        writer.write(performed(1), since=0.0)
+        writer.confirm(performed(1), may_travel=True)
+        with pytest.raises(ConnectorError, match="rows 2 to 3 are lost"):
+            writer.write(performed(2)._replace(why="x" * LONGEST_BYTES), since=1.0)
+    assert rows_of(path) == [StepRow(1, performed(1), 0.0), Confirmation(2, 1, "performed")]
+    assert verify(path) == ()

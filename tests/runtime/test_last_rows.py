@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 
 from rai_missions.errors import UsageError
-from rai_missions.journal import Header, Journal, read
+from rai_missions.journal import Header, Journal, read, sqlite
 from rai_missions.journal.rows import Confirmation, JournalRow, StepRow
 from rai_missions.mission.files import dump
 from rai_missions.mission.mission import Mission
@@ -115,3 +115,19 @@ def test_each_confirmation_is_next_to_its_step_however_many_events_wait(tmp_path
     calls = [(at, row.step.seq) for at, row in enumerate(rows) if isinstance(row, StepRow) and row.step.effects]
     assert len(calls) == 5
     assert [(rows[at + 1].number, rows[at + 1].how) for at, _ in calls] == [(seq, "performed") for _, seq in calls]
+
+
+@pytest.mark.parametrize("place", range(5))
+def test_what_was_called_is_confirmed_whichever_row_is_too_long_to_be_written(
+    place: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path, too_long = tmp_path / "run.journal", 20_000
+    monkeypatch.setattr(sqlite, "LONGEST_BYTES", too_long)
+    go = lambda rig: [rig.post("go", text="x" * too_long * (number == place)) for number in range(5)]  # noqa: E731
+    rig = journaled(path, mission(CALLING), lambda rig: {1.0: lambda: go(rig)})
+    result = rig.run()
+    rig.book.close()
+    rows = rows_of(path)
+    called = [row.step.seq for row in rows if isinstance(row, StepRow) and row.step.effects]
+    assert "cannot be written" in result.why and len(called) == len(rig.called) == place
+    assert [row.number for row in rows if isinstance(row, Confirmation)] == called
