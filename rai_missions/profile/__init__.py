@@ -5,7 +5,7 @@ Imports `check`, `connectors`, `engine`, `guards`, `mission`, `model`, `states` 
 root.
 """
 
-from rai_missions.profile.connector_faults import connector_faults, middleware_faults
+from rai_missions.profile.connector_faults import connector_faults, field_faults, middleware_faults
 from rai_missions.profile.conversation import GRANTED, ORDERS, ConversationPolicy, OrderName
 from rai_missions.profile.convert import plain
 from rai_missions.profile.coverage import actions_of, commanded_names, missing
@@ -46,6 +46,7 @@ __all__ = (
     "commanded_names",
     "connector_faults",
     "dump_profile",
+    "field_faults",
     "identity_folder",
     "is_program",
     "lacking",

@@ -15,7 +15,7 @@ from rai_missions.profile.profile import Robot
 from rai_missions.profile.robot_names import misnamed
 from rai_missions.worlds.world import check_local
 
-__all__ = ("connector_faults", "middleware_faults")
+__all__ = ("connector_faults", "field_faults", "middleware_faults")
 
 
 def connector_faults(robot: Robot) -> Iterator[Fault]:
@@ -53,7 +53,26 @@ def middleware_faults(mission: Mission, robot: Robot) -> tuple[Fault, ...]:
         return found
     if not hasattr(package, "why_absent"):
         return ()
-    return (*lacking(mission, robot, package.why_absent), *unknown_fields(mission, robot, package.fields_of))
+    return (*lacking(mission, robot, package.why_absent), *_field_faults(mission, robot, package))
+
+
+def field_faults(mission: Mission | None, robot: Robot) -> tuple[Fault, ...]:
+    """The fields that types of messages lack; types that are absent on this machine are left to the robot's.
+
+    Args:
+        mission: What is to run; without one everything that the profile names is looked at.
+        robot: On which robot; none are found while its connector has faults of its own.
+    """
+    try:
+        offer = check_connector(str(robot.connector["kind"]))
+        return _field_faults(mission, robot, offer.load()) if offer is not None else ()
+    except UsageError:
+        return ()
+
+
+def _field_faults(mission: Mission | None, robot: Robot, package: Any) -> tuple[Fault, ...]:
+    fields_of = getattr(package, "fields_of", None)
+    return unknown_fields(mission, robot, fields_of) if fields_of is not None else ()
 
 
 def _name_faults(robot: Robot, package: Any) -> tuple[Fault, ...]:

@@ -17,6 +17,7 @@ from rai_missions.mission.mission import Mission, given_mission
 from rai_missions.mission.option_parameters import parameter_faults
 from rai_missions.profile.entries import references
 from rai_missions.profile.profile import Robot
+from rai_missions.profile.receivers import SENT_WORDS, receiver_of
 from rai_missions.states.decision import Option
 from rai_missions.states.effects import Raise
 
@@ -42,7 +43,7 @@ def missing(mission: Mission, robot: Robot, *, remedies: Mapping[str, str] = NOT
     index = MissionIndex(mission)
     return (
         *_keys(mission, robot, remedies), *_events(index, robot), *_interfaces(index, robot, remedies),
-        *_actions(index, robot), *_rules(index, robot),
+        *_templates(index, robot), *_composed(index, robot), *_rules(index, robot),
     )  # fmt: skip
 
 
@@ -112,21 +113,28 @@ def _interfaces(index: MissionIndex, robot: Robot, remedies: Mapping[str, str]) 
             yield _lacks(f"{sort}s", name, known, place, remedies)
 
 
-def _actions(index: MissionIndex, robot: Robot) -> Iterator[Fault]:
-    reported: set[str] = set()
+def _templates(index: MissionIndex, robot: Robot) -> Iterator[Fault]:
+    """The fields that a goal, a request or a message takes from the mission, and the mission does not give."""
     for use in index.uses:
-        entry = robot.actions.get(use.name)
-        if use.sort != "action" or entry is None:
+        receiver, word = receiver_of(robot, use), SENT_WORDS[use.sort]
+        given = getattr(use.user, word, None)
+        if receiver is None or given is None:
             continue
-        goal = getattr(use.user, "goal", None)
-        taken = () if goal is None else {path.partition(".")[0] for path in references(entry.goal)} - goal.keys()
-        for field in taken:
-            where = pointer(["actions", use.name, "goal"])
-            yield Fault(where, f"it takes '{field}' from the mission, which gives no such field at {use.place}/goal")
-        for word, guard in (("succeeded", entry.succeeded), ("failed", entry.failed)):
-            if guard is not None and use.name not in reported:
-                yield from _unknown_keys(index, guard, pointer(["actions", use.name, word]))
-        reported.add(use.name)
+        where = pointer([*receiver.place, receiver.word])
+        for field in dict.fromkeys(path.partition(".")[0] for path in references(receiver.template)):
+            if field not in given:
+                yield Fault(
+                    where, f"it takes '{field}' from the mission, which gives no such field at {use.place}/{word}"
+                )
+
+
+def _composed(index: MissionIndex, robot: Robot) -> Iterator[Fault]:
+    """What the guards of composed actions read and the mission lacks."""
+    for name in dict.fromkeys(use.name for use in index.uses if use.sort == "action"):
+        entry = robot.actions.get(name)
+        for word, guard in (("succeeded", entry.succeeded), ("failed", entry.failed)) if entry is not None else ():
+            if guard is not None:
+                yield from _unknown_keys(index, guard, pointer(["actions", name, word]))
 
 
 def _rules(index: MissionIndex, robot: Robot) -> Iterator[Fault]:

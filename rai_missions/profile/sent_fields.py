@@ -9,12 +9,13 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import Any, NamedTuple
 
-from rai_missions.check.index import MissionIndex
+from rai_missions.check.index import MissionIndex, RobotUse
 from rai_missions.errors import Fault, pointer
 from rai_missions.mission.mission import Mission
 from rai_missions.profile.entries import references
 from rai_missions.profile.message_types import listened
 from rai_missions.profile.profile import Place, Robot, service_places
+from rai_missions.profile.receivers import SENT_WORDS, receiver_of
 from rai_missions.profile.type_fields import FieldsOf, TypePart, lack
 
 __all__ = ("unknown_sent_fields",)
@@ -79,24 +80,22 @@ def _paths(template: Mapping[str, Any]) -> Iterator[Place]:
 def _of_mission(mission: Mission, robot: Robot) -> Iterator[SentField]:
     """What the mission gives, where the profile passes it on as it is, and the fields that it takes."""
     for use in MissionIndex(mission).uses:
-        entry: Any = getattr(robot, f"{use.sort}s").get(use.name)
-        if entry is None or not entry.type:
+        receiver, word = receiver_of(robot, use), SENT_WORDS[use.sort]
+        if receiver is None:
             continue
-        place, word, part = (f"{use.sort}s", use.name), *PARTS[use.sort]
-        template = getattr(entry, word)
-        if not any(True for _ in references(template)):
+        part: TypePart = "msg" if receiver.word == "message" else receiver.word
+        if not any(True for _ in references(receiver.template)):
             for where in _paths(getattr(use.user, word, None) or {}):
                 by = f"the mission gives it '{'.'.join(where)}' at {use.place}/{word}, and "
-                yield SentField(place, entry.type, part, ".".join(where), by)
-        taken: TypePart = "result" if use.sort == "action" else "srv"
-        if not getattr(entry, "result", None):
-            for path in dict(getattr(use.user, "result", None) or {}).values():
-                yield SentField(
-                    place, entry.type, taken, path, f"the mission takes '{path}' at {use.place}/result, and "
-                )
+                yield SentField(receiver.place, receiver.type, part, ".".join(where), by)
+        yield from _taken(use, robot)
 
 
-PARTS: Mapping[str, tuple[str, TypePart]] = {
-    "action": ("goal", "goal"), "service": ("request", "request"), "topic": ("message", "msg"),
-}  # fmt: skip
-"""What a mission uses → the field of its entry and of the mission that holds what is sent, and the part of the type."""
+def _taken(use: RobotUse, robot: Robot) -> Iterator[SentField]:
+    """What the mission takes from the result of a server or the reply of a service."""
+    entry: Any = getattr(robot, f"{use.sort}s")[use.name]
+    part: TypePart = "result" if use.sort == "action" else "srv"
+    if not getattr(entry, "result", None):
+        for path in dict(getattr(use.user, "result", None) or {}).values():
+            by = f"the mission takes '{path}' at {use.place}/result, and "
+            yield SentField((f"{use.sort}s", use.name), entry.type, part, path, by)

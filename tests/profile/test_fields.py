@@ -49,7 +49,11 @@ SENT: Mapping[tuple[str, str], Mapping[str, Any]] = {
     ("s/msg/Bool", "msg"): {"data": "boolean"},
 }
 ROBOT = {
-    "name": "r", "connector": {"kind": "ros2"}, "actions": {"go": {"action": "/go", "type": "s/action/Go"}},
+    "name": "r", "connector": {"kind": "ros2"},
+    "actions": {
+        "go": {"action": "/go", "type": "s/action/Go"},
+        "lift": {"start": {"service": "/lift", "type": "s/srv/Ask"}, "succeeded": {"key": "up", "==": True}},
+    },
     "services": {"ask": {"service": "/ask", "type": "s/srv/Ask"}},
     "topics": {"lamp": {"topic": "/lamp", "type": "s/msg/Bool"}},
 }  # fmt: skip
@@ -94,11 +98,13 @@ def test_what_a_mission_sends_is_compared_where_the_profile_passes_it_on() -> No
     def mission(goal: dict[str, Any], result: dict[str, Any]) -> Mission:
         doing = [{"publish": "lamp", "message": {"value": True}}, {"call": "ask", "request": {"on": 1}}]
         going = {"action": "go", "goal": goal, "result": result, "timeout_s": 5, "exit": doing}
-        going |= {"transitions": [{"on": "succeeded", "to": "over"}]}
+        going |= {"transitions": [{"on": "succeeded", "to": "lifting"}]}
+        lifting = {"action": "lift", "goal": {"to_m": 1}, "timeout_s": 5}
+        lifting |= {"transitions": [{"on": "succeeded", "to": "over"}]}
         return Mission.model_validate({
             "name": "m", "initial": "going",
             "blackboard": {"n": {"type": "string", "source": "mission", "initial": ""}},
-            "states": {"going": going, "over": {"final": "aborted"}},
+            "states": {"going": going, "lifting": lifting, "over": {"final": "aborted"}},
         })  # fmt: skip
 
     found = sent_faults(mission({"sped": 1, "pose": {"position": {"x": 1.0}}}, {"n": "eror"}))
@@ -107,6 +113,7 @@ def test_what_a_mission_sends_is_compared_where_the_profile_passes_it_on() -> No
         "/actions/go: the mission takes 'eror' at /states/going/result",
         "/topics/lamp: the mission gives it 'value' at /states/going/exit/0/message",
         "/services/ask: the mission gives it 'on' at /states/going/exit/1/request",
+        "/actions/lift/start: the mission gives it 'to_m' at /states/lifting/goal",
     ]
     asked = {"go": {"goal": {"speed": {"from": "sped"}}, "result": {"eror": "error"}}}
     others = sent_faults(mission({"sped": 1}, {"n": "eror"}), **asked)
@@ -176,8 +183,9 @@ def test_the_shipped_profiles_name_what_their_types_have(profile: Path) -> None:
     assert unknown_fields(None, robot, fields_of) == ()
 
 
-def test_a_run_over_ros_is_refused_before_its_start_for_a_field_that_is_not_there(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+@pytest.mark.parametrize("command", ["run", "check"])
+def test_a_field_that_is_not_there_is_refused_before_a_start_over_ros_and_by_check(
+    command: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     pytest.importorskip("rclpy")
     from rai_missions.cli.main import main
@@ -186,8 +194,9 @@ def test_a_run_over_ros_is_refused_before_its_start_for_a_field_that_is_not_ther
     assert '"percentage"' in text
     copytree(MISSIONS / "tractor" / "identity", tmp_path / "identity")
     (tmp_path / "robot.json").write_text(text.replace('"percentage"', '"percent"'), encoding="utf-8")
-    given = ["run", str(MISSIONS / "tractor" / "mission.json"), "--robot", str(tmp_path / "robot.json")]
-    assert main([*given, "--no-operator", "--journal", str(tmp_path / "a.journal")]) == 2
+    given = [command, str(MISSIONS / "tractor" / "mission.json"), "--robot", str(tmp_path / "robot.json")]
+    run = ["--no-operator", "--journal", str(tmp_path / "a.journal")] if command == "run" else []
+    assert main([*given, *run]) == 2
     assert "a sensor_msgs/msg/BatteryState has no field 'percent'" in capsys.readouterr().err
 
 

@@ -271,6 +271,18 @@ def test_a_robot_without_anything_lacks_everything() -> None:
             "/actions/go_home/goal: it takes 'speed' from the mission, which gives no such field",
         ),
         (
+            {"actions/drive_alleys/start": {"service": "/go", "request": {"data": {"from": "speed"}}}},
+            "/actions/drive_alleys/start/request: it takes 'speed' from the mission, which gives no such field",
+        ),
+        (
+            {"services/horn/request": {"data": {"from": "loud"}}},
+            "/services/horn/request: it takes 'loud' from the mission, which gives no such field",
+        ),
+        (
+            {"topics/status/message": {"data": {"from": "dta"}}},
+            "/topics/status/message: it takes 'dta' from the mission, which gives no such field",
+        ),
+        (
             {"actions/drive_alleys/failed": {"key": "batery", "<": 0.1}},
             "/actions/drive_alleys/failed: the mission has no key 'batery'; did you mean 'battery'?",
         ),

@@ -78,14 +78,15 @@ def _checked_profile(path: str, mission: Mission | None) -> tuple[str, tuple[Fil
     from rai_missions.agents.talk.settings import conversation_faults, conversation_oddities
     from rai_missions.check import FileFinding, Finding
     from rai_missions.errors import DefinitionError
-    from rai_missions.profile import connector_faults, load_whole_profile, missing  # slow: as long as half of the rest
+    from rai_missions.profile import connector_faults, field_faults, load_whole_profile, missing  # slow
 
     try:
         profile = load_whole_profile(path, mission)
     except DefinitionError as error:
         return path, tuple(FileFinding(error.source or path, Finding.of(each)) for each in error.faults)
     names = missing(mission, profile) if mission is not None else ()
-    lacking = (*connector_faults(profile), *names, *conversation_faults(profile, mission))
+    over = tuple(connector_faults(profile)) or field_faults(mission, profile)
+    lacking = (*over, *names, *conversation_faults(profile, mission))
     odd = conversation_oddities(profile, mission) if mission is not None else ()
     findings = (*map(Finding.of, lacking), *(Finding(each.place, each.sentence, "warning") for each in odd))
     return profile.name or path, tuple(FileFinding(path, each) for each in findings)

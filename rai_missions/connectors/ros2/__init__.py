@@ -82,13 +82,13 @@ def fields_of(type_name: str, part: Literal["msg", "srv", "request", "goal", "re
     """The fields of a message, of a service's reply (`srv`) or request, or of an action's goal or result.
 
     Returns:
-        As `types.describe_type` reports them; None if it cannot, or the type has no such part.
+        As `types.describe_type` reports them; None if it cannot, as without rclpy, or the type has no such part.
     """
-    from rai_missions.connectors.ros2.types import describe_type
-
     try:
+        from rai_missions.connectors.ros2.types import describe_type
+
         description = describe_type(type_name)
-    except ConnectorError:
+    except (ConnectorError, ImportError, OSError):
         return None
     fields: Mapping[str, Any] | None = description if part == "msg" else description.get(REPLIES.get(part, part))
     return fields
