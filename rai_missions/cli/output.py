@@ -2,7 +2,7 @@
 """What a command prints: without secrets, without control of the terminal that shows it, and without waiting for it.
 
 Rule: a text from a mission, a journal, a robot or an exception is printed as text and has no other effect.
-Rule: what is printed comes in its order, or is left out and counted.
+Rule: what is printed comes in its order and in whole lines, or is left out and counted.
 Rule: a run ends as it ended, also where no one takes what it prints.
 """
 
@@ -13,6 +13,7 @@ import traceback
 from collections.abc import Iterator
 from contextlib import contextmanager, redirect_stderr, redirect_stdout
 from functools import partial
+from threading import get_ident
 from typing import Any, TextIO, cast
 
 from rai_missions.cli.streams import discard
@@ -92,6 +93,8 @@ def redacted_output(*, controls: bool) -> Iterator[None]:
 class BufferedStream:
     """Text on its way to a terminal, a file or a pipe, on a thread of its own.
 
+    A line goes out once its thread has ended or flushed it, so no other thread or stream writes into it.
+
     Args:
         out: Where it goes.
     """
@@ -101,6 +104,8 @@ class BufferedStream:
         self._worker = Worker("printing", limit=MAX_PENDING, on_error=self._fail)
         self._worker.start()
         self._lost = 0
+        self._begun: dict[int, str] = {}
+        """Thread → the line that it has yet to end."""
         self.fault: BaseException | None = None
         """What printing has raised; nothing more is printed then."""
 
@@ -111,27 +116,36 @@ class BufferedStream:
 
     def write(self, text: str) -> int:
         """Have it printed; nothing more is, once printing has raised."""
-        if self.fault is not None:
-            return len(text)
-        if not self._worker.is_alive:
-            return self._write(text)
-        if self._worker.post(partial(self._print, f"{self._left_out}{text}")):
-            self._lost = 0
-        else:
-            self._lost += 1
+        thread = get_ident()
+        line = self._begun.pop(thread, "") + text
+        if line.endswith("\n"):
+            self._pass_on(line)
+        elif line:
+            self._begun[thread] = line
         return len(text)
 
     def flush(self) -> None:
         """It goes out as soon as it is taken."""
-        if not self._worker.is_alive:
-            self._write("")
+        self._pass_on(self._begun.pop(get_ident(), ""))
 
     def settle(self) -> None:
         """Wait until all of it is out; what is printed later is waited for."""
+        for thread in tuple(self._begun):
+            self._pass_on(self._begun.pop(thread, ""))
         self._worker.close()
         if self.fault is None:
             self._write(self._left_out)
             self._lost = 0
+
+    def _pass_on(self, text: str) -> None:
+        if self.fault is not None:
+            return
+        if not self._worker.is_alive:
+            self._write(text)
+        elif text and self._worker.post(partial(self._print, f"{self._left_out}{text}")):
+            self._lost = 0
+        elif text:
+            self._lost += 1
 
     def __getattr__(self, name: str) -> Any:
         return getattr(self._out, name)
@@ -143,14 +157,13 @@ class BufferedStream:
         if not self._worker.waiting:
             self._out.flush()
 
-    def _write(self, text: str) -> int:
+    def _write(self, text: str) -> None:
         """Print it at once."""
         try:
             self._out.write(text)
             self._out.flush()
         except OSError as error:
             self._fail(error)
-        return len(text)
 
     def _fail(self, error: BaseException) -> None:
         self.fault = self.fault or error

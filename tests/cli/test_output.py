@@ -82,6 +82,48 @@ def test_what_is_printed_comes_whole_and_in_its_order_and_what_is_left_out_is_co
     assert left_out.startswith(f"… {MAX_PENDING + 500 - len(kept)} pieces")
 
 
+class Sink(io.StringIO):
+    """A terminal that keeps the pieces that it was given."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.pieces: list[str] = []
+
+    def write(self, text: str) -> int:
+        self.pieces.append(text)
+        return super().write(text)
+
+
+def test_lines_of_two_threads_and_two_streams_are_whole() -> None:
+    terminal = Sink()
+    out, error = BufferedStream(terminal), BufferedStream(terminal)
+    second = threading.Thread(target=lambda: [print("from", "another", file=out) for _ in range(200)])
+    second.start()
+    for _ in range(200):
+        print("from", "one", file=out)
+        print("a", "fault", file=error)
+    second.join()
+    out.settle()
+    error.settle()
+    whole = {"from another", "from one", "a fault"}
+    assert set(terminal.getvalue().splitlines()) == whole
+    assert {piece.strip() for piece in terminal.pieces} <= whole | {""}
+
+
+def test_a_prompt_is_out_as_it_is_flushed_and_a_line_that_is_never_ended_at_the_end() -> None:
+    terminal = Sink()
+    out = BufferedStream(terminal)
+    print("your answer: ", end="", file=out)
+    assert not out.waiting and terminal.getvalue() == ""
+    out.flush()
+    while out.waiting or not terminal.getvalue():
+        threading.Event().wait(0.001)
+    assert terminal.getvalue() == "your answer: "
+    print("no end", end="", file=out)
+    out.settle()
+    assert terminal.getvalue() == "your answer: no end"
+
+
 def test_what_is_left_out_last_is_counted_as_well_and_what_is_reported_at_the_end_is_not_left_out(
     stalled: Stalled, monkeypatch: pytest.MonkeyPatch
 ) -> None:
