@@ -112,13 +112,9 @@ def _from_activity(write: KeyWrite) -> bool:
 
 def _taken(origin: Origin, write: KeyWrite) -> Origin:
     """What a copy, or a field or item of it, carries along."""
-    fields = write.value.split(".")[1:]
     if write.by == "each":
         return origin._replace(constants=frozenset(), stranger=origin.stranger or bool(origin.constants))
-    constants = [json.loads(text) for text in origin.constants]
-    for field in fields:
-        constants = [each[field] for each in constants if isinstance(each, dict) and field in each]
-    return origin._replace(constants=frozenset(map(_text, constants)))
+    return origin._replace(constants=frozenset(map(_text, _fields(origin, write.value))))
 
 
 class _Sources:
@@ -148,6 +144,7 @@ def _origin(index: MissionIndex, path: str) -> Origin:
 
 
 def _fields(origin: Origin, path: str) -> list[Any]:
+    """What its constants have at a path."""
     values = [json.loads(text) for text in origin.constants]
     for field in path.split(".")[1:]:
         values = [value[field] for value in values if isinstance(value, dict) and field in value]

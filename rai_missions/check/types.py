@@ -38,15 +38,17 @@ class _DeclaredTypes:
 
 def mismatched_comparisons(index: MissionIndex) -> Found:
     """A comparison is between values of one type, and `<` between numbers or strings."""
-    for place, part, ruled in index.parts:
-        if part.word != "near":
-            yield from ((place + inner, why) for inner, why in part.type_faults(_DeclaredTypes(index, ruled.scope)))
+    return _mismatched(index, of_poses=False)
 
 
 def mismatched_poses(index: MissionIndex) -> Found:
     """`near` measures between two poses that are given in one frame."""
+    return _mismatched(index, of_poses=True)
+
+
+def _mismatched(index: MissionIndex, *, of_poses: bool) -> Found:
     for place, part, ruled in index.parts:
-        if part.word == "near":
+        if (part.word == "near") is of_poses:
             yield from ((place + inner, why) for inner, why in part.type_faults(_DeclaredTypes(index, ruled.scope)))
 
 

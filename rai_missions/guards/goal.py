@@ -96,12 +96,8 @@ class GoalIs(Guard, word="goal"):
         return self.is_ != "said" and self.over is not None and sources.is_robots(self.over)
 
     def distinguish(self, by: Distinctions) -> None:
-        if self.in_ is not None:
-            by.judge(self.goal, self.in_, self.is_)
-            if self.over is not None:
-                by.judge(self.goal, self.over, self.is_)
-        elif self.over is not None:
-            by.judge(self.goal, self.over, self.is_)
+        for facts in filter(None, (self.in_, self.over)):
+            by.judge(self.goal, facts, self.is_)
 
     def words(self) -> str:
         if self.is_ == "said":

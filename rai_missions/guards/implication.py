@@ -13,6 +13,7 @@ from typing import Any
 from rai_missions.guards.compare import OPPOSITES, ORDERED, holds
 from rai_missions.guards.form import ALWAYS, NEVER, Atom, Form, Junction
 from rai_missions.guards.guard import DEEP, Guard, form_of
+from rai_missions.model import alike
 
 __all__ = ("ALWAYS", "NEVER", "Atom", "Form", "Junction", "conjuncts", "form", "implies", "never", "roots")
 
@@ -32,7 +33,7 @@ def size(this: Form) -> int:
 
 def implies(one: Form, other: Form) -> bool:
     """Whether the other is certainly true whenever the one is."""
-    if _same(one, other) or other == ALWAYS or one == NEVER:
+    if alike(one, other) or other == ALWAYS or one == NEVER:
         return True
     return size(one) + size(other) <= LONG and _implies(one, other, {})
 
@@ -57,17 +58,8 @@ def _worked_out(one: Form, other: Form, known: dict[tuple[int, int], bool]) -> b
     return isinstance(other, Atom) and _atom_implies(one, other)
 
 
-def _same(one: Any, other: Any) -> bool:
-    """Equal, and not as `1` equals `true`."""
-    if one is not other and one != other:
-        return False
-    if isinstance(one, tuple) and isinstance(other, tuple):
-        return len(one) == len(other) and all(map(_same, one, other))
-    return type(one) is type(other) and bool(one == other)
-
-
 def _atom_implies(one: Atom, other: Atom) -> bool:
-    if _same(one, other):
+    if alike(one, other):
         return True
     if one.kind == "compare" and other.kind == "fresh" and not other.op:
         return other.path in (one.path, one.other) or one.path.startswith(f"{other.path}.")

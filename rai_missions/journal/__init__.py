@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The journal: what a run did, row by row, written ahead of its effects and read back as the same values.
 
-Imports `connectors`, `engine` and `states`, and the modules of the root.
+Imports `connectors`, `engine`, `model` and `states`, and the modules of the root.
 """
 
 from rai_missions.journal.codec import decode, encode

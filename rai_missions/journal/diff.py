@@ -7,6 +7,7 @@ from collections.abc import Collection, Mapping
 from typing import Any
 
 from rai_missions.engine.step import Step
+from rai_missions.model import alike
 from rai_missions.redaction import cut_repr
 
 __all__ = ("difference",)
@@ -42,14 +43,14 @@ def _without_repeats(writes: Writes) -> Writes:
     newest: dict[str, Any] = {}
     kept: list[tuple[str, Any]] = []
     for key, value in writes:
-        if key not in newest or not _same(newest[key], value):
+        if key not in newest or not alike(newest[key], value):
             kept.append((key, value))
         newest[key] = value
     return tuple(kept)
 
 
 def _parted(place: str, expected: Any, got: Any) -> str:
-    if _same(expected, got):
+    if alike(expected, got):
         return ""
     if type(expected) is type(got):
         if hasattr(expected, "_fields"):
@@ -66,17 +67,6 @@ def _parted(place: str, expected: Any, got: Any) -> str:
 
 def _first(place: str, pairs: list[tuple[str, Any, Any]]) -> str:
     return next((found for part, old, new in pairs if (found := _parted(f"{place}{part}", old, new))), "")
-
-
-def _same(expected: Any, got: Any) -> bool:
-    """Equal, and not only by Python's leave: 1, 1.0 and true are three values."""
-    if type(expected) is not type(got):
-        return isinstance(expected, Mapping) and isinstance(got, Mapping) and dict(expected) == dict(got)
-    if isinstance(expected, list | tuple):
-        return len(expected) == len(got) and all(map(_same, expected, got))
-    if isinstance(expected, Mapping):
-        return expected.keys() == got.keys() and all(_same(item, got[name]) for name, item in expected.items())
-    return bool(expected == got)
 
 
 def _at(items: Any, index: int) -> Any:

@@ -155,10 +155,10 @@ LISTED = BeforeValidator(_listed)
 
 
 def alike(one: Any, other: Any) -> bool:
-    """Whether two values are equal as JSON is written: 1, 1.0 and true are three values."""
+    """Whether two values are equal as JSON is written: 1, 1.0 and true are three values, any mapping is an object."""
     if type(one) is not type(other):
-        return False
-    if isinstance(one, dict):
+        return isinstance(one, Mapping) and isinstance(other, Mapping) and alike(dict(one), dict(other))
+    if isinstance(one, Mapping):
         return one.keys() == other.keys() and all(alike(value, other[name]) for name, value in one.items())
     if isinstance(one, list | tuple):
         return len(one) == len(other) and all(map(alike, one, other))

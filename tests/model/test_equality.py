@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import json
+from types import MappingProxyType
 from typing import Any
 
 import pytest
@@ -51,6 +52,19 @@ values = st.recursive(
 @given(values, values)
 def test_values_are_alike_where_their_json_is_the_same(one: Any, other: Any) -> None:
     assert alike(one, other) is (json.dumps(one, sort_keys=True) == json.dumps(other, sort_keys=True))
+
+
+def read_only(value: Any) -> Any:
+    """The same with a read-only view in place of each object."""
+    if isinstance(value, list):
+        return [*map(read_only, value)]
+    return MappingProxyType({k: read_only(each) for k, each in value.items()}) if isinstance(value, dict) else value
+
+
+@pytest.mark.parametrize("one", SIMILAR, ids=json.dumps)
+@pytest.mark.parametrize("other", SIMILAR, ids=json.dumps)
+def test_a_mapping_of_any_kind_is_an_object(one: Any, other: Any) -> None:
+    assert alike({"x": one}, read_only({"x": other})) is alike({"x": one}, {"x": other})
 
 
 @given(values)
