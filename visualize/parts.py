@@ -12,7 +12,7 @@ from typing import Any
 from rai_missions.model import MissionModel
 from rai_missions.states import State
 
-__all__ = ("document_of", "own_part", "parts")
+__all__ = ("document_of", "parts")
 
 
 def parts(thing: MissionModel, place: str = "") -> Iterator[tuple[str, MissionModel]]:
@@ -23,14 +23,9 @@ def parts(thing: MissionModel, place: str = "") -> Iterator[tuple[str, MissionMo
             yield from parts(inner, here)
 
 
-def own_part(state: State) -> State:
-    """A state without the states inside it."""
-    return state.model_copy(update={state.child_place(): {}}) if state.children() else state
-
-
 def document_of(state: State) -> dict[str, Any]:
     """A state as JSON has it; for a behaviour of the user's program, which JSON cannot hold, its name."""
-    own = own_part(state)
+    own = state.with_children({})
     if not (program := own.program()):
         return own.written()
     words = own.model_dump(mode="json", exclude={"tree"})

@@ -95,15 +95,12 @@ def _without_inclusions(mission: Mission, chain: Chain, source: str) -> Mission:
 
 
 def _replaced(states: Mapping[str, State], brought: Mapping[str, Inclusion]) -> dict[str, State]:
-    new: dict[str, State] = {}
-    for name, state in states.items():
-        if isinstance(state, Include):
-            new[name] = brought[name].state
-        elif state.children():
-            new[name] = state.model_copy(update={state.child_place(): _replaced(state.children(), brought)})
-        else:
-            new[name] = state
-    return new
+    return {
+        name: brought[name].state
+        if isinstance(state, Include)
+        else state.with_children(_replaced(state.children(), brought))
+        for name, state in states.items()
+    }
 
 
 def _brought(name: str, include: Include, parent: Mission, chain: Chain) -> Inclusion:
@@ -207,8 +204,7 @@ def _settling(state: State, settle_s: float) -> State:
     """A state whose finals, and those inside it, have their own time for `requires`."""
     if isinstance(state, Final) and state.requires is not None and state.settle_s is None:
         return state.model_copy(update={"settle_s": settle_s})
-    inside = {name: _settling(each, settle_s) for name, each in state.children().items()}
-    return state.model_copy(update={state.child_place(): inside}) if inside else state
+    return state.with_children({name: _settling(each, settle_s) for name, each in state.children().items()})
 
 
 def _levels(value: Any) -> int:

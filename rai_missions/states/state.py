@@ -264,6 +264,10 @@ class State(TaggedModel, family="state", group="rai_missions.activities", word="
         """The word under which its children are written."""
         return "states"
 
+    def with_children(self, children: Mapping[str, State]) -> Self:
+        """The same with other states directly inside it; one that has none stays as it is."""
+        return self.model_copy(update={self.child_place(): dict(children)}) if self.children() else self
+
     def starts(self) -> tuple[str, ...]:
         """The states inside it with which it begins, by their names; empty where none is named."""
         return ()
@@ -398,9 +402,7 @@ def _common_words() -> frozenset[str]:
 
 
 def _states(given: Any) -> Any:
-    if not isinstance(given, Mapping):
-        return given
-    return dict(given)
+    return dict(given) if isinstance(given, Mapping) else given
 
 
 States = Annotated[dict[StateName, AnyOf[State]], BeforeValidator(_states)]

@@ -58,14 +58,12 @@ def aligned(old: Mission, new: Mission) -> tuple[Mission, tuple[NameChange, ...]
 
 
 def _with_options(states: Mapping[str, State], options: Mapping[str, Mapping[str, str]]) -> dict[str, State]:
-    found: dict[str, State] = {}
-    for name, state in states.items():
-        found[name] = state
-        if options.get(name):
-            found[name] = state.with_options(options[name])
-        elif state.children():
-            found[name] = state.model_copy(update={state.child_place(): _with_options(state.children(), options)})
-    return found
+    return {
+        name: state.with_options(options[name])
+        if options.get(name)
+        else state.with_children(_with_options(state.children(), options))
+        for name, state in states.items()
+    }
 
 
 def paired(old: Sequence[Transition], new: Sequence[Transition]) -> list[tuple[int | None, int | None]]:

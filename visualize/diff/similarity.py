@@ -18,7 +18,6 @@ from rai_missions.errors import UsageError
 from rai_missions.mission.mission import Mission
 from rai_missions.mission.renaming import Names, renamed
 from rai_missions.states import State
-from visualize.parts import own_part
 
 __all__ = ("CLEARLY", "ENOUGH", "ComparedMissions", "alike_keys", "alike_options", "alike_states")
 
@@ -73,7 +72,7 @@ def _written(mission: Mission, hidden: frozenset[str]) -> dict[str, Any]:
     names = Names.by(states=dict.fromkeys(hidden, "?"))
     found: dict[str, Any] = {}
     for _, name, state in mission.walk():
-        own = renamed(own_part(state), names)
+        own = renamed(state.with_children({}), names)
         found[name] = {"kind": state.word, "inside": len(state.children()), **_document(own)}
     return found
 
@@ -188,7 +187,7 @@ def _uses(mission: Mission, names: set[str]) -> Mapping[str, Facts]:
             found[head[0]][path, head[2]] += 1
 
     for _, _, state in mission.walk():
-        look(_document(own_part(state)), state.word)
+        look(_document(state.with_children({})), state.word)
     look([transition.written() for transition in mission.transitions], "transitions")
     look([guard.written() for guard in mission.invariants.values()], "invariants")
     return found
