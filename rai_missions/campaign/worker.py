@@ -23,7 +23,7 @@ from rai_missions.campaign.records import (
     SceneRecord,
     UnlabelledScene,
 )
-from rai_missions.connectors.process.frames import outward, read_frame, write_all
+from rai_missions.connectors.process.frames import read_frame, write_frame
 
 if TYPE_CHECKING:
     from rai_missions.campaign.tasks import TaskRecord
@@ -74,19 +74,15 @@ def _do_tasks(
 
     try:
         with Workplace(WorkSettings(settings[0], tuple(settings[1]), *settings[2:]), is_over) as place:
-            _send(reply_fd, {"ready": os.getpid()})
+            write_frame(reply_fd, {"ready": os.getpid()})
             while (order := orders.get()) is not None:
                 for record in place.work(task_in(order["task"])):
                     for message in record_words(record):
-                        _send(reply_fd, message)
-                _send(reply_fd, {"done": order["number"]})
+                        write_frame(reply_fd, message)
+                write_frame(reply_fd, {"done": order["number"]})
     except BaseException as error:  # noqa: BLE001 - whatever it is, it is reported, and the campaign ends with it
         what = str(error) if isinstance(error, MissionError) else f"{type(error).__name__}: {error}"
-        _send(reply_fd, {"fault": cut(what, 2000)})
-
-
-def _send(fd: int, message: Mapping[str, Any]) -> None:
-    write_all(fd, outward(message))
+        write_frame(reply_fd, {"fault": cut(what, 2000)})
 
 
 def record_words(record: TaskRecord) -> Iterator[dict[str, Any]]:

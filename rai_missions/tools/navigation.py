@@ -18,7 +18,7 @@ from rai_missions.tools.geometry import GeometryTools
 from rai_missions.tools.goals import ToolGoals
 from rai_missions.tools.occupancy import LEGEND, grid_of
 from rai_missions.tools.result import ToolResult
-from rai_missions.tools.transforms import yaw_of
+from rai_missions.tools.transforms import planar
 
 __all__ = ("NavigationTools",)
 
@@ -114,9 +114,7 @@ def _planar(message: Mapping[str, Any]) -> tuple[str, float, float, float]:
     """Frame, x, y and yaw of a PoseStamped, a PoseWithCovarianceStamped or an Odometry."""
     try:
         frame, pose = str(message["header"]["frame_id"]), message["pose"]
-        pose = pose.get("pose", pose)
-        position, turned = pose["position"], pose["orientation"]
-        numbers = float(position["x"]), float(position["y"]), yaw_of(*(float(turned[axis]) for axis in "xyzw"))
+        numbers = planar(pose.get("pose", pose))
     except (AttributeError, KeyError, TypeError, ValueError) as fault:
         raise ConnectorError(f"{cut_repr(message, 80)} holds no pose: {cut_repr(fault, 60)}") from None
     if not all(map(math.isfinite, numbers)):

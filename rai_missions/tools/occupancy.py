@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 
 from rai_missions.errors import ConnectorError, UsageError
 from rai_missions.redaction import cut_repr
-from rai_missions.tools.transforms import yaw_of
+from rai_missions.tools.transforms import planar
 
 __all__ = ("FREE", "LEGEND", "OCCUPIED", "UNCERTAIN", "UNKNOWN", "OccupancyGrid", "Window", "grid_of")
 
@@ -134,10 +134,9 @@ def grid_of(message: Mapping[str, Any]) -> OccupancyGrid:
         ConnectorError: It is none, or its numbers contradict each other.
     """
     try:
-        info, position = message["info"], message["info"]["origin"]["position"]
-        turned = message["info"]["origin"]["orientation"]
+        info = message["info"]
         width, height, resolution = int(info["width"]), int(info["height"]), float(info["resolution"])
-        origin = (float(position["x"]), float(position["y"]), yaw_of(*(float(turned[axis]) for axis in "xyzw")))
+        origin = planar(info["origin"])
         cells = array("b", message["data"]).tobytes().translate(KINDS)
     except (KeyError, TypeError, ValueError, OverflowError) as fault:
         raise ConnectorError(

@@ -18,7 +18,18 @@ from typing import Any, NamedTuple
 from rai_missions.errors import ConnectorError, UsageError
 from rai_missions.redaction import cut_repr
 
-__all__ = ("Frames", "Quaternion", "Transform", "TransformLookup", "Vector", "product", "rotated", "stamp_of", "yaw_of")
+__all__ = (
+    "Frames",
+    "Quaternion",
+    "Transform",
+    "TransformLookup",
+    "Vector",
+    "planar",
+    "product",
+    "rotated",
+    "stamp_of",
+    "yaw_of",
+)
 
 Vector = tuple[float, float, float]
 Quaternion = tuple[float, float, float, float]
@@ -237,6 +248,16 @@ def product(one: Quaternion, two: Quaternion) -> Quaternion:
 def yaw_of(x: float, y: float, z: float, w: float) -> float:
     """The turn of a rotation about the z axis, in radians."""
     return math.atan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z))
+
+
+def planar(pose: Mapping[str, Any]) -> tuple[float, float, float]:
+    """x, y and yaw of a geometry_msgs/msg/Pose.
+
+    Raises:
+        KeyError, TypeError, ValueError: It is none.
+    """
+    position, turned = pose["position"], pose["orientation"]
+    return float(position["x"]), float(position["y"]), yaw_of(*(float(turned[axis]) for axis in "xyzw"))
 
 
 def conjugate(turn: Quaternion) -> Quaternion:

@@ -11,7 +11,7 @@ import sys
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from rai_missions.connectors.process.frames import outward, read_frame, write_all
+from rai_missions.connectors.process.frames import read_frame, write_frame
 
 __all__ = ("work",)
 
@@ -32,16 +32,16 @@ def work(request_fd: int, reply_fd: int) -> None:
     try:
         held = opened(order["sort"], order["name"], order["options"])
     except BaseException as error:  # noqa: BLE001 - whatever a package raises, it is not there
-        _send(reply_fd, {"absent": cut(error, 400)})
+        write_frame(reply_fd, {"absent": cut(error, 400)})
         return
-    _send(reply_fd, {"ready": True})
+    write_frame(reply_fd, {"ready": True})
     while (found := read_frame(request_fd)) is not None:
         message, blobs = found
         try:
             reply = ORDERS[order["sort"]](held, message, blobs, reply_fd)
         except Exception as error:  # noqa: BLE001 - one sound or sentence that it cannot take ends nothing
             reply = {"failed": cut(f"{type(error).__name__}: {error}", 400)}
-        _send(reply_fd, {"reply": message["id"], **reply})
+        write_frame(reply_fd, {"reply": message["id"], **reply})
 
 
 def _transcribe(held: Any, message: Mapping[str, Any], blobs: Sequence[bytes], _: int) -> dict[str, Any]:
@@ -53,7 +53,7 @@ def _speak(held: Any, message: Mapping[str, Any], _: Sequence[bytes], reply_fd: 
     for sound in held.speak(message["text"]):
         for start in range(0, len(sound), PIECE):
             piece = base64.b64encode(sound[start : start + PIECE]).decode("ascii")
-            _send(reply_fd, {"part": message["id"], "sound": piece})
+            write_frame(reply_fd, {"part": message["id"], "sound": piece})
     return {}
 
 
@@ -64,7 +64,3 @@ def _take(held: Any, _message: Mapping[str, Any], blobs: Sequence[bytes], _: int
 
 
 ORDERS = {"recogniser": _transcribe, "voice": _speak, "ear": _take}
-
-
-def _send(fd: int, message: Mapping[str, Any]) -> None:
-    write_all(fd, outward(message))

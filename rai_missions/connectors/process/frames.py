@@ -12,7 +12,7 @@ import struct
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
-__all__ = ("LONGEST_REPLY", "Broken", "Inlet", "outward", "read_frame", "write_all")
+__all__ = ("LONGEST_REPLY", "Broken", "Inlet", "outward", "read_frame", "write_all", "write_frame")
 
 LENGTH = struct.Struct(">I")
 LONGEST_REPLY = 512 * 1024
@@ -37,6 +37,11 @@ def write_all(fd: int, pieces: Sequence[bytes]) -> None:
         data = memoryview(piece)
         while data:
             data = data[os.write(fd, data) :]
+
+
+def write_frame(fd: int, message: Mapping[str, Any]) -> None:
+    """Write a message without pictures; waits while the pipe is full."""
+    write_all(fd, outward(message))
 
 
 def read_frame(fd: int) -> tuple[dict[str, Any], list[bytes]] | None:
