@@ -132,7 +132,7 @@ class Rollout(NamedTuple):
 
 def rollouts(
     decision: OpenDecision, options: tuple[str, ...] = (), *, later: Mapping[str, Answerer] | None = None,
-    parameters: Mapping[str, Mapping[str, Any]] | None = None, longest_s: float = LONGEST_S, renders: bool = False,
+    parameters: Mapping[str, Mapping[str, Any]] | None = None, longest_s: float = LONGEST_S,
 ) -> dict[str, Rollout]:  # fmt: skip
     """What comes of each option.
 
@@ -142,14 +142,12 @@ def rollouts(
         later: Who answers later questions, by the names in `ask`; a question that none answers ends the rollout.
         parameters: Option → the parameters with which it is tried.
         longest_s: Simulated seconds of each.
-        renders: As for `rollout`.
     """
     names, given = options or tuple(offer.name for offer in decision.question.options), parameters or {}
     return {
-        name: rollout(
-            decision, name, later=later, parameters=given.get(name, {}), longest_s=longest_s, renders=renders
-        ) for name in names
-    }  # fmt: skip
+        name: rollout(decision, name, later=later, parameters=given.get(name, {}), longest_s=longest_s)
+        for name in names
+    }
 
 
 def rollout(

@@ -127,10 +127,10 @@ class Graph(CompiledMission):
         exited = {node for node in config.nodes if node.state is not None}
         return self.move(config, exited, self.around((target,), self.root, memory), trigger=trigger)
 
-    def reenter(self, config: Configuration, node: Node, memory: Memory, trigger: str = "") -> CompiledStep:
+    def reenter(self, config: Configuration, node: Node, memory: Memory) -> CompiledStep:
         """What is inside a state is left, and its `initial` entered: the next round of an `each`."""
         exited = {each for each in config.nodes if each.inside(node)}
-        return self.move(config, exited, self.around(node.initial, node, memory), trigger=trigger)
+        return self.move(config, exited, self.around(node.initial, node, memory))
 
     def move(
         self, config: Configuration, exited: set[Node], entered: EnteredStates, *, taken: tuple[str, ...] = (),

@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 from rai_missions.engine.step import Step
 from rai_missions.errors import UsageError
 from rai_missions.journal.codec import form_of, wrong
-from rai_missions.journal.json_values import Fetch, Keep, keep_nothing, to_json
+from rai_missions.journal.json_values import Fetch, to_json
 from rai_missions.redaction import cut_repr
 
 __all__ = (
@@ -134,10 +134,10 @@ def text_of(content: Any) -> str:
         ) from None
 
 
-def written_header(header: Header, keep: Keep = keep_nothing) -> str:
+def written_header(header: Header) -> str:
     """The content of row 0."""
     fields = {name: value for name, value in header._asdict().items() if value or name not in LEFT_OUT}
-    return text_of({**fields, "format": 1, "arguments": to_json(header.arguments, keep)})
+    return text_of({**fields, "format": 1, "arguments": to_json(header.arguments)})
 
 
 def read_header(kind: str, content: str, fetch: Fetch) -> Header:

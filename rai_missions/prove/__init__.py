@@ -213,8 +213,7 @@ class _ProofRun:
 
 
 def record(
-    path: Path, header: Header, mission: Mission, runs: list[TraceStep], ticker: Trees | None = None, *,
-    terms: RobotFacts | None = None,
+    path: Path, header: Header, mission: Mission, runs: list[TraceStep], *, terms: RobotFacts | None = None
 ) -> bool:  # fmt: skip
     """Have a chart that keeps time do the run of a refutation, into a new journal.
 
@@ -225,4 +224,4 @@ def record(
     Raises:
         UsageError: The file is there already, or none can be written there.
     """
-    return TraceReplayer(mission, ticker, terms).record(path, header, runs)
+    return TraceReplayer(mission, terms).record(path, header, runs)

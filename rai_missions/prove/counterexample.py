@@ -13,7 +13,6 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from rai_missions.engine import Chart
-from rai_missions.engine.activities.ticker import Trees
 from rai_missions.engine.robot_facts import RobotFacts
 from rai_missions.engine.step import Ask, CallService, StartBehaviour, StartGoal, Step
 from rai_missions.event import Event, Tick
@@ -128,14 +127,13 @@ class TraceReplayer:
 
     Args:
         mission: The mission.
-        ticker: Who ticks trees.
         terms: What is known of the robot.
     """
 
-    def __init__(self, mission: Mission, ticker: Trees | None, terms: RobotFacts | None) -> None:
+    def __init__(self, mission: Mission, terms: RobotFacts | None) -> None:
         self._predicates: Mapping[str, Truth] = {}
         names = {name for each in guards_in(mission) for name in each.predicates()}
-        self._chart = Chart(mission, ticker, terms=terms, named={name: self._predicate(name) for name in names})
+        self._chart = Chart(mission, terms=terms, named={name: self._predicate(name) for name in names})
         self._keys = mission.blackboard
         self._facts: dict[str, Any] = {}
         self._again: dict[str, float] = {}

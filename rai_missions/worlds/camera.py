@@ -97,9 +97,9 @@ class Camera:
         """Keep the present moment, to be rendered later or never."""
         return Moment(data.qpos.copy(), data.mocap_pos.copy(), data.mocap_quat.copy())
 
-    def picture(self, moment: Moment, ref: str, camera: str = FRONT) -> Image:
+    def picture(self, moment: Moment, ref: str) -> Image:
         """A colour picture of a moment; it is rendered when its bytes are asked for."""
-        return Image(ref, self.width, self.height, "rgb8", lambda: self.colour(moment, camera).tobytes())
+        return Image(ref, self.width, self.height, "rgb8", lambda: self.colour(moment).tobytes())
 
     def colour(self, moment: Moment, camera: str = FRONT) -> NDArray[np.uint8]:
         """Pixels (rows, columns, 3)."""

@@ -18,7 +18,8 @@ __all__ = ("Mesh", "icosphere", "turned")
 Points = NDArray[np.float64]
 FRUIT_UV = (0.97, 0.97)
 """A corner of the leaf texture is red: the fruit's colour without a material of its own."""
-
+FRUIT_M = 0.055
+"""From the middle of a fruit to its corners."""
 SQUARE_UVS = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
 TWO_TRIANGLES = np.array([[0, 1, 2], [0, 2, 3]])
 """A square's corners, in the order of `SQUARE_UVS`."""
@@ -106,7 +107,7 @@ class Mesh:
         faces = (4 * np.arange(count)[:, None, None] + both).reshape(-1, 3)
         return self.add(corners.reshape(-1, 3), np.repeat(out, 4, 0), uvs.reshape(-1, 2), faces)
 
-    def fruit(self, radii: Sequence[float], count: int, rng: np.random.Generator, size: float = 0.055) -> Mesh:
+    def fruit(self, radii: Sequence[float], count: int, rng: np.random.Generator) -> Mesh:
         """Small red octahedra over an ellipsoid."""
         for _ in range(count):
             out = rng.normal(size=3)
@@ -114,7 +115,7 @@ class Mesh:
             out /= np.linalg.norm(out)
             corners = np.concatenate([np.eye(3), -np.eye(3)])
             faces = np.array([[0, 1, 2], [1, 3, 2], [3, 4, 2], [4, 0, 2], [1, 0, 5], [3, 1, 5], [4, 3, 5], [0, 4, 5]])
-            self.add(out * radii * 1.0 + corners * size, corners, np.tile(FRUIT_UV, (6, 1)), faces)
+            self.add(out * radii + corners * FRUIT_M, corners, np.tile(FRUIT_UV, (6, 1)), faces)
         return self
 
     def flat_faces(self, corners: Points, quads: Sequence[Sequence[int]] | NDArray[np.int64]) -> Mesh:

@@ -53,10 +53,10 @@ class Run:
         return tuple(entry.step for entry in self.entries)
 
 
-def run_of_steps(steps: Iterable[Step], name: str = "the run") -> Run:
+def run_of_steps(steps: Iterable[Step]) -> Run:
     """A run of steps that no journal holds."""
     steps = tuple(steps)
-    return Run(name, entries=tuple(StepRow(number, step, step.at) for number, step in enumerate(steps, 1)))
+    return Run("the run", entries=tuple(StepRow(number, step, step.at) for number, step in enumerate(steps, 1)))
 
 
 def read_run(path: Path | str, gallery: Gallery, *, name: str = "") -> Run:

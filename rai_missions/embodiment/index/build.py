@@ -43,14 +43,13 @@ class BuildReport(NamedTuple):
     has_vectors: bool
 
 
-def build_index(folder: Path, path: Path, embedder: TextEmbedder | None, *, longest_s: float = 60.0) -> BuildReport:
+def build_index(folder: Path, path: Path, embedder: TextEmbedder | None) -> BuildReport:
     """Bring the index of a folder's documents up to date.
 
     Args:
         folder: The identity's folder.
         path: The index.
         embedder: Makes the vectors; None: full text only.
-        longest_s: Wall time for reading one document.
 
     Raises:
         DefinitionError: The folder cannot be read.
@@ -62,7 +61,7 @@ def build_index(folder: Path, path: Path, embedder: TextEmbedder | None, *, long
     found: list[IndexedDocument] = []
     kept: dict[str, Sequence[tuple[DocumentPassage, bytes | None]]] = {}
     read: list[str] = []
-    with ReadingProcess(longest_s) as process:
+    with ReadingProcess() as process:
         for file in files.files:
             document = earlier[file][0] if file in earlier else None
             if document is None or document.fault or document.sha256 != _digest_of(files, file):

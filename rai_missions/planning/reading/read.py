@@ -66,18 +66,17 @@ def reading_data(found: RequestReading) -> dict[str, Any]:
     }
 
 
-def reading_of(request: str, scene: Scene, languages: Sequence[str] = ()) -> RequestReading:
+def reading_of(request: str, scene: Scene) -> RequestReading:
     """What a request asks for.
 
     Args:
         request: In free words; whatever it contains, it is only read.
         scene: What is seen.
-        languages: Those that are tried, by their codes; empty: every one.
 
     Returns:
         A goal, a question, or a refusal. A goal names only things of the scene that words of the request mean.
     """
-    codes = languages or _languages()
+    codes = _languages()
     attempts = [_read(request, scene, lexicon(code)) for code in codes]
     best = min(attempts, key=lambda attempt: attempt.unknown)
     goals = {goal.meaning: goal for attempt in attempts if (goal := attempt.reading.goal) is not None}

@@ -149,8 +149,9 @@ def _is_inside(model: Any, data: Any, body: int, among: Collection[int] | None) 
     return False
 
 
-def _wood(size: int = 256) -> bytes:
+def _wood() -> bytes:
     """A table of light wood, its grain along y."""
+    size = 256
     rng = np.random.default_rng(9)
     grain = np.zeros((size, size))
     for waves, weight in ((4, 0.4), (16, 0.3), (64, 0.2)):

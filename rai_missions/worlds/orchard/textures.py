@@ -17,6 +17,8 @@ __all__ = ("SURFACES", "paint")
 
 Field = NDArray[np.float64]
 Pixels = NDArray[np.uint8]
+OCTAVES = 6
+"""Scales of noise, each half as coarse as the one before."""
 
 
 class Surface(NamedTuple):
@@ -117,10 +119,10 @@ def _pixels(channels: Sequence[Field] | Field) -> Pixels:
     return pixels
 
 
-def _noise(size: int, rng: np.random.Generator, octaves: int = 6, persistence: float = 0.55) -> Field:
+def _noise(size: int, rng: np.random.Generator, persistence: float = 0.55) -> Field:
     """Fractal noise, 0 to 1, that tiles."""
     total, weight = np.zeros((size, size)), 0.0
-    for octave in range(octaves):
+    for octave in range(OCTAVES):
         cells = min(2 ** (octave + 2), size)
         coarse = np.pad(rng.random((cells, cells)), ((0, 1), (0, 1)), mode="wrap")
         step = np.arange(size) * cells / size
