@@ -15,6 +15,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
+from urllib.request import Request, urlopen
 
 import pytest
 
@@ -307,3 +308,27 @@ WORDS = {"--json": "--talk does not go with --json", "--managed": "--talk is of 
 def test_what_does_not_go_with_talk_is_refused(mission: Path, word: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["run", str(mission), "--talk", word]) == 2
     assert WORDS[word] in capsys.readouterr().err
+
+
+@pytest.mark.long
+def test_the_end_is_reported_in_the_output_where_the_last_page_was_closed_before_it(mission: Path) -> None:
+    """What is printed is kept wherever it goes, so it is no reason to wait for a reader who may never come."""
+    journal = mission.with_suffix(".journal")
+    with subprocess.Popen(
+        [PROGRAM, "run", mission, "--talk", "--watch", "0", "--journal", journal], stdin=subprocess.DEVNULL,
+        stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
+    ) as program:  # fmt: skip
+        assert program.stdout is not None
+        address = next(line for line in program.stdout if line.startswith("watch: ")).split()[1]
+        page, _, token = address.partition("#token=")
+        headers = {"X-Mission-Token": token, "Content-Type": "application/json", "Origin": page.rstrip("/")}
+        with urlopen(Request(f"{page}events", headers=headers), timeout=PATIENCE_S) as viewer:
+            assert viewer.readline()
+        cancel = json.dumps({"command": "cancel"}).encode()
+        with urlopen(Request(f"{page}orders", cancel, headers), timeout=PATIENCE_S) as reply:
+            assert reply.status == 200
+        out, _ = program.communicate(timeout=PATIENCE_S)
+    assert "robot: The mission 'errand' was canceled" in out and "could be reached" not in out, out
+    with read(journal) as record:
+        lines = [each for row in record.rows() for each in (getattr(row, "data", None) or {}).get("lines", ())]
+    assert [line["spoken"] for line in lines if line["report"].endswith(":end")] == [""], lines
