@@ -22,6 +22,7 @@ from rai_missions.errors import UsageError
 from rai_missions.journal import Header, Journal, make_way, versions
 from rai_missions.kinds import PackageOffer
 from rai_missions.mission.files import dump
+from rai_missions.mission.garbage import few_collections
 from rai_missions.mission.mission import Mission
 from rai_missions.profile import Robot, dump_profile
 from rai_missions.redaction import Redaction, logger, shown
@@ -126,6 +127,7 @@ class PreparedRun:
         self.close()
 
 
+@few_collections()
 def prepare(config: RunConfig) -> PreparedRun:
     """Read, check and connect everything; nothing moves yet.
 

@@ -51,6 +51,12 @@ else:
     class WithHelp(type(BaseModel)):
         """Gives `help()` and `?` the constructor as it is declared, with each of its words explained."""
 
+        def __init__(cls, *made: Any, **rest: Any) -> None:
+            super().__init__(*made, **rest)
+            # pydantic would evaluate them once more for each class that derives from this one
+            for name in cls.__class_vars__ & cls.__annotations__.keys():
+                del cls.__annotations__[name]
+
         @property
         def __doc__(cls) -> str | None:
             own = vars(cls).get("__doc__")

@@ -20,9 +20,9 @@ from rai_missions.engine.decision import Question
 from rai_missions.engine.step import Step
 from rai_missions.errors import UsageError
 from rai_missions.profile import Robot, load_profile
-from rai_missions.worlds.opengl import choose_renderer
+from rai_missions.worlds.libraries import configure_libraries
 
-choose_renderer()
+configure_libraries()
 
 TRACTOR = Path(__file__).parents[2] / "missions" / "tractor"
 

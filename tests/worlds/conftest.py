@@ -12,9 +12,9 @@ import pytest
 from rai_missions.connectors.connector import Message, Reply, Report
 from rai_missions.connectors.local import LocalConnector
 from rai_missions.worlds import open_world
-from rai_missions.worlds.opengl import choose_renderer
+from rai_missions.worlds.libraries import configure_libraries
 
-choose_renderer()  # before a test loads MuJoCo by itself, which chooses once for the process
+configure_libraries()  # before a test loads MuJoCo by itself, which chooses once for the process
 
 
 class Rig:

@@ -3,14 +3,17 @@
 
 from __future__ import annotations
 
+import os
 import subprocess
 import sys
+from pathlib import Path
 from typing import Any
 
 import pytest
 
 from rai_missions.errors import UsageError
 from rai_missions.worlds import open_world
+from rai_missions.worlds.libraries import configure_libraries
 
 
 def test_an_unknown_world_names_those_that_exist() -> None:
@@ -61,3 +64,29 @@ def test_importing_the_worlds_loads_no_simulator() -> None:
     code = "import sys, rai_missions.worlds; print(*[m for m in ('mujoco', 'numpy', 'PIL') if m in sys.modules])"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == ""
+
+
+CPU_OF_THREADS = """
+import os
+from pathlib import Path
+import rai_missions.worlds.orchard
+others = [task for task in Path("/proc/self/task").iterdir() if int(task.name) != os.getpid()]
+print(sum(int((task / "schedstat").read_text().split()[0]) for task in others) / 1e6)
+"""
+
+
+@pytest.mark.skipif(not Path("/proc/self/schedstat").exists(), reason="the CPU time of a thread is not shown here")
+def test_threads_of_a_world_that_have_nothing_to_do_take_no_cpu_time() -> None:
+    words = {name: text for name, text in os.environ.items() if not name.startswith("OPENBLAS")}
+    found = subprocess.run(
+        [sys.executable, "-c", CPU_OF_THREADS], env=words, capture_output=True, text=True, check=True
+    )
+    assert float(found.stdout) < 5, "milliseconds; OpenBLAS spins for about 25 by itself"
+
+
+def test_what_the_environment_has_for_a_library_stays(monkeypatch: pytest.MonkeyPatch) -> None:
+    given = {"OPENBLAS_THREAD_TIMEOUT": "20", "MUJOCO_GL": "osmesa"}
+    for name, text in given.items():
+        monkeypatch.setenv(name, text)
+    configure_libraries()
+    assert {name: os.environ[name] for name in given} == given

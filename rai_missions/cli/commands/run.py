@@ -23,7 +23,10 @@ def run(options: RunOptions) -> int:
         rai-missions run --resume journals/tractor-20260101-090000-4711.journal
     """
     from rai_missions.cli.output import nonblocking_output
-    from rai_missions.cli.run.mission_run import run_mission
+    from rai_missions.mission.garbage import few_collections
+
+    with few_collections():
+        from rai_missions.cli.run.mission_run import run_mission
 
     with nonblocking_output():
         return run_mission(options)

@@ -4,10 +4,10 @@
 Imports `connectors` and the modules of the root.
 """
 
-from rai_missions.worlds.opengl import choose_renderer
+from rai_missions.worlds.libraries import configure_libraries
 
-choose_renderer()
+configure_libraries()
 
-from rai_missions.worlds.orchard.world import Orchard  # noqa: E402 - mujoco is imported here
+from rai_missions.worlds.orchard.world import Orchard  # noqa: E402 - MuJoCo and numpy are imported here
 
 __all__ = ("Orchard",)
