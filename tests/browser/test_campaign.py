@@ -118,6 +118,22 @@ def test_every_table_fits_its_card(opened: Open, tmp_path: Path, width: int) -> 
     assert len(wide) > 3 and all(content <= box for content, box in wide)
 
 
+def test_a_phone_shows_every_word_of_a_table_whole(opened: Open, tmp_path: Path) -> None:
+    sorts = (Sort("constant:drive_over", 0.3), Sort("rules", 0.9), Sort("constant:drive_over", 0.3, "description"))
+    store = make_results(tmp_path / "a.db", scenes=40, sorts=sorts)
+    window = opened(write_report(store, tmp_path / "a.html")[0].read_bytes(), **PHONE)
+    lines = """[...document.querySelectorAll('.scroll td')].flatMap((cell) => [...cell.childNodes]
+        .filter((node) => node.nodeType === 3).flatMap((node) => [...node.data.matchAll(/\\S+/g)].map((word) => {
+            const range = document.createRange();
+            range.setStart(node, word.index);
+            range.setEnd(node, word.index + word[0].length);
+            return [word[0], new Set([...range.getClientRects()].map((box) => Math.round(box.top))).size];
+        })))"""
+    words = window.evaluate(lines)
+    assert "constant:drive_over" in {word for word, _ in words}
+    assert [word for word, lines in words if lines > 1] == []
+
+
 def test_the_figures_are_there_without_a_script(browser: Any, page: bytes, tmp_path: Path) -> None:
     path = tmp_path / "page.html"
     path.write_bytes(page)
