@@ -64,6 +64,7 @@ class _Sheet:
 
     def __init__(self, picture: Picture) -> None:
         self.picture, self.children, self.begins = picture, picture.children, picture.begins
+        self.depth = _depths(picture)
         self.small = len(picture.edges) <= SMALL
         into = Counter(edge.target for edge in picture.edges)
         hubs = set() if self.small else {target for target, count in into.items() if count > HUB}
@@ -78,10 +79,11 @@ class _Sheet:
                 self.arrows.append(edge)
         self.tabs = {edge.source for edge in self.arrows if self._from_tab(edge)}
         """The holders with transitions to something inside themselves: those leave from a tab, not from the border."""
+        self.exits = {edge.source for edge in self.arrows if self.small and self._from_exit(edge)}
+        """The holders with transitions that lead on from their border: those leave from below all that is inside."""
         self.own = {(edge.mark, edge.place): edge for edge in picture.edges if not edge.source}
         """The mission's own transitions, each once however many targets it has."""
         self.ports = {key: f"r{index}" for index, key in enumerate(self.own)}
-        self.depth = _depths(picture)
 
     def lines(self, dpi: int | None) -> Iterator[str]:
         run, small = bool(self.picture.steps), self.small
@@ -133,6 +135,10 @@ class _Sheet:
             if child.kind == "history" and self.begins[node.name]:
                 yield f"{indent}  {quoted(node.name + '#begin')} -> {quoted(child.name)} {attributes(style='invis')};"
         yield from self._states(node.name, f"{indent}  ")
+        if node.name in self.exits:
+            yield f"{indent}  {quoted(node.name + '#exit')} {attributes(shape='point', width=0.01, style='invis')};"
+            below = f"{quoted(node.name + '#exit')} {attributes(style='invis', weight=0)}"
+            yield from (f"{indent}  {quoted(last)} -> {below};" for last in self._lasts(node.name))
         yield f"{indent}}}"
 
     def _state(self, node: PictureNode) -> str:
@@ -179,8 +185,27 @@ class _Sheet:
             return quoted(f"{edge.source}#tab"), None
         if edge.option:
             return f"{quoted(edge.source)}:{quoted(edge.option)}", None
-        back = self.depth.get(edge.target, 0) <= self.depth.get(edge.source, 0)
-        return quoted(self._inlet(edge.source) if back else self._outlet(edge.source)), self._border(edge.source)
+        if edge.source in self.exits and self._from_exit(edge):
+            return quoted(f"{edge.source}#exit"), self._border(edge.source)
+        inner = self._inlet(edge.source) if self._leads_back(edge) else self._outlet(edge.source)
+        return quoted(inner), self._border(edge.source)
+
+    def _leads_back(self, edge: PictureEdge) -> bool:
+        return self.depth.get(edge.target, 0) <= self.depth.get(edge.source, 0)
+
+    def _from_exit(self, edge: PictureEdge) -> bool:
+        """Whether an edge leaves a holder downwards, by its border."""
+        return self._holds(edge.source) and not self._nested(edge) and not self._leads_back(edge)
+
+    def _lasts(self, name: str) -> Iterator[str]:
+        """The nodes inside a holder below which its exit is."""
+        for child in self.children[name]:
+            if child.name in self.exits:
+                yield f"{child.name}#exit"
+            elif self._holds(child.name):
+                yield from self._lasts(child.name)
+            else:
+                yield child.name
 
     def _holds(self, name: str) -> bool:
         """Whether a state holds others, and so is a cluster."""

@@ -17,7 +17,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from benchmarks.bench_draw import chain
-from rai_missions.errors import UsageError
+from rai_missions.errors import UsageError, install_command
+from rai_missions.mission.files import load
 from rai_missions.mission.mission import Mission
 from tests.strategies import missions
 from tests.visualize.runs import document, hostile, tractor, tractor_path
@@ -28,6 +29,7 @@ from visualize.graphviz import KNOWN, layout_program, render
 from visualize.rasterize import can_raster, raster
 from visualize.style import clean, width, wrapped
 
+MISSIONS = Path(__file__).parents[2] / "missions"
 SVG = "{http://www.w3.org/2000/svg}"
 LACKED = "\u07ff\ue123"
 """Characters that no font has, of two and of three bytes, which place their box differently."""
@@ -151,6 +153,45 @@ def _right(shape: ElementTree.Element) -> float:
     return max(float(x) for x, _ in re.findall(r"(-?[\d.]+),(-?[\d.]+)", shape.get("points") or shape.get("d") or ""))
 
 
+LIFT = Mission.model_validate({
+    "name": "lift", "initial": "working", "events": ["gate"],
+    "blackboard": {"height": {"type": "number", "source": "robot", "max_age_s": 1}},
+    "states": {
+        "working": {
+            "parallel": {
+                "moving": {"initial": "lifting", "states": {
+                    "lifting": {"action": "lift", "timeout_s": 20, "transitions": [
+                        {"on": "succeeded", "to": "putting"}, {"on": "failed", "to": "stuck"}]},
+                    "putting": {"action": "put", "timeout_s": 9, "transitions": [{"on": "succeeded", "to": "placed"}]},
+                    "placed": {"final": "succeeded"},
+                }},
+                "looking": {"initial": "seen", "states": {"seen": {"final": "succeeded"}}},
+            },
+            "transitions": [
+                {"on": "succeeded", "to": "done"}, {"on": "gate", "to": "stuck"},
+                {"when": {"not": {"fresh": "height"}}, "to": "stuck"},
+            ],
+        },
+        "done": {"final": "succeeded", "requires": {"key": "height", ">=": 3}},
+        "stuck": {"final": "aborted"},
+    },
+})  # fmt: skip
+
+
+@pytest.mark.parametrize("mission", [LIFT, load(MISSIONS / "rosbot" / "mission.json")], ids=lambda each: each.name)
+def test_what_leaves_a_group_by_its_border_is_labelled_outside(mission: Mission) -> None:
+    drawn = picture(mission)
+    groups = {group.get("id"): group for group in svg(mission).iter(f"{SVG}g")}
+    borders = {name: groups[node.place] for name, node in drawn.by_name.items() if drawn.children[name]}
+    leaving = [edge for edge in drawn.edges if edge.source in borders and not drawn.within(edge.target, edge.source)]
+    assert leaving
+    for edge in leaving:
+        bottom = max(_height(shape)[1] for shape in borders[edge.source].iter(f"{SVG}path"))
+        for text in groups[f"{edge.place}>{edge.target}"].iter(f"{SVG}text"):
+            top = float(text.get("y", "0")) - 0.76 * float(text.get("font-size", "10"))
+            assert top >= bottom, "".join(text.itertext())
+
+
 @pytest.mark.timeout(60)
 def test_a_mission_of_a_hundred_states_is_laid_out_in_time() -> None:
     """With the ranks of small pictures this takes half a minute, and one of five hundred states hours."""
@@ -254,7 +295,7 @@ def test_a_dot_of_the_user_comes_first(tmp_path: Path, monkeypatch: pytest.Monke
 def test_without_graphviz_the_error_states_what_to_install(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("PATH", str(tmp_path))
     monkeypatch.setattr(sys, "executable", str(tmp_path / "python"))
-    with pytest.raises(UsageError, match=r"neither `dot` nor `graphviz-pure`.*pip install '\.\[draw\]'"):
+    with pytest.raises(UsageError, match=f"neither `dot` nor `graphviz-pure`.*{re.escape(install_command('draw'))}"):
         render(picture(tractor()), "svg")
 
 
