@@ -101,23 +101,29 @@ class Key(MissionModel):
     @model_validator(mode="after")
     def _fits_its_source(self) -> Self:
         if self.source == "robot" and self.initial is not None:
-            raise fault("initial", "a robot key has no 'initial': it is unknown until the robot reports it")
+            raise fault(
+                "initial", "a robot key has no 'initial': it is unknown until the robot reports it", at=("initial",)
+            )
         if self.fields is not None and self.type != "object":
-            raise fault("fields", f"only an object has 'fields', this is of type '{self.type}'")
+            raise fault("fields", f"only an object has 'fields', this is of type '{self.type}'", at=("fields",))
         if self.frame and self.type != "pose":
-            raise fault("frame", f"only a pose has a 'frame', this is of type '{self.type}'")
+            raise fault("frame", f"only a pose has a 'frame', this is of type '{self.type}'", at=("frame",))
         self._check_range()
         if self.initial is not None and (why := type_error(self, self.initial, written=True)):
-            raise fault("initial", f"'initial' does not fit: {why}")
+            raise fault("initial", f"'initial' does not fit: {why}", at=("initial",))
         return self
 
     def _check_range(self) -> None:
         """A range is of numbers that a person gives."""
         for name, bound in (("minimum", self.minimum), ("maximum", self.maximum)):
             if bound is not None and (self.source != "argument" or self.type not in ("number", "integer")):
-                raise fault(name, f"only an argument of type 'number' or 'integer' has a '{name}'")
+                raise fault(name, f"only an argument of type 'number' or 'integer' has a '{name}'", at=(name,))
         if self.minimum is not None and self.maximum is not None and self.minimum > self.maximum:
-            raise fault("maximum", f"{self.maximum:g} is less than the minimum, {self.minimum:g}; no value fits")
+            raise fault(
+                "maximum",
+                f"{self.maximum:g} is less than the minimum, {self.minimum:g}; no value fits",
+                at=("maximum",),
+            )
 
     @property
     def must_recur(self) -> bool:

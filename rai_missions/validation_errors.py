@@ -15,7 +15,7 @@ from pydantic import BaseModel, ValidationError
 from rai_missions.errors import DefinitionError, Fault, pointer, suggestion
 from rai_missions.redaction import shown
 
-__all__ = ("KEY", "faults_of", "model_at", "place_of", "validated", "words_of")
+__all__ = ("KEY", "faults_of", "model_at", "place_of", "refusals", "validated", "words_of")
 
 MOST = 1000
 """How many faults are listed one by one; anyone who has more reads no further."""
@@ -62,11 +62,9 @@ def faults_of(error: ValidationError, model: type[Any], data: Any, known: Iterab
         known: The words of a constructor in Python, where `data` is what it was given.
     """
     reported: set[tuple[str, str]] = set()
-    found = error.errors(include_url=False)
+    found = refusals(error)
     for item in _whole_lists(found[:MOST]):
-        if item["type"] == "too_short" and len(item["input"]) >= item["ctx"]["min_length"]:
-            continue  # its items are refused one by one
-        steps, rest = _steps((*item["loc"], *item.get("ctx", {}).get("at", ())), data)
+        steps, rest = _steps(_loc(item), data)
         place = pointer(steps)
         # The branches of a union are no places: the fault of the first of them is enough.
         of_union = rest and item["type"] != "missing"
@@ -77,6 +75,15 @@ def faults_of(error: ValidationError, model: type[Any], data: Any, known: Iterab
         yield Fault(place, _sentence(item, model_at(model, data, steps), known if len(item["loc"]) == 1 else ()))
     if len(found) > MOST:
         yield Fault("", f"and {len(found) - MOST} more faults; mend these first")
+
+
+def refusals(error: ValidationError) -> list[Any]:
+    """What a validation refused, as pydantic has it; a list of which items were refused counts as long as it was."""
+    return [item for item in error.errors(include_url=False) if not _is_shortened(item)]
+
+
+def _is_shortened(item: Any) -> bool:
+    return bool(item["type"] == "too_short" and len(item["input"]) >= item["ctx"]["min_length"])
 
 
 def _whole_lists(found: Sequence[Any]) -> Iterator[Any]:
@@ -93,9 +100,14 @@ def _is_item_missing(item: Any) -> bool:
     return item["type"] == "missing" and isinstance(item["loc"][-1], int)
 
 
-def place_of(loc: tuple[str | int, ...], data: Any) -> list[str | int]:
-    """The steps of a fault's location that are places in the document; `loc` is as pydantic has it."""
-    return _steps(loc, data)[0]
+def place_of(item: Any, data: Any) -> list[str | int]:
+    """The steps of a fault's location that are places in the document; the fault is as pydantic has it."""
+    return _steps(_loc(item), data)[0]
+
+
+def _loc(item: Any) -> tuple[str | int, ...]:
+    """Where a fault is: in what pydantic was validating, at the place that the validator names."""
+    return (*item["loc"], *item.get("ctx", {}).get("at", ()))
 
 
 def _steps(loc: tuple[str | int, ...], data: Any) -> tuple[list[str | int], bool]:

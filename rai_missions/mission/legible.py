@@ -16,7 +16,7 @@ from rai_missions.errors import Fault, pointer, steps_of
 from rai_missions.mission.mission import BUILT_IN_EVENTS, Mission, declared_events
 from rai_missions.mission.readings import sure_faults
 from rai_missions.mission.schema import STRONGER
-from rai_missions.validation_errors import KEY, faults_of, model_at, place_of
+from rai_missions.validation_errors import KEY, faults_of, model_at, place_of, refusals
 
 __all__ = ("LegiblePart", "is_entry", "legible_part", "words_in")
 
@@ -137,8 +137,8 @@ class _Repair:
     def attempt(self, error: ValidationError) -> bool:
         """Replace what an error is about; False where it cannot be."""
         targets = set()
-        for item in error.errors(include_url=False):
-            steps = tuple(place_of(item["loc"], self._document))
+        for item in refusals(error):
+            steps = tuple(place_of(item, self._document))
             if item["loc"] and item["loc"][-1] == KEY:
                 self._misnamed.add(steps)
             if item["type"] == "extra_forbidden":
@@ -152,10 +152,10 @@ class _Repair:
         """What is wrong with objects of which nothing but an unknown word was left out, whatever it was meant to be.
 
         Args:
-            places: Where there is a fault now; other objects have none.
+            places: Where there is a fault now; objects without one in them have none.
         """
         for steps, unknown in self._unknown.items():
-            if pointer(steps) not in places:
+            if not any(_within(place, pointer(steps)) for place in places):
                 continue
             kind = model_at(Mission, self._document, steps)
             (word, value), here = unknown[0], _at(self._document, steps)
@@ -170,7 +170,7 @@ class _Repair:
             here = steps[:length]
             if _is_guard(here) or self._is_listed(here) or is_entry(here):
                 return here
-            if ("tree" in here[:-1] and not is_entry(here)) or self._is_deciding(here):
+            if (_is_node(here) and not is_entry(here)) or self._is_deciding(here):
                 continue
             if isinstance(here[-1], str) and (length < len(steps) or kind != "missing"):
                 return here
@@ -297,6 +297,11 @@ def _is_guard(steps: Steps) -> bool:
     if isinstance(steps[-1], int):
         return len(steps) > 1 and steps[-2] in ("all", "any")
     return steps[-1] in GUARDS - {"all", "any"} and not (len(steps) > 1 and steps[-2] in NAMED)
+
+
+def _is_node(steps: Steps) -> bool:
+    """Whether it belongs to the nodes of a tree, for which there is nothing neutral, and not to a question in it."""
+    return "tree" in steps[:-1] and "decision" not in steps[steps.index("tree") : -1]
 
 
 def _entry(steps: Steps) -> Steps:

@@ -67,6 +67,18 @@ def declared_events(given: Any) -> Any:
     return {name: {} for name in given} if listed else given
 
 
+def _declared_once(given: Any) -> Any:
+    """Events as an object; of a list each is declared once."""
+    seen = set[str]()
+    for at, name in enumerate(given if isinstance(given, list | tuple) else ()):
+        if not isinstance(name, str):
+            continue
+        if name in seen:
+            raise fault("events", f"the event {shown(name)} is declared already; keep one", at=(at,))
+        seen.add(name)
+    return declared_events(given)
+
+
 def _met(given: str) -> str:
     if why := lacking(given):
         raise fault("package", why)
@@ -95,7 +107,7 @@ class Mission(MissionModel):
     """The packages whose guards, activities and answerers it uses, each with its version: `orchard_kinds>=1`."""
     blackboard: Annotated[dict[KeyName, Key], BeforeValidator(_keys)] = Field(default_factory=dict)
     """What it knows: its keys, by their names."""
-    events: Annotated[dict[EventName, EventSpec], BeforeValidator(declared_events)] = Field(default_factory=dict)
+    events: Annotated[dict[EventName, EventSpec], BeforeValidator(_declared_once)] = Field(default_factory=dict)
     """What may happen outside, by name."""
     initial: StateNames
     """The state with which it begins, or one a region."""

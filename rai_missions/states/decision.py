@@ -119,23 +119,32 @@ class DecisionSpec(MissionModel):
     def _fallback_is_an_option(self) -> Self:
         if self.fallback is None:
             return self
+        at = ("fallback",)
         if self.fallback not in self.options:
             known = suggestion(self.fallback, self.options)
-            raise fault("fallback", f"'fallback' names no option: '{self.fallback}'{known}")
+            raise fault("fallback", f"'fallback' names no option: '{self.fallback}'{known}", at=at)
         option = self.options[self.fallback]
         if option.when is not None:
             raise fault(
-                "fallback", f"the fallback '{self.fallback}' has a 'when'; it must always be open: drop its guard"
+                "fallback",
+                f"the fallback '{self.fallback}' has a 'when'; it must always be open: drop its guard",
+                at=at,
             )
         if option.parameters is not None:
-            raise fault("fallback", f"the fallback '{self.fallback}' takes parameters, and no answer would bring them")
+            raise fault(
+                "fallback", f"the fallback '{self.fallback}' takes parameters, and no answer would bring them", at=at
+            )
         return self
 
     @model_validator(mode="after")
     def _options_are_no_outcomes(self) -> Self:
         for name in self.options:
             if name in OUTCOMES:
-                raise fault("option", f"an option may not be called '{name}': that is an outcome; choose another word")
+                raise fault(
+                    "option",
+                    f"an option may not be called '{name}': that is an outcome; choose another word",
+                    at=("options", name),
+                )
         return self
 
     def lines(self) -> Iterator[str]:

@@ -121,7 +121,7 @@ class Transition(MissionModel):
                 "a transition without 'on', 'after_s' and 'when' would fire at once, always; give one of them",
             )
         if not has_event and self.of is not None:
-            raise fault("of", "'of' names the state whose outcome 'on' means; give 'on' too")
+            raise fault("of", "'of' names the state whose outcome 'on' means; give 'on' too", at=("of",))
         return self
 
     @property

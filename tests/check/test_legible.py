@@ -89,7 +89,11 @@ def test_what_cannot_be_read_anywhere_is_the_cause_of_no_other_finding() -> None
 
 
 READINGS: list[tuple[Steps, dict[str, Any], str]] = [
-    (("blackboard", "k"), {"type": "integer", "sorce": "mission", "initial": 1.5}, "/blackboard/k: 'initial' does not"),
+    (
+        ("blackboard", "k"),
+        {"type": "integer", "sorce": "mission", "initial": 1.5},
+        "/blackboard/k/initial: 'initial' does not",
+    ),
     (("blackboard", "k"), {"type": "integer", "sorce": "argument", "minimum": 1}, ""),
     (("blackboard", "k"), {"type": "integer", "sorce": "argment", "minimum": 1}, ""),
     (("blackboard", "k"), {"type": "integer", "sorce": "argument", "abut": "k", "initial": 1.5}, ""),
@@ -347,6 +351,53 @@ def test_a_guard_that_cannot_be_read_hides_no_fault_of_the_decision_around_it(tm
     path.write_text(json.dumps(document))
     found = {each.finding.place: each.finding.sentence for each in check_file(str(path)).findings}
     assert found.keys() == {
-        "/states/asking/decision", "/states/asking/decision/options/y/when/=<", "/states/asking/transitions/1/too",
+        "/states/asking/decision/fallback", "/states/asking/decision/options/y/when/=<",
+        "/states/asking/transitions/1/too",
     }  # fmt: skip
-    assert found["/states/asking/decision"] == "'fallback' names no option: 'z'; there is: x, y"
+    assert found["/states/asking/decision/fallback"] == "'fallback' names no option: 'z'; there is: x, y"
+
+
+ASKED: dict[str, Any] = {
+    "question": "?", "deadline_s": 3, "ask": ["operatr"], "evidence": ["battry"],
+    "options": {"x": {"when": {"key": "battry", "<": 1}}, "y": {"parameters": {"properties": {}}}},
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("word", "more", "sentence"),
+    [
+        ("fallback", {"fallback": "z"}, "'fallback' names no option: 'z'"),
+        ("fallback", {"fallback": "x"}, "the fallback 'x' has a 'when'"),
+        ("fallback", {"fallback": "y"}, "the fallback 'y' takes parameters"),
+        ("deadline_s", {"deadline_s": "3"}, "'3' is not a number"),
+    ],
+)
+@pytest.mark.parametrize("is_in_tree", [False, True])
+def test_a_wrong_word_of_a_decision_hides_nothing_else_that_is_wrong_in_it(
+    word: str, more: dict[str, Any], sentence: str, is_in_tree: bool, tmp_path: Path
+) -> None:
+    wrong = {"decision": {**ASKED, **more}}
+    asking = {"tree": {"sequence": [wrong]}} if is_in_tree else wrong
+    document = {
+        "format": 1, "name": "m", "initial": "asking",
+        "blackboard": {"battery": {"type": "number", "source": "robot", "max_age_s": 3}},
+        "states": {"asking": asking, "end": {"final": "aborted"}},
+    }  # fmt: skip
+    path, at = tmp_path / "m.json", f"/states/asking{'/tree/sequence/0' * is_in_tree}/decision"
+    path.write_text(json.dumps(document))
+    found = {each.finding.place: each.finding.sentence for each in check_file(str(path)).findings}
+    assert sentence in found[f"{at}/{word}"]
+    named = (f"{at}/ask/0", f"{at}/evidence/0", f"{at}/options/x/when/key")
+    assert set(named) <= found.keys() and "did you mean 'battery'?" in found[named[1]]
+
+
+def test_an_event_that_is_declared_twice_hides_nothing_else(tmp_path: Path) -> None:
+    document = {
+        "format": 1, "name": "m", "initial": "here", "events": ["go", "go"],
+        "states": {"here": {"transitions": [{"on": "go", "to": "end"}, {"on": "goo", "to": "edn"}]},
+                   "end": {"final": "aborted"}},
+    }  # fmt: skip
+    path = tmp_path / "m.json"
+    path.write_text(json.dumps(document))
+    found = [each.finding.place for each in check_file(str(path)).findings]
+    assert found == ["/events/1", "/states/here/transitions/1/on", "/states/here/transitions/1/to"]

@@ -101,24 +101,25 @@ TRANSITION, ENTRY = "/states/a/transitions/0", "/states/a/entry/0"
         ),
         (
             SMALL | {"blackboard": {"k": {"type": "number", "source": "robot", "initial": 1}}},
-            "/blackboard/k: a robot key has no 'initial': it is unknown until the robot reports it",
+            "/blackboard/k/initial: a robot key has no 'initial': it is unknown until the robot reports it",
         ),
         (
             SMALL | {"blackboard": {"k": {"type": "string", "source": "argument", "minimum": 1}}},
-            "/blackboard/k: only an argument of type 'number' or 'integer' has a 'minimum'",
+            "/blackboard/k/minimum: only an argument of type 'number' or 'integer' has a 'minimum'",
         ),
         (
             SMALL | {"blackboard": {"k": {"type": "number", "source": "robot", "maximum": 1}}},
-            "/blackboard/k: only an argument of type 'number' or 'integer' has a 'maximum'",
+            "/blackboard/k/maximum: only an argument of type 'number' or 'integer' has a 'maximum'",
         ),
         (
             SMALL | {"blackboard": {"k": {"type": "number", "source": "argument", "minimum": 2, "maximum": 1.5}}},
-            "/blackboard/k: 1.5 is less than the minimum, 2; no value fits",
+            "/blackboard/k/maximum: 1.5 is less than the minimum, 2; no value fits",
         ),
         (
             SMALL | {"blackboard": {"k": {"type": "integer", "source": "argument", "minimum": 2, "initial": 1}}},
-            "/blackboard/k: 'initial' does not fit: 1 is out of range; it must be 2 or more",
+            "/blackboard/k/initial: 'initial' does not fit: 1 is out of range; it must be 2 or more",
         ),
+        (SMALL | {"events": ["go", "stop", "go"]}, "/events/2: the event 'go' is declared already; keep one"),
         (SMALL | {"cancel_s": True}, "/cancel_s: true is not a number; write one, without quotes"),
         (SMALL | {"ready_s": -1}, "/ready_s: -1 is too small; it must be 0 or more"),
         (SMALL | {"settle_s": "5"}, "/settle_s: '5' is not a number; write one, without quotes"),

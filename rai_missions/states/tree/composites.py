@@ -85,5 +85,9 @@ class ParallelTree(Branch, word="parallel"):
             last = len(self.parallel) - 1
             for number in self.policy:
                 if not 0 <= number <= last:
-                    raise fault("policy", f"'policy' names child {number}; the children have the numbers 0 to {last}")
+                    raise fault(
+                        "policy",
+                        f"'policy' names child {number}; the children have the numbers 0 to {last}",
+                        at=("policy",),
+                    )
         return self

@@ -183,5 +183,7 @@ class DecisionLeaf(TreeNode, word="decision"):
         for option in self.then:
             if option not in self.decision.options:
                 known = suggestion(option, self.decision.options)
-                raise fault("then", f"'then' has a subtree for '{option}', which is no option{known}")
+                raise fault(
+                    "then", f"'then' has a subtree for '{option}', which is no option{known}", at=("then", option)
+                )
         return self
