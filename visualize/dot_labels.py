@@ -11,6 +11,7 @@ from collections import defaultdict
 from collections.abc import Iterable, Mapping, Sequence
 from html import escape
 
+from rai_missions.errors import counted
 from visualize.model import Choice, Picture, PictureEdge, PictureNode, Twig
 from visualize.style import INK, LOOKS, MARKS, MUTED, clean, look_of, width, wrapped
 from visualize.text import controlled
@@ -260,7 +261,7 @@ def title_table(picture: Picture) -> str:
     """The picture's head: what mission, how the run went, what must never be false, and how to read the rest."""
     rows = [text(picture.title, 16, bold=True, limit=640), text(picture.about, 11, limit=640)]
     if picture.steps:
-        run = ": ".join(filter(None, (f"a run of {picture.steps} steps, its path in bold", picture.ended)))
+        run = ": ".join(filter(None, (f"a run of {counted(picture.steps, 'step')}, its path in bold", picture.ended)))
         rows.append(text(run, 11, bold=True, limit=640))
     rows += [small(note, limit=640, color=INK, bold=True) for note in picture.notes[:NOTES]]
     if len(picture.notes) > NOTES:

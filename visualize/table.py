@@ -7,6 +7,7 @@ import re
 from collections import defaultdict
 from collections.abc import Iterator, Mapping
 
+from rai_missions.errors import counted
 from visualize.model import Picture, PictureEdge
 from visualize.style import clean
 
@@ -26,7 +27,7 @@ def _lines(picture: Picture) -> Iterator[str]:
     if picture.about:
         yield from ("", escaped(picture.about))
     if picture.steps:
-        run = ": ".join(filter(None, (f"A run of {picture.steps} steps", picture.ended)))
+        run = ": ".join(filter(None, (f"A run of {counted(picture.steps, 'step')}", picture.ended)))
         yield from ("", f"{escaped(run)}.")
     if picture.notes:
         yield from ("", *(f"- {escaped(note)}" for note in picture.notes))

@@ -7,9 +7,11 @@ Rule: the file of a command imports what its parser needs; what the command does
 from __future__ import annotations
 
 import argparse
+import math
 import re
 import textwrap
 from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from types import NoneType
 from typing import Annotated, Any, Literal, NamedTuple, get_args, get_origin, get_type_hints
 
@@ -28,6 +30,7 @@ __all__ = (
 
 PAGE_PORT = "8765"
 """Where the live page is served, if no other port is given."""
+NUMBERS: Mapping[Any, str] = {int: "whole number, such as 3", float: "number, such as 2.5"}
 SECTION = re.compile(r"^(Args|Exit status|Example):\n", re.MULTILINE)
 PARAMETER = re.compile(r"^(\w+): ", re.MULTILINE)
 
@@ -114,7 +117,7 @@ class Parameter(NamedTuple):
             words |= {"nargs": argparse.REMAINDER} if self.argument.takes_rest else {"action": "append"}
             words |= {"type": _named(str)} if self.argument.files else {}
         else:
-            words["type"] = self.argument.parse or (_named(self.kind) if self.argument.files else self.kind)
+            words["type"] = self.argument.parse or _reader(self.kind, is_file=bool(self.argument.files))
         if self.argument.bare is not None:
             words |= {"nargs": "?", "const": self.argument.bare}
         if self.argument.is_positional:
@@ -216,6 +219,23 @@ class Command:
     def _options(self) -> Any:
         """The `NamedTuple` that the function takes; None where it takes the arguments themselves."""
         return get_type_hints(self._function).get("options")
+
+
+def _reader(kind: Any, *, is_file: bool) -> Any:
+    """What reads a word as a value of a type."""
+    if is_file:
+        return _named(kind)
+    return partial(_number, kind) if kind in NUMBERS else kind
+
+
+def _number(kind: type[int | float], text: str) -> float:
+    try:
+        number = kind(text)
+    except ValueError:
+        number = math.nan
+    if math.isnan(number):
+        raise argparse.ArgumentTypeError(f"{text!r} is no {NUMBERS[kind]}")
+    return number
 
 
 def _named(kind: Any) -> Callable[[str], Any]:

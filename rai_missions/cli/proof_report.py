@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from rai_missions.cli.long_work import WorkPace
-from rai_missions.errors import ConnectorError, UsageError
+from rai_missions.errors import ConnectorError, UsageError, counted
 from rai_missions.event import Event
 from rai_missions.journal import Header
 from rai_missions.mission.files import dump
@@ -109,11 +109,12 @@ def report(mission: Mission, proof: Proof, journals: dict[str, Any]) -> Iterable
     how = (
         "every state" if proof.is_whole else f"{STOPPED.get(proof.stopped, 'not every state')}, at depth {proof.depth}"
     )
-    yield f"{mission.name} {mission.version}: {proof.states} states, {proof.steps} steps, {proof.seconds:.1f} s; {how}"
+    explored = f"{counted(proof.states, 'state')}, {counted(proof.steps, 'step')}, {proof.seconds:.1f} s; {how}"
+    yield f"{mission.name} {mission.version}: {explored}"
     if not proof.is_whole:
         yield from _covered(proof)
     for claim in proof.claims:
-        verdict = claim.verdict if claim.verdict != "explored" else f"explored {proof.states} states"
+        verdict = claim.verdict if claim.verdict != "explored" else f"explored {counted(proof.states, 'state')}"
         yield f"  {verdict:<{WIDTH}} {claim.name}: {claim.words}"
         if claim.verdict == "refuted":
             yield from _refutation(claim.sentence, proof.ways.get(claim.name, ()), journals.get(claim.name))

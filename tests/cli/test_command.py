@@ -29,6 +29,7 @@ def count(
     word: tuple[Annotated[str, Argument("WORD", "-w")], ...] = (),
     case: Literal["lower", "upper"] = "lower",
     port: Annotated[int | None, Argument("PORT", bare="80")] = None,
+    pause: float = 0.0,
     is_loud: bool = False,
 ) -> int:
     """Count to a number.
@@ -43,6 +44,7 @@ def count(
         case: How it is
             written.
         port: Where.
+        pause: Seconds between two.
         is_loud: Print 100 % of it.
 
     Exit status:
@@ -117,13 +119,16 @@ def test_words_of_a_command_line_become_typed_arguments_in_any_order(
             "rai-missions: error: there is no command 'is-loud'; it is an option: rai-missions count UPTO [FROM] --is",
         ),
         ("count", "rai-missions count: error: the following arguments are required: upto"),
-        ("count x", "rai-missions count: error: argument upto: invalid int value: 'x'"),
         ("count 1 2 3", "rai-missions count: error: unrecognized arguments: 3"),
         (
             "count 1 --is-lowd",
             "rai-missions count: error: unrecognized arguments: --is-lowd; did you mean '--is-loud'?",
         ),
         ("count 1 --wurd=3", "rai-missions count: error: unrecognized arguments: --wurd=3; did you mean '--word'?"),
+        ("count x", "argument upto: 'x' is no whole number, such as 3"),
+        ("count 1 --port 8o", "argument --port: '8o' is no whole number, such as 3"),
+        ("count 1 --pause 1,5", "argument --pause: '1,5' is no number, such as 2.5"),
+        ("count 1 --pause nan", "argument --pause: 'nan' is no number, such as 2.5"),
         ("count 1 --case Upper", "invalid choice: 'Upper' (choose from "),
         ("count 1 --word", "rai-missions count: error: argument -w/--word: expected one argument"),
         (

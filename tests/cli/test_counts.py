@@ -63,3 +63,15 @@ def test_two_runs_have_the_steps_of_both() -> None:
         second.write("battery", 0.5, at=at / 10)
     later = [second.start(at=0.3)]
     assert (step_count(()), step_count(steps), step_count([*steps, *later])) == (0, 2, 6)
+
+
+def test_one_of_a_thing_is_in_the_singular(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("m.json").write_text(json.dumps({"name": "m", "initial": "over", "states": {"over": {"final": "aborted"}}}))
+    printed(capsys, "run", "m.json", "--journal", "a.journal")
+    printed(capsys, "draw", "m.json", "--journal", "a.journal", "-o", "m.md")
+    words = Path("m.md").read_text(encoding="utf-8")
+    words += printed(capsys, "check", "m.json") + printed(capsys, "prove", "m.json").partition("\n")[0]
+    assert re.findall(r"\b1 (?:state|step)s?\b", words) == ["1 step", "1 state", "1 state", "1 step"]

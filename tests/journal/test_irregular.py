@@ -40,6 +40,22 @@ OTHERWISE = {("an included mission", "a device"), ("a replay", "a folder")}
 """A link that leads out of the mission's folder; a folder of runs."""
 
 
+@pytest.mark.parametrize("reader", sorted(READERS.keys() - {"a new journal"}))
+def test_a_file_that_is_not_there_is_named(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], reader: str
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("inner.json").write_text(json.dumps(INNER))
+    Path("outer.json").write_text(json.dumps(OUTER))
+    if reader == "a map":
+        main(["run", "inner.json", "--journal", "run.journal"])
+        capsys.readouterr()
+    assert main(READERS[reader]) == 2
+    line = capsys.readouterr().err.splitlines()[0]
+    name = "f.json" if reader == "an included mission" else next(each for each in READERS[reader] if each[:2] == "f.")
+    assert name in line and "Errno" not in line
+
+
 @pytest.mark.timeout(60)
 @pytest.mark.filterwarnings("ignore::ResourceWarning")
 @pytest.mark.parametrize("sort", SORTS)

@@ -10,6 +10,7 @@ from collections.abc import Iterator, Sequence
 
 from rai_missions.campaign.report.comparisons import LEVEL, Comparison
 from rai_missions.campaign.report.figures import CampaignFigures, GroupFigures
+from rai_missions.errors import counted
 from visualize.campaign_page.plots import chance, lasting, percent, span
 from visualize.diff.markdown import quoted
 
@@ -26,7 +27,8 @@ def _lines(figures: CampaignFigures, comparisons: Sequence[Comparison], name: st
     yield from (f"### Campaign {quoted(name)}", "")
     left = f", {left} of them without a cell yet" if (left := len(figures.scenes) - figures.reached) else ""
     split = quoted(figures.split)
-    yield f"{len(figures.scenes)} scenes of {seeds} seeds (split {split}){left}; shares with 95 % intervals."
+    scenes = f"{counted(len(figures.scenes), 'scene')} of {counted(seeds, 'seed')}"
+    yield f"{scenes} (split {split}){left}; shares with 95 % intervals."
     yield from ("", "| model | embodiment | mission | best | 95 % | harm | harm past the guard | named most "
                 "| median | tokens a cell | answered | no answer | failed |", "|" + " --- |" * 13)  # fmt: skip
     yield from map(_group, figures.groups)

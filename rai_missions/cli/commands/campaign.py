@@ -148,14 +148,14 @@ def _run(options: CampaignOptions) -> int:
             print(f"{shown[0]}; it is in {path}, and the same command continues there", file=sys.stderr)
             raise
         labelled = len(store.labels())
-    unlabelled = _reasons("scenes without labels", result.unlabelled)
+    unlabelled = _reasons(lambda count: f"{counted(count, 'scene')} without labels", result.unlabelled)
     if options.subcommand == "label":
         print(
             _words(result, path, [f"{counted(labelled, 'scene')} with labels", f"{result.missing} without"])
             + unlabelled
         )
         return 1 if result.missing else 0
-    print(_words(result, path, _cell_counts(result)) + _reasons("failed", result.failures) + unlabelled)
+    print(_words(result, path, _cell_counts(result)) + _reasons("{} failed".format, result.failures) + unlabelled)
     if options.report is not None:
         _report(str(path), options.report)
     return 1 if result.missing or result.counts.get("failed") else 0
@@ -206,10 +206,10 @@ def _words(result: CampaignResult, path: object, counts: Iterable[str]) -> str:
     return f"{', '.join(counts)}, in {result.seconds:.1f} s{why}; results: {path}"
 
 
-def _reasons(what: str, counts: Mapping[str, int]) -> str:
-    """The most frequent reasons, each in a line with how often it was."""
+def _reasons(how_many: Callable[[int], str], counts: Mapping[str, int]) -> str:
+    """The most frequent reasons, each in a line with how often it was, in words."""
     most = list(counts.items())[:MOST_REASONS]
-    return "".join(f"\n  {count} {what}: {_printed(why)}" for why, count in most)
+    return "".join(f"\n  {how_many(count)}: {_printed(why)}" for why, count in most)
 
 
 def _printed(error: str) -> str:

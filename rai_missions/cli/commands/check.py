@@ -103,6 +103,6 @@ def _summary(path: str, checked: CheckedFile, profile: str, found: Sequence[File
         has_rest = any(finding.place for _, finding in checked.findings)
         rest = "the rest is checked when this can be read: what is unused, dead ends, cycles, the profile's names"
         return f"{path}: {rest}" if has_rest else f"{path}: {both}: {counts}"
-    states = sum(1 for _ in checked.mission.walk())
-    what = f"{checked.mission.name} {checked.mission.version}, {states} states{f'; {profile}' if profile else ''}"
+    states = counted(sum(1 for _ in checked.mission.walk()), "state")
+    what = f"{checked.mission.name} {checked.mission.version}, {states}{f'; {profile}' if profile else ''}"
     return f"{path}: {both}: {counts if found else 'no fault'} ({what})"

@@ -35,7 +35,7 @@ def textconv(file: Annotated[Path, Argument("FILE", files=("*.json",))]) -> int:
     try:
         text = outline(read_mission(file))
     except MissionError:
-        if irregular(file):
+        if irregular(file) or not file.exists():
             raise
         text = file.read_text(encoding="utf-8", errors="replace")
     sys.stdout.write(text)

@@ -66,7 +66,8 @@ def try_(
         from rai_missions.cli.play.page import serve
         from rai_missions.cli.run.live_page import open_page, place_of
 
-        page = open_page(place_of(port or 0, host=None, tls_cert=None, tls_key=None))
+        instead = "; or play at the terminal: --terminal"
+        page = open_page(place_of(port or 0, host=None, tls_cert=None, tls_key=None, instead=instead))
         try:
             serve(page, session, opens=not no_browser)
         finally:

@@ -58,9 +58,22 @@ def normalise_watch_args(options: RunOptions) -> RunOptions:
     return options
 
 
-def place_of(port: str | int, *, host: str | None, tls_cert: str | None, tls_key: str | None) -> PageAddress:
-    """Where a page is to be served."""
-    _check_server()
+def place_of(
+    port: str | int, *, host: str | None, tls_cert: str | None, tls_key: str | None, instead: str = ""
+) -> PageAddress:
+    """Where a page is to be served.
+
+    Args:
+        port: Its port; 0 is any that is free.
+        host: Its address; None is this machine's own.
+        tls_cert: The file of its certificate.
+        tls_key: The file of the key.
+        instead: What is possible where no page can be served, as the end of the sentence of the fault.
+
+    Raises:
+        UsageError: There is no server on this machine.
+    """
+    _check_server(instead)
     from visualize.live import PageAddress
 
     return PageAddress(host or "127.0.0.1", int(port), tls_cert or "", tls_key or "")
@@ -300,8 +313,8 @@ def run_file(journal: str, what: dict[str, Any]) -> Iterator[None]:
             path.unlink()
 
 
-def _check_server() -> None:
+def _check_server(instead: str) -> None:
     from importlib.util import find_spec
 
     if find_spec("starlette") is None or find_spec("uvicorn") is None:
-        raise UsageError(f"the live page needs Starlette and uvicorn: {install_command('watch')}")
+        raise UsageError(f"the live page needs Starlette and uvicorn: {install_command('watch')}{instead}")

@@ -174,8 +174,9 @@ def write_index(
         _fill(made, about, documents, passages)
         os.replace(made, path)
     except (OSError, sqlite3.Error) as error:
+        why = getattr(error, "strerror", None) or error
         raise UsageError(
-            f"the index cannot be written to {path}: {error}; name another place with --index FILE"
+            f"the index cannot be written to {path}: {why}; name another place with --index FILE"
         ) from None
     finally:
         if made:

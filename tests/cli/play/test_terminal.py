@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import importlib.util
 import io
 import json
 import sqlite3
@@ -49,6 +50,14 @@ def door(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     path = tmp_path / "door.json"
     path.write_text(json.dumps(DOOR), encoding="utf-8")
     return path
+
+
+def test_without_the_page_s_packages_the_terminal_is_named(
+    door: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(importlib.util, "find_spec", lambda name: None)
+    assert main(["try", str(door), "--no-browser"]) == 2
+    assert capsys.readouterr().err.rstrip().endswith("; or play at the terminal: --terminal")
 
 
 def typed(monkeypatch: pytest.MonkeyPatch, *lines: str) -> None:
