@@ -4,15 +4,17 @@
 from __future__ import annotations
 
 import os
+import re
 from pathlib import Path
 
 import pytest
 
+from benchmarks.bench_draw import chain
 from rai_missions.mission.files import load
 from rai_missions.mission.mission import Mission
 from tests.visualize.changed import changed
 from tests.visualize.runs import ROOT, hostile, tractor, tractor_path
-from visualize import difference, drawn, picture
+from visualize import difference, draw_review, drawn, picture
 from visualize.model import Picture
 
 STORED = Path(__file__).parent / "stored"
@@ -71,3 +73,15 @@ def _texts(svg: bytes) -> set[str]:
 def test_no_stored_picture_is_left_over() -> None:
     forms = {f"{name}.{form}" for name in pictures() for form in ("dot", "mmd", "md")} | {"tractor_changed.txt"}
     assert {path.name for path in STORED.iterdir()} == forms
+
+
+def test_the_guide_measured_the_missions_and_pages_of_today(tmp_path: Path) -> None:
+    guide = (ROOT / "docs/guide/drawing.md").read_text(encoding="utf-8")
+    sizes = re.search(r"^\| the review page \| .*, ([\d.]+) MB \| .*, ([\d.]+) MB \|$", guide, re.MULTILINE)
+    assert sizes is not None
+    measured = {"tractor, ": load(ROOT / "missions/tractor/mission.json"), "": chain(500)}
+    for (name, mission), size in zip(measured.items(), sizes.groups(), strict=True):
+        drawing = picture(mission)
+        assert f"| {name}{len(drawing.nodes)} states, {len(drawing.edges)} transitions |" in guide
+        draw_review(mission, tmp_path / "page.html")
+        assert (tmp_path / "page.html").stat().st_size / 1e6 == pytest.approx(float(size), rel=0.1)
