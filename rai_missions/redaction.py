@@ -106,7 +106,7 @@ def secrets_held() -> list[str]:
 
 def variables(*, secret: bool) -> dict[str, str]:
     """The variables of this process that hold a secret, or those that hold none: what others may read of a process."""
-    return {name: value for name, value in os.environ.items() if any(_of_variable(name, value)) is secret}
+    return {name: value for name, value in _environment() if any(_of_variable(name, value)) is secret}
 
 
 def is_secret_name(name: str) -> bool:
@@ -170,8 +170,16 @@ class Redaction:
 
 def _values() -> Iterator[str]:
     yield from secrets_held()
-    for name, value in os.environ.items():
+    for name, value in _environment():
         yield from _of_variable(name, value)
+
+
+def _environment() -> Iterator[tuple[str, str]]:
+    """The variables of this process; another thread may take one away meanwhile."""
+    for name in os.environ:  # the names of one moment
+        value = os.environ.get(name)
+        if value is not None:
+            yield name, value
 
 
 class KnownSecrets(NamedTuple):

@@ -1,0 +1,45 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Secrets are hidden in any thread, whatever others do to the variables of the process meanwhile."""
+
+from __future__ import annotations
+
+import os
+import sys
+import threading
+from collections.abc import Iterator
+
+import pytest
+
+from rai_missions.redaction import HIDDEN, redacted, variables
+
+OFTEN_S = 1e-6
+"""The interpreter changes threads as often as it can."""
+SECRET = "correct-horse-battery-4711"
+
+
+@pytest.fixture(autouse=True)
+def changes_threads_often() -> Iterator[None]:
+    before = sys.getswitchinterval()
+    sys.setswitchinterval(OFTEN_S)
+    yield
+    sys.setswitchinterval(before)
+
+
+def test_a_text_is_redacted_while_variables_come_and_go(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("BROKER_PASSWORD", SECRET)
+    over = threading.Event()
+
+    def come_and_go() -> None:
+        while not over.is_set():
+            os.environ["COMES_AND_GOES"] = "here"
+            del os.environ["COMES_AND_GOES"]
+
+    changing = threading.Thread(target=come_and_go, daemon=True)
+    changing.start()
+    try:
+        for _ in range(500):
+            assert redacted(f"it is {SECRET}.") == f"it is {HIDDEN}."
+            assert variables(secret=True)["BROKER_PASSWORD"] == SECRET
+    finally:
+        over.set()
+        changing.join()
