@@ -109,8 +109,11 @@ def test_at_fit_all_names_are_read(name: str, opened: Open) -> None:
     assert window.evaluate(MEETING) == []
 
 
-def test_names_that_begin_alike_differ_at_every_level(opened: Open) -> None:
-    name = "a_very_long_name_of_a_state_that_its_author_from_the_warehouse_wrote_in_full_{}"
+LONG = "a_very_long_name_of_a_state_that_its_author_from_the_warehouse_wrote_in_full"
+
+
+@pytest.mark.parametrize("name", [LONG + "_{}", LONG + "_{}_with_the_thermal_camera_of_the_northern_greenhouse"])
+def test_names_that_begin_alike_differ_at_every_level(opened: Open, name: str) -> None:
     states: dict[str, Any] = {
         name.format(number): {"action": "go", "timeout_s": 1, "transitions": [{"on": "succeeded", "to": "done"}]}
         for number in range(9)

@@ -71,12 +71,13 @@ function nameBox(state, detail, more = 0) {
     words: w };
 }
 
-/** A name in the lines that there are for it; where others begin alike, its end is in the last of them. */
-function named(column, state, whole, { limit, lines = 2, isShared }) {
+/** A name in the lines that there are for it; where others begin alike, the last has where it differs from them. */
+function named(column, state, whole, { limit, lines = 2, alikeEnd }) {
   column.add(whole, NAME, { bold: true, most: lines });
   if (!column.texts.some((line) => line.whole)) return;
   column.texts.forEach((line) => Object.assign(line, { whole }));
-  if (isShared(state.name, limit, lines)) column.texts.at(-1).text = tailOf(whole, column.limit);
+  const alike = alikeEnd(state.name, limit, lines);
+  if (alike !== null) column.texts.at(-1).text = tailOf(whole, column.limit, alike);
   column.w = Math.max(...column.texts.map(({ text }) => width(text, NAME, true)));  // an end may be the wider one
 }
 
@@ -86,11 +87,20 @@ function limitOf(name, { limit, whole }) {
   return Math.min(whole, Math.max(limit, ...name.split(/(?<=[_./])/).map((part) => width(part, NAME, true) + 1)));
 }
 
-/** The end of a name, as much as is in a line: names that begin alike differ there. */
-function tailOf(name, limit) {
+/** The end of a name, as much as is in a line; where as many letters as another name ends with fill it, what is ahead
+ *  of them, to the end of its part. */
+function tailOf(name, limit, alike) {
   const all = letters(name);
-  while (all.length > 1 && width(`…${all.join("")}`, NAME, true) > limit) all.shift();
-  return `…${all.join("")}`;
+  const fitting = (end, more) => {
+    let begin = 0;
+    while (begin < end - 1 && width(`…${all.slice(begin, end).join("")}${more}`, NAME, true) > limit) begin += 1;
+    return begin;
+  };
+  let end = all.length;
+  if (end - fitting(end, "") > alike) return `…${all.slice(fitting(end, "")).join("")}`;
+  end -= alike;
+  while (end < all.length && !"_./".includes(all[end])) end += 1;
+  return `…${all.slice(fitting(end, "…"), end).join("")}…`;
 }
 
 function footed(column, state, staying) {

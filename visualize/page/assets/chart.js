@@ -82,9 +82,9 @@ class Chart {
   }
 
   planned() {
-    const isShared = this.model.sharing();  // for all levels: what is cut alike is counted once
+    const alikeEnd = this.model.sharing();  // for all levels: what is cut alike is counted once
     return new Plans(this.model, this.open,
-      (level, turned) => this.content({ ...level, turned, counted: Boolean(this.state.counts), isShared }));
+      (level, turned) => this.content({ ...level, turned, counted: Boolean(this.state.counts), alikeEnd }));
   }
 
   /** Opens or closes states; what `still` names stays where it is on the screen. */

@@ -39,21 +39,19 @@ class Model {
     return this.chain(name).reduce((wanted, each) => (this.states.get(each) || {}).control || wanted, "");
   }
 
-  /** Whether a name that is cut to lines of a level's width begins as another does. */
+  /** Of a name that begins as others do once it is cut to lines of a level's width: how many letters it ends alike
+   *  with one of these; null of any other. */
   sharing() {
     const found = new Map();
     const last = (name, limit, lines) => wrapped(name, NAME, { bold: true, limit, most: lines }).lines[lines - 1];
     return (name, limit, lines) => {
       const cut = `${limit} ${lines}`;
       if (!found.has(cut)) {
-        const counts = new Map();
-        for (const each of this.states.keys()) {
-          const line = last(each, limit, lines);
-          counts.set(line, (counts.get(line) || 0) + 1);
-        }
-        found.set(cut, counts);
+        const alike = new Map();
+        for (const each of this.states.keys()) push(alike, last(each, limit, lines), each);
+        found.set(cut, new Map([...alike.values()].filter((names) => names.length > 1).flatMap(endsAlike)));
       }
-      return found.get(cut).get(last(name, limit, lines)) > 1;
+      return found.get(cut).get(name) ?? null;
     };
   }
 
@@ -81,6 +79,18 @@ class Model {
     if (count("final")) parts.push(counted(count("final"), "final"));
     return parts.join(", ");
   }
+}
+
+/** Names, each with how many letters it ends alike with another of them. */
+function endsAlike(names) {
+  const turned = names.map((name) => ({ name, back: letters(name).reverse() }));
+  turned.sort((one, other) => (one.back.join("") < other.back.join("") ? -1 : 1));
+  const alike = ({ back }, other) => {
+    let count = 0;
+    while (other && count < back.length && back[count] === other.back[count]) count += 1;
+    return count;
+  };
+  return turned.map((each, at) => [each.name, Math.max(alike(each, turned[at - 1]), alike(each, turned[at + 1]))]);
 }
 
 function push(map, key, value) {
