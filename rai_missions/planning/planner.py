@@ -82,10 +82,8 @@ def planned(
     rest = scene.model_copy(update={"things": things, "gripper": "empty"})
     found = _Planner(goal, rest, workspace, avoided).plan()
     if found is None and avoided:
-        found, again = (
-            _Planner(goal, rest, workspace).plan(),
-            refusal_sentence("refused_place", (avoided[-1].object,), language=language),
-        )
+        again = refusal_sentence("refused_place", (avoided[-1].object,), language=language)
+        found = _Planner(goal, rest, workspace).plan()
         found = replace(found, about=again) if found is not None else None
     return found if found is not None else Refusal("no_room", refusal_sentence("no_room", language=language))
 
@@ -195,7 +193,7 @@ class _Planner:
             carrier = self.below.get(members[0])
             if carrier is None or (carrier != DESK and self.present[carrier].type not in CONTAINERS):
                 found.add(members[0])
-        return found - {name for name in found if name not in self.movable}
+        return found.intersection(self.movable)
 
     def _might_move(self) -> list[str]:
         """The movable things of the relations that do not hold, and what they are to carry."""

@@ -104,7 +104,7 @@ class GoalWriter:
     def _of(self, clause: Clause) -> Iterable[Plain]:
         rules: Mapping[str, Callable[[Clause], Iterable[Plain]]] = {
             "on": self._on, "in": self._in, "to": self._to, "off": self._off, **dict.fromkeys(SIDES, self._beyond),
-            "between": self._between, "shift": self._shift, "stay": self._stay,
+            "between": self._between, "shift": self._shift, "stay": self._shift,
             "next_to": self._next_to, "apart": self._apart, "place_of": self._place_of,
             "at": self._at, "stack": self._stack, "swap": self._swap, "group": self._group, "spread": self._spread,
             "side_by_side": self._side_by_side, "in_order": self._in_order, "by": self._by, "held": self._held,
@@ -164,6 +164,15 @@ class GoalWriter:
             return False
         return pronoun.is_many or any(each.kind == "everything" for each in last.subjects)
 
+    def _pair(self, clause: Clause) -> tuple[Names, str]:
+        """The things of a clause, and the one that they are related to."""
+        return self._names(clause.subjects, clause.target), self._one(clause.target)
+
+    def _check_alone(self, names: Names, text: str) -> None:
+        """Of several things it is asked how they are meant."""
+        if len(names) > 1:
+            raise self._ask(text, self._listed(names))
+
     def _ask(self, text: str, *values: object) -> Unread:
         reason = text if text in ("pronoun", "order") else "unread"
         return Unread(reason, self._things.lexicon.text(text, *values))
@@ -177,61 +186,57 @@ class GoalWriter:
 
     # -- relations to another thing ------------------------------------------------------------------------------------
 
-    def _on(self, clause: Clause) -> Iterator[Plain]:
+    def _on(self, clause: Clause) -> Iterable[Plain]:
         if clause.target is not None and clause.target.is_other and any(each.is_any for each in clause.subjects):
-            yield from self._one_on_the_other(clause)
-            return
-        names, target = self._names(clause.subjects, clause.target), self._one(clause.target)
+            return self._one_on_the_other(clause)
+        names, target = self._pair(clause)
         if self._things.scene.get(target) is not None and self._things.scene.thing(target).type == "tray":
-            yield from ({"in": [name, target]} for name in names)
-        elif len(names) > 1 and target != DESK:
-            raise self._ask("order")
-        else:
-            yield from ({"on": [name, target]} for name in names)
+            return _each("in", names, target)
+        if target != DESK:
+            self._check_alone(names, "order")
+        return _each("on", names, target)
 
     def _under(self, clause: Clause) -> Iterator[Plain]:
-        names, target = self._names(clause.subjects, clause.target), self._one(clause.target)
+        names, target = self._pair(clause)
         if len(names) > 1 or target == DESK or self._is_container(names[0]):
             raise self._ask("where", self._listed(names))
         yield {"on": [target, names[0]]}
 
-    def _one_on_the_other(self, clause: Clause) -> Iterator[Plain]:
+    def _one_on_the_other(self, clause: Clause) -> Iterable[Plain]:
         """`one cube on the other`: whichever, where there are two."""
         (phrase,) = clause.subjects
         both = [names[0] for names in self._things.alternatives(phrase)]
         if len(both) != 2:
             raise self._ask("order")
         self._subjects = tuple(both)
-        yield {"on": both[::-1]}
+        return [{"on": both[::-1]}]
 
-    def _in(self, clause: Clause) -> Iterator[Plain]:
-        names, target = self._names(clause.subjects, clause.target), self._one(clause.target)
-        yield from ({"in": [name, target]} for name in names)
+    def _in(self, clause: Clause) -> Iterable[Plain]:
+        return _each("in", *self._pair(clause))
 
-    def _to(self, clause: Clause) -> Iterator[Plain]:
-        names, target = self._names(clause.subjects, clause.target), self._one(clause.target)
-        yield from self._put(names, target)
+    def _to(self, clause: Clause) -> Iterable[Plain]:
+        return self._put(*self._pair(clause))
 
-    def _put(self, names: Names, target: str) -> Iterator[Plain]:
+    def _put(self, names: Names, target: str) -> Iterable[Plain]:
         """Onto the desk, or into a container."""
         if target != DESK and not self._is_container(target):
             raise self._ask("where", self._listed(names))
-        yield from ({"on": [name, target]} if target == DESK else {"in": [name, target]} for name in names)
+        return _each("on" if target == DESK else "in", names, target)
 
-    def _off(self, clause: Clause) -> Iterator[Plain]:
+    def _off(self, clause: Clause) -> Iterable[Plain]:
         """`everything out of the bin`: of several things those that lie there are meant; they come onto the desk."""
         place = self._one(clause.target)
         if any(each.kind == "everything" for each in clause.subjects) and self._is_empty(place):
             self._subjects = ()
             self._empty.append(place)
-            return  # `empty the tray, and put …`: that is so
+            return ()  # `empty the tray, and put …`: that is so
         names = [
             name
             for phrase in clause.subjects
             for name in self._picks.one(self._there(phrase, self._alternatives(phrase), place))
         ]
         self._subjects = tuple(dict.fromkeys(names))
-        yield from ({"on": [name, DESK]} for name in self._subjects)
+        return _each("on", self._subjects, DESK)
 
     def _is_empty(self, place: str) -> bool:
         """Whether it is a container in which nothing is seen."""
@@ -255,7 +260,7 @@ class GoalWriter:
         text = lexicon.text("none_there", f"'{phrase.text}'", where)
         raise Unread("absent", text, refused=True)
 
-    def _unstack(self, clause: Clause) -> Iterator[Plain]:
+    def _unstack(self, clause: Clause) -> Iterable[Plain]:
         """`the cubes off each other`: those that lie on another of them come onto the desk."""
         names = self._names(clause.subjects or (STACKED,))
         among = names if clause.subjects else [each.name for each in self._things.scene.things]
@@ -263,15 +268,15 @@ class GoalWriter:
         if not lying:
             raise Unread("absent", self._things.lexicon.text("none_stacked", self._listed(names)), refused=True)
         self._subjects = tuple(lying)
-        yield from ({"on": [name, DESK]} for name in lying)
+        return _each("on", self._subjects, DESK)
 
     def _lies_on(self, name: str, other: str) -> bool:
         return not self._is_container(other) and self._things.lies_at(name, other)
 
     def _beyond(self, clause: Clause) -> Iterator[Plain]:
-        names, target = self._names(clause.subjects, clause.target), self._one(clause.target)
-        if clause.gap_m is not None and len(names) > 1:
-            raise self._ask("order")
+        names, target = self._pair(clause)
+        if clause.gap_m is not None:
+            self._check_alone(names, "order")
         gap = {} if clause.gap_m is None else {"gap_m": clause.gap_m}
         word, is_reversed = SIDES[clause.kind]
         for name in names:
@@ -282,20 +287,16 @@ class GoalWriter:
         self._target = tuple(name for phrase in clause.ends for name in self._pick(phrase))
         if len(self._target) != 2:
             raise self._ask("too_many", self._listed(self._target))
-        if len(names) > 1:
-            raise self._ask("order")
+        self._check_alone(names, "order")
         yield {"between": [*names, *self._target]}
 
     def _shift(self, clause: Clause) -> Iterator[Plain]:
+        """From where it is seen; what stays is shifted by nothing."""
         yield from ({"shifted": name, "dx": clause.x, "dy": clause.y} for name in self._names(clause.subjects))
 
-    def _stay(self, clause: Clause) -> Iterator[Plain]:
-        yield from ({"shifted": name, "dx": 0.0, "dy": 0.0} for name in self._names(clause.subjects))
-
     def _next_to(self, clause: Clause) -> Iterator[Plain]:
-        names, target = self._names(clause.subjects, clause.target), self._one(clause.target)
-        if len(names) > 1:
-            raise self._ask("order")
+        names, target = self._pair(clause)
+        self._check_alone(names, "order")
         yield {"next_to": [names[0], target]}
 
     def _apart(self, clause: Clause) -> Iterator[Plain]:
@@ -304,12 +305,11 @@ class GoalWriter:
         self._target = targets if len(targets) == 1 else ()
         yield from ({"apart": list(pair)} for pair in product(names, targets))
 
-    def _place_of(self, clause: Clause) -> Iterator[Plain]:
-        names, target = self._names(clause.subjects, clause.target), self._one(clause.target)
-        if len(names) > 1:
-            raise self._ask("where", self._listed(names))
+    def _place_of(self, clause: Clause) -> Iterable[Plain]:
+        names, target = self._pair(clause)
+        self._check_alone(names, "where")
         self._moved_to.append((names[0], target))
-        yield from ()
+        return ()
 
     def _exchanges(self) -> Iterator[Plain]:
         pending = list(self._moved_to)
@@ -322,8 +322,7 @@ class GoalWriter:
 
     def _at(self, clause: Clause) -> Iterator[Plain]:
         names = self._names(clause.subjects)
-        if len(names) > 1:
-            raise self._ask("where", self._listed(names))
+        self._check_alone(names, "where")
         yield {"at": names[0], "x": clause.x, "y": clause.y}
 
     # -- things among themselves ---------------------------------------------------------------------------------------
@@ -448,10 +447,10 @@ class GoalWriter:
 
     # -- clauses that lean on another ----------------------------------------------------------------------------------
 
-    def _held(self, clause: Clause) -> Iterator[Plain]:
+    def _held(self, clause: Clause) -> Iterable[Plain]:
         self._names(clause.subjects)
         self._is_held = True
-        yield from ()
+        return ()
 
     def _check_held(self, clause: Clause) -> None:
         """What is picked up must be what is put: `take the red cube and put it …`."""
@@ -459,14 +458,19 @@ class GoalWriter:
             raise self._ask("where", self._listed(self._subjects))
         self._is_held = False
 
-    def _too(self, clause: Clause) -> Iterator[Plain]:
+    def _too(self, clause: Clause) -> Iterable[Plain]:
         is_there = clause.target is not None and self._last is not None and self._last.kind == "off"
         emptied = is_there and len(self._target) == 1 and self._is_container(self._target[0])
         names = self._names(clause.subjects)
         is_put = self._last is not None and self._last.kind in ("in", "to", "on")
         if not (is_put or emptied) or len(self._target) != 1:
             raise self._ask("where", self._listed(names))
-        yield from self._put(names, self._target[0])
+        return self._put(names, self._target[0])
+
+
+def _each(word: str, names: Names, target: str) -> list[Plain]:
+    """A relation of each of these to another thing."""
+    return [{word: [name, target]} for name in names]
 
 
 def _stackable(phrases: Sequence[Phrase]) -> tuple[Phrase, ...]:

@@ -87,9 +87,9 @@ class Clause:
     target: Phrase | None = None
     ends: tuple[Phrase, ...] = ()
     """What a thing is to be between."""
-    x: float | None = None
+    x: float = 0.0
     """Of a place, or of how far a thing is shifted ahead."""
-    y: float | None = None
+    y: float = 0.0
     """Of a place, or of how far a thing is shifted to the left."""
     gap_m: float | None = None
     levels: tuple[tuple[Phrase, int | None], ...] = field(default=())
