@@ -39,7 +39,7 @@ from rai_missions.conversation import (
     Utterance,
 )
 from rai_missions.conversation.grammar import Grammar
-from rai_missions.conversation.inputs import SpeechResult
+from rai_missions.conversation.inputs import LONGEST, SpeechResult
 from rai_missions.conversation.language import language
 from rai_missions.conversation.senses import STOP
 from rai_missions.engine.step import Step
@@ -48,11 +48,9 @@ from rai_missions.redaction import cut, logger, redacted
 from rai_missions.runtime.lifecycle import Status
 from rai_missions.runtime.runner import Runner
 
-__all__ = ("LONGEST", "ConversationalAgent", "StartRun")
+__all__ = ("ConversationalAgent", "StartRun")
 
 log = logger(__name__)
-LONGEST = 2_000
-"""Characters of a sentence; a longer one is refused at its door."""
 LONGEST_NAME = 200
 """Characters of an author's name that are kept."""
 LONGEST_STOP = 200
@@ -203,7 +201,7 @@ class ConversationalAgent:
             readings: Of a spoken one each recogniser's transcription.
             message_id: The message's, if it has one.
         """
-        if len(text) > LONGEST:
+        if len(text) > LONGEST:  # no rule reads the rest
             return f"a sentence has at most {LONGEST} characters, not {len(text)}"
         if not text.strip():
             return "there is no text in it"

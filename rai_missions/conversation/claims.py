@@ -32,18 +32,8 @@ from rai_missions.redaction import cut
 __all__ = ("CERTAIN", "ClaimKind", "Claims", "plain", "scored_clauses")
 
 ClaimKind = Literal[
-    "",
-    "script",
-    "language",
-    "idiom",
-    "subject",
-    "passive",
-    "progress",
-    "result",
-    "fragment",
-    "place",
-    "report",
-]
+    "", "script", "language", "idiom", "subject", "passive", "progress", "result", "fragment", "place", "report"
+]  # fmt: skip
 """Why a sentence is replaced; empty where it is not.
 
 Those in `CERTAIN` are claims by their structure, or cannot be judged; the others are in doubt.
@@ -219,11 +209,8 @@ class Claims:
         least = 1 if is_conditional else LEAST_PREDICATE
         for before, each in pairwise([[], *stated]):
             is_list = is_list and self._harmless.is_listed(each)
-            is_open = (
-                is_list
-                or (is_conditional and self._harmless.is_foretold(each))
-                or self._harmless.is_aside(each, before)
-            )
+            is_open = is_list or (is_conditional and self._harmless.is_foretold(each))
+            is_open = is_open or self._harmless.is_aside(each, before)
             if not (is_open or self._harmless.is_marked(each, least=least) or rules.harmless.fits(each)):
                 return False
             is_list = is_list or self._harmless.states_ability(each)

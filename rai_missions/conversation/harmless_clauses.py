@@ -39,10 +39,8 @@ class HarmlessClauses:
         self._kind_verb, self._infinitive = rules.pattern("kind_verb"), rules.pattern("infinitive")
         self._certain = rules.definite - rules.relative
         self._not_of_habits = rules.owned | (rules.second - rules.present)
-        self._small, self._linking = (
-            rules.articles | rules.auxiliaries | rules.function,
-            rules.auxiliaries | rules.stative,
-        )
+        self._small = rules.articles | rules.auxiliaries | rules.function
+        self._linking = rules.auxiliaries | rules.stative
         self._reported = rules.acts | rules.states | rules.strong
         subjects = rules.self_words | rules.possessive | rules.person
         self._stating = subjects.union(rules.acts, rules.strong, rules.auxiliaries, rules.second)
@@ -237,10 +235,7 @@ class HarmlessClauses:
         """Whether an act is only spoken of: `waiting is the safest choice`."""
         rules = self._rules
         after = words[1:]
-        at = next(
-            (at for at, word in enumerate(after) if word in rules.stative or word in rules.gerund_verbs),
-            None,
-        )
+        at = next((at for at, word in enumerate(after) if word in rules.stative | rules.gerund_verbs), None)
         if at is None or not rules.is_progressive(words[0]) or rules.objects & set(words):
             return False
         return not self._reported & set(after[at:]) and not rules.progress.within(words)

@@ -10,8 +10,9 @@ from collections.abc import Mapping
 from typing import Any, Literal, NamedTuple
 
 from rai_missions.event import Role
+from rai_missions.planning.text.normalise import LONGEST
 
-__all__ = ("ModelText", "OrderEnd", "SpeechEnd", "SpeechResult", "Utterance", "by_words")
+__all__ = ("LONGEST", "ModelText", "OrderEnd", "SpeechEnd", "SpeechResult", "Utterance", "by_words")
 
 SpeechResult = Literal["whole", "cut", "failed"]
 """How a speech ended: every word came out; it was interrupted; the speaker did not speak it."""

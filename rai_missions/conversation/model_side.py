@@ -7,7 +7,7 @@ Rule: a model's sentence about the robot or its work is replaced by the status; 
 from __future__ import annotations
 
 from rai_missions.conversation.claims import Claims
-from rai_missions.conversation.inputs import ModelText, SpeechEnd, Utterance
+from rai_missions.conversation.inputs import LONGEST, ModelText, SpeechEnd, Utterance
 from rai_missions.conversation.model_turns import ModelTurn, ModelTurns
 from rai_missions.conversation.order_forms import order_forms, proposed
 from rai_missions.conversation.order_rules import may
@@ -93,7 +93,7 @@ class ModelSide:
         history = tuple(each for each in talk.turns if each.number < utterance.number)
         talk.put(
             AskModel(
-                turn.number, cut(utterance.text, 2_000), utterance.role, utterance.channel, utterance.author, history,
+                turn.number, cut(utterance.text, LONGEST), utterance.role, utterance.channel, utterance.author, history,
                 talk.answers.status(talk.view), order_forms(talk.view, frozenset(allowed)), talk.now, turn.until,
             )
         )  # fmt: skip

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from typing import NamedTuple, TypeVar
 
 from rai_missions.conversation.confirmation import OrderConfirmation
-from rai_missions.conversation.inputs import OrderEnd, SpeechEnd, Utterance
+from rai_missions.conversation.inputs import LONGEST, OrderEnd, SpeechEnd, Utterance
 from rai_missions.conversation.language import spoken
 from rai_missions.conversation.order_rules import (
     TWO_NEEDED,
@@ -229,7 +229,7 @@ class OrderSide:
             Order(
                 self._count, sense.name, utterance.role, utterance.channel, utterance.author, sense.mission,  # type: ignore[arg-type]
                 dict(sense.arguments), sense.question, sense.option, dict(sense.parameters), judged.mapper,
-                cut(utterance.text, 2_000), judged.confirmed, self._talk.now,
+                cut(utterance.text, LONGEST), judged.confirmed, self._talk.now,
             )
         )  # fmt: skip
 
@@ -265,7 +265,7 @@ class OrderSide:
 
     def _confirm(self, order: JudgedOrder, utterance: Utterance) -> None:
         self.confirmation.end(utterance.speaker)
-        sentence, confirmed = order.utterance._replace(number=utterance.number), cut(utterance.text, 2_000)
+        sentence, confirmed = order.utterance._replace(number=utterance.number), cut(utterance.text, LONGEST)
         self._talk.note("confirmed", number=utterance.number, order=order_data(order.sense), sentence=confirmed)
         judged = order._replace(utterance=sentence, confirmed=confirmed)
         if not self._is_impossible(judged):

@@ -33,6 +33,8 @@ __all__ = ("Handling", "SentenceSide")
 
 Handling = Literal["handled", "stopped", "unknown"]
 """What became of a sentence: rules answered it, it stopped the run, or the rules do not know it."""
+LONGEST_READ = 10_000
+"""Characters of a text in which a stop is looked for; a door takes no sentence that is longer than `LONGEST`."""
 DECISIONS = ("yes", "no")
 """What a sentence may mean for what was read back."""
 LATE_S = 30.0
@@ -68,7 +70,7 @@ class SentenceSide:
     def _senses(self, utterance: Utterance) -> list[tuple[Sense, ...]]:
         """What each of its readings may mean."""
         readings, draft = utterance.readings or (utterance.text,), self._draft(utterance)
-        return [self._grammar.senses(cut(text, 10_000), self._talk.view, draft) for text in readings]
+        return [self._grammar.senses(cut(text, LONGEST_READ), self._talk.view, draft) for text in readings]
 
     def _draft(self, utterance: Utterance) -> Draft | None:
         """The order that this sentence may correct: its speaker's last, one that is read back, or one just taken."""
@@ -182,7 +184,7 @@ class SentenceSide:
         """
         if self._talk.settings.has_model or utterance.is_spoken or self._orders.confirmation.order is not None:
             return ()
-        senses = self._suggestions.suggested(cut(utterance.text, 10_000), self._talk.view)
+        senses = self._suggestions.suggested(cut(utterance.text, LONGEST_READ), self._talk.view)
         if not senses or any(not each.lacks or set(each.lacks) - senses[-1].arguments.keys() for each in faults):
             return ()
         is_order = senses[-1].kind == "order"

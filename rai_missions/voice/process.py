@@ -211,12 +211,10 @@ class SpeechProcess:
             has_lived = self._replied or time.monotonic() - life.began > YOUNG_S
             self._is_ready.set()
             again = self._is_open and not self._absent and has_lived
+            asked = self._drop_asked()
             if again:
                 self.restarts += 1
-                asked = self._drop_asked()
                 self._begin()
-            else:
-                asked = self._drop_asked()
         sentence = f"the {self.sort} '{self.name}' ended: {why}" if not self._absent else self._absent
         if self._on_fault is None:
             log.warning("%s%s", sentence, "; it is started again" if again else "")

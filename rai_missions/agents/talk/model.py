@@ -162,11 +162,9 @@ def _read(reply: ModelReply, mode: Mode, request: AskModel) -> TalkReply:
     """A model's message: its words, what it proposes, what it wants to look up."""
     if mode == "json_schema":
         found = json_object(reply.text)
-        return (
-            TalkReply(reply.text)
-            if found is None
-            else TalkReply(_text(found.get("answer")), _order(found.get("order")))
-        )
+        if found is None:
+            return TalkReply(reply.text)
+        return TalkReply(_text(found.get("answer")), _order(found.get("order")))
     answers = [call for call in reply.calls if call["name"] == "answer"]
     proposes = [call for call in reply.calls if call["name"] == "propose_order"]
     looks = tuple(call for call in reply.calls if call["name"] not in ("answer", "propose_order"))

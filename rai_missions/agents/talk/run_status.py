@@ -145,18 +145,11 @@ def mission_view(mission: Mission) -> MissionView:
     """A mission that can be started."""
     arguments = tuple(
         KeyView(
-            name,
-            key.type,
-            key.source,
-            key.about,
-            key.initial,
-            frame=key.frame,
-            fields=key.fields or {},
-            minimum=key.minimum,
-            maximum=key.maximum,
+            name, key.type, key.source, key.about, key.initial, frame=key.frame, fields=key.fields or {},
+            minimum=key.minimum, maximum=key.maximum,
         )
         for name, key in arguments_of(mission)
-    )
+    )  # fmt: skip
     return MissionView(mission.name, mission.about, arguments)
 
 
