@@ -21,7 +21,7 @@ from rai_missions.conversation.start_phrases import StartPhrases
 from rai_missions.conversation.state_questions import StateQuestions
 from rai_missions.conversation.view import StatusView
 from rai_missions.engine.decision import Question
-from rai_missions.planning.text.normalise import LONGEST_WORD, is_near, once
+from rai_missions.planning.text.normalise import LONGEST_WORD, is_near, is_slip, once
 
 __all__ = ("MOST_MENDED", "MOST_WORDS", "NONE", "SentenceGrammar")
 
@@ -36,7 +36,7 @@ POLITE, LONGEST_GREETING = ("hello", "thanks", "sorry"), 3
 MOST_NESTED = 3
 """Questions and tags that are read inside one another."""
 NEAREST = 5
-"""Letters of the shortest word whose misspelling is mended."""
+"""Letters of the shortest word in which any letter may be wrong."""
 NONE: Mapping[str, str] = {}
 
 
@@ -197,9 +197,11 @@ class SentenceGrammar:
         return self._words(bare, view, draft) if mended != words else ()
 
     def _nearest(self, word: str, known: set[str]) -> str:
-        if word in known or len(word) < NEAREST:
+        """The one known word that it is but for a letter; a short one only by a slip of the keyboard."""
+        if word in known:
             return word
-        near = [each for each in known if len(each) >= NEAREST - 1 and is_near(word, each)]
+        is_like = is_near if len(word) >= NEAREST else is_slip
+        near = [each for each in known if len(each) >= min(len(word), NEAREST) - 1 and is_like(word, each)]
         near = [each for each in near if each[0] == word[0]] or near
         return near[0] if len(near) == 1 else word
 

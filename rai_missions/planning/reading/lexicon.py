@@ -12,12 +12,11 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from rai_missions.planning.text.language_file import LanguageTexts, language_codes, language_file, word_forms
+from rai_missions.planning.text.normalise import is_slip
 
 __all__ = ("Noun", "Vocabulary", "WordSense", "lexicon", "lexicons")
 
 FOLDER = Path(__file__).parent / "languages"
-SHORTEST_MENDED = 4
-"""Letters of the shortest word that is mended by a letter; a shorter one only where two letters are exchanged."""
 
 
 class Noun(NamedTuple):
@@ -71,13 +70,10 @@ class Vocabulary(LanguageTexts):
         return word in self.words or word in self.number_words or word == self.data["point"]
 
     def mended(self, word: str) -> str:
-        """The one known word that a slip of the keyboard turned into this one; the word itself where there is none.
-
-        A slip exchanges two letters, drops one that is not the first, or doubles one. Other errors may be other words.
-        """
-        if self.knows(word) or len(word) < SHORTEST_MENDED - 1:
+        """The one known word that a slip of the keyboard turned into this one; the word itself where there is none."""
+        if self.knows(word):
             return word
-        near = {known for letter in {*word[:2]} for known in self._by_letter.get(letter, ()) if _is_slip(word, known)}
+        near = {known for letter in {*word[:2]} for known in self._by_letter.get(letter, ()) if is_slip(word, known)}
         return near.pop() if len(near) == 1 else word
 
 
@@ -96,17 +92,6 @@ def _phrases(data: Mapping[str, Any]) -> Iterator[tuple[str, WordSense]]:
 def _nouns(types: frozenset[str], forms: Mapping[str, Sequence[str]]) -> Iterator[tuple[str, WordSense]]:
     for form, is_many in (("one", False), ("many", True), ("both", None)):
         yield from ((phrase, WordSense("noun", Noun(types, is_many))) for phrase in forms.get(form, ()))
-
-
-def _is_slip(word: str, known: str) -> bool:
-    if len(word) == len(known):
-        at = next(index for index, (a, b) in enumerate(zip(word, known, strict=True)) if a != b)
-        return word[at : at + 2] == known[at : at + 2][::-1] and word[at + 2 :] == known[at + 2 :]
-    if len(word) < SHORTEST_MENDED or word[0] != known[:1] or abs(len(word) - len(known)) > 1:
-        return False
-    longer, shorter = (word, known) if len(word) > len(known) else (known, word)
-    dropped = [at for at in range(1, len(longer)) if longer[:at] + longer[at + 1 :] == shorter]
-    return any(longer is known or longer[at] == longer[at - 1] for at in dropped)
 
 
 def lexicons() -> tuple[str, ...]:

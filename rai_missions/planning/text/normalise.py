@@ -11,12 +11,14 @@ from typing import Any
 
 from rai_missions.redaction import clipped
 
-__all__ = ("LONGEST", "LONGEST_WORD", "Normaliser", "is_near", "once", "readable")
+__all__ = ("LONGEST", "LONGEST_WORD", "Normaliser", "is_near", "is_slip", "once", "readable")
 
 LONGEST = 2_000
 """Characters of a sentence that are read; no order is longer."""
 LONGEST_WORD = 60
 """Letters of a word; a longer one is none, and a sentence with it is not read."""
+SHORTEST_SLIP = 4
+"""Letters of the shortest word that may lack a letter, or have one twice; in a shorter one two may be exchanged."""
 Cut = Callable[[str, int], str]
 """Cuts a text to a number of characters."""
 QUOTES = re.compile(r"[\"“”„«»]")
@@ -48,6 +50,21 @@ def is_near(one: str, other: str) -> bool:
         return one[at:] == other[at + 1 :]
     is_exchanged = one[at : at + 2] == other[at : at + 2][::-1] and one[at + 2 :] == other[at + 2 :]
     return one[at + 1 :] == other[at + 1 :] or is_exchanged
+
+
+def is_slip(word: str, known: str) -> bool:
+    """Whether a slip of the keyboard turned a known word into this one; any other error may be another word.
+
+    A slip exchanges two letters, drops one that is not the first, or doubles one.
+    """
+    if word == known or len(word) < SHORTEST_SLIP - 1 or word[0] not in known[:2] or not is_near(word, known):
+        return False
+    if len(word) == len(known):
+        return sorted(word) == sorted(known)
+    if len(word) < SHORTEST_SLIP or word[0] != known[0]:
+        return False
+    at = next((at for at, (a, b) in enumerate(zip(word, known, strict=False)) if a != b), len(known))
+    return len(word) < len(known) or word[at] == word[at - 1]
 
 
 class Normaliser:
