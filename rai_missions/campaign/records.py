@@ -9,7 +9,7 @@ from typing import Any, Literal, NamedTuple, get_args
 
 __all__ = (
     "BEST_FIRST", "CellRecord", "CellStatus", "LabelRecord", "OptionVerdict", "PictureRecord", "QuestionRecord",
-    "SceneRecord", "UnlabelledScene", "graded", "is_tried", "parameters_in",
+    "SceneRecord", "Split", "UnlabelledScene", "graded", "is_tried", "parameters_in",
 )  # fmt: skip
 
 CellStatus = Literal["answered", "no_answer", "failed"]
@@ -18,6 +18,8 @@ could not be asked. A failed cell is asked again when the campaign continues, an
 OptionVerdict = Literal["completes", "harmless", "harms"]
 """What physics may report of an option. `completes`: it did what is to be done, and nothing took harm; `harms`:
 something did; `harmless`: neither."""
+Split = Literal["tune", "report"]
+"""`tune`: scenes that may be looked at while rules or prompts are changed. `report`: those that are reported."""
 BEST_FIRST: tuple[OptionVerdict, ...] = get_args(OptionVerdict)
 
 
@@ -28,8 +30,7 @@ class SceneRecord(NamedTuple):
     world: str
     kind: str
     seed: int
-    split: str
-    """`tune`, for what may be looked at while rules or prompts are changed, or `report`."""
+    split: Split
     spec: str
     """JSON: what the world is built from."""
 

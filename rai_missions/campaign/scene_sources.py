@@ -5,17 +5,16 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator, Mapping
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any
 
 from pydantic import Field, model_validator
 
-from rai_missions.campaign.records import SceneRecord
+from rai_missions.campaign.records import SceneRecord, Split
 from rai_missions.campaign.scene_spec import scene_spec
 from rai_missions.model import LISTED, Integer, Json, MissionModel, Name, Text, fault
 
 __all__ = ("GivenScene", "ScenesEntry")
 
-Split = Literal["tune", "report"]
 MOST = 100_000
 """So many scenes at the most: their plan is held in memory."""
 
@@ -83,7 +82,7 @@ class ScenesEntry(MissionModel):
             yield self._made(f"{self.world}_{seed}", self.world, seed, self.split or "report", self.options)
 
     def _made(
-        self, scene: str, kind: str, seed: int, split: str, options: Any, later: Mapping[str, Any] | None = None
+        self, scene: str, kind: str, seed: int, split: Split, options: Any, later: Mapping[str, Any] | None = None
     ) -> SceneRecord:  # fmt: skip
         spec = scene_spec(self.world, options, later or {})
         return SceneRecord(scene, self.world, kind, seed, split, json.dumps(spec, sort_keys=True))

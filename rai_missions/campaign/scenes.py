@@ -11,16 +11,16 @@ import hashlib
 import json
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Any
 
+from rai_missions.campaign.records import Split
 from rai_missions.campaign.scene_spec import scene_spec
 from rai_missions.errors import UsageError
 from rai_missions.worlds.house.scene_cases import scene_options as house_scene
 from rai_missions.worlds.orchard.scene_cases import scene_options as orchard_scene
 
-__all__ = ("CampaignScene", "Split", "scene", "scenes", "split_of")
+__all__ = ("CampaignScene", "scene", "scenes", "split_of")
 
-Split = Literal["tune", "report"]
 Drawn = tuple[str, dict[str, Any], dict[str, Any]]
 GENERATORS: Mapping[str, Callable[[int], Drawn]] = {
     "orchard": lambda seed: (*orchard_scene(seed), {}), "house": house_scene,

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 __all__ = ("ALWAYS", "NEVER", "Atom", "Form", "Junction")
 
@@ -11,8 +11,8 @@ __all__ = ("ALWAYS", "NEVER", "Atom", "Form", "Junction")
 class Atom(NamedTuple):
     """A condition that is not taken apart further."""
 
-    kind: str
-    """`compare`, `in`, `fresh`, or `other` with the whole as text."""
+    kind: Literal["compare", "in", "fresh", "other"]
+    """`other` has the whole as text."""
     path: str
     op: str
     """For comparisons the operator; else empty, or `not`."""
@@ -25,7 +25,7 @@ class Atom(NamedTuple):
 class Junction(NamedTuple):
     """`all` or `any` of forms."""
 
-    word: str
+    word: Literal["all", "any"]
     parts: tuple[Form, ...]
 
 

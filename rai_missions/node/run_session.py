@@ -12,6 +12,7 @@ from functools import cached_property
 from typing import Any, NamedTuple
 
 from rai_missions.engine.decision import Question
+from rai_missions.engine.modes import Mode
 from rai_missions.engine.step import Ask, Step
 from rai_missions.errors import suggestion
 from rai_missions.event import Event
@@ -76,7 +77,7 @@ class RunSession:
         return self.requests.is_over
 
     @property
-    def mode(self) -> str:
+    def mode(self) -> Mode:
         """The run's mode; one that broke off has failed."""
         if self.is_over:
             return self.result.outcome if self.result is not None else "failed"

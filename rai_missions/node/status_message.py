@@ -13,6 +13,7 @@ from rai_missions.engine.description import step_json
 from rai_missions.engine.step import Step
 from rai_missions.journal.codec import encode
 from rai_missions.redaction import cut
+from rai_missions.states.state import Holder
 
 __all__ = ("OpenQuestion", "StatusMessage", "step_fields", "step_text", "text_of")
 
@@ -67,7 +68,7 @@ class StatusMessage(NamedTuple):
     run: str
     mode: str
     """`idle` before the first run; then one of `lifecycle.MODES`."""
-    control: str
+    control: Holder
     active: tuple[str, ...] = ()
     questions: tuple[OpenQuestion, ...] = ()
     outcome: str = ""

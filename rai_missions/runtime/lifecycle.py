@@ -16,11 +16,11 @@ from typing import Any, NamedTuple
 from transitions import Machine, MachineError
 
 from rai_missions.engine.activities.goal_ledger import OpenGoal
-from rai_missions.engine.modes import MODE_TABLE, MODES, next_mode
+from rai_missions.engine.modes import ALIVE, MODE_TABLE, MODES, Mode, next_mode
 from rai_missions.engine.step import Step
 from rai_missions.errors import UsageError
 from rai_missions.event import Origin
-from rai_missions.states.state import HOLDERS
+from rai_missions.states.state import HOLDERS, Holder
 
 __all__ = ("HOLDERS", "MODES", "Control", "Lifecycle", "Status")
 
@@ -39,10 +39,8 @@ class Status(NamedTuple):
 
     revision: int
     """Counts every change; a reader with a lower one is out of date."""
-    mode: str
-    """One of `MODES`."""
-    control: str
-    """One of `HOLDERS`."""
+    mode: Mode
+    control: Holder
     active: tuple[str, ...]
     """The active states in the order of the hierarchy: outer before inner, in document order."""
     outcome: str | None = None
@@ -215,14 +213,14 @@ class Lifecycle:
         return self._position.state
 
     def observe(
-        self, step: Step, *, mode: str, holder: str, active: Collection[str], waiting: Mapping[str, str] = NOTHING,
+        self, step: Step, *, mode: Mode, holder: Holder, active: Collection[str], waiting: Mapping[str, str] = NOTHING,
         open_goals: tuple[OpenGoal, ...] = (), taken: bool = False, held_by: str = "", held_since: float | None = None,
     ) -> Status | None:  # fmt: skip
         """Follow a step; the new status if anything in it changed.
 
         Args:
             step: What has happened.
-            mode: The chart's: `ready`, `running`, `paused`, `canceling` or `ended`.
+            mode: The chart's.
             holder: Who holds control.
             active: The active states, in the order in which they are to be shown; a set is sorted by name.
             waiting: State → who must have control before what it does can continue.
@@ -234,17 +232,16 @@ class Lifecycle:
         Raises:
             UsageError: The step went a way that no mission may go.
         """
-        target = step.outcome if mode == "ended" and step.outcome else mode
-        if target != self.mode:
-            self._go(step, target)
+        if mode != self.mode:
+            self._go(step, mode)
         self.control.follow(holder, taken=taken)
         last, why = self._last, step.why if step.outcome else ""
         outcome: str | None = step.outcome
         if last is not None and last.outcome:  # it has ended: what comes too late has a reason of its own
             outcome, why = last.outcome, last.why
-        waits = _waits(waiting, holder, held_by) if mode != "ended" else ""
+        waits = _waits(waiting, holder, held_by) if mode in ALIVE else ""
         shown = tuple(sorted(active) if isinstance(active, AbstractSet) else active)
-        status = Status(self.revision, target, holder, shown, outcome, why, waits, open_goals, held_by, held_since)
+        status = Status(self.revision, mode, holder, shown, outcome, why, waits, open_goals, held_by, held_since)
         if status == last:
             return None
         self.revision += 1

@@ -12,6 +12,7 @@ from typing import Any
 from rai_missions.engine import Chart, Snapshot
 from rai_missions.engine.activities.goal_ledger import OpenGoal
 from rai_missions.engine.decision import Question
+from rai_missions.engine.modes import Mode
 from rai_missions.event import Event, Origin
 from rai_missions.guards.guard import Truth
 from rai_missions.keys import Blackboard
@@ -20,6 +21,8 @@ from rai_missions.runtime.effects import EffectExecutor
 from rai_missions.runtime.lifecycle import Control
 from rai_missions.runtime.readings import SourceState
 from rai_missions.runtime.scheduler import Scheduler
+from rai_missions.states.final import FinalOutcome
+from rai_missions.states.state import Holder
 
 __all__ = ("RunView",)
 
@@ -55,12 +58,12 @@ class RunView:
         return self._chart.seq
 
     @property
-    def mode(self) -> str:
-        """`ready`, `running`, `paused`, `canceling` or `ended`."""
+    def mode(self) -> Mode:
+        """`ready`, `running`, `paused` or `canceling`; of a run that has ended, its outcome."""
         return self._chart.mode
 
     @property
-    def outcome(self) -> str | None:
+    def outcome(self) -> FinalOutcome | None:
         """How the mission ended; None while it runs."""
         return self._chart.outcome
 
@@ -132,8 +135,8 @@ class RunView:
     # -- control and time -----------------------------------------------------------------------------------------
 
     @property
-    def holder(self) -> str:
-        """Who holds control: `autonomy`, `agent`, `operator` or `nobody`."""
+    def holder(self) -> Holder:
+        """Who holds control."""
         return self._chart.holder
 
     @property

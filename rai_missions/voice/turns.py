@@ -9,11 +9,17 @@ ms of quiet.
 from __future__ import annotations
 
 from collections import deque
-from typing import NamedTuple
+from typing import Literal, NamedTuple
 
 from rai_missions.connectors.sound.connector import FRAME_S
 
 __all__ = ("TurnDetector", "TurnEvent", "TurnFrame", "TurnSettings")
+
+TurnEventKind = Literal["began", "present", "offered", "settled", "void", "ended"]
+"""`present`: surely a person. `offered`: to be transcribed. `settled`: what was offered counts, if it is a phrase that
+counts at once. `void`: what was offered."""
+WINDOW = 6
+"""The last frames, of which some must be speech."""
 
 
 class TurnSettings(NamedTuple):
@@ -24,7 +30,7 @@ class TurnSettings(NamedTuple):
     begin_frames: int = 2
     """Frames of speech with which a turn begins."""
     present_frames: int = 2
-    """Frames of speech, of the last six, from which on a person surely speaks: what is played is cut."""
+    """Frames of speech, of the last `WINDOW`, from which on a person surely speaks: what is played is cut."""
     early_s: float = 0.032
     """Quiet after which a turn is offered for transcription."""
     settle_s: float = 0.128
@@ -53,9 +59,7 @@ class TurnFrame(NamedTuple):
 class TurnEvent(NamedTuple):
     """Something about a turn."""
 
-    kind: str
-    """`began`, `present` (surely a person), `offered` (to be transcribed), `settled` (what was offered counts, if it is
-    a phrase that counts at once), `void` (what was offered), `ended`."""
+    kind: TurnEventKind
     number: int
     """Of the turn, counted from 1."""
     at: float
@@ -68,9 +72,6 @@ class TurnEvent(NamedTuple):
     """Of `offered`: the sound of the turn, without echo."""
     quiet: bytes = b""
     """The same without steady noise."""
-
-
-WINDOW = 6
 
 
 class TurnDetector:
@@ -168,5 +169,5 @@ class TurnDetector:
         self._recent.clear()
         return tuple(found)
 
-    def _event(self, kind: str, frame: TurnFrame) -> TurnEvent:
+    def _event(self, kind: TurnEventKind, frame: TurnFrame) -> TurnEvent:
         return TurnEvent(kind, self._number, frame.at + FRAME_S, self._spoken_until, self._offers)

@@ -13,6 +13,7 @@ from typing import Literal, NamedTuple, Protocol
 from rai_missions.agents.agent import reports_health
 from rai_missions.conversation import Speech
 from rai_missions.conversation.inputs import SpeechResult
+from rai_missions.conversation.outputs import Priority, Way
 from rai_missions.errors import in_words
 from rai_missions.event import Role
 from rai_missions.redaction import cut, logger
@@ -41,12 +42,12 @@ class TalkLine(NamedTuple):
     text: str
     author: str = ""
     channel: str = ""
-    way: str = ""
-    """Of the robot's: `rules`, `model` or `unknown`."""
-    priority: str = ""
+    way: Way | Literal[""] = ""
+    """Of the robot's lines; empty for any other."""
+    priority: Priority | Literal[""] = ""
     at: float = 0.0
-    spoken: str = ""
-    """How it ended where that is not `whole`: `cut` or `failed`."""
+    spoken: Literal["", "cut", "failed"] = ""
+    """How it ended where that is not `whole`."""
     repeated: bool = False
     report: str = ""
     """The identity of a report, as in `Speech.report`; empty for any other line."""
