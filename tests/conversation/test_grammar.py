@@ -6,6 +6,7 @@ from __future__ import annotations
 import json
 import re
 import time
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -61,6 +62,26 @@ def test_each_question_and_order_is_read_as_what_it_means(code: str) -> None:
     meant = {each: name for name, sentences in STORED["meant"][code].items() for each in sentences}
     read = {each: [sense.name or sense.kind for sense in grammar.senses(each, view)] for each in meant}
     assert {each: names for each, names in read.items() if names != [meant[each]]} == {}
+
+
+def slips(sentence: str) -> Iterator[str]:
+    """The sentence with a slip of the keyboard in a short word: two letters exchanged, or one written twice."""
+    words = sentence.lower().split()
+    for at, word in enumerate(words):
+        wrong = [word[:cut] + word[cut : cut + 2][::-1] + word[cut + 2 :] for cut in range(len(word) - 1)]
+        wrong += [word[:cut] + word[cut - 1 :] for cut in range(1, len(word) + 1)] if len(word) == 4 else []
+        if len(word) in (3, 4) and word.isalpha():
+            yield from (" ".join([*words[:at], each, *words[at + 1 :]]) for each in wrong if each != word)
+
+
+@pytest.mark.parametrize("code", languages())
+def test_most_sentences_with_a_slip_in_a_short_word_mean_the_same_and_none_another_order(code: str) -> None:
+    grammar, sentences = Grammar(language(code)), [each for group in STORED["meant"][code].values() for each in group]
+    meant = [(slip, grammar.senses(each, VIEW)) for each in sentences for slip in list(slips(each))[::7]]
+    read = [(slip, senses, grammar.senses(slip, VIEW)) for slip, senses in meant]
+    assert sum(senses == found for _, senses, found in read) >= 0.8 * len(read)
+    orders = {slip: found for slip, senses, found in read if senses != found and found[:1] and found[0].kind == "order"}
+    assert orders == {}
 
 
 @pytest.mark.parametrize("code", languages())
