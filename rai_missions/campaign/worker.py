@@ -12,6 +12,7 @@ import queue
 import sys
 import threading
 from collections.abc import Iterator, Mapping
+from itertools import chain
 from typing import TYPE_CHECKING, Any
 
 from rai_missions.campaign.cells import Cell
@@ -76,9 +77,8 @@ def _do_tasks(
         with Workplace(WorkSettings(settings[0], tuple(settings[1]), *settings[2:]), is_over) as place:
             write_frame(reply_fd, {"ready": os.getpid()})
             while (order := orders.get()) is not None:
-                for record in place.work(task_in(order["task"])):
-                    for message in record_words(record):
-                        write_frame(reply_fd, message)
+                for message in chain.from_iterable(map(record_words, place.work(task_in(order["task"])))):
+                    write_frame(reply_fd, message)
                 write_frame(reply_fd, {"done": order["number"]})
     except BaseException as error:  # noqa: BLE001 - whatever it is, it is reported, and the campaign ends with it
         what = str(error) if isinstance(error, MissionError) else f"{type(error).__name__}: {error}"

@@ -105,24 +105,22 @@ def misplaced_states(index: MissionIndex) -> Found:
     """A history is in a compound state, a final not next to regions, and neither has a timeout or control."""
     for spot in index.spots:
         state, parent = spot.state, spot.parent
-        if isinstance(state, History) and (parent is None or isinstance(parent.state, Parallel)):
-            where = "at the top, which is never left" if parent is None else f"among the regions of '{parent.name}'"
-            yield (
-                spot.place,
-                f"the history '{spot.name}' is {where}; put it into the compound state that it is to remember",
-            )
-        if isinstance(state, Final) and parent is not None and isinstance(parent.state, Parallel):
-            yield (
-                spot.place,
-                f"the final '{spot.name}' is among the regions of '{parent.name}'; put it into a region",
-            )
-        if isinstance(state, Final | History):
-            kind = "final" if isinstance(state, Final) else "history"
-            why = "it ends its parent" if kind == "final" else "it is never active itself"
-            words = ["timeout_s", "control", *(("entry", "exit") if kind == "history" else ("transitions",))]
-            for word in words:
-                if getattr(state, word):
-                    yield f"{spot.place}/{word}", f"a {kind} state has no '{word}', for {why}; take it away"
+        if not isinstance(state, Final | History):
+            continue
+        is_region = parent is not None and isinstance(parent.state, Parallel)
+        where = f"among the regions of '{parent.name}'" if parent is not None else "at the top, which is never left"
+        if isinstance(state, History):
+            kind, why, words = "history", "it is never active itself", ["entry", "exit"]
+            if is_region or parent is None:
+                remedy = "put it into the compound state that it is to remember"
+                yield spot.place, f"the history '{spot.name}' is {where}; {remedy}"
+        else:
+            kind, why, words = "final", "it ends its parent", ["transitions"]
+            if is_region:
+                yield spot.place, f"the final '{spot.name}' is {where}; put it into a region"
+        for word in ("timeout_s", "control", *words):
+            if getattr(state, word):
+                yield f"{spot.place}/{word}", f"a {kind} state has no '{word}', for {why}; take it away"
 
 
 def misused_internal(index: MissionIndex) -> Found:

@@ -153,9 +153,10 @@ class SentenceGrammar:
 
     def _asked(self, words: list[str], view: StatusView) -> tuple[Sense, ...]:
         """The question that words are; with the order to look for its thing, where a phrase of the robot has one."""
-        asked = list(self._questions.senses(words, view))
-        is_order = any(each.thing for each in asked) or (not asked and words[0] in self.language.data["asking"])
-        return tuple(self._asked_or_ordered(asked, self._phrased(words, view))) if is_order else tuple(asked)
+        asked = self._questions.sense(words, view)
+        is_order = bool(asked.thing) if asked is not None else words[0] in self.language.data["asking"]
+        found = self._phrased(words, view) if is_order else []
+        return tuple(self._asked_or_ordered(asked, found))
 
     def _direct(self, words: list[str]) -> Iterator[list[str]]:
         """The words of a clause with a verb ahead of the subject, `where are you`; then as they are."""
@@ -227,7 +228,7 @@ class SentenceGrammar:
         if not found and text_option(view.questions) is None:
             found = list(self._phrases.valued(words, view.missions))
         if not found or words[0] in self.language.data["asking"]:
-            found = self._asked_or_ordered(list(self._questions.senses(words, view)), found)
+            found = self._asked_or_ordered(self._questions.sense(words, view), found)
         return tuple({sense.identity: sense for sense in found}.values())
 
     def _phrased(self, words: list[str], view: StatusView) -> list[Sense]:
@@ -235,11 +236,13 @@ class SentenceGrammar:
         found, option = list(self._phrases.senses(words, view.missions)), text_option(view.questions)
         return [*found, option.free(words)] if found and option is not None else found
 
-    def _asked_or_ordered(self, asked: list[Sense], found: list[Sense]) -> list[Sense]:
+    def _asked_or_ordered(self, asked: Sense | None, found: list[Sense]) -> list[Sense]:
         """A question alone, where nothing else fits; with the order to look for its thing: `where is my cup`."""
+        if asked is None:
+            return found
         if not found or is_fault(found):
-            return asked or found
-        return [*(each for each in asked if each.thing), *found]
+            return [asked]
+        return [asked, *found] if asked.thing else found
 
     def _corrected(self, words: list[str], view: StatusView, draft: Draft | None) -> list[Sense]:
         """What it has in place of what was ordered: another order, or the draft's with another value."""

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 
 from rai_missions.conversation.language import Language
 from rai_missions.conversation.names import key_named
@@ -29,28 +29,29 @@ class StateQuestions:
         self._own = [(language.own_phrases([each]), path) for each, path in own.items()]
         self.words = frozenset(word for each, _ in self._own for word in each.words)
 
-    def senses(self, words: list[str], view: StatusView) -> Iterator[Sense]:
-        """The one question that the words are."""
+    def sense(self, words: list[str], view: StatusView) -> Sense | None:
+        """The question that the words are; None for any other words."""
         for own, path in self._own:
             if path.partition(".")[0] in view.keys and own.fits(words):
-                yield Sense("question", "value", key=path)
-                return
-        for name, phrases in self._language.questions.items():
-            for slots in phrases.match(words):
-                if thing := slots.get("thing", "").split():
-                    if thing[0] in self._language.data["pronouns"] or not self._language.without_articles(thing):
-                        continue
-                    yield self._thing(name, thing, view)
-                    return
-                if "key" not in slots:
-                    yield Sense("question", name)
-                    return
-                named, done = slots["key"].split(), slots.get("done", "").split()
-                path = self._key_done(named, done, view) if done else ""
-                path = path or key_named(named, view, self._language, strict=len(named) == len(words))
-                if path:
-                    yield Sense("question", name, key=path)
-                    return
+                return Sense("question", "value", key=path)
+        read = (
+            self._read(name, slots, words, view)
+            for name, phrases in self._language.questions.items()
+            for slots in phrases.match(words)
+        )
+        return next(filter(None, read), None)
+
+    def _read(self, name: str, slots: Mapping[str, str], words: list[str], view: StatusView) -> Sense | None:
+        """The question of that name, where its slots name a thing or a key that there is."""
+        if thing := slots.get("thing", "").split():
+            is_named = thing[0] not in self._language.data["pronouns"] and self._language.without_articles(thing)
+            return self._thing(name, thing, view) if is_named else None
+        if "key" not in slots:
+            return Sense("question", name)
+        named, done = slots["key"].split(), slots.get("done", "").split()
+        path = self._key_done(named, done, view) if done else ""
+        path = path or key_named(named, view, self._language, strict=len(named) == len(words))
+        return Sense("question", name, key=path) if path else None
 
     def _key_done(self, named: list[str], done: list[str], view: StatusView) -> str:
         """The key that counts what was done: `alleys driven` for `how many alleys did you drive`."""
