@@ -5,8 +5,6 @@ from __future__ import annotations
 
 import hashlib
 import json
-from pathlib import Path
-from typing import Any
 
 import pytest
 from hypothesis import given
@@ -15,20 +13,15 @@ from hypothesis import strategies as st
 from rai_missions.conversation import StatusView
 from rai_missions.conversation.claim_score import claim_weights, features
 from rai_missions.conversation.claims import CERTAIN, Claims
+from tests.conversation.stored import CLAIMS, read
 
-FOLDER = Path(__file__).parent / "data"
 VIEW = StatusView(robot="rosbot, simulated", mission="rosbot_patrol")
 CODES = ("en", "de")
 MOST_REPLACED = 0.2
 """Of the harmless sentences of a writer of whom nothing was learned."""
 
 
-def read(name: str) -> dict[str, Any]:
-    found: dict[str, Any] = json.loads((FOLDER / name).read_text(encoding="utf-8"))
-    return found
-
-
-GROUPS = [read("claims.json"), *read("claims_learned.json")["writers"]]
+GROUPS = [CLAIMS, *read("claims_learned.json")["writers"]]
 
 
 @pytest.mark.parametrize("code", CODES)

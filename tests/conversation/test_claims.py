@@ -10,25 +10,24 @@ from pathlib import Path
 
 import pytest
 
-from rai_missions.conversation import KeyView, StatusView
+from rai_missions.conversation import KeyView
 from rai_missions.conversation.claim_score import claim_weights
 from rai_missions.conversation.claims import Claims
+from tests.conversation.stored import CLAIMS, PATROLLING
 
-DATA = json.loads((Path(__file__).parent / "data/claims.json").read_text(encoding="utf-8"))
-KEYS = {name: KeyView(name, "number") for name in ("battery", "ahead_m", "pose")}
-VIEW = StatusView(robot="rosbot, simulated", mission="rosbot_patrol", keys=KEYS)
+VIEW = PATROLLING._replace(run="", mode="")
 MOST_FALSE = 0.2
 DRESSES = ('"{}"', "**{}**", "- {}")
 """Ways in which a model dresses the same sentence."""
-JOINED = DATA["joined"]
+JOINED = CLAIMS["joined"]
 """Harmless words around a claim."""
-FORMS = DATA["forms"]
+FORMS = CLAIMS["forms"]
 """Forms of sentences that are spoken or replaced, each with its sentences by language."""
 
 
 def joined(code: str, every: int = 1) -> Iterator[str]:
     """Each claim with harmless words around it; with `every` of 5, each fifth pair, another one for each claim."""
-    for number, claim in enumerate(DATA["claims"][code]):
+    for number, claim in enumerate(CLAIMS["claims"][code]):
         bare = claim.rstrip(".!")
         for place, form in enumerate(JOINED[code]):
             if (number + place) % every == 0:
@@ -41,46 +40,46 @@ def replaced(sentences: Mapping[str, Sequence[str]]) -> dict[str, str]:
     return {each: Claims(code).why_replaced(each, VIEW) for code in sentences for each in sentences[code]}
 
 
-@pytest.mark.parametrize("code", sorted(DATA["claims"]))
+@pytest.mark.parametrize("code", sorted(CLAIMS["claims"]))
 def test_no_claim_passes_among_harmless_words(code: str) -> None:
     claims = Claims(code)
     assert [each for each in joined(code, 7) if not claims.why_replaced(each, VIEW)] == []
 
 
 @pytest.mark.drill
-@pytest.mark.parametrize("code", sorted(DATA["claims"]))
+@pytest.mark.parametrize("code", sorted(CLAIMS["claims"]))
 def test_no_claim_passes_among_any_harmless_words(code: str) -> None:
     claims, sentences = Claims(code), [*joined(code)]
     assert len(sentences) > 300
     assert [each for each in sentences if not claims.why_replaced(each, VIEW)] == []
 
 
-@pytest.mark.parametrize("code", sorted(DATA["claims"]))
+@pytest.mark.parametrize("code", sorted(CLAIMS["claims"]))
 def test_no_claim_about_the_robot_passes(code: str) -> None:
     claims = Claims(code)
-    assert [each for each in DATA["claims"][code] if not claims.why_replaced(each, VIEW)] == []
+    assert [each for each in CLAIMS["claims"][code] if not claims.why_replaced(each, VIEW)] == []
 
 
-@pytest.mark.parametrize("code", sorted(DATA["claims"]))
+@pytest.mark.parametrize("code", sorted(CLAIMS["claims"]))
 def test_no_claim_passes_in_another_dress(code: str) -> None:
     claims = Claims(code)
-    dressed = [dress.format(each) for dress, each in zip(cycle(DRESSES), DATA["claims"][code], strict=False)]
+    dressed = [dress.format(each) for dress, each in zip(cycle(DRESSES), CLAIMS["claims"][code], strict=False)]
     assert [each for each in dressed if not claims.why_replaced(each, VIEW)] == []
 
 
 def test_no_claim_passes_in_capitals() -> None:
     claims = Claims("en")
-    assert [each for each in DATA["claims"]["en"] if not claims.why_replaced(each.upper(), VIEW)] == []
+    assert [each for each in CLAIMS["claims"]["en"] if not claims.why_replaced(each.upper(), VIEW)] == []
 
 
 def test_there_are_enough_claims_and_harmless_sentences() -> None:
-    assert sum(map(len, DATA["claims"].values())) >= 200
-    assert sum(map(len, DATA["harmless"].values())) >= 100
+    assert sum(map(len, CLAIMS["claims"].values())) >= 200
+    assert sum(map(len, CLAIMS["harmless"].values())) >= 100
 
 
-@pytest.mark.parametrize("code", sorted(DATA["harmless"]))
+@pytest.mark.parametrize("code", sorted(CLAIMS["harmless"]))
 def test_few_harmless_sentences_are_replaced(code: str) -> None:
-    claims, sentences = Claims(code), DATA["harmless"][code]
+    claims, sentences = Claims(code), CLAIMS["harmless"][code]
     replaced = [each for each in sentences if claims.why_replaced(each, VIEW)]
     assert len(replaced) <= MOST_FALSE * len(sentences), replaced
 
@@ -147,7 +146,7 @@ def test_what_cannot_be_judged_is_replaced() -> None:
         "Ik zie niemand.",
     ],
 )
-@pytest.mark.parametrize("code", sorted(DATA["claims"]))
+@pytest.mark.parametrize("code", sorted(CLAIMS["claims"]))
 def test_another_language_is_found_before_a_doubt(code: str, sentence: str) -> None:
     assert Claims(code).why_replaced(sentence, VIEW) == "language"
 
@@ -163,7 +162,7 @@ def test_what_a_question_states_is_found_where_its_language_changes(question: st
     assert Claims("de").why_replaced(question, VIEW) != ""
 
 
-@pytest.mark.parametrize("code", sorted(DATA["claims"]))
+@pytest.mark.parametrize("code", sorted(CLAIMS["claims"]))
 def test_hardly_a_sentence_that_is_held_out_is_of_another_language(code: str) -> None:
     held_out = json.loads((Path(__file__).parent / "data/claims_held_out.json").read_text("utf-8"))
     every = [*held_out["harmless"][code], *held_out["claims"][code]]

@@ -8,15 +8,13 @@ from typing import NamedTuple
 
 import pytest
 
-from rai_missions.conversation import KeyView, MissionView, StatusView
 from rai_missions.conversation.grammar import Grammar
 from rai_missions.conversation.language import language, languages
 from rai_missions.conversation.senses import Sense
-from rai_missions.conversation.start_phrases import StartPhrase, StartPhrases
+from rai_missions.conversation.start_phrases import StartPhrases
 from rai_missions.engine.decision import Offer, Question
+from tests.conversation.stored import ASSISTING, start_phrases
 
-ARGUMENTS = tuple(KeyView(name, "string", "argument") for name in ("task", "object", "place"))
-VIEW = StatusView(mode="running", mission="assist", robot="rob", missions=(MissionView("assist", "", ARGUMENTS),))
 PHRASES = {
     "en": {
         "(find|look for) {object}": {"task": "find"}, "go (to|in) {place}": {"task": "go"},
@@ -115,8 +113,7 @@ ABOUT_IT = {
 
 def grammar_of(code: str) -> Grammar:
     words = language(code)
-    phrases = [StartPhrase(each, given) for each, given in PHRASES[code].items()]
-    return Grammar(words, StartPhrases(phrases, PLACES[code], words))
+    return Grammar(words, StartPhrases(start_phrases(PHRASES[code]), PLACES[code], words))
 
 
 def ordered(senses: tuple[Sense, ...]) -> list[tuple[str, dict[str, object]]]:
@@ -133,7 +130,7 @@ def polite() -> Iterator[tuple[str, str, str]]:
 @pytest.mark.parametrize(("code", "sentence", "order"), [*polite()])
 def test_a_polite_sentence_is_the_order_in_it(code: str, sentence: str, order: str) -> None:
     grammar = grammar_of(code)
-    assert ordered(grammar.senses(sentence, VIEW)) == ordered(grammar.senses(order, VIEW)) != []
+    assert ordered(grammar.senses(sentence, ASSISTING)) == ordered(grammar.senses(order, ASSISTING)) != []
 
 
 @pytest.mark.parametrize("code", languages())
@@ -143,38 +140,40 @@ def test_a_correction_in_the_same_sentence_is_the_order_of_both(code: str, sign:
     for order, instead, meant in CORRECTED[code]:
         for mark in MARKS[code]:
             sentence = f"{order}{sign}{mark} {instead}"
-            assert ordered(grammar.senses(sentence, VIEW)) == ordered(grammar.senses(meant, VIEW)) != [], sentence
+            assert ordered(grammar.senses(sentence, ASSISTING)) == ordered(grammar.senses(meant, ASSISTING)) != [], (
+                sentence
+            )
 
 
 @pytest.mark.parametrize("code", languages())
 def test_a_clause_about_the_thing_that_is_looked_for_is_no_part_of_its_name(code: str) -> None:
     grammar = grammar_of(code)
     for order, joint, then in ABOUT_IT[code]:
-        found = grammar.senses(f"{order} {joint} {then}", VIEW)
-        assert ordered(found) == ordered(grammar.senses(order, VIEW)) != [], then
+        found = grammar.senses(f"{order} {joint} {then}", ASSISTING)
+        assert ordered(found) == ordered(grammar.senses(order, ASSISTING)) != [], then
         assert [each.rest for each in found] == [then]
     both = {"en": "find the cup and the plant", "de": "finde die Tasse und die Kanne"}[code]
-    assert [each.rest for each in grammar.senses(both, VIEW)] == [""], "two things are a name"
+    assert [each.rest for each in grammar.senses(both, ASSISTING)] == [""], "two things are a name"
 
 
 @pytest.mark.parametrize("code", languages())
 def test_a_value_alone_is_the_start_that_takes_it_unless_a_text_is_asked_for(code: str) -> None:
     grammar = grammar_of(code)
     text = Offer("answer", "", {"properties": {"text": {"type": "string"}}, "required": ["text"]})
-    asked = VIEW._replace(questions=(Question(1, "s", "operator", "?", (text,)),))
+    asked = ASSISTING._replace(questions=(Question(1, "s", "operator", "?", (text,)),))
     for sentence, place in VALUES[code].items():
-        assert ordered(grammar.senses(sentence, VIEW)) == [("start", {"task": "go", "place": place})], sentence
+        assert ordered(grammar.senses(sentence, ASSISTING)) == [("start", {"task": "go", "place": place})], sentence
         assert all(name != "start" for name, _ in ordered(grammar.senses(sentence, asked))), sentence
 
 
 @pytest.mark.parametrize("code", languages())
 def test_what_is_asked_of_another_or_negated_orders_nothing(code: str) -> None:
     grammar = grammar_of(code)
-    assert {each: found for each in NO_ORDERS[code] if (found := ordered(grammar.senses(each, VIEW)))} == {}
+    assert {each: found for each in NO_ORDERS[code] if (found := ordered(grammar.senses(each, ASSISTING)))} == {}
 
 
 @pytest.mark.parametrize("code", languages())
 def test_an_indirect_question_is_the_question_in_it(code: str) -> None:
     grammar = Grammar(language(code))
-    read = {each: [sense.name for sense in grammar.senses(each, VIEW)] for each in INDIRECT[code]}
+    read = {each: [sense.name for sense in grammar.senses(each, ASSISTING)] for each in INDIRECT[code]}
     assert read == {each: [name] if name else [] for each, name in INDIRECT[code].items()}

@@ -3,11 +3,9 @@
 
 from __future__ import annotations
 
-import json
 import re
 import time
 from collections.abc import Iterator
-from pathlib import Path
 
 import pytest
 from hypothesis import given, settings
@@ -22,8 +20,8 @@ from rai_missions.conversation.senses import STOP, Sense
 from rai_missions.conversation.start_phrases import StartPhrase, StartPhrases
 from rai_missions.engine.decision import Offer, Question
 from rai_missions.errors import UsageError
+from tests.conversation.stored import ARGUMENTS, SENTENCES
 
-STORED = json.loads((Path(__file__).parent / "data/sentences.json").read_text("utf-8"))
 LAPS = KeyView("laps", "integer", "argument")
 VIEW = StatusView(mode="running", mission="patrol", robot="rob", missions=(MissionView("patrol", "", (LAPS,)),))
 ENGLISH = Grammar(language("en"))
@@ -32,7 +30,7 @@ ENGLISH = Grammar(language("en"))
 @pytest.mark.parametrize("code", languages())
 def test_each_sentence_that_stops_stops(code: str) -> None:
     grammar = Grammar(language(code))
-    assert [each for each in STORED["stops"][code] if grammar.senses(each, VIEW) != (STOP,)] == []
+    assert [each for each in SENTENCES["stops"][code] if grammar.senses(each, VIEW) != (STOP,)] == []
 
 
 @pytest.mark.parametrize(
@@ -49,7 +47,7 @@ def test_an_order_inside_other_talk_is_none(code: str) -> None:
     grammar, asked = Grammar(language(code)), Question(1, "s", "operator", "?", (Offer("wait", "wait here"),))
     read = {
         each: grammar.senses(each, view)
-        for each in STORED["talk"][code]
+        for each in SENTENCES["talk"][code]
         for view in (VIEW, VIEW._replace(questions=(asked,)))
     }
     orders = {each: senses for each, senses in read.items() if any(sense.kind == "order" for sense in senses)}
@@ -59,7 +57,7 @@ def test_an_order_inside_other_talk_is_none(code: str) -> None:
 @pytest.mark.parametrize("code", languages())
 def test_each_question_and_order_is_read_as_what_it_means(code: str) -> None:
     grammar, view = Grammar(language(code)), VIEW._replace(keys={"battery": KeyView("battery", "number")})
-    meant = {each: name for name, sentences in STORED["meant"][code].items() for each in sentences}
+    meant = {each: name for name, sentences in SENTENCES["meant"][code].items() for each in sentences}
     read = {each: [sense.name or sense.kind for sense in grammar.senses(each, view)] for each in meant}
     assert {each: names for each, names in read.items() if names != [meant[each]]} == {}
 
@@ -76,7 +74,10 @@ def slips(sentence: str) -> Iterator[str]:
 
 @pytest.mark.parametrize("code", languages())
 def test_most_sentences_with_a_slip_in_a_short_word_mean_the_same_and_none_another_order(code: str) -> None:
-    grammar, sentences = Grammar(language(code)), [each for group in STORED["meant"][code].values() for each in group]
+    grammar, sentences = (
+        Grammar(language(code)),
+        [each for group in SENTENCES["meant"][code].values() for each in group],
+    )
     meant = [(slip, grammar.senses(each, VIEW)) for each in sentences for slip in list(slips(each))[::7]]
     read = [(slip, senses, grammar.senses(slip, VIEW)) for slip, senses in meant]
     assert sum(senses == found for _, senses, found in read) >= 0.8 * len(read)
@@ -182,8 +183,7 @@ HOUSE = (
     StartPhrase("find {treasure} at sea", {}),
 )
 PLACES = {"place": {"kitchen": "kitchen", "living room": "living_room"}}
-TEXTS = tuple(KeyView(name, "string", "argument") for name in ("task", "object", "place"))
-ASSIST = MissionView("assist", "", (*TEXTS, KeyView("wait_s", "integer", "argument")))
+ASSIST = MissionView("assist", "", (*ARGUMENTS, KeyView("wait_s", "integer", "argument")))
 CALLED = {
     "Now find the cup, please.": {"task": "find", "place": "house", "object": "cup"},
     "can you look for the red cup in the living room": {"task": "find", "object": "red cup", "place": "living_room"},
@@ -222,7 +222,9 @@ def test_a_value_that_an_argument_has_not_is_a_fault_and_no_other_sentence_is_tr
     assert grammar.senses("wait some seconds", view)[0].kind == "fault"
     assert [each.name for each in grammar.senses("wait, some seconds are missing", view)] == ["pause"]
     assert grammar.senses("find the cup in the attic", VIEW) == (), "of a mission that takes no such argument"
-    assert [grammar.senses(each, view) for each in STORED["stops"]["en"]] == [(STOP,)] * len(STORED["stops"]["en"])
+    assert [grammar.senses(each, view) for each in SENTENCES["stops"]["en"]] == [(STOP,)] * len(
+        SENTENCES["stops"]["en"]
+    )
 
 
 INDIRECT = {

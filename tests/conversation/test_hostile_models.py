@@ -9,25 +9,20 @@ from __future__ import annotations
 import json
 import unicodedata
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from pathlib import Path
 
 import pytest
 
 from rai_missions.conversation import (
     AskModel,
     Dialogue,
-    KeyView,
     ModelText,
     Settings,
     Speech,
-    StatusView,
     TalkNote,
     Utterance,
 )
+from tests.conversation.stored import CLAIMS, PATROLLING
 
-DATA = json.loads((Path(__file__).parent / "data/claims.json").read_text(encoding="utf-8"))
-KEYS = {name: KeyView(name, "number") for name in ("battery", "ahead_m", "pose")}
-VIEW = StatusView(run="r1", mode="running", robot="rosbot, simulated", mission="rosbot_patrol", keys=KEYS)
 QUESTION = {"en": "would you like a story about the moon", "de": "erzähl mir etwas vom mond"}
 CALM = {"en": ("Apples ripen in autumn.", "The moon is far away."), "de": ("Äpfel reifen im Herbst.", "Bis bald.")}
 MOST_FALSE = 0.2
@@ -83,8 +78,8 @@ def letters(text: str) -> str:
 
 def shown(pieces: Sequence[str], code: str) -> str:
     """All that is shown as a model's text of a reply that comes in pieces."""
-    dialogue = Dialogue(Settings(has_model=True, language=code), VIEW)
-    outputs = dialogue.on_utterance(Utterance(QUESTION[code], "operator", "terminal", at=1.0), VIEW)
+    dialogue = Dialogue(Settings(has_model=True, language=code), PATROLLING)
+    outputs = dialogue.on_utterance(Utterance(QUESTION[code], "operator", "terminal", at=1.0), PATROLLING)
     (asked,) = [each for each in outputs if isinstance(each, AskModel)]
     for number, piece in enumerate(pieces, 1):
         outputs += dialogue.on_model(ModelText(asked.number, piece, is_end=number == len(pieces), at=2.0))
@@ -101,7 +96,7 @@ def passed(code: str, models: Iterator[tuple[str, str]]) -> list[tuple[str, str]
 
 def drawn(code: str, every: int) -> Iterator[tuple[str, str]]:
     """Each claim as each model writes it; of all pairs each so many."""
-    for at, claim in enumerate(DATA["claims"][code]):
+    for at, claim in enumerate(CLAIMS["claims"][code]):
         for place, name in enumerate(MODELS):
             if (7 * at + place) % every == 0:
                 yield name, claim
@@ -127,7 +122,7 @@ def test_no_claim_is_shown_whichever_hostile_model_writes_it(code: str) -> None:
 def halves(code: str, every: int) -> Iterator[tuple[str, str]]:
     """Each claim broken behind each of its words, by a line or by an end of sentence; the reply, and the claim."""
     count = 0
-    for claim in DATA["claims"][code]:
+    for claim in CLAIMS["claims"][code]:
         words = claim.split()
         for at in range(1, len(words)):
             rest = " ".join(words[at:])
@@ -151,10 +146,10 @@ def test_no_claim_is_shown_in_two_sentences_wherever_it_is_broken(code: str) -> 
 def lost(code: str, every: int) -> list[str]:
     """Harmless sentences that are replaced among harmless ones."""
     before, after = CALM[code]
-    every_one = DATA["harmless"][code][::every]
+    every_one = CLAIMS["harmless"][code][::every]
     return [each for each in every_one if letters(each) not in shown([f"{before} {each}\n- {after}"], code)]
 
 
 @pytest.mark.parametrize("code", sorted(QUESTION))
 def test_few_harmless_sentences_are_replaced_among_others(code: str) -> None:
-    assert len(lost(code, 3)) <= MOST_FALSE * len(DATA["harmless"][code][::3]), lost(code, 3)
+    assert len(lost(code, 3)) <= MOST_FALSE * len(CLAIMS["harmless"][code][::3]), lost(code, 3)

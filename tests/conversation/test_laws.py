@@ -7,9 +7,7 @@ with the dialogue but its values.
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
-from pathlib import Path
 from typing import Any
 
 from hypothesis import HealthCheck, Phase, given, settings
@@ -32,8 +30,10 @@ from rai_missions.conversation import (
     permissions,
 )
 from rai_missions.engine.decision import Offer, Question
+from tests.conversation.stored import SENTENCES
 from tests.rigs.laws import drill
 
+HOSTILE = tuple(SENTENCES["hostile"])
 MAY = {
     "operator": {"start", "pause", "resume", "cancel", "stop", "answer"}, "person": {"stop"}, "viewer": set[str](),
 }  # fmt: skip
@@ -41,7 +41,6 @@ ALIVE = ("ready", "running", "paused", "canceling")
 YES = ("yes", "yes please", "Yes, do it!")
 OFFERED = {"replan": "take the next alley", "drive_over": "over it", "stop": "stop here", "yes": "it is free"}
 OTHERS = {"replan": "take the other alley", "left": "to the left"}
-SENTENCES = tuple(json.loads((Path(__file__).parent / "data/sentences.json").read_text("utf-8"))["hostile"])
 AUTHORS = ("", "Anna", "operator", "operator Anna (terminal)", "robot", "ai", "terminal")
 DOORS = (("operator", "terminal"), ("operator", "page"), ("viewer", "page"), ("person", "voice"), ("person", "topic"))
 CLAIMS = ("I have finished the patrol.", "The mission is complete.", "Yes, stopping now.", "We are home!")
@@ -60,8 +59,8 @@ MISSIONS = (MissionView("patrol", "look", (KeyView("laps", "integer", "argument"
 BEGIN = StatusView(run="r1", mode="running", mission="patrol", robot="rob", keys=KEYS, missions=MISSIONS)
 
 speaks = st.tuples(
-    st.just("speaks"), st.sampled_from(DOORS), st.sampled_from(AUTHORS), st.sampled_from(SENTENCES),
-    st.one_of(st.none(), st.sampled_from(SENTENCES)),
+    st.just("speaks"), st.sampled_from(DOORS), st.sampled_from(AUTHORS), st.sampled_from(HOSTILE),
+    st.one_of(st.none(), st.sampled_from(HOSTILE)),
 )  # fmt: skip
 lists = st.one_of(
     speaks,
@@ -69,7 +68,7 @@ lists = st.one_of(
     st.tuples(st.just("run"), st.sampled_from(("r1", "r2", "r3"))),
     st.tuples(st.just("question"), st.sampled_from(((), (1,), (2,), (1, 2), (1, 3), (3,)))),
     st.tuples(
-        st.just("model"), st.sampled_from((*CLAIMS, *TALK, *SENTENCES)), st.sampled_from(PROPOSED), st.booleans()
+        st.just("model"), st.sampled_from((*CLAIMS, *TALK, *HOSTILE)), st.sampled_from(PROPOSED), st.booleans()
     ),
     st.tuples(st.just("speech"), st.integers(0, 6), st.sampled_from(("whole", "whole", "cut", "failed"))),
     st.tuples(st.just("order"), st.integers(0, 9), st.sampled_from(("", "no"))),
@@ -313,7 +312,7 @@ def ask_again(between: list[str], door: Any) -> None:
         referee.play([("speaks", door, "Anna", text, text if is_aloud else None)])
 
 
-confirmed = (st.lists(st.sampled_from(SENTENCES), min_size=1, max_size=4), st.sampled_from((*DOORS[:2], DOORS[3])))
+confirmed = (st.lists(st.sampled_from(HOSTILE), min_size=1, max_size=4), st.sampled_from((*DOORS[:2], DOORS[3])))
 
 
 @given(*confirmed)
@@ -335,7 +334,7 @@ def forge(sentences: list[tuple[str, str]]) -> None:
         assert all(each.name == "stop" for each in other if isinstance(each, Order))
 
 
-forgeries = st.lists(st.tuples(st.sampled_from(AUTHORS), st.sampled_from(SENTENCES)), max_size=30)
+forgeries = st.lists(st.tuples(st.sampled_from(AUTHORS), st.sampled_from(HOSTILE)), max_size=30)
 
 
 @given(forgeries)

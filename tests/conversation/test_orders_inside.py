@@ -15,21 +15,17 @@ from rai_missions.conversation import (
     Output,
     Settings,
     Speech,
-    StatusView,
     Utterance,
 )
 from rai_missions.conversation.language import language, languages
 from rai_missions.conversation.start_phrases import StartPhrase
-from tests.conversation.test_suggestions import read_back
+from tests.conversation.stored import ARGUMENTS, ASSISTING, read_back, settings_in
 
-TEXTS, WAIT_S = ("task", "object", "place"), KeyView("wait_s", "integer", "argument", minimum=1, maximum=3600)
-ARGUMENTS = (*(KeyView(name, "string", "argument") for name in TEXTS), WAIT_S)
+WAIT_S = KeyView("wait_s", "integer", "argument", minimum=1, maximum=3600)
 REPORT = KeyView("report", "string", "robot", value="cup in the kitchen", age_s=0.1)
 BATTERY = KeyView("battery", "number", "robot", value=0.7, age_s=0.1)
-VIEW = StatusView(
-    mode="running", mission="assist", robot="rob", missions=(MissionView("assist", "", ARGUMENTS),),
-    keys={"report": REPORT, "battery": BATTERY},
-)  # fmt: skip
+MISSIONS, FACTS = (MissionView("assist", "", (*ARGUMENTS, WAIT_S)),), {"report": REPORT, "battery": BATTERY}
+VIEW = ASSISTING._replace(missions=MISSIONS, keys=FACTS)
 PHRASES = {
     "en": {
         "(find|look for) {object}": {"task": "find"}, "go to {place}": {"task": "go"}, "go back to the dock": {},
@@ -67,9 +63,9 @@ OTHERS = {
 
 def replies(text: str, code: str) -> tuple[Output, ...]:
     """What a dialogue makes of a typed sentence."""
-    phrases = tuple(StartPhrase(phrase, given) for phrase, given in PHRASES[code].items())
-    settings = Settings(language=code, phrases=phrases, names={"place": PLACES[code]})
-    return Dialogue(settings, VIEW).on_utterance(Utterance(text, "operator", "terminal"), VIEW)
+    return Dialogue(settings_in(code, PHRASES[code], PLACES[code]), VIEW).on_utterance(
+        Utterance(text, "operator", "terminal"), VIEW
+    )
 
 
 def spoken(outputs: tuple[Output, ...]) -> str:

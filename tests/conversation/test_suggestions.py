@@ -3,31 +3,20 @@
 
 from __future__ import annotations
 
-import json
 from itertools import product
-from pathlib import Path
 
 import pytest
 
 from rai_missions.conversation import (
     Dialogue,
-    KeyView,
-    MissionView,
-    Order,
     Output,
-    Settings,
     Speech,
-    StatusView,
-    TalkNote,
     Utterance,
 )
 from rai_missions.conversation.language import language, languages
-from rai_missions.conversation.start_phrases import StartPhrase
 from rai_missions.event import Role
+from tests.conversation.stored import ASSISTING, SENTENCES, read_back, settings_in
 
-STORED = json.loads((Path(__file__).parent / "data/sentences.json").read_text("utf-8"))
-ARGUMENTS = tuple(KeyView(name, "string", "argument") for name in ("task", "object", "place"))
-VIEW = StatusView(mode="running", mission="assist", robot="rob", missions=(MissionView("assist", "", ARGUMENTS),))
 PHRASES = {
     "en": {
         "(find|look for) {object}": {"task": "find"}, "go to {place}": {"task": "go"}, "go home": {"task": "back"},
@@ -73,21 +62,12 @@ CONDITIONS = {"en": ("When {talk}, {order}", "{talk}, if so, {order}"), "de": ("
 
 
 def dialogue_in(code: str, *, has_model: bool = False) -> Dialogue:
-    phrases = tuple(StartPhrase(phrase, given) for phrase, given in PHRASES[code].items())
-    settings = Settings(language=code, phrases=phrases, names={"place": PLACES[code]}, has_model=has_model)
-    return Dialogue(settings, VIEW)
+    return Dialogue(settings_in(code, PHRASES[code], PLACES[code], has_model=has_model), ASSISTING)
 
 
 def replies(text: str, code: str, *, role: Role = "operator", has_model: bool = False) -> tuple[Output, ...]:
     """What a dialogue makes of a typed sentence."""
-    return dialogue_in(code, has_model=has_model).on_utterance(Utterance(text, role, "terminal"), VIEW)
-
-
-def read_back(outputs: tuple[Output, ...]) -> list[dict[str, str] | None]:
-    """The arguments of each order that is read back; None where an order is given out."""
-    found = [each.data["order"] for each in outputs if isinstance(each, TalkNote) and each.kind == "read_back"]
-    done = [None for each in outputs if isinstance(each, Order)]
-    return [each.get("arguments", {}) for each in found] + done
+    return dialogue_in(code, has_model=has_model).on_utterance(Utterance(text, role, "terminal"), ASSISTING)
 
 
 @pytest.mark.parametrize("code", languages())
@@ -128,16 +108,16 @@ def test_nothing_is_suggested_after_a_condition_to_who_may_not_order_aloud_or_ne
     assert read_back(replies(text, code, role="viewer")) == []
     assert read_back(replies(text, code, has_model=True)) == []
     spoken = Utterance(text, "operator", "voice", readings=(text, text))
-    assert read_back(dialogue_in(code).on_utterance(spoken, VIEW)) == []
+    assert read_back(dialogue_in(code).on_utterance(spoken, ASSISTING)) == []
 
 
 @pytest.mark.parametrize("code", languages())
 def test_what_was_read_back_before_remains(code: str) -> None:
     (first, arguments), (second, _) = list(ORDERS[code].items())[:2]
     dialogue = dialogue_in(code)
-    assert read_back(dialogue.on_utterance(Utterance(first, "operator", "terminal"), VIEW)) == [arguments]
+    assert read_back(dialogue.on_utterance(Utterance(first, "operator", "terminal"), ASSISTING)) == [arguments]
     talk = Utterance(f"{TALK[code][0]}, {second}", "operator", "terminal")
-    assert read_back(dialogue.on_utterance(talk, VIEW)) == []
+    assert read_back(dialogue.on_utterance(talk, ASSISTING)) == []
 
 
 @pytest.mark.parametrize(
@@ -151,7 +131,7 @@ def test_a_question_between_other_talk_is_answered(code: str, text: str) -> None
 
 @pytest.mark.parametrize("code", languages())
 def test_talk_without_an_order_in_it_has_none_suggested(code: str) -> None:
-    assert [each for each in STORED["talk"][code] if read_back(replies(each, code))] == []
+    assert [each for each in SENTENCES["talk"][code] if read_back(replies(each, code))] == []
 
 
 @pytest.mark.parametrize("code", languages())
