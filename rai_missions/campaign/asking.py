@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """One cell: the question of its scene, as its embodiment and order of options show it, asked and judged.
 
+Rule: what is judged of an answer is what the store keeps of it, so a recorded answer is judged as it was.
 Rule: the verdict is the mission's. The answer goes as an event into a branch of the chart that asks, and what that
 step makes of it is what a run would make of it at that instant.
 """
@@ -24,11 +25,13 @@ from rai_missions.engine.decision import Evidence, Question, Verdict
 from rai_missions.event import Event
 from rai_missions.redaction import Redaction, cut, redacted
 
-__all__ = ("AskSettings", "question_record", "raw_text", "shown_question")
+__all__ = ("AskSettings", "kept", "question_record", "raw_text", "shown_question")
 
 MILLION = 1_000_000
 LONGEST = 20_000
 """Characters of a raw answer that are kept, and of a text of one."""
+JUDGED = ("option", "parameters")
+"""What the mission judges of an answer: kept whole, or the answer is too long."""
 FREE = PriceEntry()
 GONE = "Absent"
 """The type by which a model that cannot be opened is known: asking it again would open it no better."""
@@ -95,8 +98,8 @@ class AskSettings(NamedTuple):
                 break
             self.models.open(cell.model, question, (cell.embodiment, self.bodies[cell.embodiment]))
             began = time.perf_counter()
-            reply = self._reply(cell, question, asked, labels)
-            latency_s, one = time.perf_counter() - began, Usage.of(reply)
+            came = self._reply(cell, question, asked, labels)
+            latency_s, one, reply = time.perf_counter() - began, Usage.of(came), kept(came)
             self._note(cell.model, one)
             used = Usage(*map(sum, zip(used, one, strict=True)))
             pause_s = max(2.0**attempt, reply.after_s)
@@ -182,22 +185,27 @@ def _record(key: str, cell: Cell, reply: CellReply, asked: AskedScene) -> CellRe
     return record._replace(status="failed" if failed else "no_answer", error=cut(error, LONGEST))
 
 
-def raw_text(reply: CellReply) -> str:
-    """What came back, as JSON that is read again: without secrets, and of long texts the beginning alone."""
+def kept(reply: CellReply) -> CellReply:
+    """What is kept of an answer, and judged: without secrets, and of its words the beginning where they are long."""
     given = Redaction().json(json.loads(json.dumps(reply._asdict(), default=str)))
-    written, longest = json.dumps(given), LONGEST
-    while len(written) > LONGEST and longest:
+    found, longest = CellReply(**given), LONGEST
+    while len(raw_text(found)) > LONGEST and longest:
         longest //= 2
-        written = json.dumps(_shortened(given, longest))
-    return written if len(written) <= LONGEST else json.dumps(CellReply({"failed": "the answer is too long"})._asdict())
+        found = CellReply(**{name: _shortened(value, longest) for name, value in given.items()})
+    return found if len(raw_text(found)) <= LONGEST else CellReply({"failed": "the answer is too long"})
+
+
+def raw_text(reply: CellReply) -> str:
+    """An answer that is kept, as JSON that is read again."""
+    return json.dumps(reply._asdict())
 
 
 def _shortened(value: Any, longest: int) -> Any:
-    """Plain data whose texts have so many characters at the most."""
+    """Plain data whose texts have so many characters at the most, but for what an answer is judged by."""
     if isinstance(value, str):
         return cut(value, longest)
     if isinstance(value, dict):
-        return {name: _shortened(item, longest) for name, item in value.items()}
+        return {name: item if name in JUDGED else _shortened(item, longest) for name, item in value.items()}
     return [_shortened(item, longest) for item in value] if isinstance(value, list) else value
 
 

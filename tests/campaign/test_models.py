@@ -19,7 +19,7 @@ from rai_missions.agents.run_config import RunConfig
 from rai_missions.answerers.model.chat import ThreadChat
 from rai_missions.answerers.script import ScriptAnswerer
 from rai_missions.answerers.test_models import RaisingModel, ScriptedModel, WordyModel
-from rai_missions.campaign.asking import LONGEST, AskSettings, raw_text
+from rai_missions.campaign.asking import LONGEST, AskSettings, kept, raw_text
 from rai_missions.campaign.cells import Cell
 from rai_missions.campaign.embodiments import RobotView
 from rai_missions.campaign.file import RolloutEntry
@@ -175,7 +175,7 @@ TEXTS = st.builds(
 def test_an_answer_that_is_stored_is_read_again_whatever_a_model_wrote(why: str, texts: list[str]) -> None:
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("STRANGERS_API_KEY", "canary-key-4b1d")
-        raw = raw_text(CellReply({"option": "left", "parameters": {"far_m": 3}, "why": why}, texts=tuple(texts)))
+        raw = raw_text(kept(CellReply({"option": "left", "parameters": {"far_m": 3}, "why": why}, texts=tuple(texts))))
         read = CellReply(**json.loads(raw))
     assert len(raw) <= LONGEST and "canary" not in raw and "Qk3mQ9" not in raw
     assert (read.answer["option"], read.answer["parameters"]) == ("left", {"far_m": 3})
