@@ -10,6 +10,8 @@ import pytest
 from benchmarks.bench_recall import Nothing, libraries, measure, questions
 from rai_missions.embodiment.minilm import why_no_vectors
 
+REPORT = Path(__file__).parents[2] / "docs/testing/recall.md"
+
 
 def test_there_are_enough_questions_and_each_is_there_once() -> None:
     asked = questions()
@@ -22,6 +24,9 @@ def test_there_are_enough_questions_and_each_is_there_once() -> None:
 def test_the_words_alone_meet_the_figures(tmp_path: Path, second: bool) -> None:
     found = measure(libraries(tmp_path, nearest=Nothing()), second=second)
     assert found.holds, found
+    shares = " | ".join(f"{100 * share:.1f} %" for share in (found.hits, found.false_refusals, found.refused))
+    asked = f"{'second' if second else 'first'} ({found.answerable} + {found.unanswerable})"
+    assert f"| words alone | {asked} | {shares} |" in REPORT.read_text(encoding="utf-8"), "the report is another run's"
 
 
 @pytest.mark.drill
