@@ -18,7 +18,7 @@ __all__ = (
     "unused_wildcards",
 )  # fmt: skip
 
-FAILURES = ("failed", "timed_out", "rejected", "unclear", "refused")
+FAILURES = ("failed", "timed_out", "rejected", "unverified", "unclear", "refused")
 """The outcomes that a state may have which end the mission where nothing handles them."""
 Found = Iterator[tuple[str, str]]
 
@@ -63,7 +63,7 @@ def unhandled_success(index: MissionIndex) -> Found:
 
 
 def unhandled_failures(index: MissionIndex) -> Found:
-    """`failed`, `timed_out`, `rejected`, `unclear` or `refused` of a state is handled, by its state or around it.
+    """A failure of a state (`FAILURES`) is handled, by its state or around it.
 
     The outcome of a nested final is left out, since its author wrote it. So is a handover of control that is not
     acknowledged, which is `rejected` as well: another holder has the robot then, and the mission's end is expected.

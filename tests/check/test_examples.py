@@ -55,7 +55,7 @@ def test_the_example_of_the_design_lets_failures_end_it_and_their_author_is_aske
 
 
 def test_a_failure_that_is_handled_anywhere_around_its_state_ends_nothing() -> None:
-    every = ["failed", "timed_out", "rejected"]
+    every = ["failed", "timed_out", "rejected", "unverified"]
     for place in (lambda d: d["states"]["working"], lambda d: d, lambda d: d["states"]["working"]["states"]["driving"]):
         document = copy.deepcopy(DESIGN)
         holder = place(document)
