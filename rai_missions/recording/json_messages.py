@@ -59,8 +59,10 @@ def image_in(data: Any) -> Image | None:
     """The picture that a message carries, if it carries one."""
     if isinstance(data, Image):
         return data
-    values = data.values() if isinstance(data, Mapping) else ()
-    return next((item for item in values if isinstance(item, Image)), None)
+    for item in data.values() if isinstance(data, Mapping) else ():
+        if isinstance(item, Image):
+            return item
+    return None
 
 
 def without_bytes(value: Any) -> Any:

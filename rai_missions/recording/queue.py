@@ -56,6 +56,11 @@ class RecordingQueue:
         self.dropped: Counter[str] = Counter()
         """Name → how many of it found no room."""
 
+    @property
+    def waiting(self) -> int:
+        """How many items wait."""
+        return len(self._items)
+
     def put(self, item: QueuedItem) -> bool:
         """Have an item wait, if there is room for it; whether someone must be woken to take it."""
         kind = self._kinds[item[0]]

@@ -39,7 +39,8 @@ FLUSH_S = 1.0
 SPELL_S, REST_S = 0.002, 0.02
 """How long the thread writes at once, and how long it rests then."""
 LATE_S, LONG_REST_S = 0.002, 0.08
-"""Where the thread comes out of its rest so late, others are at work: it rests longer, and takes 2 % of the time."""
+"""Where the thread comes out of its rest so late, others are at work: it rests longer, and takes 2 % of the time. So it
+does where more comes than it writes: the rest is written afterwards either way."""
 GATHER_S = 0.05
 """How long the thread lets items gather before it begins."""
 PATIENCE_S = 60.0
@@ -93,7 +94,7 @@ class Recording:
         self._worker = Worker("recording", on_error=self._fail)
         self._closing = threading.Event()
         self._why, self._size = "", 0
-        self._is_flush_due = False
+        self._cancel_flush: Callable[[], object] | None = None
         self._journal: Path | None = None
         self._file = File(target.stream, profile)
         self._pen = MessageEncoder(self._file, mission)
@@ -221,21 +222,25 @@ class Recording:
 
     def _write_for_a_spell(self) -> None:
         """Write until the spell is over or nothing waits; a timer of the worker may come before the next spell."""
-        if not self._is_flush_due:
-            self._is_flush_due = True
-            self._worker.after(FLUSH_S, self._flush)
-        until = time.monotonic() + SPELL_S
+        if self._cancel_flush is None:
+            self._cancel_flush = self._worker.after(FLUSH_S, self._flush)
+        until, waiting = time.monotonic() + SPELL_S, self._queue.waiting
         while (item := self._queue.take()) is not None:
             self._do(item)
             if time.monotonic() >= until and self._worker.post(self._write_for_a_spell):
                 if not self._queue.is_filling:
-                    self._rest()
+                    self._rest(waiting)
                 return
 
-    def _rest(self) -> None:
+    def _rest(self, waiting: int) -> None:
+        """Let others work.
+
+        Args:
+            waiting: How many items there were to write before the spell.
+        """
         begin = time.monotonic()
         self._closing.wait(REST_S)
-        if time.monotonic() - begin > REST_S + LATE_S:
+        if self._queue.waiting > waiting or time.monotonic() - begin > REST_S + LATE_S:
             self._closing.wait(LONG_REST_S)
 
     def _do(self, item: QueuedItem) -> None:
@@ -265,11 +270,13 @@ class Recording:
         return Route("message", write)
 
     def _flush(self) -> None:
-        self._is_flush_due = False
+        self._cancel_flush = None
         if not self._why:
             self._file.flush()
 
     def _finish(self) -> None:
+        if self._cancel_flush is not None:
+            self._cancel_flush()
         while (item := self._queue.take()) is not None:
             self._do(item)
         if self._why:

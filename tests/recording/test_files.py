@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import io
 import json
 import os
 import signal
@@ -20,7 +21,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rai_missions.connectors.connector import Message
+from rai_missions.connectors.connector import Message, Report
 from rai_missions.engine.step import Step
 from rai_missions.errors import DefinitionError, UsageError
 from rai_missions.event import Event
@@ -30,7 +31,8 @@ from rai_missions.mission.files import dump
 from rai_missions.mission.mission import Mission
 from rai_missions.recording import Recording, check_name, journal_of
 from rai_missions.recording import queue as rooms
-from rai_missions.recording.file import make_file
+from rai_missions.recording import recording as pace
+from rai_missions.recording.file import RecordingFile, make_file
 from rai_missions.recording.queue import RecordingQueue, Route, packed, unpacked
 from rai_missions.runtime.clock import SimulatedClock
 from rai_missions.runtime.run_options import RunObserver
@@ -40,6 +42,7 @@ from tests.rigs.journals import anomalies, raw_rows_of
 
 mcap = pytest.importorskip("mcap")
 PATIENCE_S = 30.0
+FEEDBACK = Report("g", "feedback", {})
 
 
 def journaled(folder: Path, made: Recording, count: int) -> Journal:
@@ -261,6 +264,75 @@ def test_what_waits_is_what_was_given_also_where_it_cannot_be_packed(values: lis
     unpackable = threading.Lock()
     assert unpacked(packed(tuple(values))) == tuple(values)
     assert unpacked(packed((*values, unpackable))) == (*values, unpackable)
+
+
+class NotedWaits(threading.Event):
+    """An event for which no one waits; it notes how long they would have."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.waits: list[float | None] = []
+
+    def wait(self, timeout: float | None = None) -> bool:
+        self.waits.append(timeout)
+        return self.is_set()
+
+
+@given(st.lists(st.integers(0, 3), max_size=8))
+def test_the_thread_rests_longer_as_long_as_more_comes_than_it_writes(
+    tmp_path_factory: pytest.TempPathFactory, arrivals: list[int]
+) -> None:
+    """An item is written at a time; how many come meanwhile is drawn."""
+    coming, written, waiting = iter(arrivals), 0, 1
+    expected: list[float | None] = [pace.GATHER_S]
+    while waiting:
+        count = next(coming, 0)
+        written, waiting = written + 1, waiting + count - 1
+        expected += [pace.REST_S, pace.LONG_REST_S] if count > 1 else [pace.REST_S]
+    coming, closing, until_written = iter(arrivals), NotedWaits(), list[list[float | None]]()
+
+    def clean(value: Any) -> Any:
+        until_written.append(closing.waits.copy())
+        for _ in range(next(coming, 0)):
+            made.reported("/tray", FEEDBACK)
+        return value
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(pace, "SPELL_S", 0.0)
+        patch.setattr(pace, "LATE_S", PATIENCE_S)
+        made = recording(tmp_path_factory.mktemp("run") / "run.mcap", clean=clean)
+        patch.setattr(made, "_closing", closing)
+        made.reported("/tray", FEEDBACK)
+        until(lambda: len(until_written) == written)
+        made.close()
+    assert until_written[-1] == expected[:-1], "the last rest comes after the last item"
+
+
+class SlowEnd(io.BufferedWriter):
+    """A file that takes until an instant to be closed."""
+
+    closes_at_s = 0.0
+
+    def close(self) -> None:
+        while time.monotonic() < self.closes_at_s:
+            pass
+        super().close()
+
+
+def test_a_file_that_is_closed_is_flushed_no_more(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(pace, "FLUSH_S", 0.05)
+    is_written, path = threading.Event(), tmp_path / "run.mcap"
+    stream = SlowEnd(io.FileIO(path, "xb"))
+
+    def clean(value: Any) -> Any:
+        is_written.set()
+        return value
+
+    made = Recording(RecordingFile(path, stream), mission=LAMP, about={}, now=lambda: 0.0, clean=clean)
+    made.reported("/tray", FEEDBACK)
+    assert is_written.wait(PATIENCE_S)
+    stream.closes_at_s = time.monotonic() + 0.1  # the flush is due meanwhile
+    assert made.close().why == ""
 
 
 def test_a_picture_that_takes_long_holds_up_no_one_and_what_is_dropped_is_reported(
