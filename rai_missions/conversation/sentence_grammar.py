@@ -198,12 +198,17 @@ class SentenceGrammar:
         return self._words(bare, view, draft) if mended != words else ()
 
     def _nearest(self, word: str, known: set[str]) -> str:
-        """The one known word that it is but for a letter; a short one only by a slip of the keyboard."""
+        """The one known word that it is but for a letter; a short one only by letters exchanged or written twice.
+
+        A short word that begins with another letter, or lacks one, may be another word: `rote` is no `orte`.
+        """
         if word in known:
             return word
-        is_like = is_near if len(word) >= NEAREST else is_slip
-        near = [each for each in known if len(each) >= min(len(word), NEAREST) - 1 and is_like(word, each)]
-        near = [each for each in near if each[0] == word[0]] or near
+        if len(word) < NEAREST:
+            near = [each for each in known if each[0] == word[0] and len(each) <= len(word) and is_slip(word, each)]
+        else:
+            near = [each for each in known if len(each) >= NEAREST - 1 and is_near(word, each)]
+            near = [each for each in near if each[0] == word[0]] or near
         return near[0] if len(near) == 1 else word
 
     def _words(self, words: list[str], view: StatusView, draft: Draft | None = None) -> tuple[Sense, ...]:

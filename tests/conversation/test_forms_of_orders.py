@@ -100,7 +100,7 @@ NO_ORDERS = {
            "the kitchen is dirty", "it is time you stopped smoking", "would you mind if I went to the kitchen?"),
     "de": ("Mama, kannst du in die Küche fahren?", "Mama, könntest du die Tasse suchen?", "ich fahre in die Küche",
            "könntest du nicht die Tasse suchen", "suche nicht die Tasse", "suche keine Tasse", "ab ins Büro",
-           "die Küche ist schmutzig", "ich möchte in die Küche fahren"),
+           "die Küche ist schmutzig", "ich möchte in die Küche fahren", "Rote Bete färbt Hände"),
 }  # fmt: skip
 
 

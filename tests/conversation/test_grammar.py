@@ -66,8 +66,8 @@ def slips(sentence: str) -> Iterator[str]:
     """The sentence with a slip of the keyboard in a short word: two letters exchanged, or one written twice."""
     words = sentence.lower().split()
     for at, word in enumerate(words):
-        wrong = [word[:cut] + word[cut : cut + 2][::-1] + word[cut + 2 :] for cut in range(len(word) - 1)]
-        wrong += [word[:cut] + word[cut - 1 :] for cut in range(1, len(word) + 1)] if len(word) == 4 else []
+        wrong = [word[:cut] + word[cut : cut + 2][::-1] + word[cut + 2 :] for cut in range(1, len(word) - 1)]
+        wrong += [word[:cut] + word[cut - 1 :] for cut in range(1, len(word) + 1)] if len(word) == 3 else []
         if len(word) in (3, 4) and word.isalpha():
             yield from (" ".join([*words[:at], each, *words[at + 1 :]]) for each in wrong if each != word)
 
@@ -80,7 +80,7 @@ def test_most_sentences_with_a_slip_in_a_short_word_mean_the_same_and_none_anoth
     )
     meant = [(slip, grammar.senses(each, VIEW)) for each in sentences for slip in list(slips(each))[::7]]
     read = [(slip, senses, grammar.senses(slip, VIEW)) for slip, senses in meant]
-    assert sum(senses == found for _, senses, found in read) >= 0.8 * len(read)
+    assert sum(senses == found for _, senses, found in read) >= 0.8 * len(read), len(read)
     orders = {slip: found for slip, senses, found in read if senses != found and found[:1] and found[0].kind == "order"}
     assert orders == {}
 
