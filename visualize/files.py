@@ -21,7 +21,7 @@ from rai_missions.redaction import shown
 from visualize.build import picture
 from visualize.diff import Difference
 from visualize.dot_text import dot_text
-from visualize.graphviz import render
+from visualize.graphviz import layout_program, render
 from visualize.mermaid import mermaid
 from visualize.model import Picture
 from visualize.table import table
@@ -40,6 +40,8 @@ FORMATS: Mapping[str, Callable[[Picture], bytes]] = {
     "md": lambda given: table(given).encode(),
 }
 """A file's ending → the bytes of a picture."""
+LAID_OUT = ("svg", "png")
+"""The endings of what Graphviz lays out."""
 EXPORTERS = "rai_missions.exporters"
 """Entry points of other packages: ending → what makes the bytes."""
 PAGE = "html"
@@ -166,14 +168,16 @@ def _ending(path: str | os.PathLike[str]) -> str:
 
 
 def check_ending(path: str | os.PathLike[str], endings: Iterable[str] = (*FORMATS, PAGE)) -> None:
-    """Whether a file can be drawn that is called so.
+    """Whether a file that is called so can be drawn on this machine.
 
     Raises:
-        UsageError: Its ending is none of a picture.
+        UsageError: Its ending is none of a picture, or needs Graphviz, which is missing.
     """
     ending, endings = _ending(path), tuple(endings)
     if ending not in endings and (FORMATS.keys().isdisjoint(endings) or _writer(ending) is None):
         raise UsageError(f"'{path}' does not end in a form of picture; the endings are {_listed(endings)}")
+    if ending in LAID_OUT:
+        layout_program()
 
 
 def _listed(endings: Iterable[str]) -> str:

@@ -372,6 +372,16 @@ def test_a_file_that_cannot_be_written_is_reported_in_a_sentence(
     assert "the run was not drawn: " in capsys.readouterr().err
 
 
+def test_a_picture_that_this_machine_cannot_draw_is_refused_before_the_run(
+    folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv("PATH", str(folder))
+    monkeypatch.setattr(sys, "executable", str(folder / "python"))
+    assert main(["run", "lamp.json", "--journal", "a.journal", "--picture", "x.svg"]) == 2
+    assert "neither `dot` nor `graphviz-pure` is here" in capsys.readouterr().err
+    assert not Path("a.journal").exists()
+
+
 def test_a_journal_without_a_step_proves_nothing(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     from rai_missions.journal import Header, Journal
     from rai_missions.mission.files import dump
