@@ -145,7 +145,8 @@ def profile_of(
         for name in _facts(robot, mission, known)
         if name in mission.blackboard
     }
-    return _profile(robot, mission, facts, {"kind": KIND, **origin})
+    source = robot.name if program is None else str(program.file)
+    return validated(Robot, _written(robot, mission, facts, {"kind": KIND, **origin}), source)
 
 
 def check_functions(robot: PythonRobot, mission: Mission, source: str, *, known: Iterable[str] = ()) -> None:
@@ -161,7 +162,8 @@ def check_functions(robot: PythonRobot, mission: Mission, source: str, *, known:
         DefinitionError: It lacks some: every name at once.
     """
     facts = {name: {"topic": FACTS + name, "field": "value"} for name in _facts(robot, mission, known)}
-    if faults := missing(mission, _profile(robot, mission, facts, {"kind": KIND}), remedies=REMEDIES):
+    profile = validated(Robot, _written(robot, mission, facts, {"kind": KIND}), source)
+    if faults := missing(mission, profile, remedies=REMEDIES):
         raise DefinitionError(faults, source)
 
 
@@ -180,8 +182,11 @@ def _facts(robot: PythonRobot, mission: Mission, known: Iterable[str]) -> dict[s
     return dict.fromkeys([*robot.fact_functions, *robot.written, *optional, *known])
 
 
-def _profile(robot: PythonRobot, mission: Mission, facts: Mapping[str, Any], connector: Mapping[str, Any]) -> Robot:
-    data = {
+def _written(
+    robot: PythonRobot, mission: Mission, facts: Mapping[str, Any], connector: Mapping[str, Any]
+) -> dict[str, Any]:
+    """The profile as its JSON would be."""
+    return {
         "format": 1, "name": robot.name, "connector": connector, "blackboard": facts,
         "events": {name: {"topic": EVENTS + name} for name in mission.events},
         "actions": {
@@ -195,4 +200,3 @@ def _profile(robot: PythonRobot, mission: Mission, facts: Mapping[str, Any], con
         "topics": {name: {"topic": MESSAGES + name, "type": ""} for name in robot.topic_functions},
         "rules": robot.rules,
     } | ({"about": robot.about} if robot.about else {})  # fmt: skip
-    return validated(Robot, data, robot.name)

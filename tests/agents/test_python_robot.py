@@ -345,6 +345,14 @@ def test_what_is_wrong_in_a_file_comes_with_its_line(text: str, sentence: str, t
     assert sentence in str(caught.value)
 
 
+def test_a_fault_in_the_rules_of_a_file_comes_with_the_file(tmp_path: Path) -> None:
+    text = FILE.format(repeat=True).replace('("turtle")', '("turtle", rules={"a": [{"answer": "go", "wen": 1}]})')
+    with pytest.raises(DefinitionError) as caught:
+        run(DRIVING, written(tmp_path, text))
+    assert caught.value.source == str(tmp_path / "my_robot.py")
+    assert "/rules/a/0/wen: a rule has no 'wen'; did you mean 'when'?" in str(caught.value)
+
+
 def test_a_file_may_make_one_robot_a_run_and_is_not_needed_by_a_replay(tmp_path: Path) -> None:
     text = (
         FILE.format(repeat=False)
