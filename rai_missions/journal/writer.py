@@ -42,10 +42,17 @@ from rai_missions.journal.sqlite import (
     out_of_files,
     widen,
 )
+from rai_missions.redaction import logger
 
 __all__ = ("Journal", "versions")
 
+log = logger(__name__)
+
 CLOSE_S = 1.0
+FIRST_MARK = 100_000_000
+"""A journal that has so many bytes is mentioned in the log, and again at ten times as many."""
+LOOK_ROWS = 100
+"""Its size is looked at once in so many rows."""
 NO_PICTURES: Mapping[str, Image] = {}
 LAST = "SELECT number, hash FROM rows ORDER BY number DESC LIMIT 1"
 Redact = Callable[[str], str]
@@ -91,6 +98,7 @@ class Journal(Closable):
             raise UsageError(f"a journal cannot be written at {path}: {cure}") from None
         self._is_wide = self._is_new_log = False
         self._number, self._hash = -1, GENESIS
+        self._looks_at, self._mark = LOOK_ROWS, _mark_above(self._place.stat().st_size)
         self.written = time.monotonic()
 
     @classmethod
@@ -275,10 +283,21 @@ class Journal(Closable):
             lost = f"row {number} is lost" if len(rows) == 1 else f"rows {rows[0][0]} to {number} are lost"
             self._run([*((BLOB, blob) for blob in blobs), (statement, [*chain(*rows)])], lost)
             self._number, self._hash = number, digest
+            if number >= self._looks_at:
+                self._look_at_size(number)
             if self._witness is not None:
                 for row in rows:
                     self._witness(row, blobs if row is rows[-1] else ())
         return number
+
+    def _look_at_size(self, number: int) -> None:
+        """A run that is left alone for days, or cannot end, is not to fill a disk unnoticed."""
+        self._looks_at = number + LOOK_ROWS
+        with suppress(OSError):  # it has no name any more, which is no reason to lose a row
+            size = self._place.stat().st_size
+            if size >= self._mark:
+                log.warning("the journal %s has %d MB; it grows as long as the run lasts", self.path, size // 10**6)
+                self._mark = _mark_above(size)
 
     def _run(self, statements: list[tuple[str, Sequence[Any]]], lost: str) -> None:
         """All or nothing; a single statement is a transaction by itself."""
@@ -304,6 +323,14 @@ class Journal(Closable):
             why = out_of_files() or error
             raise ConnectorError(f"the journal {self.path} cannot be written: {why}; {lost}") from error
         self.written = time.monotonic()
+
+
+def _mark_above(size: int) -> int:
+    """The next size at which a journal is mentioned."""
+    mark = FIRST_MARK
+    while mark <= size:
+        mark *= 10
+    return mark
 
 
 def _filled(header: Header) -> Header:

@@ -414,3 +414,25 @@ def test_a_file_that_was_emptied_next_to_its_log_is_damaged(path: Path, tmp_path
     with pytest.raises(DefinitionError, match="the journal is damaged"):
         Journal.open(tmp_path / "left")
     assert (tmp_path / "left-wal").read_bytes() == log
+
+
+def test_a_journal_that_has_become_large_is_mentioned_once_at_each_tenfold(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    monkeypatch.setattr("rai_missions.journal.writer.FIRST_MARK", 1_000_000)
+    path, text = tmp_path / "j", "x" * 10_000
+
+    def mentioned(notes: int) -> int:
+        caplog.clear()
+        for _ in range(notes):
+            journal.note(text)
+        assert all(str(path) in record.getMessage() for record in caplog.records)
+        return len(caplog.records)
+
+    with Journal.create(path, HEADER) as journal:
+        assert [mentioned(count) for count in (99, 701, 100)] == [0, 1, 0]
+    with Journal.open(path) as journal:
+        assert [mentioned(count) for count in (100, 1_000)] == [0, 1]
+        assert f"{path} has 1" in caplog.text and " MB; it grows as long as the run lasts" in caplog.text
+        path.unlink()
+        assert mentioned(200) == 0
