@@ -146,7 +146,7 @@ def _refutation(sentence: str, scenes: Iterable[Any], journal: dict[str, Any] | 
     before: frozenset[str] = frozenset()
     for number, scene in enumerate(scenes, 1):
         ends = f"{scene.outcome}: {scene.why}" if scene.outcome else ", ".join(sorted(scene.active - before))
-        facts = [f"{key} {_value_text(value)}" for key, value in sorted(scene.facts.items())]
+        facts = [f"{key} {_exact(value)}" for key, value in sorted(scene.facts.items())]
         known = ", ".join(([f"control is with {scene.control.name}"] if scene.control is not None else []) + facts)
         happens = scene.words + _brought(scene.event)
         yield f"      {number}. {happens}" + (f"  → {ends}" if ends else "") + (f"  [{known}]" if known else "")
@@ -163,11 +163,12 @@ def _brought(event: Event | None) -> str:
     if event is None or event.kind not in ("event", "result", "proposal"):
         return ""
     data = event.data.get("parameters") or {} if event.kind == "proposal" else event.data
-    listed = ", ".join(f"{name} {_value_text(value)}" for name, value in sorted(data.items()))
+    listed = ", ".join(f"{name} {_exact(value)}" for name, value in sorted(data.items()))
     return f" ({listed})" if listed else ""
 
 
-def _value_text(value: Any) -> str:
+def _exact(value: Any) -> str:
+    """A value with all its digits: a refutation may turn on the last, which `quoted` rounds away."""
     if value is None:
         return "unknown"
     return value if isinstance(value, str) else json.dumps(plain(value), ensure_ascii=False)

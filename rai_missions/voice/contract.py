@@ -4,13 +4,13 @@
 from __future__ import annotations
 
 import itertools
-import math
 import random
 from array import array
 from collections.abc import Callable, Iterable
 
 from rai_missions.connectors.sound.connector import RATE_HZ
 from rai_missions.errors import UsageError
+from rai_missions.plain_data import is_number
 from rai_missions.voice.kind import Reading, Recogniser, Voice
 
 __all__ = ("check_recogniser", "check_voice")
@@ -41,9 +41,11 @@ def check_recogniser(make: Callable[[], Recogniser], turns: Iterable[bytes] = ()
             other = sorted(map(str, set(reading.evidence) - set(phrases)))
             assert not other, f"there is evidence for phrases that are expected only, not for {other}"
             numbers = (*reading.evidence.values(), *reading.guesses.values())
-            wrong = [each for each in numbers if not _is_number(each)]
+            wrong = [each for each in numbers if not is_number(each)]
             assert not wrong, f"evidence is a finite number, not {wrong[0]!r}"
-            assert all(map(_is_text, reading.guesses)), f"what is guessed is text, not {list(reading.guesses)}"
+            assert all(isinstance(each, str) for each in reading.guesses), (
+                f"what is guessed is text, not {list(reading.guesses)}"
+            )
 
 
 def check_voice(make: Callable[[], Voice], texts: Iterable[str] = TEXTS) -> None:
@@ -76,11 +78,3 @@ def _sounds() -> tuple[bytes, ...]:
     """A second of quiet, and one of noise."""
     drawn = random.Random(0)
     return bytes(2 * RATE_HZ), array("h", (drawn.randint(-3000, 3000) for _ in range(RATE_HZ))).tobytes()
-
-
-def _is_text(given: object) -> bool:
-    return isinstance(given, str)
-
-
-def _is_number(given: object) -> bool:
-    return isinstance(given, int | float) and math.isfinite(given)

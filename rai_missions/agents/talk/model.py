@@ -16,7 +16,15 @@ from langchain_core.messages import BaseMessage
 from langchain_core.tools import BaseTool
 
 from rai_missions.agents.talk.prompt import forms, talk_messages
-from rai_missions.answerers.model.chat import Absent, BudgetExceeded, Chat, ModelExit, ModelFault, ThreadChat
+from rai_missions.answerers.model.chat import (
+    Absent,
+    BudgetExceeded,
+    Chat,
+    ModelExit,
+    ModelFault,
+    ThreadChat,
+    check_open,
+)
 from rai_missions.answerers.model.output_modes import Mode, modes_of
 from rai_missions.answerers.model.parse_reply import ModelReply
 from rai_missions.answerers.model.pending import PendingQuestion, QuestionThreads
@@ -126,7 +134,7 @@ class TalkModel:
         messages: Sequence[BaseMessage] = talk_messages(request, self._identity, mode, tuple(given))
         left = MOST_LOOKS
         for _ in range(MOST_CALLS):
-            _check_open(pending)
+            check_open(pending)
             reply = exchange.ask(messages)
             if reply is None:
                 return {"failed": "answered nothing"}
@@ -139,15 +147,10 @@ class TalkModel:
                 raise BudgetExceeded(f"asked for more than the {MOST_LOOKS} calls of tools that a sentence has")
             looks = []
             for call in reading.calls:
-                _check_open(pending)
+                check_open(pending)
                 looks.append(look_up(given, call, self._redaction.text))
             messages = [*(look.message for look in looks), *(shown(looks) if images else [])]
         raise BudgetExceeded(f"the budget of {MOST_CALLS} calls is spent")
-
-
-def _check_open(pending: PendingQuestion) -> None:
-    if not pending.open:
-        raise BudgetExceeded("the answer is waited for no longer")
 
 
 def _model_text(number: int, answer: Mapping[str, Any]) -> ModelText:

@@ -21,6 +21,7 @@ from rai_missions.answerers.model.parse_reply import LONGEST, ModelReply, excess
 from rai_missions.answerers.model.pending import PendingQuestion
 
 __all__ = (
+    "UNWANTED",
     "Abilities",
     "Absent",
     "BudgetExceeded",
@@ -29,11 +30,16 @@ __all__ = (
     "ModelExit",
     "ModelFault",
     "ThreadChat",
+    "check_open",
     "name_of",
 )
 
 UNFIT = frozenset({400, 415, 422, 500, 501})
 """HTTP statuses by which servers refuse a form of answer that they do not know; the next mode may do."""
+
+
+UNWANTED = "the answer is waited for no longer"
+"""Why a model is not asked further, once its question is closed."""
 
 
 class BudgetExceeded(BaseException):
@@ -216,9 +222,19 @@ class StreamWatch(BaseCallbackHandler):
     def on_llm_new_token(self, token: Any, **_: Any) -> None:
         self.length += len(token) if isinstance(token, str) else 1
         if not self.is_open():
-            raise BudgetExceeded("the answer is waited for no longer")
+            raise BudgetExceeded(UNWANTED)
         if self.length > LONGEST:
             raise BudgetExceeded(f"answered with more than {LONGEST} characters")
+
+
+def check_open(pending: PendingQuestion) -> None:
+    """Ask a model further only while someone waits for the answer.
+
+    Raises:
+        BudgetExceeded: No one does.
+    """
+    if not pending.open:
+        raise BudgetExceeded(UNWANTED)
 
 
 def name_of(model: BaseChatModel) -> str:

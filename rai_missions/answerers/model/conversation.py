@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 from langchain_core.messages import BaseMessage
 from langchain_core.tools import BaseTool
 
-from rai_missions.answerers.model.chat import Abilities, BudgetExceeded, Chat, Conversation, ModelFault
+from rai_missions.answerers.model.chat import Abilities, BudgetExceeded, Chat, Conversation, ModelFault, check_open
 from rai_missions.answerers.model.output_modes import Mode, form_of, modes_of
 from rai_missions.answerers.model.parse_reply import ModelReply, ParsedReply, read
 from rai_missions.answerers.model.pending import PendingQuestion
@@ -123,9 +123,8 @@ class ModelConversation:
         return reply
 
     def _afford(self) -> None:
+        check_open(self.pending)
         budget = self.pending.question.budget
-        if not self.pending.open:
-            raise BudgetExceeded("the answer is waited for no longer")
         if self.calls >= budget.calls:
             raise BudgetExceeded(f"the budget of {budget.calls} calls is spent")
         if self.tokens_in + self.tokens_out >= budget.tokens:

@@ -13,7 +13,7 @@ import threading
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
-from rai_missions.answerers.model.chat import Abilities, Absent, BudgetExceeded, ModelExit
+from rai_missions.answerers.model.chat import UNWANTED, Abilities, Absent, BudgetExceeded, ModelExit
 from rai_missions.answerers.model.parse_reply import ModelReply
 from rai_missions.answerers.model.process.words import abilities_in, reply_in
 from rai_missions.connectors.process.frames import Broken
@@ -24,7 +24,6 @@ __all__ = ("Life", "PendingCall")
 
 WORK = "rai_missions.answerers.model.process.worker:work"
 UNASKED = "it sent what was not asked for"
-UNWANTED = "the answer is waited for no longer"
 
 
 class PendingCall:
