@@ -11,11 +11,10 @@ from typing import Any
 
 import pytest
 
-from rai_missions.connectors.connector import Message
-from rai_missions.connectors.local import LocalConnector
 from rai_missions.errors import UsageError
 from rai_missions.worlds import open_world
 from rai_missions.worlds.contract import check_world
+from tests.rigs.open_world import OpenWorld
 
 pytestmark = pytest.mark.sim
 
@@ -28,19 +27,15 @@ def scene(*objects: tuple[str, dict[str, float]]) -> dict[str, Any]:
     return {"objects": [{"type": kind, "pose": pose} for kind, pose in objects]}
 
 
-class Watch:
-    """A desk on a connector, and the facts that it published."""
+class Watch(OpenWorld):
+    """A desk, and the facts that it published."""
 
     def __init__(self, **options: Any) -> None:
-        self.world: Any = open_world("desk", **{"camera": False, **options})
-        self.facts: list[dict[str, Any]] = []
-        self.connector = LocalConnector(now=lambda: self.world.at)
-        self.connector.subscribe("/desk/objects", "", self._receive)
-        self.world.open(self.connector)
-        self.connector.start()
+        super().__init__("desk", ("/desk/objects",), **{"camera": False, **options})
 
-    def _receive(self, message: Message) -> None:
-        self.facts.append(json.loads(message.data["data"]))
+    @property
+    def looks(self) -> list[Any]:
+        return self.facts("/desk/objects")
 
     def run(self, seconds: float) -> None:
         end = self.world.at + seconds
@@ -48,10 +43,10 @@ class Watch:
             self.world.step()
 
     def thing(self, name: str) -> dict[str, Any]:
-        return next(one for one in self.facts[-1]["things"] if one["name"] == name)
+        return next(one for one in self.looks[-1]["things"] if one["name"] == name)
 
     def names(self) -> list[str]:
-        return [one["name"] for one in self.facts[-1]["things"]]
+        return [one["name"] for one in self.looks[-1]["things"]]
 
 
 def test_the_desk_keeps_the_contract() -> None:
@@ -94,7 +89,7 @@ def test_two_of_one_kind_have_two_names() -> None:
 def test_an_empty_desk_is_seen_empty() -> None:
     desk = Watch(scene={"objects": []})
     desk.run(1)
-    assert desk.facts[-1] == {"things": [], "unsure": 0, "gripper": "empty", "looks": 5, "stamp_s": 0.85}
+    assert desk.looks[-1] == {"things": [], "unsure": 0, "gripper": "empty", "looks": 5, "stamp_s": 0.85}
 
 
 @pytest.mark.parametrize("seed", range(6))
@@ -110,7 +105,7 @@ def test_another_seed_is_another_desk() -> None:
     for desk in runs:
         desk.run(1)
     prints = [desk.world.fingerprint() for desk in runs]
-    assert prints[0] == prints[1] != prints[2] and runs[0].facts == runs[1].facts
+    assert prints[0] == prints[1] != prints[2] and runs[0].looks == runs[1].looks
 
 
 def test_a_scene_is_read_from_a_file(tmp_path: Path) -> None:

@@ -3,20 +3,18 @@
 
 from __future__ import annotations
 
-import json
 import math
 from typing import Any
 
 import pytest
 
-from rai_missions.connectors.connector import Message, Reply
-from rai_missions.connectors.local import LocalConnector
 from rai_missions.worlds import open_world
 from rai_missions.worlds.desk.catalogue import KINDS
 from rai_missions.worlds.desk.look import SeenBody
 from rai_missions.worlds.desk.pixel_eye import PixelEye
 from rai_missions.worlds.desk.ray_eye import RayEye
 from rai_missions.worlds.desk.scene import object_name
+from tests.rigs.open_world import OpenWorld
 
 pytestmark = pytest.mark.sim
 CROWDED: dict[str, Any] = {
@@ -117,35 +115,14 @@ def test_what_is_behind_a_place_is_seen_through_and_what_stands_there_is_not(pix
     world.close()
 
 
-class Watcher:
-    """Receives everything of a desk with cameras."""
-
-    def __init__(self) -> None:
-        self.world: Any = open_world("desk", scene=CROWDED, detector={"miss": 0, "swap": 0})
-        self.last: dict[str, Message] = {}
-        self.replies: list[Reply] = []
-        self.connector = LocalConnector(now=lambda: self.world.at)
-        for name in ("color_image5", "depth_image5", "color_camera_info5", "desk/objects"):
-            self.connector.subscribe(f"/{name}", "", self._receive)
-        self.world.open(self.connector)
-        self.connector.start()
-        for _ in range(25):
-            self.world.step()
-
-    def _receive(self, message: Message) -> None:
-        self.last[message.topic.removeprefix("/")] = message
-
-    def call(self, service: str, request: dict[str, Any]) -> Reply:
-        self.connector.call(service, "", request, timeout_s=5.0, on_reply=self.replies.append)
-        return self.replies[-1]
-
-
 def test_a_desk_with_cameras_publishes_pictures_and_answers_as_upstream_does() -> None:
-    desk = Watcher()
+    topics = ("/color_image5", "/depth_image5", "/desk/objects")
+    desk = OpenWorld("desk", topics, scene=CROWDED, detector={"miss": 0, "swap": 0})
     try:
-        names = {one["name"] for one in json.loads(desk.last["desk/objects"].data["data"])["things"]}
+        desk.step(2.5)
+        names = {one["name"] for one in desk.facts("/desk/objects")[-1]["things"]}
         assert names == {one["type"] for one in CROWDED["objects"]}
-        picture, depth = desk.last["color_image5"].data, desk.last["depth_image5"].data
+        picture, depth = (desk.received[each][-1].data for each in topics[:2])
         assert (picture["width"], picture["height"]) == (depth["width"], depth["height"]) == (640, 480)
         assert depth["encoding"] == "16UC1" and len(depth["data"].data) == 640 * 480 * 2
         request = {"classes": "red cube, apple, dog", "box_threshold": 0.3, "source_img": picture}

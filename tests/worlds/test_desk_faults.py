@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 import random
 from collections.abc import Sequence
@@ -11,8 +10,7 @@ from typing import Any
 
 import pytest
 
-from rai_missions.connectors.connector import Message, Report
-from rai_missions.connectors.local import LocalConnector
+from rai_missions.connectors.connector import Report
 from rai_missions.errors import UsageError
 from rai_missions.worlds import open_world
 from rai_missions.worlds.desk.detector import ClassifiedBody
@@ -20,6 +18,7 @@ from rai_missions.worlds.desk.finger_contacts import FingerContacts
 from rai_missions.worlds.desk.look import SeenBody
 from rai_missions.worlds.desk.tracks import LEAD, Tracks
 from rai_missions.worlds.open_set_detector import Thing
+from tests.rigs.open_world import OpenWorld
 
 pytestmark = pytest.mark.sim
 TWO: dict[str, Any] = {
@@ -30,28 +29,23 @@ TWO: dict[str, Any] = {
 }
 
 
-class Desk:
+class Desk(OpenWorld):
     """A desk with faults, and what is seen of it."""
 
     def __init__(self, **options: Any) -> None:
-        self.world: Any = open_world("desk", camera=False, **{"scene": TWO, **options})
-        self.facts: list[dict[str, Any]] = []
-        self.connector = LocalConnector(now=lambda: self.world.at)
-        self.connector.subscribe("/desk/objects", "", self._receive)
-        self.world.open(self.connector)
-        self.connector.start()
+        super().__init__("desk", ("/desk/objects",), camera=False, **{"scene": TWO, **options})
+
+    @property
+    def looks(self) -> list[Any]:
+        return self.facts("/desk/objects")
 
     @property
     def fact(self) -> dict[str, Any]:
-        return self.facts[-1]
-
-    def _receive(self, message: Message) -> None:
-        self.facts.append(json.loads(message.data["data"]))
+        return dict(self.looks[-1])
 
     def run(self, seconds: float) -> dict[str, dict[str, Any]]:
         """The things that are seen afterwards, by name."""
-        for _ in range(round(seconds / self.world.period_s)):
-            self.world.step()
+        self.step(seconds)
         return {one["name"]: one for one in self.fact["things"]}
 
 
@@ -321,7 +315,7 @@ class Hand(Desk):
 def test_a_carried_thing_arrives_and_the_gripper_is_reported_from_its_sensors() -> None:
     hand = Hand()
     assert hand.carry() == ["succeeded", "succeeded"]
-    words = [fact["gripper"] for fact in hand.facts]
+    words = [fact["gripper"] for fact in hand.looks]
     assert words[0] == words[-1] == "empty" and "holding" in words
     seen = hand.run(1)["red_cube"]
     assert math.dist((seen["x"], seen["y"]), (0.4, -0.3)) < 0.01

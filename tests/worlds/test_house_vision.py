@@ -12,14 +12,13 @@ from typing import Any
 import numpy as np
 import pytest
 
-from rai_missions.connectors.connector import Message, Reply
-from rai_missions.connectors.local import LocalConnector
 from rai_missions.errors import UsageError
 from rai_missions.mission.files import load
 from rai_missions.worlds import open_world
 from rai_missions.worlds.house.figures import FIGURES
 from rai_missions.worlds.house.layout import SPOTS
 from rai_missions.worlds.perception.detections import Box2D, ObjectDetection, array_message, request
+from tests.rigs.open_world import OpenWorld
 
 pytestmark = pytest.mark.sim
 CLASSIFY, SEGMENT = "/grounding_dino_classify", "/grounded_sam_segment"
@@ -29,22 +28,15 @@ STUDY = 7.0, 3.2, 3.14
 ON_DESK = [{"kind": "cup", "spot": "desk_south", "colour": "red"}, {"kind": "book", "spot": "desk_north"}]
 
 
-class Room:
-    """A house whose robot is put in front of something, on a connector."""
+TOPICS = ("/camera/color/image_raw", "/camera/depth/image_raw", "/sighting", "/seen", "/from_human")
+
+
+class Room(OpenWorld):
+    """A house whose robot is put in front of something."""
 
     def __init__(self, pose: tuple[float, float, float] = STUDY, **options: Any) -> None:
-        self.world: Any = open_world("house", **{"objects": ON_DESK, **options})
-        self.connector = LocalConnector(now=lambda: self.world.at)
-        self.received: dict[str, list[Message]] = {}
-        for topic in ("/camera/color/image_raw", "/camera/depth/image_raw", "/sighting", "/seen", "/from_human"):
-            self.connector.subscribe(topic, "", self.received.setdefault(topic, []).append)
-        self.world.open(self.connector)
-        self.connector.start()
+        super().__init__("house", TOPICS, **{"objects": ON_DESK, **options})
         put(self.world, pose)
-
-    def step(self, seconds: float) -> None:
-        for _ in range(round(seconds / self.world.period_s)):
-            self.world.step()
 
     def picture(self) -> dict[str, Any]:
         """The next picture."""
@@ -54,11 +46,6 @@ class Room:
             self.world.step()
         return dict(pictures[-1].data)
 
-    def call(self, service: str, asked: dict[str, Any]) -> Reply:
-        replies: list[Reply] = []
-        self.connector.call(service, "", asked, on_reply=replies.append)
-        return replies[0]
-
     def detect(self, names: list[str], picture: dict[str, Any] | None = None) -> Any:
         reply = self.call(CLASSIFY, request(names, picture or self.picture()))
         assert reply.outcome == "succeeded", reply.why
@@ -67,9 +54,6 @@ class Room:
     def names(self, names: list[str], pictures: int = 1) -> list[str]:
         found = [one for _ in range(pictures) for one in self.detect(names)["detections"]]
         return [one["results"][0]["hypothesis"]["class_id"] for one in found]
-
-    def facts(self, topic: str) -> list[Any]:
-        return [json.loads(message.data["data"]) for message in self.received[topic]]
 
 
 def put(world: Any, pose: tuple[float, float, float]) -> None:
