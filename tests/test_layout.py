@@ -4,10 +4,13 @@
 from __future__ import annotations
 
 import ast
+import importlib
 import re
 from collections import defaultdict
 from collections.abc import Iterator
 from pathlib import Path
+
+import pytest
 
 from tests.rigs.sources import nodes, parsed
 
@@ -155,3 +158,15 @@ def test_a_folder_inside_is_one_of_its_package() -> None:
         if not any(folder.rglob("*.py")) or folder.parent.name in ELSEWHERE or name in INNER:
             continue
         assert (ROOT / name if name.startswith("visualize") else ROOT / "rai_missions" / name).is_dir(), name
+
+
+@pytest.mark.parametrize("builder", ["sdist", "wheel"])
+def test_a_distribution_has_every_file_of_both_packages(builder: str) -> None:
+    """A folder that a link in `ros/` leads to is walked once, under the name that comes first."""
+    pytest.importorskip("hatchling", reason="hatchling comes with the extra `dev`")
+    module = importlib.import_module(f"hatchling.builders.{builder}")
+    made = getattr(module, f"{builder.title()}Builder")(str(ROOT))
+    packed = {each.distribution_path for each in made.recurse_included_files()}
+    ours = {path.relative_to(ROOT).as_posix() for package in OURS for path in (ROOT / package).rglob("*.*")}
+    sources = {path for path in ours if not path.endswith((".pyc", ".so")) and (ROOT / path).is_file()}
+    assert len(sources) > 500 and sources - packed == set()
