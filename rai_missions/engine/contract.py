@@ -20,7 +20,7 @@ __all__ = ("check_activity",)
 
 MOST = 300
 """After so many instants of runs everything that may happen next is tried."""
-Stimulus = Callable[[Chart], Step]
+ChartInput = Callable[[Chart], Step]
 Awaited = tuple[str, str, int]
 """What a reply is waited for: `goal`, `call` or `option`, the option's name, and the number."""
 
@@ -74,7 +74,7 @@ class _Instant:
         named = (reference for each in state.everything() for reference in each.references())
         self._named = {name for refers, name, _ in named if refers.sort == "key"}
 
-    def after(self, chart: Chart, stimulus: Stimulus) -> tuple[Step, Chart]:
+    def after(self, chart: Chart, stimulus: ChartInput) -> tuple[Step, Chart]:
         """The step and the chart after it, the same for a chart that was restored and for one that was stored."""
         saved, stored = chart.snapshot(), unpacked(packed(chart.snapshot()))
         first, second = (Chart.restore(self._mission, each, ticker=self._ticker) for each in (saved, stored))
@@ -102,7 +102,7 @@ def _asked(step: Step) -> Iterator[Awaited]:
 
 def _stimuli(
     step: Step, awaited: frozenset[Awaited], chart: Chart, facts: Sequence[Mapping[str, Any]]
-) -> Iterator[Stimulus]:  # fmt: skip
+) -> Iterator[ChartInput]:  # fmt: skip
     """What may happen next: a reply of each kind, the next instant that it asks for, and what may be written."""
     at = chart.at + 0.1
     for sort, option, number in sorted(awaited):
@@ -118,5 +118,5 @@ def _stimuli(
             yield lambda chart, key=key, value=value: chart.write(key, value, at=at)  # type: ignore[misc]
 
 
-def _sending(event: Event) -> Stimulus:
+def _sending(event: Event) -> ChartInput:
     return lambda chart: chart.send(event)

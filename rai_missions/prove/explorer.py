@@ -41,7 +41,7 @@ __all__ = ("CANCEL", "KILL", "START", "Edge", "Space", "Violation")
 NOW_AND_THEN = 100
 MOST_COURSES = 20_000
 """So many states are remembered with all that happened in them."""
-Progress = Callable[[int, int], None]
+OnProgress = Callable[[int, int], None]
 START, CANCEL, KILL = "the mission starts", "the operator cancels", "the operator gives the e-stop"
 
 
@@ -82,7 +82,7 @@ class Space(StateGraph):
 
     def __init__(
         self, environment: Environment, limits: Limits | int = MOST_STATES,
-        progress: Progress = lambda found, done: None, *, wanted: Collection[str] = (), by_parts: bool = True,
+        progress: OnProgress = lambda found, done: None, *, wanted: Collection[str] = (), by_parts: bool = True,
         one_by_one: bool = False,
     ) -> None:  # fmt: skip
         super().__init__()

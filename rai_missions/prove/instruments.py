@@ -15,7 +15,7 @@ from rai_missions.engine.activities.tree import TreeMachine
 from rai_missions.engine.program import Program
 from rai_missions.event import Event
 from rai_missions.guards.guard import Test, Truth
-from rai_missions.prove.store import ALL_GOALS, Obstruction
+from rai_missions.prove.store import ALL_GOALS, ObstructionQuery
 
 __all__ = ("Instruments",)
 
@@ -73,7 +73,7 @@ class Instruments:
         if isinstance(machine, DecisionMachine):
             self._watch_question(machine, place)
         elif isinstance(machine, GoalMachine):
-            self._watch_starts(machine, Obstruction(machine.definition.action))
+            self._watch_starts(machine, ObstructionQuery(machine.definition.action))
             if machine.achieved is not None:
                 machine.achieved = self._noting(f"{place}/achieved", machine.achieved)
         elif isinstance(machine, TreeMachine):

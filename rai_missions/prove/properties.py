@@ -13,9 +13,9 @@ from rai_missions.mission.mission import Mission
 from rai_missions.prove.circles import circling
 from rai_missions.prove.explorer import Edge, Space
 
-__all__ = ("CLAIMS", "Property", "Verdict", "claims", "lost", "stuck")
+__all__ = ("CLAIMS", "ClaimVerdict", "Property", "claims", "lost", "stuck")
 
-Verdict = Literal["proved", "refuted", "explored"]
+ClaimVerdict = Literal["proved", "refuted", "explored"]
 CLAIMS = {
     "ends": "from every state the mission can still end",
     "comes to rest": "no run goes round for ever by itself",
@@ -33,7 +33,7 @@ class Property(NamedTuple):
     """One claim and its verdict."""
 
     name: str
-    verdict: Verdict
+    verdict: ClaimVerdict
     sentence: str = ""
     """What refutes it."""
     state: int = -1
@@ -66,7 +66,7 @@ def claims(mission: Mission, space: Space, *, is_sampled: bool = False) -> list[
     for claim in (*_ends(space), *_rests(space), *(_options(mission, space) if is_whole else ()),
                   *(_rules(space) if is_whole else ())):  # fmt: skip
         found.setdefault(claim.name, claim)
-    rest: Verdict = "proved" if is_whole else "explored"
+    rest: ClaimVerdict = "proved" if is_whole else "explored"
     return [found.get(name) or Property(name, rest) for name in CLAIMS]
 
 

@@ -12,7 +12,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from itertools import accumulate, chain, compress, repeat
 from typing import NamedTuple
 
-from rai_missions.prove.stimulus import HappeningKind
+from rai_missions.prove.stimulus import StimulusKind
 
 __all__ = ("LENGTHENED", "LISTED", "MOVING", "REPORTED", "Edge", "StateGraph")
 
@@ -102,7 +102,7 @@ class StateGraph:
         if self._joined:
             self._joined = set()
 
-    def join(self, source: int, target: int, kind: HappeningKind, kept: frozenset[str] | None = None) -> None:
+    def join(self, source: int, target: int, kind: StimulusKind, kept: frozenset[str] | None = None) -> None:
         """Note a step from one to another, but for what an operator does who need not."""
         if kind == "command":
             return

@@ -14,7 +14,7 @@ from rai_missions.prove.loops import Loop
 from rai_missions.prove.region_parts import Part, PartNumbers
 from rai_missions.prove.state_graph import Edge
 from rai_missions.prove.state_key import SavedState
-from rai_missions.prove.stimulus import HappeningKind
+from rai_missions.prove.stimulus import StimulusKind
 from rai_missions.prove.store import Store, StoreChange, StoreQuery
 
 __all__ = (
@@ -84,7 +84,7 @@ class Arrival(NamedTuple):
     """What one step came to, but for what it left alone of the store."""
 
     way: Edge
-    kind: HappeningKind
+    kind: StimulusKind
     has_moved: bool
     """A transition was taken, a round of a tree's loop has ended that took time, or a tree's wait has begun."""
     ended: tuple[str, str] | None

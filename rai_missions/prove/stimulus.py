@@ -6,10 +6,10 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any, Literal, NamedTuple
 
-__all__ = ("KINDS", "HappeningKind", "Stimulus")
+__all__ = ("KINDS", "Stimulus", "StimulusKind")
 
-HappeningKind = Literal["start", "event", "robot", "answer", "write", "time", "command"]
-KINDS: tuple[HappeningKind, ...] = ("start", "event", "robot", "answer", "write", "time", "command")
+StimulusKind = Literal["start", "event", "robot", "answer", "write", "time", "command"]
+KINDS: tuple[StimulusKind, ...] = ("start", "event", "robot", "answer", "write", "time", "command")
 """`robot`: a goal's, call's or behaviour's report, or a handover. `write`: something known changes."""
 
 
@@ -18,7 +18,7 @@ class Stimulus(NamedTuple):
 
     words: str
     """In words."""
-    kind: HappeningKind
+    kind: StimulusKind
     do: Callable[[], None]
     number: int = 0
     """Of the goal, call, question or behaviour that it is about."""

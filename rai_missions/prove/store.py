@@ -25,7 +25,7 @@ __all__ = (
     "ALL_GOALS",
     "LEFT",
     "MANY",
-    "Obstruction",
+    "ObstructionQuery",
     "Rivals",
     "Store",
     "StoreChange",
@@ -45,7 +45,7 @@ REMEMBERED = 50_000
 """So many stores, changes and answers are remembered; past that all are forgotten and it starts again."""
 
 
-class Obstruction(NamedTuple):
+class ObstructionQuery(NamedTuple):
     """Asks whether goals are in the way of an action."""
 
     action: str
@@ -238,7 +238,7 @@ class Stores:
     def _part(self, asked: Any) -> Callable[[Store], Any]:
         if asked == ALL_GOALS:
             return lambda store: _plain(store.goals)
-        if isinstance(asked, Obstruction):
+        if isinstance(asked, ObstructionQuery):
             facts, action = self._facts, asked.action
             return lambda store: obstruction(store.ledger, facts, action)
         if isinstance(asked, tuple):

@@ -9,14 +9,14 @@ from typing import Any, ClassVar, Literal, Protocol, runtime_checkable
 
 from rai_missions.connectors.connector import Data, Report
 
-__all__ = ("Client", "End", "GoalServer", "Later", "RunningGoal", "SupportsHeir", "unreported")
+__all__ = ("End", "GoalServer", "Later", "OnReport", "RunningGoal", "SupportsHeir", "unreported")
 
 FEEDBACK_S = 0.5
 End = Literal["succeeded", "failed", "canceled"]
-Status = Literal["accepted", "rejected", "feedback", End]
+GoalStatus = Literal["accepted", "rejected", "feedback", End]
 Later = Callable[[Callable[[], None]], None]
 """Does something once the world's step is over and its lock is free."""
-Client = Callable[[Report], None]
+OnReport = Callable[[Report], None]
 """Who is notified of a goal."""
 
 
@@ -45,7 +45,7 @@ class RunningGoal:
 class SupportsHeir(Protocol):
     """A server in the branch of a world, whose goal's client is in the other world."""
 
-    def continue_with(self, client_of: Callable[[str], Client]) -> None:
+    def continue_with(self, client_of: Callable[[str], OnReport]) -> None:
         """Report about the goal that is pursued, if there is one without a client, to the client of its id."""
 
 
@@ -61,7 +61,7 @@ class GoalServer:
         self._later, self.at = later, at
         self.running: RunningGoal | None = None
 
-    def continue_with(self, client_of: Callable[[str], Client]) -> None:
+    def continue_with(self, client_of: Callable[[str], OnReport]) -> None:
         """Report about the goal that is pursued, if there is one without a client, to the client of its id."""
         if self.running is not None and self.running.on_report is unreported:
             self.running.on_report = client_of(self.running.goal_id)
@@ -83,5 +83,5 @@ class GoalServer:
             running.next_feedback = self.at + FEEDBACK_S
             self._report(running, "feedback", feedback(self.at - running.begun))
 
-    def _report(self, running: RunningGoal, status: Status, data: Data | None = None, why: str = "") -> None:
+    def _report(self, running: RunningGoal, status: GoalStatus, data: Data | None = None, why: str = "") -> None:
         self._later(lambda: running.on_report(Report(running.goal_id, status, data or {}, why)))

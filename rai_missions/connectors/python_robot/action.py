@@ -22,7 +22,7 @@ __all__ = ("ActionRun", "GoalRun", "fault_of", "response_of")
 log = logger(__name__)
 
 E = TypeVar("E", bound=Execution)
-Status = Literal["accepted", "feedback", "succeeded", "failed", "canceled", "overdue"]
+ActionStatus = Literal["accepted", "feedback", "succeeded", "failed", "canceled", "overdue"]
 NOTHING: Data = {}
 OURS = str(Path(__file__).parent)
 LIBRARIES = tuple({sysconfig.get_path(each) for each in ("stdlib", "purelib", "platlib")})
@@ -69,7 +69,7 @@ class GoalRun(Generic[E]):
         self._is_canceled = True
         self._time.wake(self.execution)
 
-    def report(self, status: Status, why: str = "", data: Data = NOTHING) -> None:
+    def report(self, status: ActionStatus, why: str = "", data: Data = NOTHING) -> None:
         """Report how the goal is going, or its end."""
         self._on_report(Report(self._goal_id, status, data, why))
 

@@ -19,7 +19,7 @@ CLEAR_M = 0.01
 """Metres by which one thing has to be ahead of another, so that a person sees that it is."""
 SIGMAS = 3.0
 """Standard deviations of the camera that are added to it."""
-Measure = Callable[[Thing, Thing | None], float]
+RankMeasure = Callable[[Thing, Thing | None], float]
 """Metres of a thing, the least first; the other is what a distance is measured from."""
 
 
@@ -44,18 +44,18 @@ def _between_outlines(thing: Thing, other: Thing | None) -> float:
     return gap(thing.footprint, other.footprint) if other is not None else 0.0
 
 
-def _most(*measures: Measure) -> tuple[Measure, ...]:
+def _most(*measures: RankMeasure) -> tuple[RankMeasure, ...]:
     """The measures from the other end."""
 
-    def turned(measure: Measure) -> Measure:
+    def turned(measure: RankMeasure) -> RankMeasure:
         return lambda thing, other: -measure(thing, other)
 
     return tuple(turned(each) for each in measures)
 
 
-SIZE: tuple[Measure, ...] = (_longest, _volume)
-AWAY: tuple[Measure, ...] = (_between_centres, _between_outlines)
-MEASURES: Mapping[str, tuple[Measure, ...]] = {
+SIZE: tuple[RankMeasure, ...] = (_longest, _volume)
+AWAY: tuple[RankMeasure, ...] = (_between_centres, _between_outlines)
+MEASURES: Mapping[str, tuple[RankMeasure, ...]] = {
     "left": (lambda thing, _: -thing.y,),
     "right": (lambda thing, _: thing.y,),
     "near_robot": (_from_robot,),
@@ -87,7 +87,7 @@ def choices(things: Sequence[Thing], rank: Rank, count: int, other: Thing | None
 
 
 def _of_measure(
-    measure: Measure, things: Sequence[Thing], wanted: slice, other: Thing | None
+    measure: RankMeasure, things: Sequence[Thing], wanted: slice, other: Thing | None
 ) -> Iterator[tuple[str, ...]]:
     """The things at some places of the order by a measure; the ones that may be at the place instead, one by one."""
     order = sorted(things, key=lambda each: (measure(each, other), each.name))
@@ -105,6 +105,6 @@ def _of_measure(
             )
 
 
-def _is_level(measure: Measure, one: Thing, two: Thing, other: Thing | None) -> bool:
+def _is_level(measure: RankMeasure, one: Thing, two: Thing, other: Thing | None) -> bool:
     clear = CLEAR_M + SIGMAS * math.hypot(one.sigma_m, two.sigma_m)
     return abs(measure(one, other) - measure(two, other)) < clear

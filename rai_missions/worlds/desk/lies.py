@@ -7,7 +7,7 @@ from collections.abc import Callable
 
 from rai_missions.connectors.connector import Data, Report
 from rai_missions.worlds.desk.actions import ArmServer
-from rai_missions.worlds.goal_server import Client
+from rai_missions.worlds.goal_server import OnReport
 
 __all__ = ("LyingServer",)
 
@@ -29,10 +29,10 @@ class LyingServer:
     def cancel(self, goal_id: str) -> None:
         self._server.cancel(goal_id)
 
-    def continue_with(self, client_of: Callable[[str], Client]) -> None:
+    def continue_with(self, client_of: Callable[[str], OnReport]) -> None:
         self._server.continue_with(lambda goal_id: self._to(client_of(goal_id)))
 
-    def _to(self, report: Client) -> Client:
+    def _to(self, report: OnReport) -> OnReport:
         return lambda true: report(self._reported(true))
 
     def _reported(self, true: Report) -> Report:

@@ -36,7 +36,7 @@ LOW_STOP_M = 0.38
 HIDDEN_M, BEAM_RAD = 0.06, 0.03
 """How much nearer than the lidar sees a low point must be, in beams so near it: else the lidar sees that thing, too."""
 
-Outcome = Literal["", "arrived", "failed"]
+DriveOutcome = Literal["", "arrived", "failed"]
 
 
 class Navigator:
@@ -52,7 +52,7 @@ class Navigator:
         self.goal: NamedPose | None = None
         self.number = 0
         """Of the goals that were begun: whose number it is not has been replaced."""
-        self.outcome: Outcome = ""
+        self.outcome: DriveOutcome = ""
         self.why, self.error = "", 0
         self.recoveries = 0
         self._most = recoveries

@@ -17,9 +17,9 @@ from rai_missions.worlds.contact_forces import touches
 from rai_missions.worlds.orchard.extents import Extents
 from rai_missions.worlds.orchard.tractor import TAIL_M, Tractor, TractorPose
 
-__all__ = ("Crossing", "Judge", "Outcome")
+__all__ = ("Crossing", "CrossingOutcome", "Judge")
 
-Outcome = Literal["open", "passed", "failed", "left"]
+CrossingOutcome = Literal["open", "passed", "failed", "left"]
 PUSHED_M, TILTED_DEG, STRUCK_N, STUCK_S = 1.0, 18.0, 25_000.0, 6.0
 
 
@@ -35,7 +35,7 @@ class Crossing:
     """Where the obstacle ended at the handover, along that way."""
     start: tuple[tuple[float, float], ...]
     """Where each of them was at the handover."""
-    outcome: Outcome = "open"
+    outcome: CrossingOutcome = "open"
     why: str = ""
     lift_m: float = 0.0
     """Of the highest wheel."""
