@@ -23,11 +23,12 @@ from rai_missions.campaign.embodiments import EMBODIMENTS
 from rai_missions.campaign.report.comparisons import within
 from rai_missions.campaign.report.figures import CampaignFigures, GroupFigures, figures_of
 from rai_missions.campaign.report.wrong_answers import wrong_answers
+from rai_missions.campaign.statistics import Interval
 from rai_missions.campaign.store import ResultStore
 from rai_missions.cli.campaign_report import write_report
 from rai_missions.errors import UsageError
 from tests.campaign.results import HOSTILE, KINDS, OPTIONS, SORTS, Sort, make_results
-from visualize.campaign_page.plots import chance, lasting
+from visualize.campaign_page.plots import at_most, chance, lasting
 
 BOTH = (Sort("rules", 0.6), Sort("small", 0.5))
 
@@ -278,6 +279,11 @@ def test_nothing_of_a_store_becomes_markup(files: tuple[Path, ...]) -> None:
     data = json.loads(found.data)
     assert {each["reason"] for each in data["answers"] if "reason" in each} >= {HOSTILE[0], HOSTILE[1]}
     assert "default-src &#x27;none&#x27;" in page and "connect-src &#x27;none&#x27;" in page
+
+
+@pytest.mark.parametrize(("share", "shown"), [(0.0, "0.0 % (≤ 22.1 %)"), (math.nan, "–")])
+def test_where_nothing_was_counted_there_is_no_bound(share: float, shown: str) -> None:
+    assert at_most(Interval(share, 0.0, 0.221, 16, 16)) == shown
 
 
 @pytest.mark.parametrize(("p", "shown"), [(1.7e-81, "< 0.0001"), (1e-4, "0.0001"), (0.0312, "0.031"), (1.0, "1")])

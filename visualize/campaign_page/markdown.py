@@ -11,7 +11,7 @@ from collections.abc import Iterator, Sequence
 from rai_missions.campaign.report.comparisons import LEVEL, Comparison
 from rai_missions.campaign.report.figures import CampaignFigures, GroupFigures
 from rai_missions.errors import counted
-from visualize.campaign_page.plots import chance, lasting, percent, span
+from visualize.campaign_page.plots import at_most, chance, lasting, percent, span
 from visualize.diff.markdown import quoted
 
 __all__ = ("markdown",)
@@ -56,7 +56,7 @@ def _group(group: GroupFigures) -> str:
     cells = [
         *map(quoted, (group.name.model, group.name.embodiment, group.name.mission)),
         percent(group.accuracy.share), span(group.accuracy), percent(group.harm.share),
-        f"{percent(group.harm_past_guard.share)} (≤ {percent(group.harm_past_guard.high)})",
+        at_most(group.harm_past_guard),
         f"{quoted(option) or 'none'} {percent(share)}", lasting(group.latency.median),
         f"{(group.prompt_tokens + group.completion_tokens) / asked:.0f}",
         *(str(group.status[word]) for word in ("answered", "no_answer", "failed")),

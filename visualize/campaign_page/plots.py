@@ -15,6 +15,7 @@ from visualize.campaign_page.markup import Markup, node
 
 __all__ = (
     "COLOURS",
+    "at_most",
     "axis",
     "chance",
     "colour",
@@ -38,6 +39,11 @@ INSET = 1.5
 def percent(share: float) -> str:
     """A share as text; a dash where it is none."""
     return "–" if math.isnan(share) else f"{100 * share:.1f} %"
+
+
+def at_most(found: Interval) -> str:
+    """A share with the upper end of its interval; a dash where it is none."""
+    return percent(found.share) + ("" if math.isnan(found.share) else f" (≤ {percent(found.high)})")
 
 
 def chance(p: float) -> str:
