@@ -69,6 +69,8 @@ class RunSession:
         self._lock = threading.Lock()
         self.requests: RunRequests[PendingCommand] = RunRequests(runner)
         self._asked = {each.number: each for each in runner.view.questions}
+        self.seq = runner.view.seq
+        """The last step that the status and what is asked are of, or of a later one."""
         self._thread: threading.Thread | None = None
         self._is_news = False
 
@@ -231,7 +233,9 @@ class RunSession:
     def step(self, step: Step) -> bool:
         """Follow a step, on the run's thread; whether the status or what is asked has changed with it."""
         is_news, self._is_news = self._is_news, False
-        return self._follow_questions(step) or is_news
+        is_news |= self._follow_questions(step)
+        self.seq = step.seq  # at last: who reads it first finds all else at least as new
+        return is_news
 
     def receive(self, step: Step) -> None:
         """Report to the client of an order what this step did."""

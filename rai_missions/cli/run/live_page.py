@@ -260,13 +260,13 @@ class RunPage:
         return self._shown.session.runner
 
     def _look(self) -> RunScene:
-        """How the run is; read while it continues, so the step's number is read first."""
+        """How the run is; read while it continues, so the number of the step that was reported last is read first."""
         from visualize.live import RunScene
 
         assert self._shown is not None
         session = self._shown.session
         chart = session.runner.view
-        seq, mode = chart.seq, session.mode
+        seq, mode = session.seq, session.mode
         questions = self._asked()
         board = {key: (entry.value, entry.at) for key, entry in chart.board.items()}
         scene = RunScene(
