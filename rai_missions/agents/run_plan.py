@@ -17,7 +17,7 @@ from rai_missions.check import errors_of, load_whole
 from rai_missions.connectors.python_robot import PythonRobot
 from rai_missions.errors import DefinitionError, Fault, UsageError
 from rai_missions.mission.mission import Mission, given_mission
-from rai_missions.profile import Robot, identity_folder, is_program, load_whole_profile, missing
+from rai_missions.profile import Robot, RobotProgram, identity_folder, is_program, load_whole_profile, missing
 from rai_missions.redaction import logger, shown
 from rai_missions.runtime.arguments import accepted
 from rai_missions.runtime.clock import Clock, ContinuedClock
@@ -97,6 +97,17 @@ def profile_of(config: RunConfig) -> Robot | None:
         return robot_of(record)
 
 
+def _check_robot(given: object) -> None:
+    """Whether it may be a robot.
+
+    Raises:
+        UsageError: It is of another type.
+    """
+    if given is not None and not isinstance(given, Robot | PythonRobot | RobotProgram | str | Path):
+        kinds = "a Robot, a PythonRobot, or the file of either"
+        raise UsageError(f"a run takes {kinds}, not {shown(given)}; Robot.model_validate(…) makes one of data")
+
+
 def read_plan(config: RunConfig, closing: CleanupStack) -> RunPlan:
     """Read and check what a run is made of; nothing moves yet.
 
@@ -109,6 +120,7 @@ def read_plan(config: RunConfig, closing: CleanupStack) -> RunPlan:
         raise UsageError(f"{shown(speed)} is no speed; give a positive number such as 5, or infinity")
     mission = load_whole(config.mission) if isinstance(config.mission, str | Path) else config.mission
     given, identity = config.robot, None
+    _check_robot(given)
     if isinstance(given, str | Path) and not is_program(given):
         robot: Robot | None = load_whole_profile(given, mission)
         identity = identity_folder(robot, given) if robot is not None else None

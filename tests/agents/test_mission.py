@@ -52,6 +52,12 @@ def robot(**words: Any) -> Robot:
     return Robot.model_validate({"name": "tried", "events": {"go": {"posted": True}}, **words})
 
 
+@pytest.mark.parametrize("given", [3, b"robot.json", {"name": "tried"}], ids=repr)
+def test_what_is_no_robot_is_refused_as_such(given: Any) -> None:
+    with pytest.raises(UsageError, match=r"a run takes a Robot, .* not .*; Robot.model_validate\(…\) makes"):
+        run(Mission.model_validate(WAITING), robot=given)
+
+
 @pytest.mark.parametrize("given", ["mission.json", Path("mission.json"), {"mission": "mission.json"}, None])
 def test_what_is_no_configuration_of_a_run_is_refused(given: Any) -> None:
     for prepared in (prepare, MissionAgent):
