@@ -5,8 +5,8 @@ from __future__ import annotations
 
 import importlib.util
 import os
-import pkgutil
 import site
+import sys
 import sysconfig
 from functools import cache
 from pathlib import Path
@@ -19,6 +19,8 @@ __all__ = ("check_name", "find_type", "why_absent")
 
 WHAT = {"msg": "message", "srv": "service", "action": "action"}
 EXAMPLE = {"msg": "std_msgs/msg/String", "srv": "std_srvs/srv/Trigger", "action": "nav2_msgs/action/NavigateToPose"}
+INTERFACES = ("_msgs", "_srvs", "_interfaces")
+"""How the name of a package of types ends."""
 OURS_TO_BUILD = {"nav2_msgs": " (Nav2)", "rai_interfaces": " (RAI)", "rai_missions_msgs": "", "tf2_msgs": ""}
 """Packages that no wheel brings and whose definitions we have, and what brings them along on a robot."""
 
@@ -116,9 +118,14 @@ def why_absent(name: str, kind: TypeKind) -> str:
 def _missing(fault: ModuleNotFoundError, package: str, kind: TypeKind) -> str:
     if fault.name not in (package, f"{package}.{kind}"):
         return f"the types of {package!r} do not load: {fault}"
-    known = [each.name for each in pkgutil.iter_modules() if each.name.endswith(("_msgs", "_srvs", "_interfaces"))]
-    near = suggestion(package, known)
+    near = suggestion(package, _interface_packages())
     remedy = near if "did you mean" in near else "; source the workspace that has it, or install it"
     if package in OURS_TO_BUILD:
         remedy = f"; source a ROS 2 that has it{OURS_TO_BUILD[package]}, or build it in a checkout: make ros-interfaces"
     return f"no ROS package {package!r} on this machine{remedy}"
+
+
+def _interface_packages() -> list[str]:
+    """What is named like a package of types, in the folders where imports look; nothing in these folders is read."""
+    places = [each for each in sys.path if os.path.isdir(each)]
+    return sorted({name for each in places for name in os.listdir(each) if name.endswith(INTERFACES)})
