@@ -105,13 +105,13 @@ def is_judged_again(asked: Asked, model: str, answer: Any) -> None:
 LAW = settings(deadline=None, suppress_health_check=list(HealthCheck))
 
 
-@settings(LAW, max_examples=60)
+@settings(LAW, max_examples=20)
 @given(answer=answers())
 def test_what_a_script_answered_is_judged_again_as_it_was(asked: Asked, answer: Any) -> None:
     is_judged_again(asked, SCRIPT, answer)
 
 
-@settings(LAW, max_examples=25)
+@settings(LAW, max_examples=10)
 @given(answer=answers())
 def test_what_a_model_answered_is_judged_again_as_it_was(asked: Asked, answer: Any) -> None:
     is_judged_again(asked, MODEL, answer)
