@@ -12,6 +12,7 @@ import pytest
 from langchain_core.tools import StructuredTool
 
 from rai_missions.answerers.model.agent import DecisionAgent
+from rai_missions.answerers.model.foreign_server import address_of
 from rai_missions.answerers.model.output_modes import calls_tools, fills_schemas, takes_images
 from rai_missions.engine.decision import Evidence, Limits, Question
 from rai_missions.image import Image
@@ -110,8 +111,6 @@ def test_a_server_without_schemas_is_asked_in_the_next_way(server: Server) -> No
             "Error code: 401 - Incorrect API key provided: [hidden]",
         ),
         (refused(429, "slow down"), "Error code: 429 - slow down"),
-        (lambda _: (200, b"<html>"), "the model raised "),
-        (lambda _: (200, {"choices": []}), "the model raised "),
         (completion(""), "answered nothing"),
         (completion('{"option": "rep'), "answered with JSON that is broken"),
     ],
@@ -121,6 +120,46 @@ def test_a_server_at_fault_is_reported_without_its_key(server: Server, reply: Re
     text = answer(server.model())
     assert why in text["failed"]
     assert "0123456789" not in json.dumps(text)
+
+
+PAGE = {"content-type": "text/html"}
+FOREIGN: dict[str, Reply] = {
+    "a page": lambda _: (200, b"<html><body>Welcome</body></html>", PAGE),
+    "a page that calls itself JSON": lambda _: (200, b"<html>", {}),
+    "no text": lambda _: (200, b"", {}),
+    "a text": lambda _: (200, b"ok", {"content-type": "text/plain"}),
+    "JSON that is no object": lambda _: (200, [], {}),
+    "no JSON value": lambda _: (200, None, {}),
+    "JSON of another form": lambda _: (200, {"detail": "Hello"}, {}),
+    "no choice": lambda _: (200, {"choices": []}, {}),
+    "an empty choice": lambda _: (200, {"choices": [{}]}, {}),
+    "no such page": lambda _: (404, b"<html>Not Found</html>", PAGE),
+    "a page for those who are known": lambda _: (403, b"<html>Log in</html>", PAGE),
+    "another place": lambda _: (301, b"<html>Moved</html>", PAGE),
+}
+
+
+@pytest.mark.parametrize("mode", ["json_schema", "tools", "text"])
+@pytest.mark.parametrize("streaming", [False, True], ids=["whole", "streamed"])
+@pytest.mark.parametrize("reply", FOREIGN.values(), ids=FOREIGN)
+def test_a_server_of_another_kind_is_named_with_its_url(
+    server: Server, reply: Reply, mode: str, *, streaming: bool
+) -> None:
+    server.replies = [reply]
+    why = answer(server.model(streaming=streaming), mode=mode)["failed"]
+    assert f"ForeignServer: '{server.url}' gave no reply of a chat model; name the URL of its API" in why
+    assert "ends in /v1 (" in why
+
+
+@pytest.mark.parametrize("status", [429, 502, 503])
+def test_a_busy_servers_page_is_that_of_a_server_to_be_asked_again(server: Server, status: int) -> None:
+    server.replies = [lambda _: (status, b"<html>", PAGE)]
+    assert f"Error code: {status}" in answer(server.model())["failed"]
+
+
+def test_the_url_of_a_model_is_named_without_its_password(server: Server) -> None:
+    model = server.model(base_url="http://someone:a-password@127.0.0.1:8000/v1/?key=abc")
+    assert address_of(model) == "http://127.0.0.1:8000/v1"
 
 
 def test_a_server_that_hangs_is_given_up(server: Server) -> None:

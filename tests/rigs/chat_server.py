@@ -39,8 +39,9 @@ class Server(ThreadingHTTPServer):
     def model(self, **words: Any) -> ChatOpenAI:
         from langchain_openai import ChatOpenAI  # a second of every worker's, were it loaded with the file
 
-        settings = {"model": "gpt-4o", "api_key": "sk-loopback-0123456789", "max_retries": 0, "timeout": 10}
-        return ChatOpenAI(base_url=self.url, **{**settings, **words})
+        key = "sk-loopback-0123456789"
+        settings = {"model": "gpt-4o", "base_url": self.url, "api_key": key, "max_retries": 0, "timeout": 10}
+        return ChatOpenAI(**{**settings, **words})
 
 
 @pytest.fixture

@@ -16,6 +16,7 @@ from langchain_core.callbacks import BaseCallbackHandler
 from langchain_core.language_models import BaseChatModel
 from langchain_core.messages import AIMessage, BaseMessage
 
+from rai_missions.answerers.model.foreign_server import address_of, foreign_reply
 from rai_missions.answerers.model.output_modes import AnswerForm, Mode, bound, calls_tools, fills_schemas, takes_images
 from rai_missions.answerers.model.parse_reply import LONGEST, ModelReply, excess, reply_of
 from rai_missions.answerers.model.pending import PendingQuestion
@@ -64,9 +65,11 @@ class ModelFault(Exception):
         self.kind, self.what, self.unfit, self.after_s = kind, what, unfit, after_s
 
     @classmethod
-    def by(cls, error: BaseException) -> ModelFault:
-        """What an exception is to whatever asked."""
+    def by(cls, error: BaseException, address: str = "") -> ModelFault:
+        """What an exception is to whatever asked; where the model has a server, `address` is its URL."""
         unfit = isinstance(error, NotImplementedError) or getattr(error, "status_code", None) in UNFIT
+        if why := foreign_reply(error, address):
+            return cls("ForeignServer", why, unfit=unfit)
         return cls(type(error).__name__, error, unfit=unfit, after_s=_after_s(error))
 
 
@@ -192,7 +195,7 @@ class ThreadConversation:
     """
 
     def __init__(self, model: BaseChatModel, mode: Mode, form: AnswerForm, is_open: Callable[[], bool]) -> None:
-        self._chain = bound(model, mode, form)
+        self._chain, self._address = bound(model, mode, form), address_of(model)
         self._is_open = is_open
         self._messages: list[BaseMessage] = []
 
@@ -203,7 +206,7 @@ class ThreadConversation:
         except BudgetExceeded:
             raise
         except BaseException as error:  # even an exit that a model asks for is only a failed answer
-            raise ModelFault.by(error) from error
+            raise ModelFault.by(error, self._address) from error
         if not isinstance(answer, AIMessage):
             return None
         reply = reply_of(answer)
