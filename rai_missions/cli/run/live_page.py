@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from rai_missions.agents.mission import PreparedRun, RunConfig
     from rai_missions.agents.talk.doors import TalkLine, TextDoor
     from rai_missions.cli.run.options import RunOptions
-    from rai_missions.cli.run.talk import TalkSession
+    from rai_missions.cli.run.talk_session import TalkSession
     from rai_missions.engine.activities.goal_ledger import OpenGoal
     from rai_missions.engine.decision import Question
     from rai_missions.engine.step import Step
@@ -181,12 +181,15 @@ class RunPage:
             here = WebOperator(config.operator, lambda: page.operators > 0)
             self.config = replace(self.config, operator=here)
 
-    def talk_door(self, session: TalkSession) -> TextDoor:
+    def talk_door(self) -> TextDoor:
         """The door of a conversation on this page; it is open while someone looks on."""
         from rai_missions.agents.talk.doors import TextDoor
 
-        self._talk = session
         return TextDoor("page", self._show, lambda: self._page.viewers > 0)
+
+    def join(self, session: TalkSession) -> None:
+        """Take part in the conversation that is open now."""
+        self._talk = session
 
     def _show(self, line: TalkLine) -> None:
         if self._feed is None:

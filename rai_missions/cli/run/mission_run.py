@@ -139,15 +139,18 @@ def _run(options: RunOptions, config: RunConfig, lines: Lines, signals: ExitStac
         signals: What handles signals from the start of the run on, until its end is reported.
     """
     with ExitStack() as stack:
-        talk = stack.enter_context(talk_of(options, config))
-        config = talk.config if talk else config
+        setup = stack.enter_context(talk_of(options, config))
+        config = setup.config if setup else config
         page = stack.enter_context(page_of(options, config))
         node = stack.enter_context(serve_node(options, page.config if page else config))
         prepared = stack.enter_context(prepare(node.config))
         _report_beginning(options, lines, prepared)
         signals.enter_context(on_interrupts(prepared.runner.cancel, prepared.runner.kill))
-        if talk is not None:
-            stack.enter_context(talking(talk, prepared, node.config, lines, page.talk_door if page else None))
+        talk = None
+        if setup is not None:
+            talk = stack.enter_context(talking(setup, prepared, node.config, lines, page.talk_door if page else None))
+            if page is not None:
+                page.join(talk)
         ended: LastRun | None = None
         instance = uuid.uuid4().hex[:12]
         while True:
