@@ -20,7 +20,7 @@ from rai_missions.answerers.model.chat import (
     ModelExit,
     ModelFault,
 )
-from rai_missions.answerers.model.output_modes import AnswerForm, Mode
+from rai_missions.answerers.model.output_modes import AnswerForm, OutputMode
 from rai_missions.answerers.model.parse_reply import ModelReply
 from rai_missions.answerers.model.pending import PendingQuestion
 from rai_missions.engine.decision import Question
@@ -94,7 +94,7 @@ class WatchedChat:
     def abilities(self, pending: PendingQuestion) -> Abilities:
         return self.noting(lambda: self._chat.abilities(pending))
 
-    def converse(self, mode: Mode, form: AnswerForm, pending: PendingQuestion) -> Conversation:
+    def converse(self, mode: OutputMode, form: AnswerForm, pending: PendingQuestion) -> Conversation:
         return WatchedConversation(self, self.noting(lambda: self._chat.converse(mode, form, pending)))
 
     def noting(self, do: Callable[[], T]) -> T:

@@ -25,7 +25,7 @@ from rai_missions.answerers.model.chat import (
     ThreadChat,
     check_open,
 )
-from rai_missions.answerers.model.output_modes import Mode, modes_of
+from rai_missions.answerers.model.output_modes import OutputMode, modes_of
 from rai_missions.answerers.model.parse_reply import ModelReply
 from rai_missions.answerers.model.pending import PendingQuestion, QuestionThreads
 from rai_missions.answerers.model.tool_calls import look_up, shown
@@ -127,7 +127,13 @@ class TalkModel:
         return self._converse(request, pending, last, tools, images=able.images)
 
     def _converse(
-        self, request: AskModel, pending: PendingQuestion, mode: Mode, tools: Mapping[str, BaseTool], *, images: bool
+        self,
+        request: AskModel,
+        pending: PendingQuestion,
+        mode: OutputMode,
+        tools: Mapping[str, BaseTool],
+        *,
+        images: bool,
     ) -> dict[str, Any]:
         given = tools if mode == "tools" else {}
         exchange = self._chat.converse(mode, forms(request, given), pending)
@@ -161,7 +167,7 @@ def _model_text(number: int, answer: Mapping[str, Any]) -> ModelText:
     )  # fmt: skip
 
 
-def _read(reply: ModelReply, mode: Mode, request: AskModel) -> TalkReply:
+def _read(reply: ModelReply, mode: OutputMode, request: AskModel) -> TalkReply:
     """A model's message: its words, what it proposes, what it wants to look up."""
     if mode == "json_schema":
         found = json_object(reply.text)

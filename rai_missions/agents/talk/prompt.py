@@ -14,7 +14,7 @@ from langchain_core.messages import BaseMessage, HumanMessage, SystemMessage
 from langchain_core.tools import BaseTool
 from langchain_core.utils.function_calling import convert_to_openai_tool
 
-from rai_missions.answerers.model.output_modes import AnswerForm, Mode
+from rai_missions.answerers.model.output_modes import AnswerForm, OutputMode
 from rai_missions.answerers.model.prompt import quoted
 from rai_missions.conversation import AskModel
 from rai_missions.embodiment.identity import Identity
@@ -33,7 +33,9 @@ WORDS = {"type": "string", "description": "What is answered to the person: one t
 MOST_TURNS = 12
 
 
-def talk_messages(request: AskModel, identity: Identity | None, mode: Mode, tools: Sequence[str]) -> list[BaseMessage]:
+def talk_messages(
+    request: AskModel, identity: Identity | None, mode: OutputMode, tools: Sequence[str]
+) -> list[BaseMessage]:
     """The messages that put a person's sentence to a model."""
     words = identity.description.strip().replace("</", "< /") if identity is not None else ""
     system = f"<identity>\n{words}\n</identity>\n\n{RULES}" if words else RULES
@@ -65,7 +67,7 @@ def _function(name: str, properties: Mapping[str, Any], about: str) -> dict[str,
     return {"type": "function", "function": {"name": name, "description": about, "parameters": parameters}}
 
 
-def _form(request: AskModel, mode: Mode, tools: Sequence[str]) -> str:
+def _form(request: AskModel, mode: OutputMode, tools: Sequence[str]) -> str:
     if mode == "json_schema":
         return 'Answer with one JSON object: {"answer": your answer, "order": the order that you propose, or null}.'
     if mode == "tools":

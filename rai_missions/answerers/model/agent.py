@@ -16,7 +16,7 @@ from langchain_core.tools import BaseTool
 
 from rai_missions.answerers.model.chat import Absent, BudgetExceeded, Chat, ModelExit, ModelFault, ThreadChat
 from rai_missions.answerers.model.conversation import ModelConfig, ModelConversation
-from rai_missions.answerers.model.output_modes import Mode
+from rai_missions.answerers.model.output_modes import OutputMode
 from rai_missions.answerers.model.parse_reply import ParsedReply
 from rai_missions.answerers.model.pending import PendingQuestion, QuestionThreads
 from rai_missions.answerers.model.secrets import secrets_of
@@ -59,7 +59,7 @@ class DecisionAgent:
         longest_s: float = 300.0,
     ) -> None:
         for given, known, what in (
-            (mode, ("auto", *get_args(Mode)), "mode"),
+            (mode, ("auto", *get_args(OutputMode)), "mode"),
             (images, ("auto", "yes", "no"), "images"),
         ):
             if given not in known:
@@ -86,7 +86,7 @@ class DecisionAgent:
             self._redaction.text,
         )
         self._longest_s = longest_s
-        self._unfit: set[Mode] = set()
+        self._unfit: set[OutputMode] = set()
         self._questions = QuestionThreads("question", at_once)
 
     def run(self) -> None:

@@ -17,7 +17,14 @@ from langchain_core.language_models import BaseChatModel
 from langchain_core.messages import AIMessage, BaseMessage
 
 from rai_missions.answerers.model.foreign_server import address_of, foreign_reply
-from rai_missions.answerers.model.output_modes import AnswerForm, Mode, bound, calls_tools, fills_schemas, takes_images
+from rai_missions.answerers.model.output_modes import (
+    AnswerForm,
+    OutputMode,
+    bound,
+    calls_tools,
+    fills_schemas,
+    takes_images,
+)
 from rai_missions.answerers.model.parse_reply import LONGEST, ModelReply, excess, reply_of
 from rai_missions.answerers.model.pending import PendingQuestion
 
@@ -148,7 +155,7 @@ class Chat(Protocol):
             BudgetExceeded: The question was closed before it was known.
         """
 
-    def converse(self, mode: Mode, form: AnswerForm, pending: PendingQuestion) -> Conversation:
+    def converse(self, mode: OutputMode, form: AnswerForm, pending: PendingQuestion) -> Conversation:
         """Begin to ask it, in a mode in which it can be asked."""
 
     def close(self) -> None:
@@ -174,7 +181,7 @@ class ThreadChat:
     def abilities(self, pending: PendingQuestion) -> Abilities:
         return Abilities.of(self._model)
 
-    def converse(self, mode: Mode, form: AnswerForm, pending: PendingQuestion) -> Conversation:
+    def converse(self, mode: OutputMode, form: AnswerForm, pending: PendingQuestion) -> Conversation:
         try:
             return ThreadConversation(self._model, mode, form, lambda: pending.open)
         except Exception as error:
@@ -194,7 +201,7 @@ class ThreadConversation:
         is_open: Whether the answer is still waited for.
     """
 
-    def __init__(self, model: BaseChatModel, mode: Mode, form: AnswerForm, is_open: Callable[[], bool]) -> None:
+    def __init__(self, model: BaseChatModel, mode: OutputMode, form: AnswerForm, is_open: Callable[[], bool]) -> None:
         self._chain, self._address = bound(model, mode, form), address_of(model)
         self._is_open = is_open
         self._messages: list[BaseMessage] = []

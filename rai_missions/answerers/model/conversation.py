@@ -13,7 +13,7 @@ from langchain_core.messages import BaseMessage
 from langchain_core.tools import BaseTool
 
 from rai_missions.answerers.model.chat import Abilities, BudgetExceeded, Chat, Conversation, ModelFault, check_open
-from rai_missions.answerers.model.output_modes import Mode, form_of, modes_of
+from rai_missions.answerers.model.output_modes import OutputMode, form_of, modes_of
 from rai_missions.answerers.model.parse_reply import ModelReply, ParsedReply, read
 from rai_missions.answerers.model.pending import PendingQuestion
 from rai_missions.answerers.model.prompt import messages_of
@@ -50,14 +50,14 @@ class ModelConversation:
         without: The modes that its server is known to refuse.
     """
 
-    def __init__(self, pending: PendingQuestion, config: ModelConfig, without: Collection[Mode] = ()) -> None:
+    def __init__(self, pending: PendingQuestion, config: ModelConfig, without: Collection[OutputMode] = ()) -> None:
         self.pending, self.config, self.without = pending, config, without
         self.tools = {name: config.tools[name] for name in pending.question.tools if name in config.tools}
         self.calls = self.tokens_in = self.tokens_out = 0
         self.model_name = ""
         self.looked: list[Mapping[str, str]] = []
         """What was looked up, in order; it goes with the answer."""
-        self.unfit: list[Mode] = []
+        self.unfit: list[OutputMode] = []
         """The modes that the model's server refused."""
 
     def think(self) -> ParsedReply:
@@ -84,13 +84,13 @@ class ModelConversation:
                     return reading
         return self._converse(last, images=shows)[0]
 
-    def _modes(self, able: Abilities) -> tuple[Mode, ...]:
+    def _modes(self, able: Abilities) -> tuple[OutputMode, ...]:
         modes = modes_of(
             schemas=able.schemas, tools=able.tools, wanted=self.config.mode, uses_tools=bool(self.tools)
         )  # fmt: skip
         return tuple(mode for mode in modes if mode not in self.without) or modes
 
-    def _converse(self, mode: Mode, *, images: bool) -> tuple[ParsedReply, bool]:
+    def _converse(self, mode: OutputMode, *, images: bool) -> tuple[ParsedReply, bool]:
         """The reading of the last message in a mode, and whether the model called anything on the way."""
         question, called = self.pending.question, False
         tools = self.tools if mode == "tools" else {}

@@ -23,7 +23,7 @@ from rai_missions.plain_data import apart
 __all__ = (
     "AnswerForm",
     "Bound",
-    "Mode",
+    "OutputMode",
     "bound",
     "calls_tools",
     "fills_schemas",
@@ -36,7 +36,7 @@ __all__ = (
 
 Bound = Runnable[Any, Any]
 """Takes messages, gives a message."""
-Mode = Literal["json_schema", "tools", "text"]
+OutputMode = Literal["json_schema", "tools", "text"]
 WHY = {"type": "string", "maxLength": 120, "description": "The reason, in a few words."}
 NO_PARAMETERS = {"type": "object", "properties": {}, "additionalProperties": False}
 
@@ -61,7 +61,7 @@ def form_of(question: Question, tools: Mapping[str, BaseTool]) -> AnswerForm:
     return AnswerForm(wish_schema(question.options), [*looks, *tool_specifications(question.options)])
 
 
-def modes_of(*, schemas: bool, tools: bool, wanted: str, uses_tools: bool) -> tuple[Mode, ...]:
+def modes_of(*, schemas: bool, tools: bool, wanted: str, uses_tools: bool) -> tuple[OutputMode, ...]:
     """The ways in which a model can be asked for one option, best first.
 
     Args:
@@ -72,7 +72,7 @@ def modes_of(*, schemas: bool, tools: bool, wanted: str, uses_tools: bool) -> tu
     """
     if wanted != "auto":
         return (wanted,)  # type: ignore[return-value]  # checked where the agent is made
-    able: list[Mode] = ["json_schema"] if schemas else []
+    able: list[OutputMode] = ["json_schema"] if schemas else []
     if tools:
         able.insert(0 if uses_tools else len(able), "tools")
     return (*able, "text")
@@ -101,7 +101,7 @@ def _profile(model: BaseChatModel) -> Mapping[str, Any]:
     return getattr(model, "profile", None) or {}
 
 
-def bound(model: BaseChatModel, mode: Mode, form: AnswerForm) -> Bound:
+def bound(model: BaseChatModel, mode: OutputMode, form: AnswerForm) -> Bound:
     """The model, set up to answer in a mode; its answers are messages, to be read by ourselves."""
     if mode == "json_schema":
         return _unparsed(model.with_structured_output(apart(form.schema), method="json_schema"))

@@ -14,7 +14,7 @@ from collections.abc import Sequence
 from langchain_core.messages import BaseMessage
 
 from rai_missions.answerers.model.chat import Abilities, Absent, BudgetExceeded
-from rai_missions.answerers.model.output_modes import AnswerForm, Mode
+from rai_missions.answerers.model.output_modes import AnswerForm, OutputMode
 from rai_missions.answerers.model.parse_reply import ModelReply
 from rai_missions.answerers.model.pending import PendingQuestion
 from rai_missions.answerers.model.process.life import Life
@@ -76,7 +76,7 @@ class ModelProcess:
         self._name = able.name
         return able
 
-    def converse(self, mode: Mode, form: AnswerForm, pending: PendingQuestion) -> Exchange:
+    def converse(self, mode: OutputMode, form: AnswerForm, pending: PendingQuestion) -> Exchange:
         life = self._current()
         if not life.confirms_within(PROMPT_S) or life.lingering >= MOST_LINGERING:
             self._replace(life)
@@ -179,7 +179,7 @@ class Exchange:
     """A conversation with the model in its process."""
 
     def __init__(
-        self, model: ModelProcess, life: Life, number: int, mode: Mode, form: AnswerForm, pending: PendingQuestion
+        self, model: ModelProcess, life: Life, number: int, mode: OutputMode, form: AnswerForm, pending: PendingQuestion
     ) -> None:
         self._model, self._life, self._number, self._pending = model, life, number, pending
         self._first = {"do": "begin", "mode": mode, "schema": form.schema, "tools": list(form.tools)}
