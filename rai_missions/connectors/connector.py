@@ -17,6 +17,7 @@ __all__ = (
     "Answer",
     "Close",
     "Connector",
+    "ConnectorMode",
     "HostsActions",
     "ListsItself",
     "Message",
@@ -33,9 +34,11 @@ __all__ = (
     "TypeKind",
 )
 
-Mode = Literal["topics", "services", "actions"]
+ConnectorMode = Literal["topics", "services", "actions"]
+Mode = ConnectorMode
+"""The same, for connectors that import it by this name."""
 TypeKind = Literal["msg", "srv", "action"]
-TYPE_KINDS: Mapping[Mode, TypeKind] = {"topics": "msg", "services": "srv", "actions": "action"}
+TYPE_KINDS: Mapping[ConnectorMode, TypeKind] = {"topics": "msg", "services": "srv", "actions": "action"}
 """What the types of each mode are called, in ROS and in profiles."""
 Data = Mapping[str, Any]
 """A message as plain data: numbers, strings, lists, mappings, bytes, `Image`."""
@@ -137,7 +140,7 @@ class SupportsRawMessages(Protocol):
 class SupportsPreconnect(Protocol):
     """A connector that has to find the other side before they can speak, and would rather do that in good time."""
 
-    def expect(self, mode: Mode, name: str, type_name: str) -> None:
+    def expect(self, mode: ConnectorMode, name: str, type_name: str) -> None:
         """A service or an action will be used, or a topic published on; others see the topic from now on.
 
         Raises:
@@ -149,7 +152,7 @@ class SupportsPreconnect(Protocol):
 class SupportsDiscoveryCount(Protocol):
     """A connector that counts the peers that publish or serve; `listed` has those that only wait, too."""
 
-    def offered(self, mode: Mode) -> Mapping[str, int]:
+    def offered(self, mode: ConnectorMode) -> Mapping[str, int]:
         """Name → how many publish on the topic, or serve the service or action."""
 
 
@@ -212,7 +215,7 @@ class Surveyor(Protocol):
 class Connector(Protocol):
     """A way to reach a robot. `rai_missions.testing.check_connector` holds the contract."""
 
-    modes: frozenset[Mode]
+    modes: frozenset[ConnectorMode]
 
     @property
     def running(self) -> bool:
@@ -224,7 +227,7 @@ class Connector(Protocol):
     def stop(self) -> None:
         """Close everything; afterwards no callback runs. Goals that still run are canceled first."""
 
-    def listed(self, mode: Mode) -> Mapping[str, str]:
+    def listed(self, mode: ConnectorMode) -> Mapping[str, str]:
         """What is there now, by name: each with the name of its type, empty where no one reports it.
 
         What someone listens to counts as a topic too. A connector that does not run lists nothing.

@@ -12,14 +12,14 @@ from collections.abc import Callable
 from concurrent.futures import Future
 from typing import Any, Generic, TypeVar, get_args
 
-from rai_missions.connectors.connector import ENDS, Connector, Data, Message, Mode, Reply, Report
+from rai_missions.connectors.connector import ENDS, Connector, ConnectorMode, Data, Message, Reply, Report
 from rai_missions.errors import UsageError
 
 __all__ = ("Inbox", "PatientServer", "check_connector")
 
 T = TypeVar("T")
 STRING, TRIGGER = "std_msgs/msg/String", "std_srvs/srv/Trigger"
-MODES: tuple[Mode, ...] = get_args(Mode)
+MODES: tuple[ConnectorMode, ...] = get_args(ConnectorMode)
 PATIENCE_S = 30.0
 
 
@@ -109,7 +109,7 @@ def _is_running(connector: Connector) -> None:
     assert connector.running is True, "what was started runs"
 
 
-def _comes_to_list(connector: Connector, mode: Mode, type_name: str | None, name: str) -> None:
+def _comes_to_list(connector: Connector, mode: ConnectorMode, type_name: str | None, name: str) -> None:
     """Wait until a name is listed with its type; or, for None, until it is no more."""
     until, tick = time.monotonic() + PATIENCE_S, threading.Event()
     while (found := connector.listed(mode)).get(name) != type_name:

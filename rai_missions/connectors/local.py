@@ -14,7 +14,7 @@ from concurrent.futures import Future
 from typing import Any
 
 from rai_missions.connectors.answers import ask, failure
-from rai_missions.connectors.connector import ActionServer, Answer, Close, Data, Message, Mode, Reply, Report
+from rai_missions.connectors.connector import ActionServer, Answer, Close, ConnectorMode, Data, Message, Reply, Report
 from rai_missions.connectors.local_goals import LocalGoal
 from rai_missions.connectors.stamps import ReadingDate, dated, stamp_of
 from rai_missions.connectors.worker import SerialQueue
@@ -39,13 +39,13 @@ class LocalConnector:
         now: Seconds on the run's clock. Stamps are of that clock, or of the time of day where they are nearer to it.
     """
 
-    modes: frozenset[Mode] = frozenset({"topics", "services", "actions"})
+    modes: frozenset[ConnectorMode] = frozenset({"topics", "services", "actions"})
 
     def __init__(self, now: Callable[[], float] = time.monotonic) -> None:
         self._now = now
         self._lock = threading.Lock()
         self._running = False
-        self._types: dict[tuple[Mode, str], str] = {}
+        self._types: dict[tuple[ConnectorMode, str], str] = {}
         self._subscribers: defaultdict[str, dict[object, Callable[[Message], None]]] = defaultdict(dict)
         self._services: dict[str, Answer] = {}
         self._servers: dict[str, tuple[ActionServer, SerialQueue]] = {}
@@ -73,7 +73,7 @@ class LocalConnector:
         for goal in goals:
             goal.silence()
 
-    def listed(self, mode: Mode) -> Mapping[str, str]:
+    def listed(self, mode: ConnectorMode) -> Mapping[str, str]:
         """What is served, and the topics that someone listens to or has spoken on since the start."""
         with self._lock:
             if mode == "topics":
@@ -191,14 +191,14 @@ class LocalConnector:
             self._servers[action] = (server, SerialQueue())
         return lambda: self._close_action(action, server)
 
-    def _agree(self, mode: Mode, name: str, type_name: str) -> None:
+    def _agree(self, mode: ConnectorMode, name: str, type_name: str) -> None:
         wrong = self._disagreement(mode, name, type_name)
         if wrong:
             raise ConnectorError(wrong)
         if type_name:
             self._types.setdefault((mode, name), type_name)
 
-    def _disagreement(self, mode: Mode, name: str, type_name: str) -> str:
+    def _disagreement(self, mode: ConnectorMode, name: str, type_name: str) -> str:
         known = self._types.get((mode, name), type_name)
         return f"{name} is a {known}, not a {type_name}" if type_name and known != type_name else ""
 

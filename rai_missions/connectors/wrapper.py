@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 
-from rai_missions.connectors.connector import Close, Connector, Mode
+from rai_missions.connectors.connector import Close, Connector, ConnectorMode
 
 __all__ = ("ConnectorWrapper",)
 
@@ -29,7 +29,7 @@ class ConnectorWrapper:
 
     start: Callable[[], None]
     stop: Callable[[], None]
-    listed: Callable[[Mode], Mapping[str, str]]
+    listed: Callable[[ConnectorMode], Mapping[str, str]]
     subscribe: Callable[..., Close]
     publish: Callable[..., None]
     call: Callable[..., None]

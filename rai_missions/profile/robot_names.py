@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from typing import NamedTuple
 
-from rai_missions.connectors.connector import TYPE_KINDS, Mode, TypeKind
+from rai_missions.connectors.connector import TYPE_KINDS, ConnectorMode, TypeKind
 from rai_missions.errors import Fault
 from rai_missions.profile.message_types import listened
 from rai_missions.profile.profile import HANDS_OVER, Robot, service_places
@@ -23,7 +23,7 @@ class RobotEntry(NamedTuple):
 
     place: str
     """Where: `blackboard/battery`."""
-    mode: Mode
+    mode: ConnectorMode
     name: str
     type: str
     is_listener: bool = False

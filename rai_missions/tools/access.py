@@ -12,7 +12,7 @@ import time
 from collections.abc import Callable, Mapping
 from typing import Any, NamedTuple, TypeVar
 
-from rai_missions.connectors.connector import Close, Connector, Data, Message, Mode, Reply
+from rai_missions.connectors.connector import Close, Connector, ConnectorMode, Data, Message, Reply
 from rai_missions.errors import ConnectorError, UsageError
 from rai_missions.redaction import cut_repr
 from rai_missions.tools.allowlist import Allowlist, Deed
@@ -84,7 +84,7 @@ class AllowedConnector:
         with self._lock:
             self._waits.discard(latest)
 
-    def listed(self, mode: Mode) -> tuple[dict[str, str], int]:
+    def listed(self, mode: ConnectorMode) -> tuple[dict[str, str], int]:
         """The names of a mode that may be read, with their types; and how many others there are.
 
         Raises:
@@ -95,7 +95,7 @@ class AllowedConnector:
         may = {name: found[name] for name in sorted(found) if self.allowed.allows(name, "read")}
         return may, len(found) - len(may)
 
-    def type_of(self, mode: Mode, name: str, given: str, ends: float, deed: Deed = "read") -> str:
+    def type_of(self, mode: ConnectorMode, name: str, given: str, ends: float, deed: Deed = "read") -> str:
         """The type of a name: as it was given, else as it is listed once it is; empty if it is not in time."""
         self.allowed.check(name, deed)
         self._has(mode)
@@ -203,12 +203,12 @@ class AllowedConnector:
         """Anyone who was allowed to start a goal may end it."""
         self._connector.cancel_goal(goal_id)
 
-    def _has(self, mode: Mode) -> None:
+    def _has(self, mode: ConnectorMode) -> None:
         if mode not in self._connector.modes:
             has = ", ".join(sorted(self._connector.modes))
             raise UsageError(f"this robot's connector carries no {mode}; it carries {has}")
 
-    def others(self, mode: Mode) -> str:
+    def others(self, mode: ConnectorMode) -> str:
         """The names that there are, for the end of a sentence."""
         names = list(self.listed(mode)[0])
         more = ", …" if len(names) > 12 else ""

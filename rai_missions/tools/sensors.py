@@ -6,7 +6,7 @@ Rule: nothing here changes anything on the robot.
 
 from __future__ import annotations
 
-from rai_missions.connectors.connector import Mode
+from rai_missions.connectors.connector import ConnectorMode
 from rai_missions.errors import UsageError
 from rai_missions.tools.access import AllowedConnector, Sample
 from rai_missions.tools.images import block, image_of
@@ -36,7 +36,7 @@ class SensorTools:
     def list_actions(self, containing: str = "") -> ToolResult:
         return self._list("actions", containing)
 
-    def _list(self, mode: Mode, containing: str) -> ToolResult:
+    def _list(self, mode: ConnectorMode, containing: str) -> ToolResult:
         found, hidden = self._reach.listed(mode)
         found = {name: type_name for name, type_name in found.items() if containing in name}
         rows = [

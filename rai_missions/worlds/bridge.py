@@ -14,8 +14,8 @@ from rai_missions.connectors.connector import (
     Answer,
     Close,
     Connector,
+    ConnectorMode,
     Data,
-    Mode,
     SupportsDiscoveryCount,
     SupportsPreconnect,
 )
@@ -50,7 +50,7 @@ class TrackedConnector(ConnectorWrapper):
         self,
         connector: Connector,
         on_fact: Callable[[str, Any], None] = lambda _name, _fact: None,
-        taken: Mapping[Mode, Collection[str]] | None = None,
+        taken: Mapping[ConnectorMode, Collection[str]] | None = None,
     ) -> None:
         super().__init__(connector)
         self._on_fact, self._taken = on_fact, taken or {}
@@ -62,7 +62,7 @@ class TrackedConnector(ConnectorWrapper):
         """Name → why it is not there."""
         self._facts: dict[str, Any] = {}
 
-    def expect(self, mode: Mode, name: str, type_name: str) -> None:
+    def expect(self, mode: ConnectorMode, name: str, type_name: str) -> None:
         """Have a topic seen before anything is published on it."""
         if mode == "topics":
             _refuse_taken(mode, name, self._taken)
@@ -81,7 +81,7 @@ class TrackedConnector(ConnectorWrapper):
         Raises:
             UsageError: Someone has.
         """
-        ours: Mapping[Mode, Collection[str]] = {
+        ours: Mapping[ConnectorMode, Collection[str]] = {
             "topics": self.topics, "services": self.services, "actions": self.actions,
         }  # fmt: skip
         for mode, counts in _counted(self.inner).items():
@@ -129,12 +129,12 @@ class TrackedConnector(ConnectorWrapper):
             self._on_fact(topic, fact if not isinstance(fact, str) else cut(fact, LONGEST))
 
 
-def taken_names(connector: Connector) -> Mapping[Mode, Collection[str]]:
+def taken_names(connector: Connector) -> Mapping[ConnectorMode, Collection[str]]:
     """What others have on a connector, by mode, as far as it can determine who is there."""
     return {mode: frozenset(counts) for mode, counts in _counted(connector).items()}
 
 
-def _counted(connector: Connector) -> Mapping[Mode, Mapping[str, int]]:
+def _counted(connector: Connector) -> Mapping[ConnectorMode, Mapping[str, int]]:
     return (
         {mode: connector.offered(mode) for mode in connector.modes}
         if isinstance(connector, SupportsDiscoveryCount)
@@ -142,7 +142,7 @@ def _counted(connector: Connector) -> Mapping[Mode, Mapping[str, int]]:
     )
 
 
-def _refuse_taken(mode: Mode, name: str, taken: Mapping[Mode, Collection[str]]) -> None:
+def _refuse_taken(mode: ConnectorMode, name: str, taken: Mapping[ConnectorMode, Collection[str]]) -> None:
     if name in taken.get(mode, ()):
         does = "publishes" if mode == "topics" else "serves"
         raise UsageError(

@@ -17,7 +17,7 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
-from rai_missions.connectors.connector import ActionServer, Answer, Close, Data, Message, Mode, Reply, Report
+from rai_missions.connectors.connector import ActionServer, Answer, Close, ConnectorMode, Data, Message, Reply, Report
 from rai_missions.engine.step import Step
 from rai_missions.errors import UsageError
 from rai_missions.mission.files import load
@@ -34,7 +34,7 @@ DESK_MISSIONS = Path(__file__).parents[2] / "missions" / "desk"
 class FarConnector:
     """The client's end of a connector that is in another process; a `Connector` without servers of its own."""
 
-    modes: frozenset[Mode] = frozenset({"topics", "services", "actions"})
+    modes: frozenset[ConnectorMode] = frozenset({"topics", "services", "actions"})
 
     def __init__(self, wire: socket.socket) -> None:
         self._lines = wire.makefile("rw", encoding="utf-8")
@@ -72,7 +72,7 @@ class FarConnector:
     def stop(self) -> None:
         self.running = False
 
-    def listed(self, mode: Mode) -> Mapping[str, str]:
+    def listed(self, mode: ConnectorMode) -> Mapping[str, str]:
         found: dict[str, str] = self.ask("listed", mode=mode)
         return found
 

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 
 import pytest
 
-from rai_missions.connectors.connector import Mode
+from rai_missions.connectors.connector import ConnectorMode
 from rai_missions.connectors.local import LocalConnector
 from rai_missions.gate import bypass_monitor
 from rai_missions.gate.bypass_monitor import BypassMonitor
@@ -21,7 +21,7 @@ class Counted(LocalConnector):
         super().__init__()
         self.topics: dict[str, int] = {}
 
-    def offered(self, mode: Mode) -> Mapping[str, int]:
+    def offered(self, mode: ConnectorMode) -> Mapping[str, int]:
         return self.topics if mode == "topics" else {}
 
 

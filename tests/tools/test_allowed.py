@@ -11,7 +11,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rai_missions.connectors.connector import Close, Data, Message, Mode, Reply, Report
+from rai_missions.connectors.connector import Close, ConnectorMode, Data, Message, Reply, Report
 from rai_missions.connectors.local import LocalConnector
 from rai_missions.errors import UsageError
 from rai_missions.tools import Allowlist, Toolbox
@@ -192,7 +192,7 @@ def test_patterns_are_a_list_of_texts(given_: Any) -> None:
 
 def test_the_mode_of_a_connector_that_has_none_is_reported() -> None:
     class TopicsOnly(LocalConnector):
-        modes: frozenset[Mode] = frozenset({"topics"})
+        modes: frozenset[ConnectorMode] = frozenset({"topics"})
 
     box = Toolbox(TopicsOnly(), Allowlist(write=("*",)), now=time.monotonic)
     with pytest.raises(UsageError, match="this robot's connector carries no actions; it carries topics"):

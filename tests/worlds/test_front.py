@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from rai_missions.connectors.connector import ActionServer, Close, Data, Message, Mode
+from rai_missions.connectors.connector import ActionServer, Close, ConnectorMode, Data, Message
 from rai_missions.connectors.local import LocalConnector
 from rai_missions.errors import ConnectorError, UsageError
 from rai_missions.worlds import open_world
@@ -35,22 +35,22 @@ def _known(type_name: str) -> None:
 class Crowded(Poor):
     """A connector on which others are seen, by mode and name, and who reports of its own topics at once."""
 
-    def __init__(self, others: Mapping[Mode, Mapping[str, int]] | None = None) -> None:
+    def __init__(self, others: Mapping[ConnectorMode, Mapping[str, int]] | None = None) -> None:
         super().__init__()
         self.others, self.seen = others or {}, dict[str, str]()
 
-    def expect(self, mode: Mode, name: str, type_name: str) -> None:
+    def expect(self, mode: ConnectorMode, name: str, type_name: str) -> None:
         _known(type_name)
         self.seen[name] = type_name
 
-    def offered(self, mode: Mode) -> Mapping[str, int]:
+    def offered(self, mode: ConnectorMode) -> Mapping[str, int]:
         return self.others.get(mode, {})
 
 
 def staged(
     connector: LocalConnector,
     on_result: Callable[[str, Any], None] = lambda _n, _f: None,
-    taken: Mapping[Mode, Collection[str]] | None = None,
+    taken: Mapping[ConnectorMode, Collection[str]] | None = None,
 ) -> tuple[TrackedConnector, PublishedWorld]:
     front = TrackedConnector(connector, on_result, taken)
     world = open_world("orchard", alleys=1, obstacles=["none"], camera=False)
@@ -118,7 +118,9 @@ def test_every_topic_is_seen_before_anything_was_published_on_it() -> None:
         ("actions", "/navigate_to_pose", "serves"),
     ],
 )
-def test_a_world_does_not_open_next_to_another_that_has_one_of_its_names(mode: Mode, name: str, does: str) -> None:
+def test_a_world_does_not_open_next_to_another_that_has_one_of_its_names(
+    mode: ConnectorMode, name: str, does: str
+) -> None:
     connector = Crowded({mode: {name: 1}})
     with pytest.raises(UsageError, match=f"another world or robot is there and {does} {name}: .* --domain N"):
         staged(connector, taken=taken_names(connector))

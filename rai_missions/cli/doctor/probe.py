@@ -17,11 +17,11 @@ from typing import TYPE_CHECKING, Any
 from rai_missions.errors import MissionError
 
 if TYPE_CHECKING:
-    from rai_missions.connectors.connector import Connector, Message, Mode
+    from rai_missions.connectors.connector import Connector, ConnectorMode, Message
 
-    Graph = dict[str, dict[Mode, dict[str, str]]]
+    Graph = dict[str, dict[ConnectorMode, dict[str, str]]]
     """`listed` or `offered` → mode → name → type; without `listed` where no one reports what others do."""
-    Wanted = dict[Mode, list[tuple[str, str, str]]]
+    Wanted = dict[ConnectorMode, list[tuple[str, str, str]]]
     """Mode → names, each with how it must be there, and its type."""
 
 __all__ = ("main",)

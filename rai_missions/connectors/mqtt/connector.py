@@ -18,7 +18,7 @@ from concurrent.futures import Future
 from typing import Any
 
 from rai_missions.connectors.answers import ask, failure
-from rai_missions.connectors.connector import ActionServer, Answer, Close, Data, Message, Mode, Reply, Report
+from rai_missions.connectors.connector import ActionServer, Answer, Close, ConnectorMode, Data, Message, Reply, Report
 from rai_missions.connectors.mqtt.codec import decode, encode
 from rai_missions.connectors.mqtt.link import BrokerLink
 from rai_missions.connectors.mqtt.names import REQUEST, check_name, why_no_name
@@ -78,7 +78,7 @@ class MqttConnector:
         UsageError: An option is not known, or has a value that it cannot have.
     """
 
-    modes: frozenset[Mode] = frozenset({"topics", "services"})
+    modes: frozenset[ConnectorMode] = frozenset({"topics", "services"})
     lists_itself = True
 
     def __init__(self, options: Mapping[str, Any] | None = None, *, now: Callable[[], float] | None = None) -> None:
@@ -92,7 +92,7 @@ class MqttConnector:
         self._listeners: defaultdict[str, dict[object, _Listener]] = defaultdict(dict)
         self._services: dict[str, tuple[str, Answer]] = {}
         self._calls: dict[bytes, _Call] = {}
-        self._types: dict[tuple[Mode, str], str] = {}
+        self._types: dict[tuple[ConnectorMode, str], str] = {}
         self._answers: OrderedDict[bytes, str] = OrderedDict()
         self._rivals: set[str] = set()
         self._unread: set[str] = set()
@@ -126,7 +126,7 @@ class MqttConnector:
             self._link.close()
             self._give_up("the connector was stopped")
 
-    def listed(self, mode: Mode) -> Mapping[str, str]:
+    def listed(self, mode: ConnectorMode) -> Mapping[str, str]:
         """What this connector itself listens to, publishes on and serves: a broker does not report what others do."""
         with self._lock:
             served = {service for service, _ in self._services.values()}

@@ -19,9 +19,9 @@ from rai_missions.connectors.connector import (
     ActionServer,
     Answer,
     Close,
+    ConnectorMode,
     Data,
     Message,
-    Mode,
     RawMessage,
     Reply,
     Report,
@@ -56,13 +56,13 @@ class Ros2Connector:
         UsageError: An option is not understood.
     """
 
-    modes: frozenset[Mode] = frozenset({"topics", "services", "actions"})
+    modes: frozenset[ConnectorMode] = frozenset({"topics", "services", "actions"})
 
     def __init__(self, options: Mapping[str, Any] | None = None, *, now: Callable[[], float] | None = None) -> None:
         self._options, self._now = read_options(options or {}), now
         self._lock = threading.Lock()
         self._session: Session | None = None
-        self._types: dict[tuple[Mode, str], str] = {}
+        self._types: dict[tuple[ConnectorMode, str], str] = {}
 
     @property
     def running(self) -> bool:
@@ -90,7 +90,7 @@ class Ros2Connector:
         if session is not None:
             session.close()
 
-    def listed(self, mode: Mode) -> Mapping[str, str]:
+    def listed(self, mode: ConnectorMode) -> Mapping[str, str]:
         """What the graph has at this moment, hidden names left out.
 
         Types that contradict each other are side by side. Anyone who has just started, here or elsewhere, is not known
@@ -102,7 +102,7 @@ class Ros2Connector:
         session = self._session
         return {} if session is None else session.runtime.ask(lambda: _listed(session.runtime.node, mode), {})
 
-    def offered(self, mode: Mode) -> Mapping[str, int]:
+    def offered(self, mode: ConnectorMode) -> Mapping[str, int]:
         """Name → how many publish on the topic, or serve the service or action, this connector's own included.
 
         Raises:
@@ -147,7 +147,7 @@ class Ros2Connector:
             else:
                 session.publish(topic, cls, to_message(cls, message, topic))
 
-    def expect(self, mode: Mode, name: str, type_name: str) -> None:
+    def expect(self, mode: ConnectorMode, name: str, type_name: str) -> None:
         """Have a service's or an action's client made and found by its server before it is used, or a publisher.
 
         A reply to a client that its server has only just met is dropped by the middleware, without a word.
@@ -241,7 +241,7 @@ class Ros2Connector:
             raise UsageError("the ROS 2 connector is not started: call start() first")
         return session
 
-    def _type(self, mode: Mode, name: str, type_name: str) -> Any:
+    def _type(self, mode: ConnectorMode, name: str, type_name: str) -> Any:
         kind, known = TYPE_KINDS[mode], self._types.get((mode, name), "")
         check_name(name, kind)
         if known and type_name and known != type_name:
@@ -251,7 +251,7 @@ class Ros2Connector:
         return found
 
 
-def _listed(node: Node, mode: Mode) -> Mapping[str, str]:
+def _listed(node: Node, mode: ConnectorMode) -> Mapping[str, str]:
     """Names and types of a mode, hidden ones left out. On the node's thread only."""
     find = {
         "topics": node.get_topic_names_and_types,
@@ -261,7 +261,7 @@ def _listed(node: Node, mode: Mode) -> Mapping[str, str]:
     return {name: ", ".join(sorted(types)) for name, types in sorted(find[mode]()) if HIDDEN not in name}
 
 
-def _offered(node: Node, mode: Mode) -> Mapping[str, int]:
+def _offered(node: Node, mode: ConnectorMode) -> Mapping[str, int]:
     """How many publish on each topic, or serve each service or action; who only asks is not counted."""
     counts = {
         "topics": node.count_publishers,

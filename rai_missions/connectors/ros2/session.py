@@ -16,8 +16,8 @@ from rai_missions.connectors.connector import (
     ActionServer,
     Answer,
     Close,
+    ConnectorMode,
     Message,
-    Mode,
     RawMessage,
     Reply,
     Report,
@@ -93,7 +93,7 @@ class Session:
     def publish(self, topic: str, cls: Any, message: Any) -> None:
         self.runtime.post(lambda: self._publication(topic, cls).publish(message))
 
-    def expect(self, mode: Mode, name: str, cls: Any) -> None:
+    def expect(self, mode: ConnectorMode, name: str, cls: Any) -> None:
         """Make what will be used, so that the other side has found it by then."""
         make = {"topics": self._publication, "services": self._client, "actions": self._goal_client}[mode]
         self.runtime.post(lambda: make(name, cls))
