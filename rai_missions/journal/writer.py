@@ -55,8 +55,6 @@ LOOK_ROWS = 100
 """Its size is looked at once in so many rows."""
 NO_PICTURES: Mapping[str, Image] = {}
 LAST = "SELECT number, hash FROM rows ORDER BY number DESC LIMIT 1"
-Redact = Callable[[str], str]
-"""Takes secrets out of a row's JSON text before it is written; what it gives must be JSON of the same shape."""
 Witness = Callable[[Raw, tuple[Blob, ...]], None]
 """Is notified of each row once it is written, with the pictures that came with it; must return at once, and never
 raise."""
@@ -85,10 +83,8 @@ class Journal(Closable):
     After a loss of power the journal is still whole, but rows of the last seconds may be missing at its end.
     """
 
-    def __init__(
-        self, path: Path, lock: Lock, *, new: bool, redact: Redact | None, witness: Witness | None = None
-    ) -> None:
-        self.path, self._lock, self._redact, self._witness = path, lock, redact, witness
+    def __init__(self, path: Path, lock: Lock, *, new: bool, witness: Witness | None = None) -> None:
+        self.path, self._lock, self._witness = path, lock, witness
         self._alone = threading.Lock()
         self._open, self._place = True, path.resolve()
         try:
@@ -102,9 +98,7 @@ class Journal(Closable):
         self.written = time.monotonic()
 
     @classmethod
-    def create(
-        cls, path: Path | str, header: Header, *, redact: Redact | None = None, witness: Witness | None = None
-    ) -> Self:
+    def create(cls, path: Path | str, header: Header, *, witness: Witness | None = None) -> Self:
         """A new journal with its row 0; its folder is made where there is none.
 
         Raises:
@@ -114,7 +108,7 @@ class Journal(Closable):
         OPEN.make_room(len(Lock.held) + 1)
         lock, journal = Lock(path, new=True), None
         try:
-            journal = cls(path, lock, new=True, redact=redact, witness=witness)
+            journal = cls(path, lock, new=True, witness=witness)
             journal._append([("header", written_header(_filled(header)))])
             OPEN.opened(journal)
         except BaseException:
@@ -128,9 +122,7 @@ class Journal(Closable):
         return journal
 
     @classmethod
-    def open(
-        cls, path: Path | str, *, redact: Redact | None = None, witness: Witness | None = None, seal: str | None = None
-    ) -> Self:
+    def open(cls, path: Path | str, *, witness: Witness | None = None, seal: str | None = None) -> Self:
         """A journal that is there, to continue with.
 
         Args:
@@ -144,7 +136,7 @@ class Journal(Closable):
         OPEN.make_room(len(Lock.held) + 1)
         lock, journal = Lock(path, new=False), None
         try:
-            journal = cls(path, lock, new=False, redact=redact, witness=witness)
+            journal = cls(path, lock, new=False, witness=witness)
             last = journal._opened().execute(LAST).fetchone()
             if last is not None:
                 journal._number, journal._hash = last
@@ -274,8 +266,7 @@ class Journal(Closable):
         )
         with self._alone:
             number, digest, rows = self._number, self._hash, list[Raw]()
-            for kind, content in contents:
-                text = content if self._redact is None else self._redact(content)
+            for kind, text in contents:
                 number += 1
                 digest = chained(digest, number, kind, text)
                 rows.append((number, kind, text, digest))
