@@ -14,7 +14,7 @@ from rai_missions.connectors.connector import Close
 from rai_missions.connectors.hri.connector import TO_HUMAN, HRIConnector
 from rai_missions.connectors.hri.message import HRIMessage
 from rai_missions.connectors.sound.connector import SoundConnector
-from rai_missions.conversation.language import language
+from rai_missions.conversation.language import language as words_of
 from rai_missions.voice.process import SpeechProcess
 from rai_missions.voice.setup import split_options
 from rai_missions.voice.speaker import Speaker
@@ -52,7 +52,7 @@ class TextToSpeech:
         hri: Whose messages to people are spoken, and whose words for the speaker are followed; by default none.
         topic: On which topic the messages come.
         voice: By name, as `flite:speaker=rms`.
-        model_voice: For a model's texts; empty: the same voice, and they begin with "I think".
+        language: That of the messages, for the words by which one is marked as repeated.
         on_end: Called once for each text with its key and how it ended.
         on_message_end: Called once for each message of `hri` with its text and how it ended.
         on_fault: Called with a sentence each time a voice's process ended, hung or could not be opened; None: it is
@@ -63,7 +63,7 @@ class TextToSpeech:
 
     def __init__(
         self, sound: SoundConnector, hri: HRIConnector | None = None, *, topic: str = TO_HUMAN, voice: str = "flite",
-        model_voice: str = "", on_end: Callable[[str, SpokenEnd], object] = lambda key, how: None,
+        language: str = "en", on_end: Callable[[str, SpokenEnd], object] = lambda key, how: None,
         on_message_end: Callable[[str, SpokenEnd], object] = lambda text, how: None,
         on_fault: Callable[[str], object] | None = None, patience_s: float = 5.0, last_words_s: float = 0.0,
     ) -> None:  # fmt: skip
@@ -71,17 +71,10 @@ class TextToSpeech:
         self._sound, self._hri, self._topic = sound, hri, topic
         self._on_end, self._on_message_end = on_end, on_message_end
         self._messages: dict[str, SpokenMessage] = {}
-        self._language = language("en")
-        self._processes = [
-            SpeechProcess("voice", name, options, within_s=10.0, on_fault=on_fault)
-            for name, options in map(split_options, filter(None, (voice, model_voice)))
-        ]
-        self._speaker = Speaker(
-            self._processes[0],
-            self._ended,
-            model_voice=self._processes[1] if model_voice else None,
-            patience_s=patience_s,
-        )
+        self._words = words_of(language)
+        name, options = split_options(voice)
+        self._process = SpeechProcess("voice", name, options, within_s=10.0, on_fault=on_fault)
+        self._speaker = Speaker(self._process, self._ended, patience_s=patience_s)
         self._lock = threading.Lock()
         self._closes: list[Close] = []
         self._numbers = itertools.count(1)
@@ -90,7 +83,7 @@ class TextToSpeech:
     @property
     def health(self) -> AgentHealth:
         """Whether the voice can be opened, and how often it was started again."""
-        return health_of(self._processes) if self._closes else AgentHealth("stopped")
+        return health_of([self._process]) if self._closes else AgentHealth("stopped")
 
     @property
     def speaking(self) -> bool:
@@ -103,8 +96,7 @@ class TextToSpeech:
             if self._closes:
                 return
             self._closes = [self._sound.play(self._speaker.frame)]  # the first: nothing is left of one that is refused
-            for process in self._processes:
-                process.open()
+            self._process.open()
             self._speaker.open()
             if self._hri is not None:
                 self._closes.append(self._hri.listen(self._topic, self._receive))
@@ -127,8 +119,7 @@ class TextToSpeech:
                 self._is_quiet.wait(self._last_words_s)
             closes[0]()
             self._speaker.close()
-            for process in self._processes:
-                process.close()
+            self._process.close()
 
     def speak(self, text: SpokenText) -> None:
         """Have a text spoken; never waits. Its end is reported by its key, also where this agent does not run."""
@@ -153,7 +144,7 @@ class TextToSpeech:
     def _speak_message(self, message: SpokenMessage) -> None:
         key = f"{self._topic}:{next(self._numbers)}"
         self._messages[key] = message
-        text = message.text if message.tries == 1 else self._language.text("repeated", text=message.text)
+        text = message.text if message.tries == 1 else self._words.text("repeated", text=message.text)
         self.speak(SpokenText(key, text, uncut=message.uncut))
 
     def _ended(self, key: str, how: SpokenEnd) -> None:

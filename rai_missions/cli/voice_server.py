@@ -22,7 +22,7 @@ LAST_WORDS_S = 20.0
 
 
 def serve_voice(
-    sound: SoundConnector, names: ListenNames, *, voice: str, domain: int | None, below: str = ""
+    sound: SoundConnector, names: ListenNames, *, voice: str, language: str, domain: int | None, below: str = ""
 ) -> int:  # fmt: skip
     """Listen and speak until an interrupt; returns the exit status.
 
@@ -30,6 +30,7 @@ def serve_voice(
         sound: Microphone and speaker.
         names: Which recognisers and which wake word.
         voice: By name.
+        language: Of what is spoken.
         domain: The ROS domain; None is that of `ROS_DOMAIN_ID`.
         below: What the robot's topics begin with: `/alpha`.
 
@@ -42,7 +43,7 @@ def serve_voice(
     connector = open_connector({} if domain is None else {"domain_id": domain})
     hri = HRIConnector(connector)
     speech = TextToSpeech(
-        sound, hri, topic=below + TO_HUMAN, voice=voice, on_message_end=_show_end, on_fault=_warn,
+        sound, hri, topic=below + TO_HUMAN, voice=voice, language=language, on_message_end=_show_end, on_fault=_warn,
         last_words_s=LAST_WORDS_S,
     )  # fmt: skip
 

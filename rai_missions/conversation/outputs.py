@@ -39,7 +39,7 @@ class Speech(NamedTuple):
     text: str
     priority: Priority = "answer"
     way: Way = "rules"
-    """The page and the journal show it as a field; aloud, a model's text has another voice or begins with "I think"."""
+    """The page and the journal show it as a field; `aloud` has it in words."""
     uncut: bool = False
     """A person who begins to speak does not interrupt it; only `Silence` does."""
     to: str = ""
@@ -50,6 +50,8 @@ class Speech(NamedTuple):
     """The identity of a report, one for all times that it is spoken: `run-1:end`; empty for any other text."""
     repeated: bool = False
     """It may have been spoken before: after a kill or a dead speaker. The text has it as well."""
+    aloud: str = ""
+    """The words where only words arrive: a model's text after "I think", in the conversation's language; else empty."""
 
 
 class Silence(NamedTuple):

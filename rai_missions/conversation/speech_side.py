@@ -52,6 +52,8 @@ class SpeechSide:
     ) -> Speech:  # fmt: skip
         """Give out a text, without secrets: what it is made of has many authors."""
         speech = Speech("", redacted(text), priority, way, to=to, reply_to=reply_to)
+        if way == "model":
+            speech = speech._replace(aloud=self._talk.language.text("model_thinks", text=speech.text))
         if report is not None:
             speech = speech._replace(report=report.identity, uncut=report.uncut, repeated=report.repeated)
         self._talk.add_robot(speech)

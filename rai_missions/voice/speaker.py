@@ -58,17 +58,15 @@ class Speaker:
     """Speaks what is added, in the order of its priority.
 
     Args:
-        voice: Makes sound of texts that were made by rule.
+        voice: Makes sound of texts.
         on_end: Called once for each key with how it ended, one call at a time.
-        model_voice: Another voice, for a model's texts; without it they begin with "I think".
         patience_s: How long a device may take no frame while there is something to play; infinity on a simulated clock.
     """
 
     def __init__(
-        self, voice: SpeechProcess, on_end: Callable[[str, SpokenEnd], object], *,
-        model_voice: SpeechProcess | None = None, patience_s: float = 5.0,
-    ) -> None:  # fmt: skip
-        self._voice, self._model_voice, self._on_end, self._patience_s = voice, model_voice, on_end, patience_s
+        self, voice: SpeechProcess, on_end: Callable[[str, SpokenEnd], object], *, patience_s: float = 5.0
+    ) -> None:
+        self._voice, self._on_end, self._patience_s = voice, on_end, patience_s
         self._lock = threading.RLock()
         self._queue, self._ends = SpeechQueue(), SerialQueue()
         self._now: TextSound | None = None
@@ -167,14 +165,9 @@ class Speaker:
         if not now.left:
             now.is_made = True
             return
-        voice, sentence = self._voice, now.left.pop(0)
-        if now.text.way == "model":
-            if self._model_voice is not None:
-                voice = self._model_voice
-            elif not now.starts:
-                sentence = f"I think: {sentence}"
         now.starts.append(len(now.sound))
-        voice.ask({"do": "speak", "text": sentence}, on_part=now.sound.extend, on_reply=partial(self._made, now))
+        wanted = {"do": "speak", "text": now.left.pop(0)}
+        self._voice.ask(wanted, on_part=now.sound.extend, on_reply=partial(self._made, now))
 
     def _made(self, now: TextSound, reply: SpeechReply) -> None:
         with self._lock:

@@ -29,8 +29,6 @@ class SpokenText(NamedTuple):
     """By which its end is reported."""
     text: str
     priority: SpeechPriority = "answer"
-    way: Literal["rules", "model", "unknown"] = "rules"
-    """A model's text is spoken by another voice, or begins with "I think"."""
     uncut: bool = False
     """A person who begins to speak does not interrupt it."""
 

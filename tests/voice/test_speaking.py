@@ -185,7 +185,7 @@ def test_a_voice_that_dies_has_failed_at_its_text_and_speaks_the_next() -> None:
         agent.speak(SpokenText("a", "Hello."))
         stage.pass_until(lambda: stage.end_of("a") == "whole")
         agent.speak(SpokenText("b", "This is a long sentence about the weather of the last days. " * 20))
-        (voice,) = agent._processes
+        voice = agent._process
         assert voice._life is not None
         voice._life.end("it was killed")
         faults.wait(bool, "the voice was killed")
@@ -221,7 +221,7 @@ def test_a_message_at_which_the_voice_dies_is_spoken_again_and_is_reported_once(
         end = "The mission has ended. I am at home."
         hri.send(HRIMessage(end, author="ai"), TO_HUMAN)
         stage.pass_until(lambda: stage.is_loud)
-        (voice,) = agent._processes
+        voice = agent._process
         assert voice._life is not None
         voice._life.end("it was killed")
         faults.wait(bool, "the voice was killed")

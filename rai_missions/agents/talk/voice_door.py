@@ -33,7 +33,6 @@ class VoiceDoor:
         names: Which recognisers and which wake word.
         settings: The phrases that are expected, and times.
         voice: By name.
-        model_voice: For a model's texts; empty: the same voice.
         patience_s: See `TextToSpeech`.
     """
 
@@ -42,14 +41,12 @@ class VoiceDoor:
 
     def __init__(
         self, sound: SoundConnector, receive: TakesSentence, *, names: ListenNames = NAMES,
-        settings: ListenSettings = SETTINGS, voice: str = "flite", model_voice: str = "", patience_s: float = 5.0,
+        settings: ListenSettings = SETTINGS, voice: str = "flite", patience_s: float = 5.0,
     ) -> None:  # fmt: skip
         self._sound, self._receive = sound, receive
         self._lock = threading.Lock()
         self._ends: dict[str, OnSpoken] = {}
-        self.speech = TextToSpeech(
-            sound, voice=voice, model_voice=model_voice, on_end=self._ended, patience_s=patience_s
-        )
+        self.speech = TextToSpeech(sound, voice=voice, on_end=self._ended, patience_s=patience_s)
         self.recognition = VoiceRecognition(
             sound, names=names, settings=settings, on_transcript=self._take, on_present=self.speech.interrupt
         )
@@ -79,7 +76,7 @@ class VoiceDoor:
     def speak(self, speech: Speech, on_end: OnSpoken) -> None:
         with self._lock:
             self._ends[speech.key] = on_end
-        self.speech.speak(SpokenText(speech.key, speech.text, speech.priority, speech.way, speech.uncut))
+        self.speech.speak(SpokenText(speech.key, speech.aloud or speech.text, speech.priority, speech.uncut))
 
     def silence(self, *, is_total: bool = True) -> None:
         self.speech.silence(is_total=is_total)

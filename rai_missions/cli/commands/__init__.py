@@ -3,8 +3,8 @@
 
 Rule: a file here is a command, and a command is a file here; a word of Python ends in `_` there, as in `try_`.
 
-Imports `agents`, `campaign`, `check`, `connectors`, `embodiment`, `engine`, `journal`, `mission`, `profile`, `prove`,
-`recording`, `replay`, `runtime`, `visualize`, `voice` and `worlds`, and the modules of the root.
+Imports `agents`, `campaign`, `check`, `connectors`, `conversation`, `embodiment`, `engine`, `journal`, `mission`,
+`profile`, `prove`, `recording`, `replay`, `runtime`, `visualize`, `voice` and `worlds`, and the modules of the root.
 """
 
 from __future__ import annotations

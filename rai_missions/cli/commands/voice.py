@@ -19,6 +19,7 @@ def voice(
     below: Annotated[str, Argument("TOPIC")] = "",
     output: Annotated[str | None, Argument("FILE", short="-o", files=("*.wav",))] = None,
     voice: Annotated[str, Argument("NAME")] = "flite",
+    language: Annotated[str, Argument("CODE")] = "en",
     recogniser: Annotated[str, Argument("NAME")] = "whisper",
     second: Annotated[str, Argument("NAME")] = "pocketsphinx",
     wake_word: Annotated[str, Argument("WORD")] = "",
@@ -38,6 +39,7 @@ def voice(
         below: Of several robots the one that is talked with: its profile's hri_below, as /alpha.
         output: With FILE: a WAV file that is written at the end, with all that was spoken.
         voice: flite, espeak, piper, kokoro, or a voice of another package; with options as flite:speaker=rms.
+        language: Of what the robot reports, as de: that of its profile's conversation.
         recogniser: whisper, or a recogniser of another package; with options as whisper:weights=base,
             whisper:folder=MODEL.
         second: The recogniser that has to agree on an order; empty for none.
@@ -56,7 +58,8 @@ def voice(
     from rai_missions.connectors.sound.devices import DeviceSound
     from rai_missions.connectors.sound.files import FileSound
     from rai_missions.connectors.sound.wav import check_wav_name
-    from rai_missions.errors import UsageError
+    from rai_missions.conversation.language import languages
+    from rai_missions.errors import UsageError, suggestion
     from rai_missions.voice.setup import ListenNames
 
     if not ros:
@@ -68,9 +71,12 @@ def voice(
         raise UsageError(f"'--below {below}' is no beginning of a topic's name; write it like '/alpha'")
     if file is None and output is not None:
         raise UsageError("-o writes what is spoken next to a FILE; a speaker plays it: leave -o out, or name a FILE")
+    if language not in languages():
+        raise UsageError(f"'--language {language}' is none that is spoken{suggestion(language, languages())}")
     if output is not None:
         check_wav_name(output)
     sound: SoundConnector = (
         FileSound(file, output, paced=True) if file is not None else DeviceSound(microphone, speaker)
     )
-    return serve_voice(sound, ListenNames(recogniser, second, wake_word), voice=voice, domain=domain, below=below)
+    names = ListenNames(recogniser, second, wake_word)
+    return serve_voice(sound, names, voice=voice, language=language, domain=domain, below=below)
