@@ -126,13 +126,13 @@ def _neighbours(file: Path) -> Iterator[None]:
 
 
 def profile_of(
-    robot: PythonRobot, mission: Mission, program: RobotProgram | None = None, *, known: Iterable[str] = ()
+    robot: PythonRobot, mission: Mission | None, program: RobotProgram | None = None, *, known: Iterable[str] = ()
 ) -> Robot:
     """The profile of a robot in Python, for a mission.
 
     Args:
         robot: The robot.
-        mission: Whose events and keys it may bring.
+        mission: Whose events and keys it may bring; None where it is not known.
         program: Where it comes from, if from a file.
         known: Keys that it has brought in an earlier process.
 
@@ -143,7 +143,7 @@ def profile_of(
     facts = {
         name: {"topic": FACTS + name, "field": "value"}
         for name in _facts(robot, mission, known)
-        if name in mission.blackboard
+        if mission is None or name in mission.blackboard
     }
     source = robot.name if program is None else str(program.file)
     return validated(Robot, _written(robot, mission, facts, {"kind": KIND, **origin}), source)
@@ -176,19 +176,20 @@ REMEDIES: Mapping[str, str] = {
 """Section of a profile → what makes a robot in Python have a name in it."""
 
 
-def _facts(robot: PythonRobot, mission: Mission, known: Iterable[str]) -> dict[str, None]:
+def _facts(robot: PythonRobot, mission: Mission | None, known: Iterable[str]) -> dict[str, None]:
     """The keys that it brings; one that need not be there may be written without being declared."""
-    optional = [name for name, key in mission.blackboard.items() if key.source == "robot" and key.optional]
+    keys = mission.blackboard if mission is not None else {}
+    optional = [name for name, key in keys.items() if key.source == "robot" and key.optional]
     return dict.fromkeys([*robot.fact_functions, *robot.written, *optional, *known])
 
 
 def _written(
-    robot: PythonRobot, mission: Mission, facts: Mapping[str, Any], connector: Mapping[str, Any]
+    robot: PythonRobot, mission: Mission | None, facts: Mapping[str, Any], connector: Mapping[str, Any]
 ) -> dict[str, Any]:
     """The profile as its JSON would be."""
     return {
         "format": 1, "name": robot.name, "connector": connector, "blackboard": facts,
-        "events": {name: {"topic": EVENTS + name} for name in mission.events},
+        "events": {name: {"topic": EVENTS + name} for name in (mission.events if mission is not None else ())},
         "actions": {
             name: {"action": name, "uses": list(action.uses), "keep": action.keep, "repeat": action.repeat}
             for name, action in robot.action_functions.items()

@@ -30,10 +30,12 @@ def doctor(
     Example:
         rai-missions doctor --robot robot.json
     """
+    from rai_missions.agents.talk.settings import conversation_faults
     from rai_missions.check import load_whole
     from rai_missions.cli.doctor import examine
     from rai_missions.cli.inputs import is_robot_program
-    from rai_missions.profile import load_profile
+    from rai_missions.errors import DefinitionError
+    from rai_missions.profile import Robot, load_profile
 
     given = (
         Path(robot)
@@ -44,6 +46,8 @@ def doctor(
     )
     is_missing = False
     whole = load_whole(mission, python=not no_python) if mission else None
+    if isinstance(given, Robot) and (faults := conversation_faults(given, whole)):
+        raise DefinitionError(faults, str(robot))
     for finding in examine(given, mission=whole, voice=voice):
         print(finding, flush=True)
         is_missing |= finding.status == "missing"

@@ -70,15 +70,20 @@ def fields(wanted: list[list[Any]]) -> list[Any]:
 
 
 def python_robot(file: str) -> dict[str, list[str]]:
-    """What the robot in a Python file offers, by sort; nothing where the file makes one for each run."""
+    """What the robot in a Python file offers, by sort; nothing where the file makes one for each run.
+
+    Raises:
+        DefinitionError: It offers none, or one whose rules are at fault.
+    """
     from rai_missions.connectors.python_robot import PythonRobot
-    from rai_missions.profile import read_program
+    from rai_missions.profile import profile_of, read_program
 
     program = read_program(file)
     offered = getattr(program.module, "robot", None)
     robot = offered if callable(offered) and not isinstance(offered, PythonRobot) else program.robot()
     if not isinstance(robot, PythonRobot):
         return {}
+    profile_of(robot, None, program)
     sorts: Mapping[str, Mapping[str, object]] = {
         "facts": robot.fact_functions, "services": robot.service_functions, "actions": robot.action_functions,
         "topics": robot.topic_functions,

@@ -11,12 +11,11 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 
 from rai_missions.cli.doctor.finding import MachineFinding, ProbeResult, tried
-from rai_missions.connectors.registry import connector_names, connector_offer
+from rai_missions.connectors.registry import connector_offer
 from rai_missions.errors import suggestion
-from rai_missions.profile import Robot, RobotEntry, unknown_fields, wanted
+from rai_missions.profile import Robot, RobotEntry, connector_faults, unknown_fields, wanted
 from rai_missions.profile.message_types import typed
 from rai_missions.profile.type_fields import TypePart
-from rai_missions.worlds.world import world_names, world_offer
 
 __all__ = ("loads", "reach")
 
@@ -75,17 +74,9 @@ def loads(program: Path) -> MachineFinding:
 
 
 def _local(kind: str, robot: Robot) -> MachineFinding:
+    for fault in connector_faults(robot):
+        return MachineFinding("missing", f"the robot '{robot.name}' cannot be reached", str(fault))
     world = robot.connector.get("world")
-    if kind != "local":
-        near = suggestion(kind, connector_names())
-        return MachineFinding(
-            "missing", f"the robot '{robot.name}' has a connector of kind '{kind}', which is not known{near}"
-        )
-    if world is not None and world_offer(str(world)) is None:
-        near = suggestion(str(world), world_names())
-        return MachineFinding(
-            "missing", f"the robot '{robot.name}' lives in a world '{world}', which is not known{near}"
-        )
     return MachineFinding(
         "ok", f"the robot '{robot.name}' is simulated with the run" if world else f"'{robot.name}' is local"
     )

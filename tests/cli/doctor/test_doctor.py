@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import importlib.util
+import json
 import os
 import tomllib
 from collections.abc import Iterator, Mapping
@@ -234,7 +235,8 @@ def test_a_robot_behind_a_broker_is_known_by_what_it_publishes(tmp_path: Path) -
     [
         ({"kind": "local", "world": "orchard"}, "ok", "is simulated with the run"),
         ({"kind": "local", "world": "orchart"}, "missing", "did you mean 'orchard'?"),
-        ({"kind": "rosbridge"}, "missing", "which is not known"),
+        ({"kind": "local", "wrold": "orchard"}, "missing", "did you mean 'world'?"),
+        ({"kind": "rosbridge"}, "missing", "no connector of kind 'rosbridge'; there is: local, mqtt, ros2"),
     ],
 )
 def test_a_robot_of_another_kind_is_reported_by_its_profile(
@@ -265,6 +267,20 @@ def test_a_profile_at_fault_is_reported_on_stderr(tmp_path: Path, capsys: pytest
     assert "name" in capsys.readouterr().err
 
 
+def test_what_check_refuses_of_a_conversation_doctor_refuses(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    conversation = {"language": "xx", "phrases": {"fetch it (now": {}}}
+    profile = {"format": 1, "name": "rob", "connector": {"kind": "local"}, "conversation": conversation}
+    (tmp_path / "robot.json").write_text(json.dumps(profile))
+    given, mission = ["--robot", str(tmp_path / "robot.json")], str(ROOT / "missions/tractor/mission.json")
+    assert main(["check", mission, *given]) == 2
+    wrong = [line for line in capsys.readouterr().err.splitlines() if "/conversation/" in line]
+    assert main(["doctor", *given]) == 2
+    reported = capsys.readouterr().err
+    assert len(wrong) == 1 and all(line.partition("/conversation/")[2] in reported for line in wrong)
+
+
 PYTHON_ROBOT = """
 from rai_missions import PythonRobot
 robot = PythonRobot("turtle")
@@ -275,9 +291,16 @@ robot.service("horn")(lambda request: None)
 """
 
 
+RULES = """
+robot.rules["docked"] = [{"answer": %s}]
+"""
+
+
 @pytest.mark.parametrize(
     ("source", "status", "words"),
     [
+        (PYTHON_ROBOT + RULES % "'undock'", "ok", "loads: facts x"),
+        (PYTHON_ROBOT + RULES % "7", "missing", "/rules/docked/0/answer: 7 is not text"),
         (PYTHON_ROBOT, "ok", "loads: facts x, docked; services horn; actions drive; topics none"),
         (PYTHON_ROBOT + "made = robot\ndef robot(): return made", "ok", "loads: it is made by robot(), once a run"),
         ("robot = 5", "missing", "does not load"),
@@ -287,7 +310,7 @@ robot.service("horn")(lambda request: None)
 def test_what_a_robot_in_python_offers_is_named(tmp_path: Path, source: str, status: str, words: str) -> None:
     (tmp_path / "my_robot.py").write_text(source)
     found = loads(tmp_path / "my_robot.py")
-    assert (found.status, words in found.what) == (status, True), found
+    assert (found.status, words in str(found)) == (status, True), found
 
 
 @pytest.mark.parametrize(
