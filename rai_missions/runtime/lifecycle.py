@@ -7,14 +7,13 @@ Rule: the machines are made once a process and remember nothing; where a run is 
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
-from collections.abc import Set as AbstractSet
+from collections.abc import Mapping
 from functools import cache
-from types import MappingProxyType
 from typing import Any, NamedTuple
 
 from transitions import Machine, MachineError
 
+from rai_missions.engine import Chart
 from rai_missions.engine.activities.goal_ledger import OpenGoal
 from rai_missions.engine.modes import ALIVE, MODE_TABLE, MODES, Mode, next_mode
 from rai_missions.engine.step import Step
@@ -24,7 +23,6 @@ from rai_missions.states.state import HOLDERS, Holder
 
 __all__ = ("HOLDERS", "MODES", "Control", "Lifecycle", "Status")
 
-NOTHING: Mapping[str, str] = MappingProxyType({})
 
 CONTROL_TRANSITIONS: list[dict[str, Any]] = [
     {"trigger": "hand_to_autonomy", "source": ["autonomy", "agent", "operator"], "dest": "autonomy"},
@@ -212,36 +210,25 @@ class Lifecycle:
     def mode(self) -> str:
         return self._position.state
 
-    def observe(
-        self, step: Step, *, mode: Mode, holder: Holder, active: Collection[str], waiting: Mapping[str, str] = NOTHING,
-        open_goals: tuple[OpenGoal, ...] = (), taken: bool = False, held_by: str = "", held_since: float | None = None,
-    ) -> Status | None:  # fmt: skip
-        """Follow a step; the new status if anything in it changed.
-
-        Args:
-            step: What has happened.
-            mode: The chart's.
-            holder: Who holds control.
-            active: The active states, in the order in which they are to be shown; a set is sorted by name.
-            waiting: State → who must have control before what it does can continue.
-            open_goals: The goals that may still be executing although nothing waits for them.
-            taken: The operator holds control and has taken it.
-            held_by: Who holds the mission up; empty while it is not held.
-            held_since: Since when.
+    def observe(self, step: Step, chart: Chart) -> Status | None:
+        """Follow a step of a chart, which has just made it; the new status if anything in it changed.
 
         Raises:
             UsageError: The step went a way that no mission may go.
         """
+        mode, holder, held_by = chart.mode, chart.holder, chart.held_by
         if mode != self.mode:
             self._go(step, mode)
-        self.control.follow(holder, taken=taken)
+        self.control.follow(holder, taken=chart.taken)
         last, why = self._last, step.why if step.outcome else ""
         outcome: str | None = step.outcome
         if last is not None and last.outcome:  # it has ended: what comes too late has a reason of its own
             outcome, why = last.outcome, last.why
-        waits = _waits(waiting, holder, held_by) if mode in ALIVE else ""
-        shown = tuple(sorted(active) if isinstance(active, AbstractSet) else active)
-        status = Status(self.revision, mode, holder, shown, outcome, why, waits, open_goals, held_by, held_since)
+        waits = _waits(chart.waiting, holder, held_by) if mode in ALIVE else ""
+        status = Status(
+            self.revision, mode, holder, chart.active_in_order, outcome, why, waits, chart.loose_goals, held_by,
+            chart.held_since,
+        )  # fmt: skip
         if status == last:
             return None
         self.revision += 1

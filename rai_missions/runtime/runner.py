@@ -407,17 +407,7 @@ class Runner(RunCommands):
             self._loose = chart.loose_goals
             data = {"open_goals": [goal.data() for goal in self._loose]}
             self.note(may_move(self._loose) or "no goal may still move the robot", data)
-        status = self._lifecycle.observe(
-            step,
-            taken=chart.taken,
-            held_by=chart.held_by,
-            held_since=chart.held_since,
-            mode=chart.mode,
-            holder=chart.holder,
-            waiting=chart.waiting,
-            open_goals=chart.loose_goals,
-            active=chart.active_in_order,
-        )
+        status = self._lifecycle.observe(step, chart)
         is_stop = chart.outcome is not None and step.event.kind != "control"
         if status is not None and status.control == "nobody" and is_stop:
             self._executor.handovers.let_go(self._scheduler.wake)

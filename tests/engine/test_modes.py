@@ -65,7 +65,7 @@ def test_whatever_happens_the_modes_go_the_ways_of_the_table(early: list[str], s
     chart, life = Chart(MISSION), Lifecycle()
 
     def seen(step: Step) -> None:
-        life.observe(step, mode=chart.mode, holder=chart.holder, active=chart.active)
+        life.observe(step, chart)
         assert life.mode == mode_of(chart)
 
     for each in (*early, *(("start",) if not early else ("resume", "start")), *script):
@@ -100,11 +100,14 @@ def test_a_mission_that_is_paused_before_its_start_is_not_started(command: str) 
 
 
 def test_a_run_that_goes_where_no_transition_leads_is_refused() -> None:
-    chart, life = Chart(MISSION), Lifecycle()
-    started = chart.start()
-    life.observe(started, mode="paused", holder="autonomy", active=())
+    paused, canceling, life = Chart(MISSION), Chart(MISSION), Lifecycle()
+    started = paused.start()
+    canceling.start()
+    sent(paused, "pause")
+    sent(canceling, "cancel")
+    life.observe(started, paused)
     with pytest.raises(UsageError, match="a run cannot go from 'paused' to 'canceling'"):
-        life.observe(started, mode="canceling", holder="autonomy", active=())
+        life.observe(started, canceling)
 
 
 def test_every_mode_is_reached_and_only_outcomes_are_left_by_nothing() -> None:

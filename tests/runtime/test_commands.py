@@ -327,7 +327,7 @@ def test_what_comes_after_the_end_does_not_change_what_the_status_reports_about_
     chart, life = Chart(mission(ASKING)), Lifecycle()
 
     def seen(step: Step) -> Status | None:
-        return life.observe(step, mode=chart.mode, holder=chart.holder, active=chart.active)
+        return life.observe(step, chart)
 
     seen(chart.start(0.0))
     ended = seen(chart.send(Event("cancel", 1.0, {"by": "Ann"}, "command")))

@@ -71,7 +71,7 @@ class Run:
 
     def _made(self, step: Step) -> Step:
         self.steps.append(step)
-        status = self.life.observe(step, mode=self.chart.mode, holder=self.chart.holder, active=self.chart.active)
+        status = self.life.observe(step, self.chart)
         if status is not None:
             self.mode, self.control = status.mode, status.control
         self.feed.step(step)
