@@ -102,23 +102,20 @@ class Goals:
         entry = self._entry(effect.action)
         if entry is None or self._connector is None:
             self.start(effect)
-        elif entry.action is not None and isinstance(self._connector, HostsActions):
-            if not entry.repeat:
-                return False
-            self.start(effect)
-        elif entry.action is not None:
+            return True
+        if entry.action is not None and not isinstance(self._connector, HostsActions):
             self._find(entry, effect, accepted=accepted)
-        elif accepted:
+            return True
+        if entry.action is None and accepted:
             self._composed[effect.action] = CancelGoal(effect.number, effect.action)
-        elif entry.repeat:
+            return True
+        if entry.repeat:
             self.start(effect)
-        else:
-            if entry.cancel is not None:
-                self._connector.call(
-                    entry.cancel.service, entry.cancel.type, entry.cancel.request_of({}), on_reply=lambda reply: None
-                )
-            return False
-        return True
+        elif entry.action is None and entry.cancel is not None:
+            self._connector.call(
+                entry.cancel.service, entry.cancel.type, entry.cancel.request_of({}), on_reply=lambda reply: None
+            )
+        return entry.repeat
 
     def _find(self, entry: ActionEntry, effect: StartGoal, *, accepted: bool) -> None:
         """Ask its server; one never accepted, or that may be sent twice, is sent if the server knows nothing of it."""
