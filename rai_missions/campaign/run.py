@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import time
 from collections import Counter
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import closing
 from datetime import timedelta
 from typing import Any, NamedTuple
@@ -156,13 +156,8 @@ def run_campaign(
             labels alone are wanted and the campaign has no source of them.
     """
     began = time.monotonic()
-    rates = loaded.file.labels != UNLABELLED
     _check_sources(loaded, settings, labels_alone=labels_alone)
-    plan = plan_of(loaded)
-    _begin(loaded, plan, store)
-    plan = plan._replace(labels=_whole(store.labels(), loaded.subject.options if rates else ()))
-    _drop_outdated(plan, store)
-    done = store.done() & plan.cells.keys()
+    plan = _begun(loaded, store)
     budget = loaded.file.budget
     if labels_alone or settings.recorded:
         budget = budget.model_copy(update=dict.fromkeys(("calls", "tokens", "money")))  # no one is asked
@@ -172,16 +167,12 @@ def run_campaign(
         intake = Intake(store, spending, on_progress, labelled, len(plan.scenes), counts=LabelRecord)
         wanted = plan.label_tasks()
     else:
+        done = store.done() & plan.cells.keys()
         intake = Intake(store, spending, on_progress, len(done), len(plan.cells))
-        wanted = plan.tasks(done, store.shown(), rates=rates)
-    stopped = spending.spent(0.0)
-    tasks = [] if stopped else list(wanted)
+        wanted = plan.tasks(done, store.shown(), rates=loaded.file.labels != UNLABELLED)
     with closing(open_pool(settings)) as pool:
         try:
-            for record in pool.results(tasks):
-                intake.take(record)
-                if not stopped and (stopped := spending.spent(time.monotonic() - began)):
-                    pool.stop()
+            stopped = _work(pool, wanted, intake, spending, began)
         finally:
             intake.commit()
             _grade(store, intake.labelled, loaded.file.rollouts.parameters)
@@ -192,6 +183,30 @@ def run_campaign(
     seconds = time.monotonic() - began
     unlabelled = dict(Counter(intake.unlabelled.values()).most_common())
     return CampaignResult(store.counts(), missing, stopped if missing else "", seconds, store.failures(), unlabelled)
+
+
+def _begun(loaded: LoadedCampaign, store: ResultStore) -> CampaignPlan:
+    """The plan with the labels that a store has, which holds nothing but what is of the plan from now on.
+
+    Raises:
+        UsageError: It holds another campaign's cells, or those of another version of this code.
+    """
+    plan = plan_of(loaded)
+    _begin(loaded, plan, store)
+    options = loaded.subject.options if loaded.file.labels != UNLABELLED else ()
+    plan = plan._replace(labels=_whole(store.labels(), options))
+    _drop_outdated(plan, store)
+    return plan
+
+
+def _work(pool: TaskPool, tasks: Iterable[SceneTask], intake: Intake, spending: Spending, began: float) -> str:
+    """Take in what a pool makes of tasks; the limit of the budget that ended it, or empty."""
+    stopped = spending.spent(0.0)
+    for record in pool.results([] if stopped else list(tasks)):
+        intake.take(record)
+        if not stopped and (stopped := spending.spent(time.monotonic() - began)):
+            pool.stop()
+    return stopped
 
 
 class Intake:
