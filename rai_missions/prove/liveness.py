@@ -11,15 +11,12 @@ from collections.abc import Collection, Iterable, Iterator, Mapping
 from functools import lru_cache
 from typing import Any, NamedTuple, Protocol
 
-from pydantic import BaseModel
-
 from rai_missions.engine.configuration import Configuration
 from rai_missions.engine.nodes import CompiledTransition, Node
 from rai_missions.engine.robot_facts import RobotFacts
 from rai_missions.engine.transitions import Graph
 from rai_missions.mission.mission import Mission
-from rai_missions.prove.parts import parts
-from rai_missions.states.decision import DecisionSpec
+from rai_missions.prove.parts import parts, texts_in
 from rai_missions.states.effects import Effect, Set
 from rai_missions.states.state import State
 from rai_missions.states.tree.leaves import ActionLeaf
@@ -220,19 +217,10 @@ class LiveReads:
 
         What a question shows makes no difference to what becomes of it.
         """
-        if isinstance(value, str):
-            root = value.partition(".")[0]
+        for text in texts_in(value, without="evidence"):
+            root = text.partition(".")[0]
             if root in self._keys or root == ANSWER:
-                yield value
-        elif isinstance(value, DecisionSpec):
-            yield from self._mentions([part for name, part in vars(value).items() if name != "evidence"])
-        elif isinstance(value, BaseModel):
-            yield from self._mentions(list(vars(value).values()))
-        elif isinstance(value, Mapping):
-            yield from self._mentions([*value, *value.values()])
-        elif isinstance(value, list | tuple | set | frozenset):
-            for part in value:
-                yield from self._mentions(part)
+                yield text
 
     # -- where it leads -------------------------------------------------------------------------------------------
 

@@ -6,12 +6,14 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping
 from typing import Any, TypeVar
 
+from pydantic import BaseModel
+
 from rai_missions.guards.guard import Guard
 from rai_missions.model import MissionModel
 from rai_missions.states.effects import Set
 from rai_missions.states.tree.leaves import SetLeaf
 
-__all__ = ("guards_in", "inside", "parts", "writes_in")
+__all__ = ("guards_in", "inside", "parts", "texts_in", "writes_in")
 
 Part = TypeVar("Part")
 
@@ -40,6 +42,27 @@ def guards_in(value: Any) -> Iterator[Guard]:
         return
     for part in inside(value):
         yield from guards_in(part)
+
+
+def texts_in(value: Any, *, without: str = "") -> Iterator[str]:
+    """Every text in a part of a mission, names in its mappings included.
+
+    Args:
+        value: The part.
+        without: A field that is left out, wherever it is.
+    """
+    if isinstance(value, str):
+        yield value
+    elif isinstance(value, BaseModel):
+        for name, part in vars(value).items():
+            if name != without:
+                yield from texts_in(part, without=without)
+    elif isinstance(value, Mapping):
+        for part in (*value, *value.values()):
+            yield from texts_in(part, without=without)
+    elif isinstance(value, list | tuple | set | frozenset):
+        for part in value:
+            yield from texts_in(part, without=without)
 
 
 def writes_in(value: Any) -> Iterator[Set]:

@@ -11,10 +11,8 @@ itself connect none: what a step asks of them, and writes, is noted as it is mad
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
-
-from pydantic import BaseModel
 
 from rai_missions.engine import Chart
 from rai_missions.engine.activities.activity import GOALS
@@ -23,7 +21,7 @@ from rai_missions.engine.state import TimerKey
 from rai_missions.guards.guard import presence
 from rai_missions.mission.mission import BUILT_IN_EVENTS
 from rai_missions.prove.open_world import OpenWorld
-from rai_missions.prove.parts import guards_in, parts
+from rai_missions.prove.parts import guards_in, parts, texts_in
 from rai_missions.prove.stimulus import Stimulus
 from rai_missions.states.action import Action
 from rai_missions.states.effects import Raise
@@ -65,6 +63,20 @@ class RegionGroups(NamedTuple):
     def every(self) -> frozenset[int]:
         """All groups."""
         return frozenset(range(len(self.members)))
+
+
+class ParallelTexts(NamedTuple):
+    """A parallel state as it is read, before its regions are in groups."""
+
+    node: Node
+    region_of: Mapping[str, int]
+    """State inside it → its region."""
+    texts: tuple[frozenset[str], ...]
+    """Of each region its words."""
+    waiting: Sequence[CompiledGuard]
+    """The guards around it that may fire without an event."""
+    firing: Sequence[CompiledTransition]
+    """The guarded transitions around it."""
 
 
 class Regions:
@@ -116,37 +128,40 @@ class Regions:
     def _parallel(self, node: Node) -> RegionGroups | None:
         """The groups of a parallel state; None where it is explored as a whole."""
         regions, inside = node.children, [each for each in self._chart.program.graph.order if each.inside(node)]
-        if any(each.is_each for each in inside):
+        waiting = [*self._waiting(node), *(condition for _, condition in self._chart.program.invariants)]
+        fleeting = self._world.fleeting
+        if any(each.is_each for each in inside) or any(not each.reads.isdisjoint(fleeting) for each in waiting):
             return None
         region_of = {each.name: at for at, top in enumerate(regions) for each in inside
                      if each is top or each.inside(top)}  # fmt: skip
-        texts = [frozenset(self._text(top)) for top in regions]
-        around = [*self._chart.mission.transitions, *(part for each in (node, *node.ancestors) for part in _own(each))]
-        leads = JoinedNumbers(len(regions))
-        for token in self._connecting(region_of):
-            leads.join(at for at, text in enumerate(texts) if token in text or region_of.get(token) == at)
-        actions = [_actions(top) for top in regions]
+        texts = tuple(frozenset(self._text(top)) for top in regions)
+        firing = [each for each in _transitions(node) if each.condition is not None]
+        read = ParallelTexts(node, region_of, texts, waiting, firing)
+        groups = self._joined(read)
+        return self._grouped(read, groups) if len(groups) > 1 else None
+
+    def _joined(self, read: ParallelTexts) -> list[list[int]]:
+        """The regions that are in one group."""
+        leads = JoinedNumbers(len(read.texts))
+        for token in self._connecting(read.region_of):
+            leads.join(at for at, text in enumerate(read.texts) if token in text or read.region_of.get(token) == at)
+        actions = [_actions(top) for top in read.node.children]
         for at, some in enumerate(actions):
             leads.join(other for other, others in enumerate(actions) if other == at or any(
                 self._chart.terms.conflict(one, two) for one in some for two in others))  # fmt: skip
-        waiting = [*self._waiting(node), *(condition for _, condition in self._chart.program.invariants)]
-        for condition in waiting:
-            if not condition.reads.isdisjoint(self._world.fleeting):
-                return None
-            leads.join(region_of[name] for name in _states(condition) if name in region_of)
-        firing = [each for each in _transitions(node) if each.condition is not None]
-        for each in firing:
-            leads.join(region_of[name] for name in _states(each.condition) if name in region_of)
-        groups = leads.groups()
-        if len(groups) < 2:
-            return None
+        for condition in (*read.waiting, *(each.condition for each in read.firing)):
+            leads.join(read.region_of[name] for name in _states(condition) if name in read.region_of)
+        return leads.groups()
+
+    def _grouped(self, read: ParallelTexts, groups: list[list[int]]) -> RegionGroups:
+        """What concerns which of the groups."""
+        node, texts = read.node, read.texts
         number = {at: group for group, members in enumerate(groups) for at in members}
-        group_of = {name: number[at] for name, at in region_of.items()}
-        named = {group_of[name] for each in firing for name in _states(each.condition) if name in group_of}
-        outer = frozenset(_strings(around))
+        group_of = {name: number[at] for name, at in read.region_of.items()}
+        around = [*self._chart.mission.transitions, *(part for each in (node, *node.ancestors) for part in _own(each))]
+        outer = frozenset(_names(around))
         key_of = {key: number[at] for key in sorted(self._world.fleeting) for at, text in enumerate(texts)
                   if key in text}  # fmt: skip
-        named |= {group for key, group in key_of.items() if key in outer}
         handlers = {event: frozenset(number[at] for at, text in enumerate(texts) if event in text)
                     for event in self._events}  # fmt: skip
         fired = {event for each in _transitions(node) for event in each.definition.on}
@@ -154,17 +169,23 @@ class Regions:
         events = {event: OUTSIDE if is_any or event in fired or len(some) != 1 else min(some)
                   for event, some in handlers.items()}  # fmt: skip
         around_raise = {each.event for each in parts(around, Raise)} | (outer - fired)
+        named = {group_of[name] for each in read.firing for name in _states(each.condition) if name in group_of}
+        named |= {group for key, group in key_of.items() if key in outer}
         named |= {group for event, some in handlers.items() if event in around_raise for group in some}
         outside = {
-            group: frozenset().union(*(each.watched for each in waiting
+            group: frozenset().union(*(each.watched for each in read.waiting
                                        if any(group_of.get(name) == group for name in _states(each))))
             for group in range(len(groups))
         }  # fmt: skip
-        trees = {group_of[each.name] for each in inside if each.state is not None and each.state.root() is not None}
-        members = tuple(tuple(regions[at] for at in each) for each in groups)
+        trees = {group_of[name] for name in read.region_of if self._has_tree(name)}
+        members = tuple(tuple(node.children[at] for at in each) for each in groups)
         return RegionGroups(
             node, group_of, members, key_of, events, handlers, outside, frozenset(named), frozenset(trees)
         )  # fmt: skip
+
+    def _has_tree(self, name: str) -> bool:
+        state = self._chart.program.graph.nodes[name].state
+        return state is not None and state.root() is not None
 
     def _connecting(self, region_of: Mapping[str, int]) -> Iterator[str]:
         """The words that connect regions wherever they appear in two of them."""
@@ -172,10 +193,10 @@ class Regions:
 
     def _text(self, top: Node) -> Iterator[str]:
         """Every word of a region, with what a profile adds to its actions."""
-        words = set(_strings(top.state))
+        words = set(_names(top.state))
         facts = self._chart.terms
         for action in _actions(top):
-            words |= set(_strings([facts.succeeded.get(action), facts.failed.get(action)]))
+            words |= set(_names([facts.succeeded.get(action), facts.failed.get(action)]))
         yield from words
         if ANY_EVENT in words:
             yield from self._events
@@ -275,19 +296,9 @@ def _actions(top: Node) -> frozenset[str]:
     return frozenset(each.action for kind in (Action, ActionLeaf) for each in parts(top.state, kind))
 
 
-def _strings(value: Any) -> Iterator[str]:
+def _names(value: Any) -> Iterator[str]:
     """Every text in a part of a mission; of a path also the key that it begins with."""
-    if isinstance(value, str):
-        yield value
-        if "." in value:
-            yield value.partition(".")[0]
-    elif isinstance(value, BaseModel):
-        for part in vars(value).values():
-            yield from _strings(part)
-    elif isinstance(value, Mapping):
-        for name, part in value.items():
-            yield from _strings(name)
-            yield from _strings(part)
-    elif isinstance(value, list | tuple | set | frozenset):
-        for part in value:
-            yield from _strings(part)
+    for text in texts_in(value):
+        yield text
+        if "." in text:
+            yield text.partition(".")[0]
