@@ -46,8 +46,9 @@ def report_page(
         [node("h1", None, f"Campaign {name}"), *sections(figures, comparisons), *_answers(wrong), _notes(meta)]
     )
     return assembled(
-        _asset("report.html"), answers_data(wrong, figures, pictures), title=f"campaign {name}",
-        style=asset("page.css") + _asset("report.css"), script=bundle(["dom.js"], [_asset("report.js")]), body=body,
+        asset("report.html", ASSETS), answers_data(wrong, figures, pictures), title=f"campaign {name}",
+        style=asset("page.css") + asset("report.css", ASSETS),
+        script=bundle(["dom.js"], [asset("report.js", ASSETS)]), body=body,
     )  # fmt: skip
 
 
@@ -73,7 +74,3 @@ def _notes(meta: Mapping[str, Any]) -> Markup:
         for key, value in sorted(meta.items())
     ]
     return node("section", {"id": "notes"}, node("h2", None, "The run"), node("dl", None, lines))
-
-
-def _asset(name: str) -> str:
-    return (ASSETS / name).read_text(encoding="utf-8")

@@ -49,7 +49,7 @@ class PageFiles:
         return Response(self._script_bytes, media_type="text/javascript")
 
     async def _sound(self, request: Request) -> Response:
-        return Response(_own(self._worklet).encode(), media_type="text/javascript")
+        return Response(asset(self._worklet, ASSETS).encode(), media_type="text/javascript")
 
     async def _style(self, request: Request) -> Response:
         return Response(self._style_bytes, media_type="text/css")
@@ -63,12 +63,8 @@ class PageFiles:
 
     @cached_property
     def _script_bytes(self) -> bytes:
-        return bundle(SHARED, map(_own, self._scripts)).encode()
+        return bundle(SHARED, (asset(each, ASSETS) for each in self._scripts)).encode()
 
     @cached_property
     def _style_bytes(self) -> bytes:
-        return "".join((asset("page.css"), *map(_own, self._styles))).encode()
-
-
-def _own(name: str) -> str:
-    return (ASSETS / name).read_text(encoding="utf-8")
+        return "".join((asset("page.css"), *(asset(each, ASSETS) for each in self._styles))).encode()

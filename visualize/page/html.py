@@ -68,9 +68,9 @@ def assembled(template: str, data: Json, *, title: str, style: str, script: str,
 
 
 @cache
-def asset(name: str) -> str:
-    """A file of the page's parts."""
-    return (ASSETS / name).read_text(encoding="utf-8")
+def asset(name: str, folder: Path = ASSETS) -> str:
+    """A file of a page's parts."""
+    return (folder / name).read_text(encoding="utf-8")
 
 
 def bundle(names: Iterable[str], more: Iterable[str] = ()) -> str:
