@@ -38,9 +38,9 @@ def check_recogniser(make: Callable[[], Recogniser], turns: Iterable[bytes] = ()
             assert isinstance(reading, Reading), f"what it makes of sound is a Reading, not {reading!r}"
             assert isinstance(reading.text, str), f"the text of a Reading is text, not {reading.text!r}"
             assert samples or not reading.text, f"without sound there are no words, not {reading.text!r}"
-            other = sorted(map(str, set(reading.evidence) - set(phrases)))
+            other = sorted(map(str, {*reading.evidence, *reading.odds} - set(phrases)))
             assert not other, f"there is evidence for phrases that are expected only, not for {other}"
-            numbers = (*reading.evidence.values(), *reading.guesses.values())
+            numbers = (*reading.evidence.values(), *reading.guesses.values(), *reading.odds.values())
             wrong = [each for each in numbers if not is_number(each)]
             assert not wrong, f"evidence is a finite number, not {wrong[0]!r}"
             assert all(isinstance(each, str) for each in reading.guesses), (

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What two recognisers make of one turn, as one text and what each of them reads; pure.
+"""What two recognisers and a network make of one turn, as one text and what each of them reads; pure.
 
 The evidence of both for a phrase is added, as logarithms of likelihood ratios are, and that of the letters of the free
 text: "close the mission" is nearer to "pause the mission" than "open it" is. Where the first has guesses, their letters
@@ -7,10 +7,14 @@ count instead. A phrase counts where the sum is large, and larger than that of a
 long as the phrase can. The second agrees where it holds the phrase for one of the two most probable. What is read as
 "no" and is too short for it is no word; nor is a phrase of one word that the second takes for others, but for "stop".
 
+A phrase that a trained network holds for far more probable than none counts as well, with the second's vote added,
+where the first has evidence for it. Another phrase that the two read must have less of both. The first and the network
+agree on it then.
+
 Another phrase for which both have evidence, or the first has more, may have been meant as well, and is a reading, too:
 "start the mission" is nearer to "pause the mission" by some voices. Which is meant is decided where orders are judged.
 
-Rule: the second can vote and agree, and no more: a phrase for which the first has no evidence never counts.
+Rule: the others can vote and agree, and no more: a phrase for which the first has no evidence never counts.
 """
 
 from __future__ import annotations
@@ -24,7 +28,7 @@ from typing import Any, NamedTuple
 
 from rai_missions.plain_data import is_number
 
-__all__ = ("LEAST", "LEAST_FIRST_OF_ANY", "LEAST_STOP", "FusedTurn", "evidence_in", "fused", "guesses_in")
+__all__ = ("LEAST", "LEAST_FIRST_OF_ANY", "LEAST_STOP", "FusedTurn", "evidence_in", "fused", "guesses_in", "odds_in")
 
 LEAST, LEAST_ALONE = 5.5, 8.5
 """What the evidence for a phrase must come to, in nats, where the second agrees; where it does not."""
@@ -39,7 +43,10 @@ LEAST_STOP, LEAST_STOP_FIRST = 2.4, 1.0
 """The same for "stop", with no lead: one syllable cannot have much, other speech has less, it must not be missed.
 In loud noise "pause" is often as near to it: where that is not enough and "stop" is next, the first's own counts."""
 LEAST_FIRST_OF_ANY = min(LEAST_FIRST, LEAST_STOP_FIRST)
-"""With less of the first's own, no phrase counts."""
+"""With less of the first's own, no phrase counts, unless the network has the odds for it."""
+LEAST_ODDS, LEAST_ODDS_LEAD, LEAST_FIRST_AT_ODDS = 2.75, 1.0, 0.0
+"""From which odds on, with the second's vote, a phrase counts, in nats; how much more they must be than those of
+another phrase that was read; what the first's own must come to then."""
 SHORTEST_S, LONGEST_S = (0.18, 0.03), (0.5, 0.08)
 """How long a phrase lasts, in seconds, and so many more for each of its letters."""
 LEAST_AGREED_S = 0.24
@@ -71,7 +78,7 @@ STOPS = (STOP, "halt")
 
 
 class FusedTurn(NamedTuple):
-    """A turn as both recognisers read it."""
+    """A turn as the recognisers read it."""
 
     text: str
     """A phrase, or what the first recogniser reads freely; empty where there are no words."""
@@ -82,6 +89,7 @@ class FusedTurn(NamedTuple):
 def fused(
     text: str, first: Mapping[str, float], second: Mapping[str, float], phrases: Sequence[str],
     spoken_s: float | None = None, guesses: Mapping[str, float] = MappingProxyType({}),
+    odds: Mapping[str, float] = MappingProxyType({}),
 ) -> FusedTurn:  # fmt: skip
     """The text of a turn.
 
@@ -92,7 +100,24 @@ def fused(
         phrases: Those that are expected.
         spoken_s: From the first frame of speech to the end of the last, in seconds; None where that is unknown.
         guesses: Those of the first; see `Reading.guesses`.
+        odds: Those of a network; see `Reading.odds`.
     """
+    found = _of_two(text, first, second, phrases, spoken_s, guesses)
+    chances = {each: value + second.get(each, 0.0) for each, value in odds.items() if each in first}
+    best = max(chances, key=chances.__getitem__, default="")
+    if not best or chances[best] < LEAST_ODDS or first[best] < LEAST_FIRST_AT_ODDS:
+        return found
+    is_other = found.text in phrases and found.text != best
+    if is_other and chances[best] - chances.get(found.text, math.inf) < LEAST_ODDS_LEAD:
+        return found
+    return FusedTurn(best, (best, best))
+
+
+def _of_two(
+    text: str, first: Mapping[str, float], second: Mapping[str, float], phrases: Sequence[str],
+    spoken_s: float | None, guesses: Mapping[str, float],
+) -> FusedTurn:  # fmt: skip
+    """The text of a turn by the two recognisers alone; see `fused`."""
     plain, shares = _plain(text), _shares(guesses)
     if plain in phrases and _is_denied(plain, second):
         return FusedTurn("")
@@ -215,7 +240,16 @@ def _plain(text: str) -> str:
 
 def evidence_in(data: Mapping[str, Any], phrases: Sequence[str]) -> dict[str, float]:
     """The evidence in a reply of a recogniser's process; what is no number of an expected phrase is left out."""
-    given = data.get("evidence")
+    return _numbers_in(data, "evidence", phrases)
+
+
+def odds_in(data: Mapping[str, Any], phrases: Sequence[str]) -> dict[str, float]:
+    """The odds in a reply of a recogniser's process; what is no number of an expected phrase is left out."""
+    return _numbers_in(data, "odds", phrases)
+
+
+def _numbers_in(data: Mapping[str, Any], name: str, phrases: Sequence[str]) -> dict[str, float]:
+    given = data.get(name)
     if not isinstance(given, Mapping):
         return {}
     return {each: max(-MOST, min(MOST, float(value))) for each in phrases if is_number(value := given.get(each))}

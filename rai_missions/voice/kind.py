@@ -33,6 +33,8 @@ class Reading(NamedTuple):
     that is no speech. It need not be of a probability: what votes for a phrase gives it a few nats."""
     guesses: Mapping[str, float] = MappingProxyType({})
     """Texts that the sound may be where such phrases are spoken, each with the logarithm of its probability."""
+    odds: Mapping[str, float] = MappingProxyType({})
+    """Of those phrases that a network was trained for: the logarithm of how much more probable each is than none."""
 
 
 class Recogniser(Protocol):

@@ -16,7 +16,7 @@ from rai_missions.connectors.process.frames import Broken
 from rai_missions.connectors.sound.connector import FRAME_S, RATE_HZ, SoundFrame
 from rai_missions.connectors.worker import SerialQueue
 from rai_missions.redaction import logger
-from rai_missions.voice.fusion import FusedTurn, evidence_in, fused, guesses_in
+from rai_missions.voice.fusion import FusedTurn, evidence_in, fused, guesses_in, odds_in
 from rai_missions.voice.kind import SHORT_S
 from rai_missions.voice.offers import OfferQueue, TurnOffer
 from rai_missions.voice.process import SpeechProcess, SpeechReply, sound_in, text_in
@@ -291,4 +291,5 @@ def words_of(known: OfferReplies, settings: ListenSettings) -> FusedTurn:
     first, second = (reply.data if reply is not None and not reply.fault else {} for reply in known[:2])
     one, other = (evidence_in(data, settings.phrases) for data in (first, second))
     phrases = (*settings.phrases, *settings.at_once)
-    return fused(text_in(first, "text"), one, other, phrases, known.spoken_s, guesses_in(first))
+    odds = odds_in(first, settings.phrases)
+    return fused(text_in(first, "text"), one, other, phrases, known.spoken_s, guesses_in(first), odds)

@@ -46,7 +46,8 @@ def work(request_fd: int, reply_fd: int) -> None:
 
 def _transcribe(held: Any, message: Mapping[str, Any], blobs: Sequence[bytes], _: int) -> dict[str, Any]:
     reading = held.transcribe(blobs[0], message["phrases"])
-    return {"text": reading.text, "evidence": dict(reading.evidence), "guesses": dict(reading.guesses)}
+    kept = {name: dict(getattr(reading, name)) for name in ("evidence", "guesses", "odds")}
+    return {"text": reading.text, **kept}
 
 
 def _speak(held: Any, message: Mapping[str, Any], _: Sequence[bytes], reply_fd: int) -> dict[str, Any]:

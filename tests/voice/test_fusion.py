@@ -6,7 +6,17 @@ from __future__ import annotations
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from rai_missions.voice.fusion import LEAST, LEAST_STOP, evidence_in, fused, guesses_in
+from rai_missions.voice.fusion import (
+    LEAST,
+    LEAST_FIRST_AT_ODDS,
+    LEAST_ODDS,
+    LEAST_ODDS_LEAD,
+    LEAST_STOP,
+    evidence_in,
+    fused,
+    guesses_in,
+    odds_in,
+)
 
 PHRASES = ("stop", "yes", "cancel the mission", "resume the mission")
 numbers = st.floats(-20, 20)
@@ -208,3 +218,48 @@ def test_what_a_recogniser_sends_as_guesses_is_texts_with_their_log_probability(
     assert guesses_in({"guesses": sent}) == {"yes": -1.0, "go": 0.0, "far": -30.0}
     assert len(guesses_in({"guesses": {str(each): -1.0 for each in range(99)}})) == 16
     assert guesses_in({"guesses": ["yes"]}) == guesses_in({}) == {}
+
+
+TURNS = st.tuples(st.sampled_from(["", "the panel", "Yes.", "stop it"]), evidence, votes)
+
+
+@given(TURNS, evidence, st.none() | st.floats(0.0, 4.0))
+def test_the_odds_of_a_network_and_the_votes_make_a_phrase_of_what_the_first_has_evidence_for(
+    turn: tuple[str, dict[str, float], dict[str, float]], odds: dict[str, float], spoken_s: float | None
+) -> None:
+    alone, found = fused(*turn, PHRASES, spoken_s), fused(*turn, PHRASES, spoken_s, {}, odds)
+    _, first, second = turn
+    chances = {each: odds[each] + second.get(each, 0.0) for each in odds if each in first}
+    best = max(chances, key=lambda each: chances[each], default="")
+    if not best or chances[best] < LEAST_ODDS or first[best] < LEAST_FIRST_AT_ODDS:
+        assert found == alone
+    elif alone.text in PHRASES and alone.text != best:
+        leads = alone.text in chances and chances[best] - chances[alone.text] >= LEAST_ODDS_LEAD
+        assert found == ((best, (best, best)) if leads else alone), "a phrase without odds stays"
+    else:
+        assert found == (best, (best, best)), "the first and the network agree"
+
+
+@given(TURNS, evidence, st.sampled_from(PHRASES))
+def test_the_odds_alone_make_no_phrase_for_which_the_first_has_no_evidence(
+    turn: tuple[str, dict[str, float], dict[str, float]], odds: dict[str, float], phrase: str
+) -> None:
+    text, first, second = turn
+    first = {each: value for each, value in first.items() if each != phrase} | {phrase: -1.0}
+    alone = fused(text, first, second, PHRASES)
+    if alone.text != phrase:
+        assert fused(text, first, second, PHRASES, None, {}, odds | {phrase: 29.0}) == alone
+
+
+@given(TURNS, st.dictionaries(st.sampled_from(PHRASES), st.floats(-20.0, LEAST_ODDS, exclude_max=True)))
+def test_small_odds_change_nothing(
+    turn: tuple[str, dict[str, float], dict[str, float]], odds: dict[str, float]
+) -> None:
+    text, first, _ = turn
+    assert fused(text, first, {}, PHRASES, None, {}, odds) == fused(text, first, {}, PHRASES)
+
+
+def test_what_a_recogniser_sends_as_odds_is_numbers_of_expected_phrases() -> None:
+    sent = {"yes": 1, "stop": float("nan"), "open": 9.0, "resume the mission": 1e9, "cancel the mission": "9"}
+    assert odds_in({"odds": sent}, PHRASES) == {"yes": 1.0, "resume the mission": 30.0}
+    assert odds_in({"odds": [9.0]}, PHRASES) == odds_in({}, PHRASES) == {}

@@ -2,7 +2,8 @@
 """Whisper by CTranslate2, the only door to it: 15 s are encoded instead of the 30 that others pad to, or 10 s.
 
 A turn is decoded freely. A short one is also compared with each phrase that is expected: how probable it is, given the
-sound and all phrases as the text before it. That finds short words in noise in which the free text is another one.
+sound and all phrases as the text before it. That finds short words in noise in which the free text is another one. A
+small network may be there that was trained to recognise the usual phrases in the encoding.
 """
 
 from __future__ import annotations
@@ -18,6 +19,7 @@ from rai_missions.connectors.sound.connector import RATE_HZ
 from rai_missions.voice.absent import absent
 from rai_missions.voice.fusion import LEAST_FIRST_OF_ANY
 from rai_missions.voice.kind import SHORT_S, Reading, Recogniser
+from rai_missions.voice.recognisers.phrase_network import STEPS_AFTER, PhraseNetwork, trained_network
 from rai_missions.voice.recognisers.whisper_weights import SIZES, WhisperWeights, weights_in, weights_of
 
 __all__ = ("FreeSpeech", "Whisper", "beginning", "once", "open_recogniser", "plain_words", "text_of_tokens")
@@ -63,7 +65,7 @@ def open_recogniser(weights: str = SIZES[0], folder: str = "", threads: int = 0)
     threads = threads or min(4, os.cpu_count() or 1)
     if folder:
         return Whisper(weights_in(Path(folder)), threads)
-    small = Whisper(weights_of(SIZES[0]), threads)
+    small = Whisper(weights_of(SIZES[0]), threads, trained_network())
     return small if weights == SIZES[0] else FreeSpeech(small, Whisper(weights_of(weights), threads))
 
 
@@ -95,9 +97,10 @@ class Whisper:
     Args:
         weights: The model.
         threads: How many.
+        network: What was trained with the encodings of this model; None: there is no such thing.
     """
 
-    def __init__(self, weights: WhisperWeights, threads: int) -> None:
+    def __init__(self, weights: WhisperWeights, threads: int, network: PhraseNetwork | None = None) -> None:
         os.environ.setdefault("OMP_WAIT_POLICY", "PASSIVE")  # threads that wait do not take the mission's cores
         try:
             import ctranslate2
@@ -109,6 +112,7 @@ class Whisper:
         )  # fmt: skip
         self._task = [BEGIN, PLAIN] if not self._model.is_multilingual else [BEGIN, "<|en|>", "<|transcribe|>", PLAIN]
         self._tokens = PhraseTokens(weights.vocabulary)
+        self._network = network
         self._before: list[int] = []
         self._before_hand: dict[str, float] = {}
         """Phrase → its log probability without speech."""
@@ -127,14 +131,23 @@ class Whisper:
             return Reading("")
         text = once(text_of_tokens(free.sequences[0])) if free.scores[0] > LEAST_SCORE else ""
         plain = plain_words(text)
-        if plain in phrases:
-            return Reading(text, {plain: CERTAIN})
         if len(sound) > SHORT_S * RATE_HZ or len(plain.split()) > MOST_WORDS or not phrases:
-            return Reading(text)
-        view = self._view.from_array(beginning(encoded, len(sound)))
+            return Reading(text, {plain: CERTAIN} if plain in phrases else {})
+        part = beginning(encoded, len(sound))
+        odds = self._network.odds(_spoken(part, len(sound)), phrases) if self._network is not None else {}
+        if plain in phrases:
+            return Reading(text, {plain: CERTAIN}, odds=odds)
+        view = self._view.from_array(part)
         evidence = self._evidence(view, phrases)
         is_probable = max(evidence.values()) >= LEAST_FIRST_OF_ANY
-        return Reading(text, evidence, self._guesses(view) if is_probable else {})
+        return Reading(text, evidence, self._guesses(view) if is_probable else {}, odds)
+
+    def states(self, samples: bytes) -> Any:
+        """What the encoder makes of a turn, steps × size; a network of phrases is trained with it."""
+        import numpy as np
+
+        sound = np.frombuffer(samples, "<i2").astype(np.float32) / np.float32(32768)
+        return _spoken(beginning(self._encode(sound), len(sound)), len(sound))
 
     def _encode(self, sound: Any) -> Any:
         from rai_missions.voice.recognisers.mel import mel_features
@@ -220,6 +233,11 @@ def beginning(encoded: Any, samples: int) -> Any:
     steps = samples // SAMPLES_A_STEP + AFTER_STEPS
     steps += steps == BANDS  # by that number of steps the library would take it for features that are not encoded yet
     return np.ascontiguousarray(np.array(encoded)[:, :steps])
+
+
+def _spoken(encoded: Any, samples: int) -> Any:
+    """The states of an encoding that belong to a sound of so many samples."""
+    return encoded[0, : samples // SAMPLES_A_STEP + STEPS_AFTER]
 
 
 class PhraseTokens:
