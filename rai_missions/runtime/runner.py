@@ -87,21 +87,22 @@ class Runner(RunCommands):
             scheduler=scheduler, control=control, note=self.note,
         )  # fmt: skip
         super().__init__(scheduler, control, self._executor.handovers)
-        self._resumed = begin if isinstance(begin, Resumption) else None
-        self._chart = begin.chart if isinstance(begin, Resumption) else Chart(
-            mission, begin.ticker, terms=terms(robot) if robot is not None else None,
-            named=begin.named,
-        )  # fmt: skip
+        self._resumed: Resumption | None = None
+        self._moved_aside: str | None = None
+        self._decisions, mode_by = 0, ""
+        if isinstance(begin, Resumption):
+            self._resumed, self._chart, self._arguments = begin, begin.chart, begin.arguments
+            self._decisions, mode_by = begin.decisions, begin.mode_by
+        else:
+            of_robot = terms(robot) if robot is not None else None
+            self._chart = Chart(mission, begin.ticker, terms=of_robot, named=begin.named)
+            self._arguments = accepted(mission, begin.arguments, whole=not begin.waits)
+            self._moved_aside = begin.moved_aside
         self._waits = begin.waits and self._chart.unstarted
         self._beginning = threading.Lock()
         """Held from a command to start until the run takes it."""
-        is_new = isinstance(begin, NewRun)
-        self._arguments = accepted(mission, begin.arguments, whole=not self._waits) if is_new else begin.arguments
-        self._moved_aside = begin.moved_aside if isinstance(begin, NewRun) else None
-        self._decisions = begin.decisions if isinstance(begin, Resumption) else 0
         self._steps = self._chart.seq
         """The number of the last step that is in a row of its own in the journal, or would be."""
-        mode_by = begin.mode_by if isinstance(begin, Resumption) else ""
         self.view = RunView(self._chart, scheduler, control, self._executor, mode_by)
         """What others may read of it."""
         for each in (answerers or {}).values():
