@@ -7,6 +7,7 @@ import difflib
 import itertools
 from collections.abc import Iterator
 
+from rai_missions.check.finding import Found
 from rai_missions.check.index import MissionIndex, RobotUse, StateRef
 from rai_missions.check.pointers import pointer
 from rai_missions.errors import UsageError, suggestion
@@ -22,8 +23,6 @@ __all__ = (
     "misspelled_answerers", "unbounded_actions", "unbounded_calls", "unbounded_decisions", "unknown_tools",
     "unlisted_answerers", "unreachable_limits", "wrong_parameters",
 )  # fmt: skip
-
-Found = Iterator[tuple[str, str]]
 
 
 def unbounded_actions(index: MissionIndex) -> Found:

@@ -7,10 +7,11 @@ Such a transition fires as soon as its guard holds. Two facts end a cycle: a gua
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Iterator
+from collections.abc import Collection, Iterable
 from dataclasses import dataclass
 from typing import NamedTuple
 
+from rai_missions.check.finding import Found
 from rai_missions.check.index import MissionIndex, StateRef, TransitionRef
 from rai_missions.check.reachability import entered_with
 from rai_missions.check.scc import knots
@@ -21,7 +22,6 @@ from rai_missions.states.effects import Effect, Set
 
 __all__ = ("endless_cycles", "possible_cycles")
 
-Found = Iterator[tuple[str, str]]
 Truth = bool | None
 CROWD = 100
 """So many transitions are looked at that could come right after another."""

@@ -3,14 +3,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from typing import Any, Literal, NamedTuple, Self
 
 from rai_missions.errors import Fault, steps_of
 from rai_missions.model import MissionModel
 
-__all__ = ("Finding", "Severity", "document_order", "exit_status", "faults_of")
+__all__ = ("Finding", "Found", "Severity", "document_order", "exit_status", "faults_of")
 
+Found = Iterator[tuple[str, str]]
+"""What a rule finds: the place of each, a JSON pointer into the mission, and the sentence."""
 Severity = Literal["error", "warning"]
 """A mission with an error is not run; a warning is for the reader."""
 

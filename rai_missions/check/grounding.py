@@ -8,9 +8,10 @@ model counts as reported by no one.
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from typing import Any, NamedTuple
 
+from rai_missions.check.finding import Found
 from rai_missions.check.index import KeyWrite, MissionIndex
 from rai_missions.check.paths import key_of
 from rai_missions.states import Final
@@ -18,8 +19,6 @@ from rai_missions.states.effects import references
 from rai_missions.states.state import OUTCOMES
 
 __all__ = ("missing_requires", "origins", "unfounded_success")
-
-Found = Iterator[tuple[str, str]]
 
 
 class Origin(NamedTuple):

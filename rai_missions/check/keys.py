@@ -3,8 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-
+from rai_missions.check.finding import Found
 from rai_missions.check.index import KeyWrite, MissionIndex
 from rai_missions.check.name_table import Lexicon
 from rai_missions.check.paths import key_of, meaning, parameter_types
@@ -13,8 +12,6 @@ from rai_missions.states.effects import Raise
 from rai_missions.states.state import ANY_EVENT
 
 __all__ = ("forbidden_writes", "unknown_keys", "unknown_payload", "unused_events", "unused_keys", "unwritten_keys")
-
-Found = Iterator[tuple[str, str]]
 
 
 def unknown_keys(index: MissionIndex) -> Found:

@@ -3,8 +3,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 
+from rai_missions.check.finding import Found
 from rai_missions.check.index import MissionIndex
 from rai_missions.guards.guard import Guard, Site
 from rai_missions.states.tree import (
@@ -36,7 +37,6 @@ from rai_missions.states.tree import (
 
 __all__ = ("MOST_TIMES", "long_loops", "lost_fallbacks", "waitless_loops")
 
-Found = Iterator[tuple[str, str]]
 Ends = frozenset[str]
 """How a node may be after the tick that begins it: `success`, `failure`, `running` where it takes time; with `waits`
 where that depends on what may change: a key, the time, a state."""

@@ -8,6 +8,7 @@ import inspect
 from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
+from rai_missions.check.finding import Found
 from rai_missions.check.index import MissionIndex, StateRef
 from rai_missions.check.name_table import Lexicon
 from rai_missions.check.pointers import pointer
@@ -24,8 +25,6 @@ __all__ = (
     "unknown_predicates",
     "unknown_states",
 )
-
-Found = Iterator[tuple[str, str]]
 
 
 def duplicate_states(index: MissionIndex) -> Found:

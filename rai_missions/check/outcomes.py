@@ -4,9 +4,10 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from functools import cache
 
+from rai_missions.check.finding import Found
 from rai_missions.check.index import MissionIndex, StateRef, TransitionRef
 from rai_missions.check.pointers import pointer
 from rai_missions.check.reported_outcomes import ENDS, OutcomeReports, reported
@@ -20,7 +21,6 @@ __all__ = (
 
 FAILURES = ("failed", "timed_out", "rejected", "unverified", "unclear", "refused")
 """The outcomes that a state may have which end the mission where nothing handles them."""
-Found = Iterator[tuple[str, str]]
 
 
 def handled(index: MissionIndex) -> set[tuple[str, str]]:

@@ -5,14 +5,13 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 
+from rai_missions.check.finding import Found
 from rai_missions.check.index import MissionIndex, StateRef, TransitionRef
 from rai_missions.check.scc import knots
 from rai_missions.check.ways_out import WaysOut
 from rai_missions.states import Final, History, Parallel
 
 __all__ = ("dead_ends", "entered_with", "unreachable_states", "waiting_rooms")
-
-Found = Iterator[tuple[str, str]]
 
 
 class Reach:

@@ -8,6 +8,7 @@ from bisect import bisect_left, bisect_right
 from collections.abc import Container, Iterator, Sequence
 from typing import NamedTuple
 
+from rai_missions.check.finding import Found
 from rai_missions.check.index import MissionIndex, StateRef, TransitionRef
 from rai_missions.check.outcomes import together
 from rai_missions.guards.implication import ALWAYS, NEVER, Form, Junction, form, implies, never, roots
@@ -15,7 +16,6 @@ from rai_missions.states.state import ANY_EVENT
 
 __all__ = ("impossible_guards", "overlapping_transitions", "unwatched_holds")
 
-Found = Iterator[tuple[str, str]]
 NEAR = 64
 """So many earlier transitions of the same trigger are compared with; more of them make a long table, not a mistake."""
 WATCHED = ("invariants", "check", "eternal_guard")

@@ -9,13 +9,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from rai_missions.check.finding import Found
 from rai_missions.check.index import GuardUse, MissionIndex, StateRef, TransitionRef
 from rai_missions.guards import Guard
 from rai_missions.states import Final
 
 __all__ = ("blind_transitions",)
-
-Found = Iterator[tuple[str, str]]
 
 
 def blind_transitions(index: MissionIndex) -> Found:

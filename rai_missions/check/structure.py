@@ -3,8 +3,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 
+from rai_missions.check.finding import Found
 from rai_missions.check.index import MissionIndex, StateRef, TransitionRef
 from rai_missions.states import Compound, Each, Final, History, Parallel
 
@@ -17,8 +18,6 @@ __all__ = (
     "target_lists",
     "words_in_vain",
 )
-
-Found = Iterator[tuple[str, str]]
 
 
 def initial_outside(index: MissionIndex) -> Found:

@@ -5,14 +5,12 @@ from __future__ import annotations
 
 import itertools
 from bisect import bisect_left, bisect_right
-from collections.abc import Iterator
 
+from rai_missions.check.finding import Found
 from rai_missions.check.index import MissionIndex, StateRef, TransitionRef
 from rai_missions.states import Parallel
 
 __all__ = ("hasty_retries", "lost_timers", "rival_actions")
-
-Found = Iterator[tuple[str, str]]
 
 
 def lost_timers(index: MissionIndex) -> Found:

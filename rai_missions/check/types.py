@@ -3,8 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-
+from rai_missions.check.finding import Found
 from rai_missions.check.index import KeyWrite, MissionIndex, PathUse, Scope
 from rai_missions.check.paths import meaning
 from rai_missions.guards.compare import NUMBERS, comparable
@@ -14,8 +13,6 @@ from rai_missions.states.effects import references
 __all__ = (
     "mismatched_activities", "mismatched_comparisons", "mismatched_lists", "mismatched_poses", "mismatched_writes",
 )  # fmt: skip
-
-Found = Iterator[tuple[str, str]]
 
 
 def _kind(index: MissionIndex, path: str, scope: Scope) -> str | None:
