@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rai_missions.worlds.camera import Frame
-from rai_missions.worlds.options import check_detector_options
+from rai_missions.worlds.options import check_detector_options, is_down
 from rai_missions.worlds.perception.detections import Box2D, ObjectDetection
 
 __all__ = ("DetectorErrors", "OpenSetDetector", "Thing")
@@ -81,8 +81,7 @@ class OpenSetDetector:
         self._lookalikes, self._colours = lookalikes, frozenset(colours)
 
     def is_down(self, since_s: float) -> bool:
-        down = self._errors.down
-        return down is not None and down[0] <= since_s < down[1]
+        return is_down(self._errors.down, since_s)
 
     def detect(self, frame: Frame, moment_ms: int, names: Sequence[str], threshold: float) -> list[ObjectDetection]:
         """What of the names is in a picture, the highest score first.

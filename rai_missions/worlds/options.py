@@ -9,7 +9,7 @@ from typing import Any
 from rai_missions.errors import UsageError, suggestion
 from rai_missions.plain_data import is_number
 
-__all__ = ("check_detector_options", "check_names", "check_number", "check_numbers")
+__all__ = ("check_detector_options", "check_names", "check_number", "check_numbers", "is_down")
 
 
 def check_names(what: str, given: Iterable[Any], known: Collection[str], *, called: str = "field") -> None:
@@ -70,3 +70,8 @@ def check_detector_options(options: Mapping[str, Any], most: Mapping[str, float]
     down = options.get("down", (0, 0))
     if not (isinstance(down, list | tuple) and len(down) == 2 and down[0] <= down[1]):
         raise UsageError(f"detector: down takes when it begins and ends, as in [20, 60], not {down!r}")
+
+
+def is_down(down: tuple[float, float] | None, since_s: float) -> bool:
+    """Whether a detector is silent so long after the start; see `check_detector_options`."""
+    return down is not None and down[0] <= since_s < down[1]

@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 from rai_missions.worlds.desk.catalogue import lookalikes
 from rai_missions.worlds.desk.look import SeenBody
 from rai_missions.worlds.open_set_detector import Thing
-from rai_missions.worlds.options import check_detector_options
+from rai_missions.worlds.options import check_detector_options, is_down
 
 __all__ = ("MOST_ERRORS", "ClassifiedBody", "LookClassifier", "LookErrors")
 
@@ -67,8 +67,7 @@ class LookClassifier:
         }
 
     def is_down(self, since_s: float) -> bool:
-        down = self._errors.down
-        return down is not None and down[0] <= since_s < down[1]
+        return is_down(self._errors.down, since_s)
 
     def sightings(self, bodies: Iterable[SeenBody], number: int) -> list[ClassifiedBody]:
         """What the detector reports of a look's bodies.
