@@ -50,16 +50,7 @@ def run_mission(options: RunOptions) -> int:
     """Run a mission and print each step; returns the exit status."""
     options = normalise_voice_args(normalise_watch_args(options))
     is_python = is_robot_program(options.robot, python=not options.no_python)
-    if options.record:
-        from rai_missions.recording import check_name
-
-        check_name(Path(options.record))
-    if options.picture:
-        from visualize import check_ending
-
-        check_ending(options.picture)
-    words = ("mission", "robot", "guards", "journal", "record", "picture")
-    distinct({"MISSION" if word == "mission" else f"--{word}": getattr(options, word) for word in words})
+    _check_files(options)
     if options.managed:
         return _run_managed(options, is_python=is_python)
     _reject_beginning(options)  # ahead of a migration, which closes the run's journal
@@ -68,15 +59,7 @@ def run_mission(options: RunOptions) -> int:
     if options.migrate:
         options, program = migrated(options, named)
     mission = _mission(options)
-    source = options.mission or options.resume or ""
-    if faults := errors_of(mission, source, named=named or {}):
-        raise DefinitionError(faults, source)
-    needed = mission.needed_facts()
-    if needed and not options.robot and not options.resume:
-        raise UsageError(
-            f"the mission must receive {', '.join(needed)} from a robot; "
-            "give its profile, or its program in Python: --robot FILE"
-        )
+    _check_mission(mission, options, named)
     lines = _lines(mission, options)
     config = _single_run(options, mission, named, lines)
     if program is not None:
@@ -94,6 +77,33 @@ def run_mission(options: RunOptions) -> int:
         else:
             _report_end(lines, prepared, result, picture)
     return 0 if succeeded else 1
+
+
+def _check_files(options: RunOptions) -> None:
+    """Refuse names of files that cannot be written, or are the same."""
+    if options.record:
+        from rai_missions.recording import check_name
+
+        check_name(Path(options.record))
+    if options.picture:
+        from visualize import check_ending
+
+        check_ending(options.picture)
+    words = ("mission", "robot", "guards", "journal", "record", "picture")
+    distinct({"MISSION" if word == "mission" else f"--{word}": getattr(options, word) for word in words})
+
+
+def _check_mission(mission: Mission, options: RunOptions, named: Named | None) -> None:
+    """Refuse a mission that is at fault, or needs a robot where none is given."""
+    source = options.mission or options.resume or ""
+    if faults := errors_of(mission, source, named=named or {}):
+        raise DefinitionError(faults, source)
+    needed = mission.needed_facts()
+    if needed and not options.robot and not options.resume:
+        raise UsageError(
+            f"the mission must receive {', '.join(needed)} from a robot; "
+            "give its profile, or its program in Python: --robot FILE"
+        )
 
 
 def _drawn(mission: Mission, picture: str, result: Result) -> str:
